@@ -15,12 +15,13 @@ from __future__ import annotations
 
 import math
 import os
-from typing import Callable, Dict, List, Union
+from typing import Dict, Union
 
 import yaml
 
 from fleet_core.files.errors import FileError
 from fleet_core.files.fleet_keys import check_keys
+from fleet_core.files.strict_fields import named
 from fleet_core.fleet import DOCK_APPROACH, Fleet, Robot, RobotType
 from trajectory_graph import strict_yaml
 from trajectory_graph.strict_yaml import Field, WrongYaml
@@ -36,7 +37,7 @@ def load_fleet(path: Union[str, os.PathLike]) -> Fleet:
         fields = strict_yaml.mapping(root, 'the file')
         clearance = _length(strict_yaml.field(fields, 'clearance', root))
         approach = strict_yaml.optional(fields, 'dock_approach', _length, DOCK_APPROACH)
-        types = _named(strict_yaml.field(fields, 'robot_types', root), 'robot type', _robot_type)
+        types = named(strict_yaml.field(fields, 'robot_types', root), 'robot type', _robot_type)
         if not types:
             raise WrongYaml('robot_types is empty; describe at least one', fields['robot_types'])
 
@@ -49,7 +50,7 @@ def load_fleet(path: Union[str, os.PathLike]) -> Fleet:
                          strict_yaml.whole(strict_yaml.field(fields, 'vertex', node)),
                          strict_yaml.optional(fields, 'driver', strict_yaml.text, ''),
                          strict_yaml.optional(fields, 'absent', strict_yaml.truth, False))
-        robots = _named(strict_yaml.field(fields, 'robots', root), 'robot', robot)
+        robots = named(strict_yaml.field(fields, 'robots', root), 'robot', robot)
         return Fleet(tuple(types.values()), tuple(robots.values()), clearance, approach)
     except WrongYaml as wrong:
         raise FileError.of(path, wrong) from None
@@ -64,23 +65,6 @@ def _robot_type(name: str, node: yaml.Node, fields: Dict[str, yaml.Node]) -> Rob
         strict_yaml.optional(fields, 'play', _length, 0.0),
         strict_yaml.optional(fields, 'obeys_edge_speed', strict_yaml.truth, True),
         None if docks is None else frozenset(docks))
-
-
-def _named(field: Field, what: str, read: Callable) -> Dict:
-    """The elements of a list, by their names. Raises WrongYaml for a name that occurs twice."""
-    found: Dict = {}
-    lines: Dict[str, int] = {}
-    elements: List[yaml.Node] = strict_yaml.items(field)
-    for node in elements:
-        fields = strict_yaml.mapping(node, f'an entry of {field[0]}')
-        name = strict_yaml.text(strict_yaml.field(fields, 'name', node))
-        if not name.strip() or not name.isprintable():
-            raise WrongYaml(f'{what} {name!r} needs a name that can be read', fields['name'])
-        if name in found:
-            raise WrongYaml(f'{what} {name} occurs twice, first in line {lines[name]}', node)
-        found[name] = read(name, node, fields)
-        lines[name] = strict_yaml.line_of(node)
-    return found
 
 
 def _length(field: Field) -> float:

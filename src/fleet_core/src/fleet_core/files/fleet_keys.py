@@ -4,12 +4,12 @@ Without this check a misspelt `play` or `slack` would silently be 0.
 """
 from __future__ import annotations
 
-import difflib
 from dataclasses import fields
 from typing import Sequence
 
 import yaml
 
+from fleet_core.files.strict_fields import meant
 from fleet_core.supervision.settings import RobotSettings
 from trajectory_graph import strict_yaml
 from trajectory_graph.strict_yaml import WrongYaml
@@ -37,6 +37,5 @@ def _check(node: yaml.Node, what: str, known: Sequence[str]) -> None:
     for key in strict_yaml.mapping(node, what, known):
         if key not in (*known, *_IGNORED):
             line = next(name for name, _ in node.value if name.value == key)
-            near = difflib.get_close_matches(key, known, 1)
-            meant = f'did you mean {near[0]}?' if near else f'there are: {", ".join(known)}'
-            raise WrongYaml(f'{what} has a key {key!r} that no program reads; {meant}', line)
+            raise WrongYaml(f'{what} has a key {key!r} that no program reads; '
+                            f'{meant(key, known)}', line)

@@ -1,0 +1,335 @@
+"""The work file: stations, devices, templates of missions, and timetables of a site.
+
+    stations:
+    - {name: press, places: [18], queue: [20, 22], capacity: 1}
+    - {name: shelves, places: [39, 42], kind: group}
+    devices:
+    - {name: gate_north, kind: door, edges: [17, 18], driver: modbus, host: 10.0.0.40, open_coil: 3,
+       is_open: 11, timeout: 30}
+    templates:
+    - name: pallet
+      parameters: [from, to]
+      stops:
+      - {at: $from, kind: pickup, steps: [{type: engage, timeout: 60, load: takes}]}
+      - {at: $to, kind: dropoff, steps: [{type: disengage, timeout: 60, load: gives}]}
+      on_cancel:
+      - {if: loaded, at: 6, kind: dropoff, steps: [{type: disengage, timeout: 60, load: gives}]}
+    timetables:
+    - {template: pallet, arguments: {from: press, to: shelves}, every: 30 min, from: "06:00",
+       to: "18:00", days: mon-fri}
+
+`step_types` lists the types of steps that the actors of the site know; any other one is an error.
+"""
+from __future__ import annotations
+
+import math
+import os
+import re
+from functools import partial
+from typing import (
+    Callable,
+    Dict,
+    FrozenSet,
+    List,
+    Mapping,
+    Optional,
+    Sequence,
+    Set,
+    Tuple,
+    Union,
+)
+
+import yaml
+
+from fleet_core.files.errors import FileError
+from fleet_core.files.stops_file import STOP, STOP_ON_CANCEL, stop_of
+from fleet_core.files.strict_fields import (
+    Entry,
+    ReadEntry,
+    known_fields,
+    meant,
+    named,
+    optional_items,
+    word,
+)
+from fleet_core.work.devices import (
+    LAST_ADDRESS,
+    Device,
+    DeviceDriver,
+    DeviceKind,
+    ModbusAddress,
+)
+from fleet_core.work.site_work import SiteWork
+from fleet_core.work.stations import Station, StationKind, places_of
+from fleet_core.work.stops import LONGEST_TIMEOUT, WorkStep
+from fleet_core.work.templates import (
+    PARAMETER,
+    Template,
+    TemplateStop,
+    check_arguments,
+    filled,
+    parameters_in,
+)
+from fleet_core.work.timetables import DAY, WEEK, Timetable
+from trajectory_graph import Graph, strict_yaml
+from trajectory_graph.strict_yaml import Field, WrongYaml
+
+_FILE = ('step_types', 'stations', 'devices', 'templates', 'timetables')
+_STATION = ('name', 'places', 'queue', 'capacity', 'kind')
+_MODBUS = ('host', 'port', 'open_coil', 'is_open')
+_DEVICE = ('name', 'kind', 'edges', 'timeout', 'driver', *_MODBUS)
+_TEMPLATE = ('name', 'parameters', 'stops', 'on_cancel')
+_TIMETABLE = ('name', 'template', 'arguments', 'every', 'from', 'to', 'days', 'priority')
+_DAYS = ('mon', 'tue', 'wed', 'thu', 'fri', 'sat', 'sun')
+_MINUTES = {'min': 1, 'h': 60}
+_NAME = re.compile(r'[A-Za-z_]\w*', re.ASCII)
+
+
+def load_work(path: Union[str, os.PathLike], graph: Graph) -> SiteWork:
+    """What a file says about the work at the site of a graph. Raises FileError."""
+    try:
+        root = strict_yaml.compose(path)
+        fields = known_fields(root, 'the file', _FILE)
+        types = _step_types(fields)
+        stations = _stations(fields, graph)
+        devices = _entries(fields, 'devices', 'device', partial(_device, graph))
+        templates = _entries(fields, 'templates', 'template',
+                             partial(_template, stations, types, graph))
+        timetables = _entries(fields, 'timetables', 'timetable',
+                              partial(_timetable, templates, stations, graph), 'template')
+        return SiteWork(stations, devices, templates, timetables, types)
+    except WrongYaml as wrong:
+        raise FileError.of(path, wrong) from None
+
+
+def _entries(fields: Dict[str, yaml.Node], key: str, what: str, read: ReadEntry[Entry],
+             name_of: str = 'name') -> Dict[str, Entry]:
+    return named((key, fields[key]), what, read, name_of) if key in fields else {}
+
+
+def _texts(field: Field) -> Tuple[str, ...]:
+    return tuple(strict_yaml.listed(strict_yaml.text)(field))
+
+
+def _step_types(fields: Dict[str, yaml.Node]) -> FrozenSet[str]:
+    types = frozenset(strict_yaml.optional(fields, 'step_types', _texts, ()))
+    if 'step_types' in fields and not types:
+        raise WrongYaml('step_types is empty; leave it out if each type is right',
+                        fields['step_types'])
+    return types
+
+
+# -- stations -------------------------------------------------------------------------------------
+
+
+def _stations(fields: Dict[str, yaml.Node], graph: Graph) -> Dict[str, Station]:
+    owners: Dict[int, str] = {}
+
+    def station(name: str, node: yaml.Node, fields: Dict[str, yaml.Node]) -> Station:
+        known_fields(node, 'a station', _STATION)
+        places = _vertices(strict_yaml.field(fields, 'places', node), graph)
+        queue = _vertices(('queue', fields['queue']), graph) if 'queue' in fields else ()
+        for place in (*places, *queue):
+            if owners.get(place, name) != name or place in places and place in queue:
+                raise WrongYaml(f'vertex {place} belongs to station {owners.get(place, name)} '
+                                'already', node)
+        owners.update((place, name) for place in (*places, *queue))
+        kind = word(fields, 'kind', StationKind, StationKind.STATION)
+        capacity = strict_yaml.optional(fields, 'capacity', strict_yaml.whole,
+                                        len(places) if kind is StationKind.GROUP else 1)
+        if not 0 < capacity <= len(places):
+            raise WrongYaml(f'capacity of station {name} is {capacity}, but it has {len(places)} '
+                            f'{"place" if len(places) == 1 else "places"}: give a number from 1 to '
+                            f'{len(places)}', fields['capacity'])
+        return Station(name, places, queue, capacity, kind)
+    return _entries(fields, 'stations', 'station', station)
+
+
+def _vertices(field: Field, graph: Graph) -> Tuple[int, ...]:
+    found = _distinct(field, lambda text: places_of(text, {}, graph)[0])
+    if not found:
+        raise WrongYaml(f'{field[0]} is empty', field[1])
+    return found
+
+
+def _distinct(field: Field, read: Callable[[str], int]) -> Tuple[int, ...]:
+    """The numbers of a list. Raises WrongYaml also for one that occurs twice."""
+    found: List[int] = []
+    for node in strict_yaml.items(field):
+        try:
+            number = read(strict_yaml.text((f'an entry of {field[0]}', node)))
+        except ValueError as error:
+            raise WrongYaml(str(error), node) from None
+        if number in found:
+            raise WrongYaml(f'{number} occurs twice in {field[0]}', node)
+        found.append(number)
+    return tuple(found)
+
+
+# -- devices --------------------------------------------------------------------------------------
+
+
+def _device(graph: Graph, name: str, node: yaml.Node, fields: Dict[str, yaml.Node]) -> Device:
+    known_fields(node, 'a device', _DEVICE)
+    strict_yaml.require(fields, ('kind', 'edges', 'timeout', 'driver'), node)
+
+    def edge(text: str) -> int:
+        if not text.isdecimal() or int(text) not in graph.edges:
+            raise ValueError(f'the graph has no edge {text}')
+        return int(text)
+    edges = _distinct(('edges', fields['edges']), edge)
+    if not edges:
+        raise WrongYaml(f'device {name} has no edges', fields['edges'])
+    driver = word(fields, 'driver', DeviceDriver, DeviceDriver.SIMULATED)
+    return Device(name, word(fields, 'kind', DeviceKind, DeviceKind.DOOR), edges,
+                  _timeout(('timeout', fields['timeout'])), driver,
+                  _modbus(name, driver, node, fields))
+
+
+def _modbus(name: str, driver: DeviceDriver, node: yaml.Node, fields: Dict[str, yaml.Node],
+            ) -> Optional[ModbusAddress]:
+    if driver is not DeviceDriver.MODBUS:
+        for key in _MODBUS:
+            if key in fields:
+                raise WrongYaml(f'device {name} has {key}, but its driver is '
+                                f'{driver.name.lower()}', fields[key])
+        return None
+    strict_yaml.require(fields, ('host', 'open_coil', 'is_open'), node)
+    host = strict_yaml.text(('host', fields['host']))
+    if not host.strip() or not host.isprintable():
+        raise WrongYaml(f'host is {host!r}, but must be the name or address of a computer',
+                        fields['host'])
+    return ModbusAddress(host, _address(fields, 'open_coil', 0), _address(fields, 'is_open', 0),
+                         _address(fields, 'port', 1) if 'port' in fields else ModbusAddress.port)
+
+
+def _address(fields: Dict[str, yaml.Node], key: str, least: int) -> int:
+    value = strict_yaml.whole((key, fields[key]))
+    if not least <= value <= LAST_ADDRESS:
+        raise WrongYaml(f'{key} is {value}, but must be a number from {least} to {LAST_ADDRESS}',
+                        fields[key])
+    return value
+
+
+def _timeout(field: Field) -> float:
+    value = strict_yaml.real(field)
+    if not (math.isfinite(value) and 0.0 < value <= LONGEST_TIMEOUT):
+        raise WrongYaml(f'timeout is {value}, but must be above 0 and up to {LONGEST_TIMEOUT:.0f} '
+                        's', field[1])
+    return value
+
+
+# -- templates ------------------------------------------------------------------------------------
+
+
+def _template(stations: Mapping[str, Station], types: FrozenSet[str], graph: Graph, name: str,
+              node: yaml.Node, fields: Dict[str, yaml.Node]) -> Template:
+    known_fields(node, 'a template', _TEMPLATE)
+    if not _NAME.fullmatch(name):
+        raise WrongYaml(f'template {name!r} needs a name of letters, digits and _', node)
+    parameters = strict_yaml.optional(fields, 'parameters', _texts, ())
+    for one in parameters:
+        if not _NAME.fullmatch(one) or parameters.count(one) > 1:
+            raise WrongYaml(f'parameter {one!r} of template {name} needs a name of its own, of '
+                            'letters, digits and _', fields['parameters'])
+
+    def place(text: str) -> str:
+        if not text.startswith(PARAMETER):
+            places_of(text, stations, graph)
+        return text
+
+    def stop(node: yaml.Node, known: Sequence[str]) -> TemplateStop:
+        found = TemplateStop(*stop_of(node, known, place))
+        for used in parameters_in(found):
+            if used not in parameters:
+                raise WrongYaml(f'template {name} has no parameter {used!r}; '
+                                f'{meant(used, parameters)}', node)
+        for step in found.steps:
+            _check_step(step, types, node)
+        return found
+    template = Template(
+        name, parameters,
+        tuple(stop(one, STOP)
+              for one in strict_yaml.items(strict_yaml.field(fields, 'stops', node))),
+        tuple(stop(one, STOP_ON_CANCEL) for one in optional_items(fields, 'on_cancel')))
+    if not template.stops:
+        raise WrongYaml(f'template {name} has no stops', fields['stops'])
+    used = {one for stop in (*template.stops, *template.on_cancel) for one in parameters_in(stop)}
+    for one in parameters:
+        if one not in used:
+            raise WrongYaml(f'parameter {one!r} of template {name} is used nowhere',
+                            fields['parameters'])
+    return template
+
+
+def _check_step(step: WorkStep, types: FrozenSet[str], node: yaml.Node) -> None:
+    """Raises WrongYaml for a type that the site does not have."""
+    if types and step.type not in types:
+        raise WrongYaml(f'there is no step type {step.type!r}; {meant(step.type, sorted(types))}',
+                        node)
+
+
+# -- timetables -----------------------------------------------------------------------------------
+
+
+def _timetable(templates: Mapping[str, Template], stations: Mapping[str, Station], graph: Graph,
+               name: str, node: yaml.Node, fields: Dict[str, yaml.Node]) -> Timetable:
+    known_fields(node, 'a timetable', _TIMETABLE)
+    template = strict_yaml.text(strict_yaml.field(fields, 'template', node))
+    if template not in templates:
+        raise WrongYaml(f'timetable {name}: there is no template {template!r}; '
+                        f'{meant(template, templates)}', fields['template'])
+    arguments = _arguments(fields)
+    try:
+        check_arguments(templates[template], [one for one, _ in arguments])
+        for stops in (templates[template].stops, templates[template].on_cancel):
+            filled(stops, dict(arguments), lambda text: places_of(text, stations, graph)[0])
+    except ValueError as error:
+        raise WrongYaml(f'timetable {name}: {error}', fields.get('arguments', node)) from None
+    begin = strict_yaml.optional(fields, 'from', _time_of_day, 0)
+    end = strict_yaml.optional(fields, 'to', _time_of_day, DAY - 1)
+    return Timetable(name, template, _period(strict_yaml.field(fields, 'every', node)), arguments,
+                     begin, end if end >= begin else end + DAY,
+                     strict_yaml.optional(fields, 'days', _days, WEEK),
+                     strict_yaml.optional(fields, 'priority', strict_yaml.whole, 0))
+
+
+def _arguments(fields: Dict[str, yaml.Node]) -> Tuple[Tuple[str, str], ...]:
+    if 'arguments' not in fields:
+        return ()
+    return tuple((name, strict_yaml.text((name, node)))
+                 for name, node in strict_yaml.mapping(fields['arguments'], 'arguments').items())
+
+
+def _period(field: Field) -> int:
+    """Minutes, from `30 min` or `2 h`."""
+    text = strict_yaml.text(field)
+    found = re.fullmatch(r'(\d{1,4}) ?(min|h)', text, re.ASCII)
+    minutes = int(found[1]) * _MINUTES[found[2]] if found else 0
+    if not 0 < minutes <= DAY:
+        raise WrongYaml(f'{field[0]} is {text!r}, but must be a time from 1 min to 24 h, such as '
+                        '30 min', field[1])
+    return minutes
+
+
+def _time_of_day(field: Field) -> int:
+    """Minutes since midnight, from `06:00`."""
+    text = strict_yaml.text(field)
+    found = re.fullmatch(r'(\d{1,2}):(\d{2})', text, re.ASCII)
+    if not found or int(found[1]) > 23 or int(found[2]) > 59:
+        raise WrongYaml(f'{field[0]} is {text!r}, but must be a time of day, such as "06:00"',
+                        field[1])
+    return 60 * int(found[1]) + int(found[2])
+
+
+def _days(field: Field) -> FrozenSet[int]:
+    """Days of the week, from `mon-fri` or `mon, wed, fri`; 0 is Monday."""
+    found: Set[int] = set()
+    for part in strict_yaml.text(field).split(','):
+        ends = [_DAYS.index(day) if day in _DAYS else None for day in part.strip().split('-')]
+        first, last = ends[0], ends[-1]
+        if len(ends) > 2 or first is None or last is None:
+            raise WrongYaml(f'days has {part.strip()!r}, but must be days such as mon-fri, or '
+                            f'mon, wed; the days are: {", ".join(_DAYS)}', field[1])
+        found.update((first + k) % 7 for k in range((last - first) % 7 + 1))
+    return frozenset(found)

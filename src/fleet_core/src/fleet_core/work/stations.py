@@ -1,0 +1,80 @@
+"""Stations, and the places that a word names."""
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import Enum
+from typing import Mapping, Tuple
+
+from trajectory_graph import Graph
+
+
+class StationKind(Enum):
+    """What the places of a station are to each other."""
+
+    STATION = 'station'   # a mission says to which of them it goes
+    GROUP = 'group'       # equal: the fleet manager chooses one of them
+
+
+@dataclass(frozen=True)
+class Station:
+    """Places at which robots work.
+
+    places   -- vertices
+    queue    -- vertices at which robots wait for it, the first one nearest to it
+    capacity -- number of robots that may be at its places
+    """
+
+    name: str
+    places: Tuple[int, ...]
+    queue: Tuple[int, ...] = ()
+    capacity: int = 1
+    kind: StationKind = StationKind.STATION
+
+
+class UnknownPlace(ValueError):
+    """A word that names no place, or more than one. The text is a clause that says what to do."""
+
+
+def labelled(label: str, graph: Graph) -> int:
+    """The only vertex with this label. Raises UnknownPlace."""
+    found = _with_label(label, graph)
+    if not found:
+        raise UnknownPlace(f'no vertex has the label {label!r}; give the id of a vertex')
+    return _only(label, found)
+
+
+def places_of(word: str, stations: Mapping[str, Station], graph: Graph) -> Tuple[int, ...]:
+    """The places that a word names: one vertex, or the equal ones of a group.
+
+    The word is the name of a station, the id of a vertex, or a label that only one vertex has. The
+    name of a station goes before a label. Raises UnknownPlace.
+    """
+    if word in stations:
+        return _places_at(stations[word])
+    if word.isdecimal():
+        if int(word) not in graph.vertices:
+            raise UnknownPlace(f'the graph has no vertex {word}')
+        return (int(word),)
+    found = _with_label(word, graph)
+    if not found:
+        raise UnknownPlace(f'no station and no vertex is named {word!r}; the stations are: '
+                           f'{", ".join(stations) or "none"}')
+    return (_only(word, found),)
+
+
+def _places_at(station: Station) -> Tuple[int, ...]:
+    if len(station.places) > 1 and station.kind is not StationKind.GROUP:
+        raise UnknownPlace(f'station {station.name} is no group; give one of its places: '
+                           f'{", ".join(map(str, station.places))}')
+    return station.places
+
+
+def _with_label(label: str, graph: Graph) -> Tuple[int, ...]:
+    return tuple(vertex.id for vertex in graph.vertices.values() if vertex.label == label)
+
+
+def _only(label: str, found: Tuple[int, ...]) -> int:
+    if len(found) > 1:
+        raise UnknownPlace(f'vertices {", ".join(map(str, found))} have the label {label!r}; give '
+                           'the id of one')
+    return found[0]

@@ -1,0 +1,141 @@
+"""The work file is read strictly: what is wrong is refused in one sentence with its line."""
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from fleet_builders import corridor
+
+from fleet_core.files.errors import FileError
+from fleet_core.files.work_file import load_work
+from fleet_core.work.devices import Device, DeviceDriver, DeviceKind, ModbusAddress
+from fleet_core.work.site_work import SiteWork
+from fleet_core.work.stations import Station, StationKind
+from fleet_core.work.stops import (
+    Condition,
+    LoadEffect,
+    StopKind,
+    WorkStep,
+    WorkStop,
+)
+from fleet_core.work.templates import filled
+from fleet_core.work.timetables import Timetable
+
+FILE = '''step_types: [engage, disengage]
+stations:
+- {name: press, places: [3], queue: [2, 1]}
+- {name: shelves, places: [5, 6], kind: group}
+- {name: table, places: [7, 8]}
+devices:
+- {name: gate, kind: door, edges: [2, 3], driver: modbus, host: 10.0.0.40, \
+open_coil: 3, is_open: 11, timeout: 30}
+- {name: lamp, kind: light, edges: [4], driver: simulated, timeout: 5}
+templates:
+- name: pallet
+  parameters: [from, to, cart]
+  stops:
+  - {at: $from, kind: pickup, steps: [{type: engage, timeout: 60, load: takes, \
+parameters: {cart: $cart}}]}
+  - {at: $to, kind: dropoff, steps: [{type: disengage, timeout: 60, load: gives}]}
+  on_cancel:
+  - {if: loaded, at: 4, kind: dropoff, steps: [{type: disengage, timeout: 60, load: gives}]}
+timetables:
+- {template: pallet, arguments: {from: press, to: shelves, cart: a}, every: 30 min, \
+from: "06:00", to: 18:00, days: mon-fri}
+- {name: night, template: pallet, arguments: {from: 7, to: 8, cart: b}, every: 2 h, \
+from: "22:00", to: "04:00", days: 'fri-mon, wed', priority: 2}
+'''
+
+
+def read(tmp_path: Path, text: str) -> SiteWork:
+    path = tmp_path / 'work.yaml'
+    path.write_text(text)
+    return load_work(path, corridor(9))
+
+
+def test_a_file_gives_all_values(tmp_path):
+    found = read(tmp_path, FILE)
+    assert found.stations == {
+        'press': Station('press', (3,), (2, 1), 1),
+        'shelves': Station('shelves', (5, 6), (), 2, StationKind.GROUP),
+        'table': Station('table', (7, 8), (), 1)}
+    assert found.devices == {
+        'gate': Device('gate', DeviceKind.DOOR, (2, 3), 30.0, DeviceDriver.MODBUS,
+                       ModbusAddress('10.0.0.40', 3, 11)),
+        'lamp': Device('lamp', DeviceKind.LIGHT, (4,), 5.0)}
+    arguments = (('from', 'press'), ('to', 'shelves'), ('cart', 'a'))
+    assert found.timetables == {
+        'pallet': Timetable('pallet', 'pallet', 30, arguments, 360, 1080, frozenset(range(5))),
+        'night': Timetable('night', 'pallet', 120, (('from', '7'), ('to', '8'), ('cart', 'b')),
+                           22 * 60, 28 * 60, frozenset({0, 2, 4, 5, 6}), 2)}
+    assert found.templates['pallet'].parameters == ('from', 'to', 'cart')
+
+
+def test_a_template_is_filled_with_arguments(tmp_path):
+    template = read(tmp_path, FILE).templates['pallet']
+    arguments = {'from': 'press', 'to': '7', 'cart': 'a'}
+    places = {'press': 3, '7': 7, '4': 4}
+    assert filled(template.stops, arguments, places.__getitem__) == (
+        WorkStop(3, StopKind.PICKUP, (
+            WorkStep('engage', 60.0, (('cart', 'a'),), load=LoadEffect.TAKES),)),
+        WorkStop(7, StopKind.DROPOFF, (WorkStep('disengage', 60.0, load=LoadEffect.GIVES),)))
+    on_cancel, = filled(template.on_cancel, arguments, places.__getitem__)
+    assert (on_cancel.place, on_cancel.condition) == (4, Condition.LOADED)
+
+
+@pytest.mark.parametrize('text', ['stations: []', 'templates: []\ntimetables: []', '{}'])
+def test_each_part_may_be_missing_or_empty(tmp_path, text):
+    assert read(tmp_path, text) == SiteWork()
+
+
+@pytest.mark.parametrize('right, wrong, line, told', [
+    # what the issue lists
+    ('type: engage', 'type: engaeg', 13, "no step type 'engaeg'; did you mean engage?"),
+    ('at: $from', 'at: pres', 13, "no station and no vertex is named 'pres'"),
+    ('at: 4', 'at: 99', 16, 'the graph has no vertex 99'),
+    ('edges: [4]', 'edges: [44]', 8, 'the graph has no edge 44'),
+    ('at: $from', 'at: $form', 13, "no parameter 'form'; did you mean from?"),
+    ('cart: $cart', 'cart: $crt', 13, "no parameter 'crt'; did you mean cart?"),
+    ('{type: engage, timeout: 60,', '{type: engage,', 13, 'timeout is missing'),
+    (', timeout: 30', '', 7, 'timeout is missing'),
+    ('kind: group', 'kind: group, capacity: 3', 4,
+     'capacity of station shelves is 3, but it has 2 places'),
+    ('queue: [2, 1]', 'capacity: 2', 3, 'it has 1 place'),
+    ('name: lamp', 'name: gate', 8, 'device gate occurs twice, first in line 7'),
+    # stations
+    ('places: [7, 8]', 'places: [7, 3]', 5, 'vertex 3 belongs to station press already'),
+    ('queue: [2, 1]', 'queue: [2, 3]', 3, 'vertex 3 belongs to station press already'),
+    ('queue: [2, 1]', 'queue: [2, 2]', 3, '2 occurs twice in queue'),
+    ('places: [7, 8]', 'places: []', 5, 'places is empty'),
+    ('at: $from', 'at: table', 13, 'station table is no group; give one of its places: 7, 8'),
+    # devices
+    ('driver: modbus', 'driver: mobdus', 7, "driver is 'mobdus'; did you mean modbus?"),
+    ('driver: modbus', 'driver: simulated', 7, 'has host, but its driver is simulated'),
+    ('open_coil: 3, ', '', 7, 'open_coil is missing'),
+    ('is_open: 11', 'is_open: 65536', 7, 'must be a number from 0 to 65535'),
+    ('timeout: 5}', 'timeout: .inf}', 8, 'must be above 0'),
+    ('edges: [4]', 'edges: []', 8, 'device lamp has no edges'),
+    # templates
+    ('parameters: [from, to, cart]', 'parameters: [from, to, cart, gone]', 11,
+     "'gone' of template pallet is used nowhere"),
+    ('parameters: [from, to, cart]', 'parameters: [from, to, cart, to]', 11,
+     "parameter 'to' of template pallet needs a name of its own"),
+    ('- name: pallet', '- name: pal let', 10, 'needs a name of letters'),
+    # timetables
+    ('{template: pallet', '{template: palet', 18, "no template 'palet'; did you mean pallet?"),
+    ('cart: a}', 'cart: a, x: b}', 18,
+     "'x' is no parameter: template pallet has the parameters from, to, cart"),
+    (', cart: a}', '}', 18, "'cart' is not given"),
+    ('from: press, to', 'from: pres, to', 18, "no station and no vertex is named 'pres'"),
+    ('every: 30 min', 'every: 30', 18, "every is '30', but must be a time from 1 min to 24 h"),
+    ('every: 30 min', 'every: 0 min', 18, 'must be a time from 1 min'),
+    ('"06:00"', '"24:00"', 18, 'must be a time of day'),
+    ('days: mon-fri', 'days: mon-frei', 18, "days has 'mon-frei'"),
+    ('{name: night, ', '{', 19, 'timetable pallet occurs twice, first in line 18'),
+    ('timetables:', 'timetable:', 18, "unknown key 'timetable'; did you mean timetables?")])
+def test_what_is_wrong_is_refused_with_its_line(tmp_path, right, wrong, line, told):
+    assert FILE.count(right) >= 1
+    with pytest.raises(FileError) as error:
+        read(tmp_path, FILE.replace(right, wrong, 1))
+    assert told in str(error.value) and error.value.line == line
+    assert str(error.value).count('\n') == 0
