@@ -45,7 +45,8 @@ LAYERS: Dict[str, Layer] = {
     'omron_arcl': layer('browser_guard', sockets='connection transport client listener'),
     'node_program': layer(),
     'xmlrpc_guard': layer('browser_guard', ros=True),
-    'node_lifecycle': layer('node_program xmlrpc_guard', ros=True, sockets='*'),
+    'node_lifecycle': layer(
+        'file_replacement node_program xmlrpc_guard', ros=True, sockets='*'),
     'node_host': layer('node_program', ros=True, sockets='*'),
     'graph_topic': layer('node_lifecycle trajectory_graph', ros=True),
     'rviz_drawing': layer('node_lifecycle trajectory_graph', ros=True),
@@ -116,7 +117,7 @@ LAYERS: Dict[str, Layer] = {
         'omron_arcl omron_ld90 omron_map_converter route_protocol trajectory_graph'),
     'omron_ld90.operator': layer('omron_arcl omron_ld90 omron_map route_protocol'),
     'omron_ld90.nodes': layer(
-        'file_replacement fleet_requests graph_topic json_records node_lifecycle omron_arcl '
+        'fleet_requests graph_topic json_records node_lifecycle omron_arcl '
         'omron_ld90 omron_ld90.bridge omron_ld90.operator omron_map omron_map_converter '
         'route_protocol rviz_drawing trajectory_graph', ros=True),
     'omron_ld90_sim': layer('omron_ld90_sim.interface'),
