@@ -57,7 +57,7 @@ LAYERS: Dict[str, Layer] = {
     'fleet_core.planning': layer('fleet_core fleet_core.geometry trajectory_graph'),
     'fleet_core.interlocking': layer(
         'fleet_core fleet_core.geometry route_protocol trajectory_graph'),
-    'fleet_core.work': layer('route_protocol'),
+    'fleet_core.work': layer('route_protocol trajectory_graph'),
     'fleet_core.supervision': layer(
         'fleet_core fleet_core.geometry fleet_core.interlocking fleet_core.planning '
         'fleet_core.work file_replacement json_records route_protocol trajectory_graph'),
