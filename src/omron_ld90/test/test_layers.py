@@ -102,6 +102,14 @@ LAYERS: Dict[str, Layer] = {
     'fleet_services': layer(
         'fleet_bringup fleet_core.files fleet_core.supervision trajectory_graph', ros=True),
     'fleet_services.nodes': layer('fleet_services node_lifecycle', ros=True, sockets='*'),
+    'fleet_devices': layer(),
+    'fleet_devices.core': layer('route_protocol'),
+    'fleet_devices.drivers': layer('fleet_core.work fleet_devices.core'),
+    'fleet_devices.commands': layer(
+        'graph_fleet_manager.commands route_protocol', ros=True),
+    'fleet_devices.nodes': layer(
+        'fleet_core.files fleet_core.work fleet_devices.core fleet_devices.drivers json_records '
+        'node_lifecycle omron_arcl route_protocol trajectory_graph', ros=True),
     # graphs
     'graph_editor': layer('file_replacement graph_editor.checking graph_editor.making omron_map '
                           'trajectory_graph'),
