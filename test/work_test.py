@@ -68,6 +68,17 @@ class WorkTest(unittest.TestCase):
         self.assertEqual(0, self.command('mission', 'answer', '1', 'done')[0])
         self.status(1, MissionStatus.SUCCEEDED)
 
+    def test_a_mission_is_sent_by_the_name_of_a_template(self) -> None:
+        self.assertIn('pallet', self.command('mission', 'templates')[1])
+        status, said = self.command('mission', 'run', 'pallet', 'from:=press', 'to:=39', '--id',
+                                    '5', '--wait')
+        self.assertEqual((0, True), (status, 'Mission 5 has succeeded' in said), said)
+        self.assertEqual(['press', '39'], [one.value for one in self.status(
+            5, MissionStatus.SUCCEEDED).arguments])
+        status, said = self.command('mission', 'run', 'pallet', 'from:=press', 'too:=39')
+        self.assertEqual(2, status)
+        self.assertIn("'too' is no parameter: template pallet has the parameters from, to", said)
+
     def test_a_person_answers_a_step_of_unknown_outcome_after_a_restart(self) -> None:
         for robot in ('agv_1', 'agv_2'):
             self.simulators.fault(robot, 'step_unknown')

@@ -34,7 +34,7 @@ export async function loadHistory() {
 }
 
 function showTables(values) {
-  const states = ['SUCCEEDED', 'FAILED', 'CANCELLED'];
+  const states = ['SUCCEEDED', 'FAILED', 'CANCELLED', 'EXPIRED'];
   const busy = values.hours.filter(hour => states.some(state => hour[state]));
   showTable($('hours_table'), [t('hour'), ...states.map(state => t(`mission_${state}`))],
     busy.map(hour => [dateOf(hour.begin), ...states.map(state => hour[state])]));
@@ -59,7 +59,8 @@ function drawCharts(Chart, values) {
   bars('hours_chart', values.hours.map(hour => new Date(hour.begin * 1000).getHours()), [
     { label: t('mission_SUCCEEDED'), data: values.hours.map(hour => hour.SUCCEEDED), backgroundColor: '#2f8f4e', stack: 'a' },
     { label: t('mission_FAILED'), data: values.hours.map(hour => hour.FAILED), backgroundColor: '#c0392b', stack: 'a' },
-    { label: t('mission_CANCELLED'), data: values.hours.map(hour => hour.CANCELLED), backgroundColor: '#8a8f98', stack: 'a' }], t('missions_per_hour'));
+    { label: t('mission_CANCELLED'), data: values.hours.map(hour => hour.CANCELLED), backgroundColor: '#8a8f98', stack: 'a' },
+    { label: t('mission_EXPIRED'), data: values.hours.map(hour => hour.EXPIRED), backgroundColor: '#d08a1d', stack: 'a' }], t('missions_per_hour'));
   bars('robots_chart', values.robots.map(one => one.robot), [
     { label: t('utilisation_percent'), data: values.robots.map(one => Math.round(100 * one.utilisation)), backgroundColor: '#2a6fdb' }], t('per_robot'));
 }

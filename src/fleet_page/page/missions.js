@@ -4,7 +4,7 @@ import { entries, all } from './server.js';
 import { t, duration, said } from './texts.js';
 import { knowsVertex, showChosen, vertexName } from './map.js';
 
-const OPEN = ['PENDING', 'ACTIVE', 'PAUSED', 'CANCELLING', 'NEEDS_PERSON', 'BLOCKED'];
+const OPEN = ['PENDING', 'ACTIVE', 'PAUSED', 'CANCELLING', 'NEEDS_PERSON', 'BLOCKED', 'PLANNED'];
 let chosen = []; // {vertex, stay}
 let editing = null, form = null, act = null, me = { role: 'see' };
 
@@ -101,9 +101,9 @@ function use(favourite) {
 function missionRow(mission) {
   const isOpen = OPEN.includes(mission.state);
   const way = (mission.destinations || []).map((vertex, k) => k < mission.reached ? `✓${vertex}` : k === mission.reached && isOpen ? `▶${vertexName(vertex)}` : String(vertex)).join(' → ');
-  const words = [mission.robot || mission.wanted_robot || mission.robot_type || t('any'), way,
+  const words = [mission.template || '', mission.robot || mission.wanted_robot || mission.robot_type || t('any'), way, mission.alarm ? t(`deadline_${mission.alarm}`) : '',
     mission.left ? t('to_go', { time: mission.left }) : '', mission.priority ? `${t('priority')} ${mission.priority}` : '', mission.by ? t('by', { person: mission.by }) : ''].filter(Boolean).join(' · ');
-  const row = make('li', {}, make('span', { class: ['FAILED', 'REFUSED', 'NEEDS_PERSON'].includes(mission.state) ? 'state bad' : 'state' }, t(mission.stands ? 'mission_STANDS' : `mission_${mission.state}`)), ` ${mission.id} · ${words}`,
+  const row = make('li', {}, make('span', { class: ['FAILED', 'REFUSED', 'NEEDS_PERSON', 'EXPIRED'].includes(mission.state) ? 'state bad' : 'state' }, t(mission.stands ? 'mission_STANDS' : `mission_${mission.state}`)), ` ${mission.id} · ${words}`,
     mission.reason ? make('p', { class: 'soft' }, said(mission.reason)) : '');
   if (isOpen && me.role !== 'see') {
     const button = (name, kind) => make('button', { 'data-act': kind, onclick: () => act({ act: kind, mission: mission.id }) }, t(name));

@@ -10,7 +10,7 @@ from page_builders import PAGE_FOLDER
 from fleet_core.supervision.fleet_view import RobotState
 from fleet_core.supervision.outages import Outage
 from fleet_page.core.acts import ActKind
-from fleet_page.core.fleet import MISSION_STATES, ROBOT_STATES
+from fleet_page.core.fleet import ALARMS, MISSION_STATES, ROBOT_STATES
 
 SOURCES = {path.name: path.read_text() for path in PAGE_FOLDER.iterdir()
            if path.suffix in ('.js', '.html', '.css')}
@@ -26,6 +26,7 @@ def used_keys():
     found |= {f'act_{kind.value}' for kind in ActKind}
     found |= {f'robot_{state}' for state in ROBOT_STATES}
     found |= {f'mission_{state}' for state in MISSION_STATES}
+    found |= {f'deadline_{state}' for state in ALARMS}
     tabs = re.search(r'TABS = \[(.*?)\]', SOURCES['main.js']).group(1)
     found |= {f'tab_{name}' for name in re.findall(r"'(\w+)'", tabs)}
     needs = re.search(r'NEEDS_PERSON = \[(.*?)\]', SOURCES['main.js']).group(1)

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from page_builders import graph, page, show_fleet
+from page_builders import graph, page, show_fleet, status
 
 from fleet_page.core.fleet import Plan
 from fleet_page.core.latencies import Histogram, ReleaseWatch
@@ -51,9 +51,12 @@ def test_the_metrics_count_robots_missions_and_latencies(tmp_path):
     shown = page(str(tmp_path))
     show_fleet(shown)
     shown.planner.add(0.3)
+    shown.model.take_status(status(9, 'PLANNED', deadline='AT_RISK'))
     text = shown.metrics(2)
     for line in ('fleet_manager_up 1', 'fleet_robots{state="BUSY"} 1',
-                 'fleet_missions{state="PENDING"} 1', 'fleet_robot_battery_ratio{robot="a"} 0.75',
+                 'fleet_missions{state="PENDING"} 1', 'fleet_missions{state="PLANNED"} 1',
+                 'fleet_mission_deadlines{state="AT_RISK"} 1',
+                 'fleet_robot_battery_ratio{robot="a"} 0.75',
                  'fleet_missions_ended_total{state="SUCCEEDED"} 1',
                  'fleet_planner_seconds_bucket{le="0.5"} 1', 'fleet_planner_seconds_count 1',
                  'fleet_page_clients 2'):

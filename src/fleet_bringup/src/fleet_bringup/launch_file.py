@@ -90,6 +90,7 @@ def _manager(root: ET.Element, entries: Sequence[Entry], site: Site, options: Op
         _include(root, 'graph_fleet_manager', 'fleet_manager', {
             'graph_file': site.graph_file, 'fleet_file': files['fleet'],
             'sim_speed': options.sim_speed, 'hosted': _xml(options.hosted), **_memory(files),
+            **({'work_file': options.work_file} if options.work_file else {}),
             **({'multimaster': 'true'} if any(entry.computer for entry in entries) else {})})
     if options.demo:
         _node(root, 'random_missions', 'graph_fleet_manager', 'random_missions', {},

@@ -19,6 +19,7 @@ class Options:
 
     fleet: str = _option('', 'N: N simulated LD-90s and N simulated AGVs; FILE: a fleet file')
     graph_file: str = _option('', 'trajectory graph (YAML); empty: the laboratory')
+    work_file: str = _option('', 'work file (YAML): stations, devices, templates, timetables')
     base_map: str = _option('', '.map file from which, with the graph, the LD-90s\' map is made')
     map_file: str = _option('', 'instead of base_map: finished .map file, with a goal per vertex')
     longest_edge: float = _option(0.0, 'm; longer edges are divided into sections; 0: no edge is')

@@ -153,7 +153,7 @@ def test_each_part_may_be_missing_or_empty(tmp_path, text):
     ('from: press, to', 'from: pres, to', 18, "no station and no vertex is named 'pres'"),
     ('every: 30 min', 'every: 30', 18, "every is '30', but must be a time from 1 min to 24 h"),
     ('every: 30 min', 'every: 0 min', 18, 'must be a time from 1 min'),
-    ('"06:00"', '"24:00"', 18, 'must be a time of day'),
+    ('"06:00"', '"24:00"', 18, 'is no time of day'),
     ('days: mon-fri', 'days: mon-frei', 18, "days has 'mon-frei'"),
     ('{name: night, ', '{', 19, 'timetable pallet occurs twice, first in line 18'),
     ('timetables:', 'timetable:', 18, "unknown key 'timetable'; did you mean timetables?")])

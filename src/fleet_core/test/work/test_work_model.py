@@ -59,6 +59,14 @@ BOUNDS = {
         (Stop(10, steps=(NONE,)), Stop(20, steps=(step('h'),))), driver=0, timeout=0, words=KNOWN),
     'a robot that is moved': Bounds((Stop(10, steps=(step('a'),)),), moved=1, cancel=0, driver=0,
                                     words=KNOWN),
+    'other stops': Bounds(
+        (Stop(10, steps=(step('e', when=When.BEFORE_ENTRY),)), Stop(20, steps=(step('h'),))),
+        others=(Stop(30, steps=(step('o'),)),), changed=1, cancel=0, driver=0, timeout=0,
+        words=KNOWN),
+    'a load that goes elsewhere': Bounds(
+        (Stop(10, steps=(TAKE,)), Stop(20, steps=(GIVE,))),
+        others=(Stop(30, steps=(step('away', load=LoadEffect.GIVES),)),), changed=1, driver=0,
+        timeout=0, words=KNOWN),
     'a person': Bounds((Stop(10, steps=(step('p', actor=Actor.PERSON),)),), manager=0),
 }
 if LONG:
@@ -110,6 +118,8 @@ def _load_stays(situation, place, key, run, now):
 
 _OBEY, _BEGIN = ActorState.obey, rules.begin
 GUARDS = {
+    'a stop that has begun is not replaced': (
+        rules, 'has_begun', lambda stop: False, 'other stops'),
     'a key is taken once': (
         ActorState, 'obey', _takes_old_keys, 'a step'),
     'a command of an earlier run is ignored': (

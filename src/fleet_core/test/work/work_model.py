@@ -67,14 +67,16 @@ class State(NamedTuple):
         return [step for step, body in self.bodies if body.key]
 
 
-LIMITS = ('manager', 'driver', 'timeout', 'cancel', 'moved')
+LIMITS = ('manager', 'driver', 'timeout', 'cancel', 'moved', 'changed')
 
 
 @dataclass(frozen=True)
 class Bounds:
-    """How often the manager and the driver restart, a time is over, a person cancels or moves.
+    """How often the manager and the driver restart, a time is over, a person cancels, moves the
+    robot, or gives the mission other stops.
 
-    keys -- how many orders of steps there may be
+    others -- those other stops
+    keys   -- how many orders of steps there may be
     """
 
     stops: Tuple[WorkStop, ...]
@@ -84,13 +86,16 @@ class Bounds:
     timeout: int = 1
     cancel: int = 1
     moved: int = 0
+    others: Tuple[WorkStop, ...] = ()
+    changed: int = 0
     keys: int = 2
     words: Tuple[Word, ...] = (Word.DONE, Word.FAILED, Word.UNKNOWN)
     sends_unstored: bool = False
 
     @property
     def steps(self) -> Dict[str, WorkStep]:
-        return {step.type: step for stop in (*self.stops, *self.on_cancel) for step in stop.steps}
+        return {step.type: step
+                for stop in (*self.stops, *self.on_cancel, *self.others) for step in stop.steps}
 
     @property
     def begin(self) -> State:
@@ -362,6 +367,10 @@ def _limited(state: State, bounds: Bounds) -> Iterator[Tuple[str, State]]:
                 yield once('timeout', state._replace(memory=after))
     if left['cancel']:
         yield once('cancel', state._replace(memory=rules.cancel(state.memory)))
+    if left['changed']:
+        after, problem = rules.changed(state.memory, bounds.others)
+        if not problem and after != state.memory:
+            yield once('changed', state._replace(memory=after))
     if left['moved'] and state.place != AWAY:
         yield once('moved', state._replace(place=AWAY))
 

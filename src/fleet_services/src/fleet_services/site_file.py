@@ -33,8 +33,8 @@ KEYS = ('name', 'user', 'address', 'master_port', 'robots_per_unit', 'networks',
 _NAME = re.compile(r'[a-z][a-z0-9-]{0,30}\Z')
 _ADDRESS = re.compile(r'[0-9A-Za-z.:-]+\Z')
 #: Arguments that are paths, or may be one.
-_FILES = ('fleet', 'graph_file', 'base_map', 'map_file', 'token_file', 'certificate_file',
-          'key_file')
+_FILES = ('fleet', 'graph_file', 'work_file', 'base_map', 'map_file', 'token_file',
+          'certificate_file', 'key_file')
 #: Arguments that need a screen.
 _NOT_HERE = ('rviz',)
 

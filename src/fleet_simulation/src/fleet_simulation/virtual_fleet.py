@@ -48,6 +48,7 @@ from fleet_core.supervision.missions import Status
 from fleet_core.supervision.settings import RobotSettings
 from fleet_core.supervision.supervisor import Supervisor
 from fleet_core.supervision.switching import OrderSwitching
+from fleet_core.work.site_work import SiteWork
 from fleet_simulation.agv.steps import SimulatedSteps
 from fleet_simulation.virtual_disk import VirtualDisk
 from fleet_simulation.virtual_network import VirtualNetwork
@@ -169,6 +170,7 @@ class VirtualFleet(Generic[Body]):
     parking  -- ids of the vertices on which robots may be parked; None: all vertices
     switches -- whether the order of robots on shared places may change while robots are late
     check_every -- number of events from one check against the model of allocations to the next
+    work     -- what the site says about work; None: nothing
     """
 
     def __init__(self, graph: Graph, robots: Mapping[str, Tuple[RobotType, int]],
@@ -178,7 +180,7 @@ class VirtualFleet(Generic[Body]):
                  settings: Union[None, RobotSettings, Mapping[str, RobotSettings]] = None,
                  parking: Optional[Sequence[int]] = None, dock_approach: float = DOCK_APPROACH,
                  rhythm: Optional[Rhythm] = None, switches: bool = False,
-                 check_every: int = 1) -> None:
+                 check_every: int = 1, work: Optional[SiteWork] = None) -> None:
         kinds = tuple(dict.fromkeys(kind for kind, _ in robots.values()))
         self.graph, self.clearance = graph, clearance
         self._described = (f'seed {seed}, loss {loss}, repeats {repeats}, planning {planning}, '
@@ -195,7 +197,9 @@ class VirtualFleet(Generic[Body]):
         self.random = Random(seed)
         self.network = VirtualNetwork(self.random, loss, repeats)
         self.planner = VirtualPlanner(self.fleet, planning, parking)
-        self.disk = VirtualDisk(lambda: 1e9 + self.now)
+        self.wall = 1e9
+        """s since 1970 at the beginning, by the computer's clock."""
+        self.disk = VirtualDisk(lambda: self.wall + self.now)
         self.clocks: Dict[str, float] = {}
         """By robot: s by which its clock is ahead."""
         self.ages: Dict[str, float] = {}
@@ -222,6 +226,7 @@ class VirtualFleet(Generic[Body]):
         self._told: Dict[str, Tuple[float, object]] = {}
         self._ticks_at = self._looks_at = 0.0
         self._switches, self._check_every = switches, check_every
+        self.work = work
         self._begin()
 
     def __repr__(self) -> str:
@@ -232,7 +237,8 @@ class VirtualFleet(Generic[Body]):
         switching = OrderSwitching(self.clearance, math.inf) if self._switches else None
         self.supervisor = Supervisor(self.graph, self.fleet, self.settings, self.disk.journal,
                                      self.now, switching=switching,
-                                     conformance=StrictConformance(self._check_every))
+                                     conformance=StrictConformance(self._check_every),
+                                     work=self.work)
         self.do(self.supervisor.close_edges(self.closed, self.now))
 
     def end(self) -> None:

@@ -27,7 +27,13 @@ from fleet_core.supervision.journal_database import (
     UnknownLayout,
 )
 from fleet_core.supervision.mission_book import MissionBook
-from fleet_core.supervision.missions import Acceptance, Mission, MissionState, Request
+from fleet_core.supervision.missions import (
+    Acceptance,
+    DeadlineState,
+    Mission,
+    MissionState,
+    Request,
+)
 from fleet_core.supervision.outages import Outage
 from fleet_core.work.rules import begin
 from fleet_core.work.stops import Condition, LoadEffect, WorkStep, WorkStop
@@ -212,15 +218,50 @@ def test_a_file_of_version_1_0_is_migrated_with_its_open_mission(path):
     db = sqlite3.connect(path)
     text, = db.execute('SELECT request FROM mission').fetchone()
     old = {key: value for key, value in json.loads(text).items()
-           if key not in ('stops', 'on_cancel')}
+           if key in ('id', 'destinations', 'robot_type', 'robot', 'priority', 'dwells', 'stamp',
+                      'requested_by')}
     db.execute('UPDATE mission SET request = ?', (json.dumps(old),))
     db.executescript('DROP TABLE stop; DROP TABLE work; DROP TABLE load; '
-                     'PRAGMA user_version = 3')
+                     'ALTER TABLE mission DROP COLUMN deadline_state; PRAGMA user_version = 3')
     db.close()
     journal = Journal(path)
     mission, = journal.missions()
     assert (mission.request, mission.state) == (REQUEST, MissionState.ACTIVE)
     assert journal.works() == journal.loads() == {}
+
+
+def test_a_file_without_deadlines_is_migrated_with_its_steps(path):
+    """Version 5 of the file has stops and steps, but no templates and no deadlines."""
+    stops = (WorkStop(2, steps=(WorkStep('take', 5.0),)), WorkStop(3))
+    request = replace(REQUEST, stops=stops)
+    journal = Journal(path)
+    journal.store([Mission(3, request, MissionState.ACTIVE, 'a')], works={3: work_of(stops)})
+    journal.close()
+    db = sqlite3.connect(path)
+    text, = db.execute('SELECT request FROM mission').fetchone()
+    old = {key: value for key, value in json.loads(text).items()
+           if key not in ('template', 'arguments', 'earliest', 'deadline')}
+    assert len(old) == len(json.loads(text)) - 4
+    db.execute('UPDATE mission SET request = ?', (json.dumps(old),))
+    db.executescript('ALTER TABLE mission DROP COLUMN deadline_state; PRAGMA user_version = 5')
+    db.close()
+    journal = Journal(path)
+    mission, = journal.missions()
+    assert (mission.request, mission.deadline_state) == (request, DeadlineState.NONE)
+    assert journal.works() == {3: work_of(stops)}
+    assert journal.find(request).serial == 3
+
+
+def test_a_template_and_the_times_of_a_mission_come_back(path):
+    request = replace(REQUEST, template='pallet', arguments=(('from', 'press'),), earliest=5.0,
+                      deadline=9.5)
+    journal = Journal(path)
+    journal.store([Mission(3, request, MissionState.PLANNED,
+                           deadline_state=DeadlineState.AT_RISK)])
+    journal.close()
+    mission, = Journal(path).missions()
+    assert (mission.request, mission.state, mission.deadline_state) == (
+        request, MissionState.PLANNED, DeadlineState.AT_RISK)
 
 
 def test_steps_and_loads_come_back(path):

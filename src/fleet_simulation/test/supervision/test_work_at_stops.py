@@ -1,6 +1,7 @@
 """Missions with steps in a supervised fleet: stops, answers, cancellations, loads and restarts."""
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Optional
 
 import pytest
@@ -8,7 +9,7 @@ from fleet_builders import AGV, corridor
 
 from fleet_core.interlocking import interlocking
 from fleet_core.supervision.fleet_view import robot_views
-from fleet_core.supervision.missions import Command, MissionState, Request, StepAnswer
+from fleet_core.supervision.missions import Change, Command, MissionState, Request, StepAnswer
 from fleet_core.work.rules import StepDecision
 from fleet_core.work.stops import (
     Actor,
@@ -333,3 +334,73 @@ def test_without_its_gate_a_robot_enters_a_stop_before_the_step_has_ended(monkey
                                       blocking=StepBlocking.NONE),)))
     fleet.run(50.0)
     assert fleet.agvs['a'].visited[-1] == 6 and not fleet.done()
+
+
+# -- other stops ----------------------------------------------------------------------------------
+
+
+def modify(fleet: WorkingFleet, id: int, *stops: Stop, priority: int = 0) -> str:
+    """Gives a mission other stops; returns why not, or an empty text."""
+    count = len(fleet.statuses)
+    fleet.do(fleet.supervisor.command(id, Command.MODIFY, fleet.now, Change(priority, (), stops)))
+    return next((status.reason for status in fleet.statuses[count:]
+                 if status.command is Command.MODIFY), '')
+
+
+def test_stops_that_have_not_begun_are_replaced_while_the_robot_drives():
+    fleet = WorkingFleet()
+    fleet.send(1, Stop(3, steps=(TAKE,)), Stop(8, steps=(GIVE,)))
+    fleet.run_until(lambda: fleet.agvs['a'].visited[-1] == 4)
+    assert modify(fleet, 1, Stop(6, steps=(GIVE,)), Stop(2)) == ''
+    fleet.restart()
+    fleet.run_until_done(1)
+    assert fleet.told(1)[-1] is MissionState.SUCCEEDED
+    assert fleet.supervisor.book.find(1).request.destinations == (3, 6, 2)
+    assert fleet.done() == ['take', 'give'] and fleet.load() is LoadState.EMPTY
+    assert max(fleet.agvs['a'].visited) == 6
+
+
+def test_a_stop_at_which_the_robot_works_is_not_replaced():
+    fleet = WorkingFleet()
+    fleet.send(1, Stop(3, steps=(replace(TAKE, actor=Actor.PERSON),)), Stop(8))
+    fleet.run_until(lambda: fleet.reason(1).startswith('step 1'))
+    assert modify(fleet, 1, Stop(5, steps=(GIVE,))) == ''
+    assert [stop.place for stop in fleet.supervisor.book.find(1).request.stops] == [3, 5]
+    fleet.answer(1, StepDecision.DONE)
+    fleet.run_until_done(1)
+    assert fleet.told(1)[-1] is MissionState.SUCCEEDED and fleet.done() == ['give']
+
+
+def test_a_stop_that_would_have_been_passed_gets_work_at_the_same_place():
+    fleet = WorkingFleet()
+    fleet.send(1, Stop(5), Stop(8, steps=(TAKE,)))
+    fleet.run(1.0)
+    assert modify(fleet, 1, Stop(5, steps=(TAKE,)), Stop(8, steps=(GIVE,)), priority=3) == ''
+    fleet.run_until_done(1)
+    assert fleet.done() == ['take', 'give']
+    assert fleet.supervisor.book.find(1).request.priority == 3
+
+
+def test_a_mission_that_waits_gets_other_stops_and_begins_with_them():
+    fleet = WorkingFleet()
+    fleet.send(1, Stop(8, steps=(TAKE, GIVE)))
+    fleet.send(2, Stop(3, steps=(TAKE, GIVE)))
+    assert modify(fleet, 2, Stop(6, steps=(TAKE, GIVE))) == ''
+    fleet.restart()
+    fleet.run_until_done(1, 2)
+    assert fleet.supervisor.book.find(2).request.destinations == (6,)
+    assert fleet.told(2)[-1] is MissionState.SUCCEEDED
+
+
+def test_a_change_of_stops_that_makes_no_sense_is_refused_and_changes_nothing():
+    fleet = WorkingFleet()
+    fleet.send(1, Stop(3, steps=(TAKE,)), Stop(8, steps=(GIVE,)), on_cancel=(Stop(2),))
+    fleet.request(2, 4)
+    assert 'no vertex 99' in modify(fleet, 1, Stop(99))
+    assert 'needs a timeout' in modify(fleet, 1, Stop(3, steps=(replace(TAKE, timeout=0.0),)))
+    assert 'without steps gets other destinations' in modify(fleet, 2, Stop(3))
+    fleet.run_until(lambda: fleet.reason(1).startswith('step 1'))
+    fleet.command(1, Command.CANCEL)
+    assert fleet.state(1) is MissionState.CANCELLING
+    assert 'it ends already' in modify(fleet, 1, Stop(5))
+    assert [stop.place for stop in fleet.supervisor.book.find(1).request.stops] == [3, 8]

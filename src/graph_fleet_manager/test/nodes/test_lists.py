@@ -8,7 +8,7 @@ import pytest
 
 from graph_fleet_manager.commands import edge, mission
 from graph_fleet_manager.commands.tables import WIDTH, as_json, table, table_with_notes
-from itrci_nav_msgs.msg import MissionStatus
+from itrci_nav_msgs.msg import MissionStatus, StepParameter
 from trajectory_graph import Edge, Graph, Vertex, split_edges
 
 WORDS = 'it waits for a robot to be free, and none of the others has enough charge for it. '
@@ -39,13 +39,28 @@ def test_missions_are_listed_with_the_time_of_their_request_and_the_reason_below
     listed = mission._listed([status(), status(request_id=2 ** 31 - 1, reason='', robot='ld90_1',
                                                state=MissionStatus.ACTIVE,
                                                request_stamp=genpy.Time(0))]).splitlines()
-    assert listed[0].split() == ['mission', 'state', 'robot', 'reached', 'requested']
+    assert listed[0].split() == ['mission', 'state', 'robot', 'reached', 'requested', 'deadline']
     assert listed[1].split()[:4] == ['7', 'PENDING', '-', '0'] and '1970-01-0' in listed[1]
     assert listed[2].strip().startswith('it waits for a robot')
-    assert listed[-1].split() == ['2147483647', 'ACTIVE', 'ld90_1', '0', '-']
+    assert listed[-1].split() == ['2147483647', 'ACTIVE', 'ld90_1', '0', '-', '-']
     assert json.loads(as_json(mission._values(status()))) == {
         'mission': 7, 'state': 'PENDING', 'robot': None, 'destinations_reached': 0,
-        'reason': WORDS.strip(), 'requested': 1000.0}
+        'reason': WORDS.strip(), 'requested': 1000.0, 'template': None, 'arguments': {},
+        'earliest': None, 'deadline': None, 'deadline_state': 'NONE'}
+
+
+@pytest.mark.parametrize('code, alarm', [
+    (MissionStatus.DEADLINE_AHEAD, []), (MissionStatus.DEADLINE_AT_RISK, ['AT', 'RISK']),
+    (MissionStatus.DEADLINE_MISSED, ['MISSED'])])
+def test_a_mission_is_listed_with_its_template_and_an_alarm_about_its_deadline(code, alarm):
+    one = status(reason='', template='pallet', arguments=[StepParameter('to', '39')],
+                 deadline=genpy.Time(5000), deadline_code=code)
+    lines = mission._listed([one]).splitlines()
+    assert lines[1].split()[-len(alarm) - 2:][2:] == alarm
+    assert lines[2].strip() == 'pallet to:=39'
+    values = mission._values(one)
+    assert (values['template'], values['arguments'], values['deadline']) == (
+        'pallet', {'to': '39'}, 5000.0)
 
 
 def test_a_closed_edge_is_listed_once_as_it_was_drawn():

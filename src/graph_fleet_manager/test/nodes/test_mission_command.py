@@ -1,6 +1,9 @@
 """The command `mission` follows its own request, even if other messages have the same id."""
 from __future__ import annotations
 
+import time
+from datetime import datetime
+
 import pytest
 import rosgraph
 import rospy
@@ -10,7 +13,13 @@ from fleet_core.supervision.missions import Command, MissionState, RequestRefuse
 from graph_fleet_manager.commands import fleet_client, mission
 from graph_fleet_manager.commands.command_line import NOT_DONE, OK, CommandProblem
 from graph_fleet_manager.messages.missions import request_of, status_message
-from itrci_nav_msgs.msg import MissionCommand, MissionRequest, MissionStatus
+from itrci_nav_msgs.msg import (
+    MissionCommand,
+    MissionRequest,
+    MissionStatus,
+    MissionTemplate,
+    MissionTemplates,
+)
 
 MINE, OTHER = 1.7e9 + 0.123456789, 1.7e9 - 60.0
 
@@ -200,3 +209,77 @@ def test_a_request_that_names_what_is_no_name_is_refused(field, name, problem):
     setattr(message, field, name)
     with pytest.raises(RequestRefused, match=f'its {field} .*{problem}'):
         request_of(message)
+
+
+def test_other_stops_are_sent_from_a_file(monkeypatch, tmp_path):
+    (tmp_path / 'stops.yaml').write_text('stops:\n- {at: 5, steps: [{type: a, timeout: 9}]}')
+    sent = []
+    monkeypatch.setattr(Nobody, 'send', lambda _, message: sent.append(message))
+    monkeypatch.setattr(mission, '_graph', lambda: None)
+    change(monkeypatch, 'modify', status(MissionState.ACTIVE), status(MissionState.ACTIVE),
+           more=('--priority', '3', '--stops', str(tmp_path / 'stops.yaml')))
+    one, = sent
+    assert [stop.vertex for stop in one.stops] == [5] and one.stops[0].steps[0].type == 'a'
+
+
+# -- templates ------------------------------------------------------------------------------------
+
+
+class Sent:
+    """Takes the request that the command would send, and answers that it is accepted."""
+
+    def __init__(self, monkeypatch):
+        monkeypatch.setattr(mission, 'connect', self.connect)
+        monkeypatch.setattr(mission, '_send_request', self.take)
+        monkeypatch.setattr(mission, 'requested_by', lambda program: 'a person')
+        self.request = self.argv = None
+
+    def connect(self, name, argv=None):
+        self.argv = argv
+
+    def take(self, request, waits, graph):
+        self.request = request
+        return 0
+
+
+def test_a_template_is_sent_with_its_arguments_and_with_a_deadline_in_the_future(monkeypatch):
+    sent, before = Sent(monkeypatch), time.time()
+    assert mission.main(['run', 'pallet', 'from:=press', 'to:=a:=b', '--before', '14:30',
+                         '--priority', '3']) == 0
+    request = sent.request
+    assert (request.template, request.priority) == ('pallet', 3)
+    assert [(one.name, one.value) for one in request.arguments] == [
+        ('from', 'press'), ('to', 'a:=b')]
+    assert before < request.deadline.to_sec() <= before + 25 * 3600 and not request.earliest
+    assert datetime.fromtimestamp(request.deadline.to_sec()).strftime('%H:%M') == '14:30'
+
+
+def test_arguments_of_a_template_are_no_remappings_for_ros(monkeypatch):
+    monkeypatch.setattr('sys.argv', ['mission', 'run', 'pallet', 'to:=39', '__name:=someone'])
+    sent = Sent(monkeypatch)
+    assert mission.main() == 0
+    assert [(one.name, one.value) for one in sent.request.arguments] == [('to', '39')]
+    assert sent.argv == ['mission', '__name:=someone']
+
+
+@pytest.mark.parametrize('words, told', [
+    (['pallet', 'to=39'], 'is not of the form NAME:=VALUE'),
+    (['pallet', '--before', '24:10'], 'is no time of day'), ([], 'template')])
+def test_wrong_words_about_a_template_are_refused(monkeypatch, capsys, words, told):
+    sent = Sent(monkeypatch)
+    with pytest.raises(SystemExit) as ended:
+        mission.main(['run', *words])
+    assert ended.value.code == 1
+    assert told in capsys.readouterr().err and sent.request is None
+
+
+def test_the_templates_are_listed(monkeypatch, capsys):
+    class Templates(Nobody):
+        def last(self):
+            return MissionTemplates(templates=[MissionTemplate('pallet', ['from', 'to']),
+                                               MissionTemplate('tour', [])])
+    monkeypatch.setattr(mission, 'connect', lambda topic: None)
+    monkeypatch.setattr(mission, 'TopicListener', Templates)
+    assert mission.main(['templates']) == 0
+    assert [line.split() for line in capsys.readouterr().out.splitlines()] == [
+        ['template', 'parameters'], ['pallet', 'from', 'to'], ['tour', '-']]

@@ -13,11 +13,15 @@ from fleet_core.supervision.fleet_view import DriveView, RobotState, RobotView
 from fleet_core.supervision.missions import (
     Command,
     CommandCode,
+    DeadlineState,
+    Mission,
     MissionState,
     RequestRefused,
     Status,
 )
 from fleet_core.supervision.outages import Outage
+from fleet_core.work.site_work import SiteWork
+from fleet_core.work.templates import Template
 from graph_fleet_manager.messages.missions import (
     moment_of,
     plan_message,
@@ -26,6 +30,7 @@ from graph_fleet_manager.messages.missions import (
     request_of,
     state_message,
     status_message,
+    templates_message,
 )
 from itrci_nav_msgs import msg
 from route_protocol.values import Location, Reason, ReasonCode
@@ -73,6 +78,44 @@ def test_a_report_and_a_refusal_have_the_reason_with_its_code():
     report.refusal, report.refusal_code = report.reason, report.reason_code
     said = report_of(report, NOW).said
     assert said.reason == said.refusal == reason
+
+
+def test_a_request_keeps_its_template_and_its_times_and_its_status_tells_them():
+    message = msg.MissionRequest(
+        request_id=7, template='pallet', arguments=[msg.StepParameter('to', '39')],
+        earliest=genpy.Time(1700000000, 500), deadline=genpy.Time(1700003600))
+    request = request_of(message)
+    assert (request.destinations, request.template, request.arguments) == (
+        (), 'pallet', (('to', '39'),))
+    told = status_message(Mission(1, request, deadline_state=DeadlineState.AT_RISK).status, NOW)
+    assert (told.template, told.arguments, told.deadline) == (
+        message.template, message.arguments, message.deadline)
+    assert abs(told.earliest.to_sec() - message.earliest.to_sec()) < 1e-6
+    assert told.deadline_code == msg.MissionStatus.DEADLINE_AT_RISK
+
+
+@pytest.mark.parametrize('kind, prefix', [(MissionState, ''), (DeadlineState, 'DEADLINE_')])
+def test_every_state_of_a_mission_has_the_number_of_the_message(kind, prefix):
+    assert {one.name: getattr(msg.MissionStatus, prefix + one.name) for one in kind} == {
+        one.name: int(one) for one in kind}
+
+
+@pytest.mark.parametrize('fields, told', [
+    ({'template': 'pallet', 'destination_vertices_id': [1]}, 'a template and also destinations'),
+    ({'template': 'pallet', 'on_cancel': [msg.MissionStop(vertex=1)]}, 'a template and also'),
+    ({'arguments': [msg.StepParameter('to', '39')]}, 'arguments, but no template'),
+    ({'template': 'a\n'}, 'its template has characters'),
+    ({'template': 'a', 'arguments': [msg.StepParameter('to', 'x' * 300)]}, 'its arguments has'),
+    ({'deadline': genpy.Time(2 ** 32 - 1, 10 ** 9 - 1)}, 'its deadline is later than any time')])
+def test_a_request_whose_template_or_times_make_no_sense_is_refused(fields, told):
+    with pytest.raises(RequestRefused, match=told):
+        request_of(msg.MissionRequest(request_id=7, **fields))
+
+
+def test_the_templates_are_told_with_their_parameters():
+    work = SiteWork(templates={'pallet': Template('pallet', ('from', 'to'), ())})
+    one, = templates_message(work, NOW).templates
+    assert (one.name, one.parameters) == ('pallet', ['from', 'to'])
 
 
 def test_a_status_tells_which_command_it_answers():

@@ -71,7 +71,7 @@ from fleet_core.work.templates import (
     filled,
     parameters_in,
 )
-from fleet_core.work.timetables import DAY, WEEK, Timetable
+from fleet_core.work.timetables import DAY, WEEK, Timetable, minute_of_day
 from trajectory_graph import Graph, strict_yaml
 from trajectory_graph.strict_yaml import Field, WrongYaml
 
@@ -85,7 +85,7 @@ _TEMPLATE = ('name', 'parameters', 'stops', 'on_cancel')
 _TIMETABLE = ('name', 'template', 'arguments', 'every', 'from', 'to', 'days', 'priority')
 _DAYS = ('mon', 'tue', 'wed', 'thu', 'fri', 'sat', 'sun')
 _MINUTES = {'min': 1, 'h': 60}
-_NAME = re.compile(r'[A-Za-z_]\w*', re.ASCII)
+_NAME = re.compile(r'[A-Za-z]\w*', re.ASCII)
 _ROBOTS_NAME = re.compile('[A-Za-z0-9_-]{1,40}')
 
 
@@ -111,12 +111,13 @@ def _entries(fields: Dict[str, yaml.Node], key: str, what: str, read: ReadEntry[
     return named((key, fields[key]), what, read, name_of) if key in fields else {}
 
 
-def _texts(field: Field) -> Tuple[str, ...]:
-    return tuple(strict_yaml.listed(strict_yaml.text)(field))
+def _texts(fields: Dict[str, yaml.Node], key: str) -> Tuple[str, ...]:
+    return tuple(strict_yaml.text((f'an entry of {key}', node))
+                 for node in optional_items(fields, key))
 
 
 def _step_types(fields: Dict[str, yaml.Node]) -> FrozenSet[str]:
-    types = frozenset(strict_yaml.optional(fields, 'step_types', _texts, ()))
+    types = frozenset(_texts(fields, 'step_types'))
     if 'step_types' in fields and not types:
         raise WrongYaml('step_types is empty; leave it out if each type is right',
                         fields['step_types'])
@@ -254,7 +255,7 @@ def _template(stations: Mapping[str, Station], types: FrozenSet[str], graph: Gra
     known_fields(node, 'a template', _TEMPLATE)
     if not _NAME.fullmatch(name):
         raise WrongYaml(f'template {name!r} needs a name of letters, digits and _', node)
-    parameters = strict_yaml.optional(fields, 'parameters', _texts, ())
+    parameters = _texts(fields, 'parameters')
     for one in parameters:
         if not _NAME.fullmatch(one) or parameters.count(one) > 1:
             raise WrongYaml(f'parameter {one!r} of template {name} needs a name of its own, of '
@@ -340,13 +341,10 @@ def _period(field: Field) -> int:
 
 
 def _time_of_day(field: Field) -> int:
-    """Minutes since midnight, from `06:00`."""
-    text = strict_yaml.text(field)
-    found = re.fullmatch(r'(\d{1,2}):(\d{2})', text, re.ASCII)
-    if not found or int(found[1]) > 23 or int(found[2]) > 59:
-        raise WrongYaml(f'{field[0]} is {text!r}, but must be a time of day, such as "06:00"',
-                        field[1])
-    return 60 * int(found[1]) + int(found[2])
+    try:
+        return minute_of_day(strict_yaml.text(field))
+    except ValueError as error:
+        raise WrongYaml(f'{field[0]}: {error}', field[1]) from None
 
 
 def _days(field: Field) -> FrozenSet[int]:

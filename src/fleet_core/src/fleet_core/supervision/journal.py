@@ -36,7 +36,13 @@ from fleet_core.supervision.journal_database import (
     UnknownLayout,
 )
 from fleet_core.supervision.mission_book import REMEMBERED
-from fleet_core.supervision.missions import Mission, MissionState, Request, Status
+from fleet_core.supervision.missions import (
+    DeadlineState,
+    Mission,
+    MissionState,
+    Request,
+    Status,
+)
 from fleet_core.supervision.outages import Outage
 from fleet_core.work.work import RobotLoad, Work
 from json_records import from_json, to_json
@@ -46,6 +52,7 @@ from trajectory_graph import CurveType, Edge, Graph, Vertex
 _LONGEST_NUMBER = 30  # number of characters in the file beside the journal
 OPEN_STATES = f'({", ".join(str(int(state)) for state in MissionState if state.is_open)})'
 """The states of missions that have not ended, in SQL."""
+_MISSION = 'serial, request, state, robot, reached, reason, deadline_state'
 
 
 class RobotMemory(NamedTuple):
@@ -142,8 +149,9 @@ class Journal:
         """Stores the mission as it is now, and the change in the history."""
         now = (int(mission.state), mission.robot, mission.reached, mission.reason)
         request, moment = mission.request, self._clock()
-        self._run('INSERT OR REPLACE INTO mission VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?)',
-                  (mission.serial, request.id, _request_text(request), *now, request.stamp, moment))
+        self._run('INSERT OR REPLACE INTO mission VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?)',
+                  (mission.serial, request.id, _request_text(request), *now, request.stamp, moment,
+                   int(mission.deadline_state)))
         self._run('INSERT INTO change VALUES (?, ?, ?, ?, ?, ?, ?)',
                   (moment, mission.serial, *now, mission.changed_by))
         if mission.stays_since is None or not mission.state.is_open:
@@ -208,9 +216,8 @@ class Journal:
     def missions(self) -> List[Mission]:
         """The open missions and the last ended ones, in the order of their acceptance."""
         rows = self._run(
-            'SELECT * FROM (SELECT serial, request, state, robot, reached, reason FROM mission '
-            f'WHERE state IN {OPEN_STATES} UNION SELECT * FROM (SELECT serial, request, state, '
-            f'robot, reached, reason FROM mission WHERE state NOT IN {OPEN_STATES} '
+            f'SELECT * FROM (SELECT {_MISSION} FROM mission WHERE state IN {OPEN_STATES} UNION '
+            f'SELECT * FROM (SELECT {_MISSION} FROM mission WHERE state NOT IN {OPEN_STATES} '
             'ORDER BY serial DESC LIMIT ?)) ORDER BY serial', (REMEMBERED,))
         return [_mission(row) for row in rows]
 
@@ -236,7 +243,7 @@ class Journal:
         Raises JournalUnavailable.
         """
         rows = self._run(
-            'SELECT serial, request, state, robot, reached, reason FROM mission '
+            f'SELECT {_MISSION} FROM mission '
             'WHERE request_id = ? AND stamp = ? ORDER BY serial DESC', (request.id, request.stamp))
         return next((mission for mission in map(_mission, rows)
                      if mission.request.identity == request.identity), None)
@@ -247,7 +254,7 @@ class Journal:
         Raises JournalUnavailable.
         """
         row = self._run(
-            'SELECT serial, request, state, robot, reached, reason FROM mission WHERE '
+            f'SELECT {_MISSION} FROM mission WHERE '
             'request_id = ? AND (? = 0.0 OR stamp = ?) ORDER BY serial DESC LIMIT 1',
             (request_id, stamp, stamp)).fetchone()
         return None if row is None else _mission(row).status
@@ -266,10 +273,11 @@ def _request_text(request: Request) -> str:
     return json.dumps(to_json(request))
 
 
-def _mission(row: Tuple[int, str, int, str, int, str]) -> Mission:
-    """The mission in a row of the columns serial, request, state, robot, reached, reason."""
-    serial, text, state, robot, reached, reason = row
-    return Mission(serial, read_request(text), MissionState(state), robot, reached, reason=reason)
+def _mission(row: Tuple[int, str, int, str, int, str, int]) -> Mission:
+    """The mission in a row of the columns of _MISSION."""
+    serial, text, state, robot, reached, reason, deadline = row
+    return Mission(serial, read_request(text), MissionState(state), robot, reached, reason=reason,
+                   deadline_state=DeadlineState(deadline))
 
 
 def read_request(text: str) -> Request:
@@ -277,7 +285,9 @@ def read_request(text: str) -> Request:
     stored = json.loads(text)
     values: Dict[str, Any] = stored if isinstance(stored, dict) else dict(zip(
         ('id', 'destinations', 'robot_type', 'robot', 'priority', 'dwells', 'stamp'), stored))
-    return from_json(Request, values, added=('requested_by', 'stops', 'on_cancel', 'after'))
+    return from_json(Request, values, added=(
+        'requested_by', 'stops', 'on_cancel', 'after', 'template', 'arguments', 'earliest',
+        'deadline'))
 
 
 def _graph_text(graph: Graph) -> str:

@@ -44,11 +44,13 @@ _MIGRATIONS: Tuple[str, ...] = (
     ''', '''
     CREATE TABLE IF NOT EXISTS work (serial INTEGER PRIMARY KEY, work TEXT NOT NULL);
     CREATE TABLE IF NOT EXISTS load (robot TEXT PRIMARY KEY, load TEXT NOT NULL);
+    ''', '''
+    ALTER TABLE mission ADD COLUMN deadline_state INTEGER NOT NULL DEFAULT 0;
     ''')
 """Statement k turns a file of version k into one of version k + 1. Version 0 has no number."""
 LAYOUT: Dict[str, Tuple[str, ...]] = {
     'mission': ('serial', 'request_id', 'request', 'state', 'robot', 'reached', 'reason', 'stamp',
-                'changed'),
+                'changed', 'deadline_state'),
     'change': ('time', 'serial', 'state', 'robot', 'reached', 'reason', 'requested_by'),
     'stay': ('serial', 'began'), 'robot': ('name', 'memory'), 'value': ('name', 'number'),
     'graph': ('one', 'elements'), 'stop': ('one', 'record'), 'work': ('serial', 'work'),

@@ -8,6 +8,7 @@ from typing import Deque, Dict, Iterable, List, Mapping, Optional, Set, Tuple
 from fleet_core.supervision.missions import (
     Acceptance,
     Change,
+    DeadlineState,
     Mission,
     MissionState,
     Request,
@@ -40,6 +41,8 @@ class MissionBook:
         """Serials of missions whose status is to be stored and published."""
         self._begun_stays: Set[int] = set()
         self._waiting: Dict[int, Mission] = {}  # missions that wait for others, by serial
+        self.timed: Dict[int, Mission] = {}
+        """The open missions with an earliest time or a deadline, by serial."""
         for mission in missions:
             mission.stored = mission.status
             mission.stays_since = (stays or {}).get(mission.serial)
@@ -50,8 +53,7 @@ class MissionBook:
                     self.pending.add(mission)
                 if mission.robot:
                     self._by_robot[mission.robot] = mission
-                if mission.request.after:
-                    self._waiting[mission.serial] = mission
+                self._note_conditions(mission)
             else:
                 self._ended.append(mission)
 
@@ -107,13 +109,18 @@ class MissionBook:
         mission = Mission(self._next, request, changed_by=request.requested_by)
         self._next += 1
         self._by_serial[mission.serial] = self._last[request.id] = mission
-        if request.after:
-            mission.state, mission.reason = MissionState.BLOCKED, _waits_for(request)
-            self._waiting[mission.serial] = mission
-        else:
+        mission.state, mission.reason = waits_as(request)
+        self._note_conditions(mission)
+        if mission.state is MissionState.PENDING:
             self.pending.add(mission)
         self.changed.add(mission.serial)
         return mission
+
+    def _note_conditions(self, mission: Mission) -> None:
+        if mission.request.after:
+            self._waiting[mission.serial] = mission
+        if mission.request.earliest or mission.request.deadline:
+            self.timed[mission.serial] = mission
 
     def _open_dependencies(self, request: Request) -> Tuple[Dependency, ...]:
         """The missions for which a request waits, with their serials. Raises RequestRefused.
@@ -150,13 +157,13 @@ class MissionBook:
         if not after:
             del self._waiting[mission.serial]
         if mission.state is MissionState.BLOCKED:
-            self.set(mission, MissionState.BLOCKED if after else MissionState.PENDING,
-                     _waits_for(mission.request))
+            self.set(mission, *waits_as(mission.request, is_early=False))
 
     def withdraw(self, mission: Mission, before: Optional[Mission]) -> None:
         """Removes a mission that could not be stored. `before` is the last mission with its id."""
         self.changed.discard(mission.serial)
         self._waiting.pop(mission.serial, None)
+        self.timed.pop(mission.serial, None)
         del self._by_serial[mission.serial]
         if mission in self.pending:
             self.pending.remove(mission)
@@ -182,7 +189,14 @@ class MissionBook:
         self.changed.add(mission.serial)
         if not state.is_open:
             self._waiting.pop(mission.serial, None)
+            self.timed.pop(mission.serial, None)
             self._let_follow(mission)
+
+    def expect(self, mission: Mission, deadline: DeadlineState) -> None:
+        """Notes whether a mission will be done by its deadline."""
+        if deadline is not mission.deadline_state:
+            mission.deadline_state = deadline
+            self.changed.add(mission.serial)
 
     def change(self, mission: Mission, change: Change) -> None:
         """Changes the priority, and the destinations from now on."""
@@ -261,6 +275,14 @@ def _is_met(one: Dependency, ended: Mission) -> bool:
     return one.until is Until.ENDED or ended.state is MissionState.SUCCEEDED
 
 
-def _waits_for(request: Request) -> str:
-    ids = ', '.join(str(one.mission) for one in request.after)
-    return f'it waits for the end of mission {ids}' if request.after else ''
+def waits_as(request: Request, is_early: bool = True) -> Tuple[MissionState, str]:
+    """The state of a mission that no robot serves, and what it waits for, in words.
+
+    is_early -- its earliest time, if it has one, has not come yet
+    """
+    if request.earliest and is_early:
+        return MissionState.PLANNED, 'it waits for its earliest time'
+    if request.after:
+        ids = ', '.join(str(one.mission) for one in request.after)
+        return MissionState.BLOCKED, f'it waits for the end of mission {ids}'
+    return MissionState.PENDING, ''

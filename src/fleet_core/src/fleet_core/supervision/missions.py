@@ -9,7 +9,7 @@ from typing import Dict, FrozenSet, Iterable, Mapping, Optional, Tuple
 from fleet_core.fleet import RobotType
 from fleet_core.work.dependencies import Dependency
 from fleet_core.work.rules import StepDecision
-from fleet_core.work.stops import WorkStop, WrongStops, check_stops
+from fleet_core.work.stops import WorkStop, WrongStops, check_stops, dwells_of
 from trajectory_graph import Graph
 
 MOST_DESTINATIONS = 1000
@@ -29,12 +29,23 @@ class MissionState(IntEnum):
     CANCELLING = 7     # it ends, and its steps end or its load is brought away
     NEEDS_PERSON = 8   # a step asks, or its load is not where it should be
     BLOCKED = 9        # it waits for other missions
+    PLANNED = 10       # it waits for its earliest time
+    EXPIRED = 11       # its deadline passed before it began
 
     @property
     def is_open(self) -> bool:
         """Has the mission not ended?"""
         return self not in (MissionState.SUCCEEDED, MissionState.FAILED, MissionState.REFUSED,
-                            MissionState.CANCELLED)
+                            MissionState.CANCELLED, MissionState.EXPIRED)
+
+
+class DeadlineState(IntEnum):
+    """Will a mission be done by its deadline? As in itrci_nav_msgs/MissionStatus."""
+
+    NONE = 0      # it has no deadline
+    AHEAD = 1     # it will, as far as is known
+    AT_RISK = 2   # it will be late, or its deadline is near
+    MISSED = 3    # the deadline passed before it was done
 
 
 class Command(IntEnum):
@@ -69,6 +80,10 @@ class Request:
     stops      -- the destinations with their steps; empty: nothing is to be done there
     on_cancel  -- stops that may follow a cancellation
     after      -- missions that must end first; those that have ended are left out
+    template   -- name of the template that its stops were made of; empty: none
+    arguments  -- of the template, by parameter
+    earliest   -- s since 1970 before which it does not begin; 0: it begins at once
+    deadline   -- s since 1970 by which it is to be done; 0: there is none
     """
 
     id: int
@@ -82,6 +97,10 @@ class Request:
     stops: Tuple[WorkStop, ...] = ()
     on_cancel: Tuple[WorkStop, ...] = ()
     after: Tuple[Dependency, ...] = ()
+    template: str = ''
+    arguments: Tuple[Tuple[str, str], ...] = ()
+    earliest: float = 0.0
+    deadline: float = 0.0
 
     def dwell(self, index: int) -> float:
         """Seconds to stay at the destination number `index`."""
@@ -93,10 +112,12 @@ class Request:
 
         Fields that are added to the message in later versions are not part of it. Otherwise an
         update would repeat missions. If there is a stamp, it tells requests apart, also after
-        MODIFY. If there is none, all of the content counts.
+        MODIFY. If there is none, all of the content counts. Of a template its name and arguments
+        count, because the template may be another one by now.
         """
-        asked = () if self.stamp else (self.destinations, self.priority, self.dwells,
-                                       *((self.stops, self.on_cancel) if self.stops else ()))
+        places = (self.template, self.arguments) if self.template else (
+            self.destinations, self.dwells, *((self.stops, self.on_cancel) if self.stops else ()))
+        asked = () if self.stamp else (self.priority, *places)
         return (self.id, self.stamp, self.robot_type, self.robot, *asked)
 
     def is_repeat_of(self, other: Request, other_is_open: bool) -> bool:
@@ -109,10 +130,12 @@ class Change:
     """The changes that MODIFY makes to a request.
 
     destinations -- to be visited from now on, without stays; empty: no change
+    stops        -- to be made after those that have begun; empty: no change
     """
 
     priority: int
     destinations: Tuple[int, ...] = ()
+    stops: Tuple[WorkStop, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -133,6 +156,7 @@ class Status:
     stamp        -- s, when the request was sent; it tells requests with the same id apart
     command      -- the command to which `reason` and `command_code` refer; None: none
     asks         -- key of the step that waits for an answer; 0: none does
+    template, arguments, earliest, deadline -- as in the request
     """
 
     request_id: int
@@ -144,6 +168,11 @@ class Status:
     command: Optional[Command] = None
     command_code: CommandCode = CommandCode.NONE
     asks: int = 0
+    template: str = ''
+    arguments: Tuple[Tuple[str, str], ...] = ()
+    earliest: float = 0.0
+    deadline: float = 0.0
+    deadline_state: DeadlineState = DeadlineState.NONE
 
 
 @dataclass
@@ -176,12 +205,21 @@ class Mission:
     is_held: bool = False
     is_bound: bool = False
     asks: int = 0
+    deadline_state: DeadlineState = DeadlineState.NONE
 
     @property
     def status(self) -> Status:
         """The status to be published."""
-        return Status(self.request.id, self.state, self.robot, self.reached, self.reason,
-                      self.request.stamp, asks=self.asks)
+        asked = self.request
+        return Status(asked.id, self.state, self.robot, self.reached, self.reason, asked.stamp,
+                      asks=self.asks, template=asked.template, arguments=asked.arguments,
+                      earliest=asked.earliest, deadline=asked.deadline,
+                      deadline_state=self.deadline_state)
+
+    @property
+    def has_begun(self) -> bool:
+        """Does a robot serve it, or did one visit a destination?"""
+        return bool(self.robot or self.reached or self.stays_since is not None)
 
     @property
     def dwell_until(self) -> Optional[float]:
@@ -259,6 +297,11 @@ class Acceptance:
                                  f'{len(request.dwells)} dwells; give one for each, or none')
         if not all(math.isfinite(d) and d <= LONGEST_DWELL for d in request.dwells):
             raise RequestRefused(f'a dwell must be a number up to {LONGEST_DWELL:.0f} s')
+        if not all(math.isfinite(time) and time >= 0.0
+                   for time in (request.earliest, request.deadline)):
+            raise RequestRefused('its earliest time or its deadline is no time')
+        if request.deadline and request.deadline <= request.earliest:
+            raise RequestRefused('its deadline is not after its earliest time')
         types = {kind.name for kind in self.robots.values()}
         if request.robot_type and request.robot_type not in types:
             raise RequestRefused(f'there is no robot of type {request.robot_type!r}; there are: '
@@ -303,11 +346,13 @@ class Acceptance:
 
     def check_change(self, mission: Mission, change: Change) -> None:
         """Raises RequestRefused if no robot, or not the serving robot, could carry out the rest."""
-        if not change.destinations:
+        if not change.destinations and not change.stops:
             return
-        self.check(replace(mission.request, priority=change.priority, dwells=(),
-                           destinations=change.destinations,
-                           robot=mission.robot or mission.request.robot))
+        self.check(replace(
+            mission.request, priority=change.priority, dwells=dwells_of(change.stops),
+            destinations=change.destinations or tuple(stop.place for stop in change.stops),
+            stops=change.stops, on_cancel=mission.request.on_cancel if change.stops else (),
+            robot=mission.robot or mission.request.robot))
 
     def robots_for(self, request: Request) -> Tuple[str, ...]:
         """The robots that may serve a request, judged by type, name and docks."""

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from contextlib import suppress
 from dataclasses import replace
+from math import isnan
 from typing import Dict, Iterable, List, Mapping, Optional, Tuple, Union
 
 from fleet_core.fleet import Fleet
@@ -32,6 +33,7 @@ from fleet_core.supervision.journal import Journal
 from fleet_core.supervision.journal_database import JournalUnavailable
 from fleet_core.supervision.liveness import SILENCE
 from fleet_core.supervision.mission_book import MissionBook
+from fleet_core.supervision.mission_times import MissionTimes
 from fleet_core.supervision.missions import (
     Acceptance,
     Change,
@@ -57,8 +59,13 @@ from fleet_core.supervision.robots import ManagedRobot
 from fleet_core.supervision.run_number import RUN_NUMBER, RunNumber
 from fleet_core.supervision.settings import RobotSettings
 from fleet_core.supervision.switching import OrderSwitching
+from fleet_core.supervision.time_to_go import time_over, time_to_go
+from fleet_core.supervision.timetable_runs import TimetableRuns, stored_name
 from fleet_core.supervision.waiting_missions import WaitingMissions
 from fleet_core.supervision.work_desk import WorkDesk
+from fleet_core.supervision.work_requests import WorkRequests
+from fleet_core.work.site_work import SiteWork
+from fleet_core.work.timetables import shown_at
 from route_protocol.messages import WrongReport
 from route_protocol.steps import StepReport
 from route_protocol.values import EpochCause
@@ -81,13 +88,15 @@ class Supervisor:
     rate     -- the factor by which simulated robots are faster than the clock
     switching -- looks for a better order while robots are late; None: the order stays
     conformance -- checks each event against the model of allocations; None: nothing does
+    work        -- what the site says about work; None: nothing
     """
 
     def __init__(self, graph: Graph, fleet: Fleet, settings: Mapping[str, RobotSettings],
                  journal: Journal, now: float, rate: float = 1.0,
                  gate: Optional[StopGate] = None,
                  switching: Optional[OrderSwitching] = None,
-                 conformance: Optional[Conformance] = None) -> None:
+                 conformance: Optional[Conformance] = None,
+                 work: Optional[SiteWork] = None) -> None:
         self.gate = gate or StopGate()
         self.networks = Networks(graph, fleet, rate)
         memories, stored = journal.robots(), journal.graph()
@@ -112,6 +121,11 @@ class Supervisor:
         self._is_recovering = False
         self.desk = WorkDesk(self.book, self.robots, journal.works(), journal.loads(),
                              journal.milliseconds)
+        self._rate = rate
+        work = work or SiteWork()
+        self._work_requests = WorkRequests(work, graph, self.book)
+        self._times = MissionTimes(self.book, journal.milliseconds)
+        self._timetables = TimetableRuns(work.timetables, journal.value, journal.milliseconds)
         self._waiting = WaitingMissions(self.book, self.robots, lambda: self.desk.laden)
         self._everywhere: Dict[str, InterlockedRobot] = {**self.robots, **self.removed}
         self.interlocking = Interlocking(self.network.geometry, fleet.clearance,
@@ -172,9 +186,7 @@ class Supervisor:
 
     def requests(self, requests: Iterable[Request], now: float) -> List[Action]:
         """The same for several requests, with one commit of the journal."""
-        acceptance = replace(self.acceptance, places={
-            robot.name: vertex for robot in self.robots.values()
-            for vertex in [robot.record.some_vertex] if vertex is not None})
+        acceptance = self._acceptance_now()
         accepted: List[Tuple[Mission, Optional[Mission]]] = []
         for request in requests:
             before = self.book.find(request.id)
@@ -187,6 +199,7 @@ class Supervisor:
             else:
                 if mission is not None:
                     accepted.append((mission, before))
+        self._follow_times(now)
         actions = self._actions(now)
         if not (accepted and self.trouble):
             return actions
@@ -195,6 +208,12 @@ class Supervisor:
             self.desk.withdrawn(mission.serial)
             self._refuse(mission.request, self.trouble)
         return [*actions, *self._out.take(now)]
+
+    def _acceptance_now(self) -> Acceptance:
+        """The data by which requests are checked, with the places of the robots."""
+        return replace(self.acceptance, places={
+            robot.name: vertex for robot in self.robots.values()
+            for vertex in [robot.record.some_vertex] if vertex is not None})
 
     def _accept(self, request: Request, before: Optional[Mission],
                 acceptance: Acceptance) -> Optional[Mission]:
@@ -207,6 +226,8 @@ class Supervisor:
             if ended is not None:  # the request was latched, or on its way for a long time
                 self._out.put(TellStatus(ended.status))
                 return None
+        if before is None or not request.is_repeat_of(before.request, before.state.is_open):
+            request = self._work_requests.complete(request)
         mission = self.book.add(request, acceptance)
         if mission is not None:
             self.desk.accepted(mission)
@@ -216,6 +237,43 @@ class Supervisor:
         if mission is None and before is not None and before.serial not in self.book.changed:
             self._out.put(TellStatus(before.status))
         return mission
+
+    def _run_timetables(self) -> None:
+        """Requests the runs of timetables that are due."""
+        for run in self._timetables.due():
+            name, request = run.timetable.name, run.request
+            try:
+                if request is not None:
+                    self._accept(request, self.book.find(request.id), self._acceptance_now())
+            except JournalUnavailable:  # it is tried again
+                return
+            except RequestRefused as refusal:
+                self._out.note(f'The run of timetable {name} that was due at '
+                               f'{shown_at(run.due.last)} is refused: {refusal}.', True)
+            if run.due.is_set_back:
+                self._out.note(f'The clock was set back by more than a day: timetable {name} goes '
+                               'on from now.', True)
+            if run.due.missed:
+                self._out.note(f'Timetable {name} has missed {run.due.missed} runs, which are not '
+                               'made any more: the fleet manager or its journal was not there, or '
+                               'the clock was set forward.', True)
+            self._timetables.done(run)
+            self._out.value_changed(stored_name(name), run.due.last)
+
+    def _follow_times(self, now: float) -> None:
+        """Lets missions begin, expire or be told to be late."""
+        for text in self._times.follow(lambda mission: self._needed(mission, now), now):
+            self._out.note(text, True)
+
+    def _needed(self, mission: Mission, now: float) -> float:
+        """Seconds that a mission needs from its beginning, or from now, as far as is known."""
+        robot = self.robots.get(mission.robot)
+        if robot is None:
+            kinds = {self.robots[name].type for name in self.acceptance.robots_for(mission.request)}
+            return time_over(mission, kinds, self.network) / self._rate
+        end = time_to_go(robot, mission, self.plan_executor.plan, self.networks.edge_times,
+                         now).end
+        return (time_over(mission, (robot.type,), self.network) if isnan(end) else end) / self._rate
 
     def _refuse(self, request: Request, reason: str) -> None:
         self._out.put(TellStatus(mission_commands.refused(request, reason)))
@@ -246,7 +304,7 @@ class Supervisor:
                                                  self.desk, requested_by)
         else:
             refusal = self.desk.answer(mission, change) if isinstance(change, StepAnswer) else (
-                mission_commands.modify(mission, change, self.book, self.acceptance, self.robots))
+                self._modify(mission, change))
             problem = refusal and f'Mission {request_id} is not changed: {refusal}.'
             if refusal:
                 self._out.put(TellStatus(mission_commands.not_done(before, command, refusal)))
@@ -262,6 +320,15 @@ class Supervisor:
             told = mission_commands.not_stored(before, command, self.trouble)
             actions.append(TellStatus(told))
         return actions
+
+    def _modify(self, mission: Mission, change: Change) -> str:
+        """Changes a mission. Returns why it did not, as a clause; empty: it did."""
+        try:
+            self._work_requests.check_types(change.stops)
+        except RequestRefused as refusal:
+            return str(refusal)
+        return mission_commands.modify(mission, change, self.book, self.acceptance, self.robots,
+                                       self.desk)
 
     # -- robots -----------------------------------------------------------------------------------
 
@@ -591,6 +658,9 @@ class Supervisor:
                 robot.master.halt()  # it does not count the orders of this fleet manager yet
                 self._out.robot_changed(robot.name)
                 self._out.send()
+        if not self.trouble:
+            self._run_timetables()
+        self._follow_times(now)
         self._work(now)
         self._shorten()
         self._outages.look()

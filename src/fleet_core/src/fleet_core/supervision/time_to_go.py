@@ -5,9 +5,12 @@ This estimate takes the drives and waits of the plan, with the times that robots
 """
 from __future__ import annotations
 
+from itertools import count
 from math import inf, nan
-from typing import NamedTuple, Optional
+from typing import Iterable, NamedTuple, Optional
 
+from fleet_core.fleet import RobotType
+from fleet_core.planning.road_network import RoadNetwork
 from fleet_core.supervision.edge_times import EdgeTimes
 from fleet_core.supervision.missions import Mission, MissionState
 from fleet_core.supervision.plan_in_force import PlanInForce
@@ -63,3 +66,18 @@ def time_to_go(robot: ManagedRobot, mission: Optional[Mission], plan: Optional[P
         if number + 1 == len(drives) and mission is None:
             return TimeToGo(needed, needed)
     return TimeToGo(first if first < inf else nan)
+
+
+def time_over(mission: Mission, kinds: Iterable[RobotType], network: RoadNetwork) -> float:
+    """s from the next destination of a mission to its last one, if the plan does not tell.
+
+    The fastest type, without traffic, with stays that have a length. Infinite: there is no path.
+    """
+    left = mission.left
+    stays = sum(max(mission.request.dwell(index), 0.0)
+                for index, _ in zip(count(mission.reached), left[:-1]))
+
+    def seconds(kind: RobotType) -> float:
+        return sum(float(network.paths_to(kind, (network.index[other],))[0][network.index[one]])
+                   for one, other in zip(left, left[1:]))
+    return stays + min(map(seconds, kinds), default=inf)

@@ -5,6 +5,7 @@ the rules where a robot is, lets the mission follow its work, and closes the rob
 """
 from __future__ import annotations
 
+from dataclasses import replace
 from math import inf
 from typing import AbstractSet, Callable, Dict, FrozenSet, List, Mapping, Optional, Set, Tuple
 
@@ -14,7 +15,7 @@ from fleet_core.supervision.missions import Mission, MissionState, StepAnswer
 from fleet_core.supervision.robots import ManagedRobot
 from fleet_core.work import rules
 from fleet_core.work.rules import Where, WorkPhase
-from fleet_core.work.stops import Actor, dwells_of
+from fleet_core.work.stops import Actor, WorkStop, dwells_of
 from fleet_core.work.tables import LoadState, StepState
 from fleet_core.work.work import Ending, RobotLoad, Situation, Work, work_of
 from route_protocol.steps import StepReport
@@ -181,6 +182,15 @@ class WorkDesk:
         self._use(name, mission, rules.cancel(self._situation(name, mission), reason))
         return True
 
+    def change(self, mission: Mission, stops: Tuple[WorkStop, ...]) -> str:
+        """Replaces the stops that have not begun. Returns why not, as a clause; empty: done."""
+        after, problem = rules.changed(self._situation(mission.robot, mission), stops)
+        if not problem:
+            mission.request = replace(mission.request, stops=after.work.stops)
+            self._book.changed.add(mission.serial)
+            self._use(mission.robot, mission, after)
+        return problem
+
     def answer(self, mission: Mission, answer: StepAnswer) -> str:
         """Handles an answer to a step. Returns why not, as a clause; empty: done."""
         if mission.serial not in self._works or not mission.robot:
@@ -271,12 +281,12 @@ class WorkDesk:
         """Sets how many destinations are behind a mission, and which ones it has."""
         if phase in (WorkPhase.FAILED, WorkPhase.CANCELLED):
             return
-        places = tuple(stop.place for stop in work.stops)
-        if mission.request.destinations != places and places:
+        places, dwells = tuple(stop.place for stop in work.stops), dwells_of(work.stops)
+        if places and (mission.request.destinations, mission.request.dwells) != (places, dwells):
             robot = self._robots.get(mission.robot)
             if robot is not None:
                 robot.comes_to_rest = True
-            self._book.divert(mission, places, dwells_of(work.stops), work.current)
+            self._book.divert(mission, places, dwells, work.current)
         elif work.ending is Ending.NONE or work.is_cut:
             behind = work.current - mission.reached
             if behind > 0:

@@ -14,7 +14,16 @@ from dataclasses import replace
 from enum import Enum, IntEnum
 from typing import Iterator, List, NamedTuple, Optional, Tuple
 
-from fleet_core.work.stops import Actor, Condition, LoadEffect, Policy, StepBlocking, When, WorkStep
+from fleet_core.work.stops import (
+    Actor,
+    Condition,
+    LoadEffect,
+    Policy,
+    StepBlocking,
+    When,
+    WorkStep,
+    WorkStop,
+)
 from fleet_core.work.tables import (
     LOAD,
     STEP,
@@ -34,6 +43,7 @@ from fleet_core.work.work import (
     Situation,
     StepPlace,
     StepProgress,
+    StopProgress,
     Work,
     progress_of,
 )
@@ -468,8 +478,8 @@ def _cut(work: Work, event: StopEvent) -> Work:
     if number == len(work.progress):
         return work
     state = work.progress[number].state
-    if state is StopState.WAITING or event is StopEvent.SKIP and state is StopState.DRIVING and (
-            not any(own.times_ordered for own in work.progress[number].steps)):
+    if state is StopState.WAITING or event is StopEvent.SKIP and not has_begun(
+            work.progress[number]):
         return replace(work, stops=work.stops[:number], progress=work.progress[:number])
     work = _stop(work, event)
     return replace(work, stops=work.stops[:number + 1], progress=work.progress[:number + 1])
@@ -481,6 +491,29 @@ def _with_clean_up(work: Work, situation: Situation) -> Work:
     stops = tuple(stop for stop in work.on_cancel if stop.condition in wanted)
     return replace(work, stops=(*work.stops, *stops), is_cut=True,
                    progress=(*work.progress, *map(progress_of, stops)))
+
+
+# -- other stops ----------------------------------------------------------------------------------
+
+
+def changed(situation: Situation, stops: Tuple[WorkStop, ...]) -> Tuple[Situation, str]:
+    """The situation after other stops take the place of those that have not begun.
+
+    Also returns why not, as a clause; empty: done.
+    """
+    work = situation.work
+    if work.ending is not Ending.NONE:
+        return situation, f'it ends already: {work.reason}'
+    number = work.current
+    kept = number + (number < len(work.progress) and has_begun(work.progress[number]))
+    return situation._replace(work=replace(
+        work, stops=(*work.stops[:kept], *stops),
+        progress=(*work.progress[:kept], *map(progress_of, stops)))), ''
+
+
+def has_begun(stop: StopProgress) -> bool:
+    """Is the robot at work at a stop, or was one of its steps ordered?"""
+    return stop.state is StopState.AT_WORK or any(own.times_ordered for own in stop.steps)
 
 
 # -- the load, as a person says -------------------------------------------------------------------

@@ -6,9 +6,10 @@ with the first time that is shown afterwards.
 """
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
 from datetime import datetime, timedelta
-from typing import FrozenSet, Tuple
+from typing import FrozenSet, NamedTuple, Optional, Tuple
 
 DAY = 24 * 60   # minutes
 WEEK = frozenset(range(7))
@@ -25,6 +26,20 @@ def wall_minute(shown: datetime) -> WallMinute:
 def shown_at(minute: WallMinute) -> datetime:
     """What clocks on the wall show in a minute."""
     return _FIRST + timedelta(minutes=minute)
+
+
+def minute_of_day(text: str) -> int:
+    """Minutes since midnight, from `06:00`. Raises ValueError with a clause."""
+    found = re.fullmatch(r'(\d{1,2}):(\d{2})', text, re.ASCII)
+    if not found or int(found[1]) > 23 or int(found[2]) > 59:
+        raise ValueError(f'{text!r} is no time of day, such as 06:00')
+    return 60 * int(found[1]) + int(found[2])
+
+
+def next_time(minute: int, now: datetime) -> datetime:
+    """The next time after `now` at which clocks on the wall show this minute of the day."""
+    today = now.replace(hour=minute // 60, minute=minute % 60, second=0, microsecond=0)
+    return today if today > now else today + timedelta(days=1)
 
 
 @dataclass(frozen=True)
@@ -48,3 +63,38 @@ class Timetable:
     end: int = DAY - 1
     days: FrozenSet[int] = WEEK
     priority: int = 0
+
+
+class Due(NamedTuple):
+    """What a timetable asks for now.
+
+    run         -- the run to be made now; None: there is none
+    missed      -- number of earlier runs that were not made, and are not made any more
+    last        -- the minute up to which all runs are made or missed
+    is_set_back -- the clock was set back by more than a day: the runs go on from what it shows now
+    """
+
+    run: Optional[WallMinute]
+    missed: int
+    last: WallMinute
+    is_set_back: bool = False
+
+
+def due(timetable: Timetable, last: Optional[WallMinute], now: WallMinute) -> Due:
+    """The newest run after `last` that is due.
+
+    last -- as in the last answer; None: the timetable is new, and begins with this minute
+    """
+    is_set_back = last is not None and last > now + DAY
+    since = now - 1 if last is None or is_set_back else last
+    runs = newest = 0  # there are none if the clock shows a time again, or was set back a little
+    for day in range((since - timetable.end) // DAY, now // DAY + 1):
+        first = day * DAY + timetable.begin
+        if shown_at(day * DAY).weekday() in timetable.days and first <= now:
+            end = min(now, day * DAY + timetable.end)
+            behind = max((since - first) // timetable.every + 1, 0)
+            count = (end - first) // timetable.every + 1 - behind
+            if count > 0:
+                runs += count
+                newest = first + (behind + count - 1) * timetable.every
+    return Due(newest or None, max(runs - 1, 0), newest or since, is_set_back)

@@ -7,8 +7,10 @@ from typing import Optional, Tuple
 ROBOT_STATES = ('IDLE', 'BUSY', 'CHARGING', 'OFFLINE', 'STOPPED', 'TAKEN_OVER', 'FAILED',
                 'OFF_GRAPH', 'OUT_OF_SERVICE', 'ABSENT', 'UNKNOWN')
 MISSION_STATES = ('PENDING', 'ACTIVE', 'SUCCEEDED', 'FAILED', 'REFUSED', 'CANCELLED', 'PAUSED',
-                  'CANCELLING', 'NEEDS_PERSON', 'BLOCKED')
-OPEN_STATES = ('PENDING', 'ACTIVE', 'PAUSED', 'CANCELLING', 'NEEDS_PERSON', 'BLOCKED')
+                  'CANCELLING', 'NEEDS_PERSON', 'BLOCKED', 'PLANNED', 'EXPIRED')
+OPEN_STATES = ('PENDING', 'ACTIVE', 'PAUSED', 'CANCELLING', 'NEEDS_PERSON', 'BLOCKED', 'PLANNED')
+DEADLINE_STATES = ('NONE', 'AHEAD', 'AT_RISK', 'MISSED')
+ALARMS = DEADLINE_STATES[2:]  # of which people are told
 
 
 @dataclass(frozen=True)
@@ -61,6 +63,8 @@ class MissionStatus:
 
     not_done -- the act that was not carried out, for the given reason; empty: the reason concerns
                 the mission itself
+    deadline -- one of DEADLINE_STATES
+    template -- the template and its arguments, for people; empty: none
     """
 
     id: int
@@ -70,6 +74,8 @@ class MissionStatus:
     reached: int
     reason: str
     not_done: str = ''
+    deadline: str = 'NONE'
+    template: str = ''
 
 
 @dataclass(frozen=True)

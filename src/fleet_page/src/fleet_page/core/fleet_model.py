@@ -12,6 +12,7 @@ from typing import Any, Dict, Iterable, List, Mapping, Optional, Set, Tuple
 from fleet_core.supervision.fleet_stop import FleetStop
 from fleet_core.supervision.history import HistoryLine
 from fleet_page.core.fleet import (
+    ALARMS,
     OPEN_STATES,
     MissionRequest,
     MissionStatus,
@@ -234,6 +235,10 @@ class FleetModel:
         values: Dict[str, Any] = {
             'id': status.id, 'stamp': status.stamp // 10 ** 9, 'state': status.state,
             'robot': status.robot, 'reached': status.reached, 'reason': status.reason}
+        if status.template:
+            values['template'] = status.template
+        if status.deadline in ALARMS:
+            values['alarm'] = status.deadline
         if request is not None:
             values.update(destinations=list(request.destinations), priority=request.priority,
                           wanted_robot=request.robot, robot_type=request.robot_type,

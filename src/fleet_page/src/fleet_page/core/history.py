@@ -15,7 +15,7 @@ HOTTEST = 200  # most edges in the heat map
 def history_values(lines: Iterable[HistoryLine], sums: HistorySums, since: float,
                    now: float) -> Dict[str, Any]:
     """Missions per hour, sums per robot and waiting per edge since a time (s since 1970)."""
-    hours = {hour: {'SUCCEEDED': 0, 'FAILED': 0, 'CANCELLED': 0}
+    hours = {hour: {'SUCCEEDED': 0, 'FAILED': 0, 'CANCELLED': 0, 'EXPIRED': 0}
              for hour in range(int(since // HOUR), int(now // HOUR) + 1)}
     waited: List[float] = []
     missions: Dict[str, int] = {}

@@ -4,7 +4,7 @@ from __future__ import annotations
 from collections import Counter
 from typing import Dict, Iterable, List
 
-from fleet_page.core.fleet import MISSION_STATES, OPEN_STATES, ROBOT_STATES
+from fleet_page.core.fleet import DEADLINE_STATES, MISSION_STATES, OPEN_STATES, ROBOT_STATES
 from fleet_page.core.fleet_model import FleetModel
 from fleet_page.core.latencies import Histogram
 
@@ -30,6 +30,12 @@ def metrics_text(model: FleetModel, planner: Histogram, release: Histogram,
         f'fleet_robots{{state="{state}"}} {of_robots[state]}' for state in ROBOT_STATES))
     family('fleet_missions', 'gauge', 'Open missions by state.', (
         f'fleet_missions{{state="{state}"}} {of_missions[state]}' for state in OPEN_STATES))
+    alarms = Counter(status.deadline for status in model.missions.values()
+                     if status.state in OPEN_STATES)
+    family('fleet_mission_deadlines', 'gauge', 'Open missions with a deadline, by what is '
+           'expected of it.', (
+               f'fleet_mission_deadlines{{state="{state}"}} {alarms[state]}'
+               for state in DEADLINE_STATES if state != 'NONE'))
     family('fleet_missions_ended_total', 'counter', 'Missions that ended while the page ran.', (
         f'fleet_missions_ended_total{{state="{state}"}} {model.ended.get(state, 0)}'
         for state in MISSION_STATES if state not in OPEN_STATES))

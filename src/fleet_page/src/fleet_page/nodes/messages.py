@@ -6,6 +6,7 @@ from typing import Any, Dict, Iterable, Optional
 
 from fleet_page.core.acts import Act, ActKind
 from fleet_page.core.fleet import (
+    DEADLINE_STATES,
     MISSION_STATES,
     ROBOT_STATES,
     MissionRequest,
@@ -58,7 +59,9 @@ def status_of(message: msg.MissionStatus) -> MissionStatus:
     return MissionStatus(message.request_id, message.request_stamp.to_nsec(),
                          _word(MISSION_STATES, message.state), message.robot,
                          message.destinations_reached, message.reason,
-                         _not_done(message))
+                         _not_done(message), _word(DEADLINE_STATES, message.deadline_code),
+                         ' '.join((message.template, *(f'{one.name}:={one.value}'
+                                                       for one in message.arguments))))
 
 
 def _not_done(message: msg.MissionStatus) -> str:

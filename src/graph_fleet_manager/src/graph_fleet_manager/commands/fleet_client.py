@@ -36,12 +36,15 @@ def run(name: str, command: Callable[[List[str]], int],
         return 130
 
 
-def connect(name: str) -> None:
-    """Makes this process a ROS node. Raises CommandProblem if there is no ROS master."""
+def connect(name: str, argv: Optional[List[str]] = None) -> None:
+    """Makes this process a ROS node. Raises CommandProblem if there is no ROS master.
+
+    argv -- words among which ROS looks for remappings; None: those of the command line
+    """
     if not rosgraph.is_master_online():
         raise CommandProblem(f'There is no ROS master at {rosgraph.get_master_uri()}: start the '
                              'fleet manager, or set ROS_MASTER_URI.')
-    init_node(name, anonymous=True, disable_signals=True)
+    init_node(name, argv=argv, anonymous=True, disable_signals=True)
 
 
 class TopicListener:

@@ -2,8 +2,10 @@
 
     mission 18 39 52 6 16 --type omron_ld90 --wait
     mission list | cancel ID | pause ID | resume ID | release ID | history [--csv]
-    mission modify ID --priority 3 [VERTEX ...]
+    mission modify ID --priority 3 [VERTEX ... | --stops FILE]
     mission --stops pallet.yaml --wait
+    mission run pallet from:=press to:=shelves --before 14:30 --wait
+    mission templates
     mission answer ID retry|skip|fail|done
 
 Exit status 0: done, with --wait only when the mission succeeded; 1: wrong input, or no fleet
@@ -27,8 +29,10 @@ from fleet_core.files.errors import FileError
 from fleet_core.files.stops_file import StopsFile, load_stops
 from fleet_core.supervision.history import HISTORY_COLUMNS, history, row_of
 from fleet_core.supervision.journal_database import JournalError
-from fleet_core.supervision.missions import Command, MissionState
+from fleet_core.supervision.missions import Command, DeadlineState, MissionState
 from fleet_core.work.rules import StepDecision
+from fleet_core.work.stations import UnknownPlace, labelled
+from fleet_core.work.timetables import minute_of_day, next_time
 from fleet_requests import mission_request
 from graph_fleet_manager.commands.command_line import NOT_DONE, OK, CommandProblem, Parser
 from graph_fleet_manager.commands.fleet_client import (
@@ -58,6 +62,8 @@ from itrci_nav_msgs.msg import (
     MissionDependency,
     MissionRequest,
     MissionStatus,
+    MissionTemplates,
+    StepParameter,
 )
 from itrci_nav_msgs.msg import Graph as GraphMessage
 from node_program.inert_text import cell
@@ -70,7 +76,14 @@ _ANSWERS = {answer.name.lower(): answer for answer in StepDecision if answer}
 
 def main(arguments: Optional[Sequence[str]] = None) -> int:
     """Runs the command; returns its exit status."""
+    if arguments is None and sys.argv[1:2] == ['run']:  # ROS would take NAME:=VALUE away
+        arguments = [word for word in sys.argv[1:] if not is_for_ros(word)]
     return run('mission', _mission, arguments)
+
+
+def is_for_ros(word: str) -> bool:
+    """Is a word of `mission run` a remapping for ROS? No parameter of a template begins so."""
+    return word.startswith('_') and ':=' in word
 
 
 def _mission(arguments: List[str]) -> int:
@@ -83,6 +96,10 @@ def _mission(arguments: List[str]) -> int:
         return _history(arguments)
     if word in _CHANGES:
         return _change(word, arguments)
+    if word == 'run':
+        return _run_template(arguments[1:])
+    if word == 'templates':
+        return _templates(arguments)
     return _send(arguments)
 
 
@@ -101,6 +118,9 @@ def _options(name: str, what: str, arguments: List[str]) -> argparse.Namespace:
         parser.add_argument('destinations', nargs='*', metavar='VERTEX',
                             help='the new destinations, in order, without dwells: id of a vertex, '
                                  'or a label that only one vertex has; none: as before')
+        parser.add_argument('--stops', metavar='FILE',
+                            help='of a mission with stops: YAML file of the stops after those that '
+                                 'have begun')
         parser.add_argument('--priority', type=int, required=True,
                             help='a mission with a higher priority is served first; give the '
                                  'present priority to keep it')
@@ -112,25 +132,16 @@ def _options(name: str, what: str, arguments: List[str]) -> argparse.Namespace:
 
 def _send(arguments: List[str]) -> int:
     parser = Parser('mission', description='Sends a robot to vertices, in order. Other uses: '
-                    'mission list, mission cancel|pause|resume|release|modify|answer ID, '
-                    'mission history.')
+                    'mission run TEMPLATE, mission templates, mission list, '
+                    'mission cancel|pause|resume|release|modify|answer ID, mission history.')
     parser.add_argument('destinations', nargs='*', metavar='VERTEX',
                         help='id of a vertex, or a label that only one vertex has')
-    parser.add_argument('--type', default='', help='robot type that must do it')
-    parser.add_argument('--robot', default='', help='the robot that must do it')
-    parser.add_argument('--priority', type=int, default=0,
-                        help='a mission with a higher priority is served first (0)')
+    _offer_conditions(parser)
     parser.add_argument('--dwell', type=float, nargs='+', default=[], metavar='S',
                         help='s to stay at each destination: one for all, or one for each; '
                              'negative: until mission release')
     parser.add_argument('--stops', metavar='FILE',
                         help='YAML file of stops with steps, in place of VERTEX and --dwell')
-    parser.add_argument('--after', type=int, nargs='+', default=[], metavar='ID',
-                        help='missions that must succeed first')
-    parser.add_argument('--after-end', type=int, nargs='+', default=[], metavar='ID',
-                        help='missions that must end first, in any way')
-    parser.add_argument('--id', type=int, help='request id; random if not given')
-    parser.add_argument('--wait', action='store_true', help='show the progress until the end')
     options = parser.parse_args(arguments)
     if bool(options.destinations) is bool(options.stops) or options.stops and options.dwell:
         parser.error('give vertices, with or without --dwell, or give --stops')
@@ -139,29 +150,101 @@ def _send(arguments: List[str]) -> int:
     work = _stops(options.stops, graph) if options.stops else StopsFile(())
     destinations = [_vertex(word, graph) for word in options.destinations]
     dwells = options.dwell * len(destinations) if len(options.dwell) == 1 else options.dwell
-    given = {} if options.id is None else {'request_id': options.id}
-    request = mission_request(
-        destinations, robot_type=options.type, robot=options.robot, priority=options.priority,
-        dwell=dwells, stops=stop_messages(work.stops), on_cancel=stop_messages(work.on_cancel),
-        after=[*(MissionDependency(id, MissionDependency.DONE) for id in options.after),
-               *(MissionDependency(id, MissionDependency.ENDED) for id in options.after_end)],
-        requested_by=requested_by('mission'), **given)
+    return _send_request(mission_request(
+        destinations, dwell=dwells, stops=stop_messages(work.stops),
+        on_cancel=stop_messages(work.on_cancel), **_conditions(options)), options.wait, graph)
+
+
+def _offer_conditions(parser: Parser) -> None:
+    """The options of each mission, however its destinations are given."""
+    parser.add_argument('--type', default='', help='robot type that must do it')
+    parser.add_argument('--robot', default='', help='the robot that must do it')
+    parser.add_argument('--priority', type=int, default=0,
+                        help='a mission with a higher priority is served first (0)')
+    parser.add_argument('--after', type=int, nargs='+', default=[], metavar='ID',
+                        help='missions that must succeed first')
+    parser.add_argument('--after-end', type=int, nargs='+', default=[], metavar='ID',
+                        help='missions that must end first, in any way')
+    parser.add_argument('--not-before', type=_time_of_day, metavar='HH:MM',
+                        help='it does not begin before the next time at which clocks show this')
+    parser.add_argument('--before', type=_time_of_day, metavar='HH:MM',
+                        help='it is to be done by the next time at which clocks show this')
+    parser.add_argument('--id', type=int, help='request id; random if not given')
+    parser.add_argument('--wait', action='store_true', help='show the progress until the end')
+
+
+def _time_of_day(text: str) -> rospy.Time:
+    try:
+        minute = minute_of_day(text)
+    except ValueError as error:
+        raise argparse.ArgumentTypeError(str(error)) from None
+    return rospy.Time.from_sec(next_time(minute, datetime.now()).timestamp())
+
+
+def _conditions(options: argparse.Namespace) -> Dict[str, Any]:
+    """The fields of a request for the options of each mission."""
+    return {'robot_type': options.type, 'robot': options.robot, 'priority': options.priority,
+            'after': [*(MissionDependency(id, MissionDependency.DONE) for id in options.after),
+                      *(MissionDependency(id, MissionDependency.ENDED)
+                        for id in options.after_end)],
+            'requested_by': requested_by('mission'),
+            **({} if options.id is None else {'request_id': options.id}),
+            **({} if options.not_before is None else {'earliest': options.not_before}),
+            **({} if options.before is None else {'deadline': options.before})}
+
+
+def _run_template(arguments: List[str]) -> int:
+    parser = Parser('mission run', description='Sends the mission that a template of the work '
+                    'file describes; see mission templates.')
+    parser.add_argument('template', help='name of the template')
+    parser.add_argument('arguments', nargs='*', type=_argument, metavar='NAME:=VALUE',
+                        help='one for each parameter of the template')
+    _offer_conditions(parser)
+    options = parser.parse_args(arguments)
+    connect('mission_command', [sys.argv[0], *filter(is_for_ros, sys.argv[1:])])
+    return _send_request(mission_request(
+        (), template=options.template, arguments=options.arguments, **_conditions(options)),
+        options.wait, _graph() if options.wait else None)
+
+
+def _argument(text: str) -> StepParameter:
+    name, assigned, value = text.partition(':=')
+    if not assigned or not name:
+        raise argparse.ArgumentTypeError(f'{text!r} is not of the form NAME:=VALUE')
+    return StepParameter(name, value)
+
+
+def _templates(arguments: List[str]) -> int:
+    parser = Parser('mission templates', description='Lists the templates of the work file.')
+    offer_json(parser)
+    options = parser.parse_args(arguments[1:])
+    connect('mission_command')
+    known = TopicListener('/mission_templates', MissionTemplates).last().templates
+    if options.json:
+        print(as_json({'templates': [{'template': one.name, 'parameters': list(one.parameters)}
+                                     for one in known]}))
+    elif known:
+        print(table([('template', 'parameters'),
+                     *((one.name, ' '.join(one.parameters) or '-') for one in known)]))
+    else:
+        print('There are no templates: the work file of the fleet manager has none, or it has no '
+              'work file.')
+    return OK
+
+
+def _send_request(request: MissionRequest, waits: bool, graph: Optional[Graph]) -> int:
+    """Sends a request, and follows its mission to the end if a graph to name places is given."""
     listener = TopicListener('/mission_status', MissionStatus)
     status = _acknowledged(request, listener)
     if status.state == MissionStatus.REFUSED:
         raise CommandProblem(f'The mission was refused: {status.reason}.', NOT_DONE)
     print(f'Mission {request.request_id} is accepted.', flush=True)
-    return _follow(request, status, listener, graph) if options.wait else OK
+    return _follow(request, status, listener, graph) if waits and graph is not None else OK
 
 
 def _stops(path: str, graph: Graph) -> StopsFile:
-    def vertex(word: str) -> int:
-        try:
-            return _vertex(word, graph)
-        except CommandProblem as error:
-            raise ValueError(str(error).rstrip('.')) from None
     try:
-        return load_stops(path, vertex)
+        return load_stops(path, lambda word: _place(word, graph))
     except FileError as error:
         raise CommandProblem(str(error)) from None
 
@@ -178,15 +261,17 @@ def _vertices(words: List[str]) -> List[int]:
 
 def _vertex(word: str, graph: Graph) -> int:
     try:
+        return _place(word, graph)
+    except UnknownPlace as unknown:
+        raise CommandProblem(f'A destination is wrong: {unknown}.') from None
+
+
+def _place(word: str, graph: Graph) -> int:
+    """The vertex that an id or a label names. Raises UnknownPlace."""
+    try:
         return int(word)
     except ValueError:
-        found = [vertex.id for vertex in graph.vertices.values() if vertex.label == word]
-    if len(found) == 1:
-        return found[0]
-    if not found:
-        raise CommandProblem(f'No vertex has the label {word!r}; give the id of a vertex.')
-    raise CommandProblem(f'Vertices {", ".join(map(str, found))} have the label {word!r}; give the '
-                         'id of one.')
+        return labelled(word, graph)
 
 
 def _acknowledged(request: MissionRequest, listener: TopicListener) -> MissionStatus:
@@ -221,8 +306,8 @@ def _follow(request: MissionRequest, status: MissionStatus, listener: TopicListe
     if status.state != MissionStatus.SUCCEEDED:
         raise CommandProblem(f'Mission {id}: {MissionState(status.state).name}: {status.reason}.',
                              NOT_DONE)
-    print(f'Mission {id} has succeeded: {status.robot} was at '
-          f'{", ".join(map(str, destinations))}.')
+    places = ', '.join(map(str, destinations)) or f'all {status.destinations_reached} stops'
+    print(f'Mission {id} has succeeded: {status.robot} was at {places}.')
     return OK
 
 
@@ -251,15 +336,36 @@ def _list(is_json: bool) -> int:
 
 def _listed(missions: Sequence[MissionStatus]) -> str:
     rows = [(str(s.request_id), MissionState(s.state).name, s.robot or '-',
-             str(s.destinations_reached), _clock(s.request_stamp.to_sec())) for s in missions]
-    return table_with_notes(('mission', 'state', 'robot', 'reached', 'requested'), rows,
-                            [s.reason for s in missions])
+             str(s.destinations_reached), _clock(s.request_stamp.to_sec()), _deadline(s))
+            for s in missions]
+    return table_with_notes(('mission', 'state', 'robot', 'reached', 'requested', 'deadline'),
+                            rows, ['; '.join(filter(None, (_origin(s), s.reason)))
+                                   for s in missions])
+
+
+def _origin(status: MissionStatus) -> str:
+    """The template of a mission, with its arguments and its earliest time, as it was sent."""
+    words = [status.template, *(f'{one.name}:={one.value}' for one in status.arguments)]
+    if status.state == MissionState.PLANNED:
+        words.append(f'not before {_clock(status.earliest.to_sec())}')
+    return ' '.join(filter(None, words))
+
+
+def _deadline(status: MissionStatus) -> str:
+    """The deadline of a mission, with an alarm; '-': it has none."""
+    alarm = {DeadlineState.AT_RISK: ' AT RISK', DeadlineState.MISSED: ' MISSED'}
+    return _clock(status.deadline.to_sec()) + alarm.get(status.deadline_code, '')
 
 
 def _values(status: MissionStatus) -> Dict[str, Any]:
     return {'mission': status.request_id, 'state': MissionState(status.state).name,
             'robot': status.robot or None, 'destinations_reached': status.destinations_reached,
-            'reason': status.reason, 'requested': status.request_stamp.to_sec() or None}
+            'reason': status.reason, 'requested': status.request_stamp.to_sec() or None,
+            'template': status.template or None,
+            'arguments': {one.name: one.value for one in status.arguments},
+            'earliest': status.earliest.to_sec() or None,
+            'deadline': status.deadline.to_sec() or None,
+            'deadline_state': DeadlineState(status.deadline_code).name}
 
 
 def _clock(seconds: float) -> str:
@@ -283,6 +389,11 @@ def _change(word: str, arguments: List[str]) -> int:
     if word == 'modify':
         message.priority = options.priority
         message.destination_vertices_id = _vertices(options.destinations)
+        if options.stops:
+            found = _stops(options.stops, _graph())
+            if found.on_cancel or options.destinations:
+                raise CommandProblem('Give either vertices, or a file of stops without on_cancel.')
+            message.stops = stop_messages(found.stops)
     known = first_message(  # a new subscriber gets the open missions
         listener, lambda s: s.request_id == options.id and MissionState(s.state).is_open, 2.0)
     if known is None:

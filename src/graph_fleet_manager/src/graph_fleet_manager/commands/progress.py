@@ -16,8 +16,11 @@ EVERY = 5.0  # s between two lines if the output is no terminal and nothing chan
 
 def line_of(status: MissionStatus, destinations: List[int], state: Optional[FleetState],
             graph: Graph) -> str:
-    """One line about the progress of a mission."""
-    if status.state in (MissionStatus.PENDING, MissionStatus.BLOCKED):
+    """One line about the progress of a mission.
+
+    destinations -- as they were sent; empty: the fleet manager has them of a template
+    """
+    if status.state in (MissionStatus.PENDING, MissionStatus.BLOCKED, MissionStatus.PLANNED):
         return f'waiting: {status.reason}' if status.reason else 'accepted'
     if status.state == MissionStatus.PAUSED:
         return f'{status.robot}: paused'
@@ -25,9 +28,12 @@ def line_of(status: MissionStatus, destinations: List[int], state: Optional[Flee
         return f'{status.robot}: {status.reason}'
     robot = _robot(state, status)
     reached, count = status.destinations_reached, len(destinations)
-    if reached >= count:
+    if not count:
+        words = [f'{status.robot}: {reached} stops made']
+    elif reached >= count:
         return f'{status.robot}: {count} of {count} reached'
-    words = [f'{status.robot} to {destinations[reached]} ({reached + 1} of {count})']
+    else:
+        words = [f'{status.robot} to {destinations[reached]} ({reached + 1} of {count})']
     if robot is not None:
         if robot.pose.edge_id:
             words.append(place_name(graph, robot.pose.edge_id, robot.pose.percentage / 100.0))

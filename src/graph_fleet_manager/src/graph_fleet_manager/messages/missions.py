@@ -17,6 +17,7 @@ from fleet_core.supervision.missions import (
     Status,
 )
 from fleet_core.supervision.outages import Outage
+from fleet_core.work.site_work import SiteWork
 from fleet_core.work.stops import dwells_of
 from graph_fleet_manager.messages.stops import WrongStopMessage, dependencies_of, stops_of
 from itrci_nav_msgs import msg
@@ -39,10 +40,17 @@ _LONGEST_REASON = 500  # characters of a robot's reason that are kept
 
 def request_of(message: msg.MissionRequest) -> Request:
     """The request in a message. Raises RequestRefused for values that no status could repeat."""
-    if message.header.stamp.to_sec() >= _END_OF_TIME.to_sec():
-        raise RequestRefused('its header.stamp is later than any time that a message can carry: '
-                             'give the time at which it was sent, or 0')
-    for name, value in (('robot_type', message.robot_type), ('robot', message.robot)):
+    for name, time, what in (
+            ('header.stamp', message.header.stamp, 'the time at which it was sent'),
+            ('earliest', message.earliest, 'a time'), ('deadline', message.deadline, 'a time')):
+        if time.to_sec() >= _END_OF_TIME.to_sec():
+            raise RequestRefused(f'its {name} is later than any time that a message can carry: '
+                                 f'give {what}, or 0')
+    texts = [('robot_type', message.robot_type), ('robot', message.robot),
+             ('template', message.template)]
+    for argument in message.arguments:
+        texts += [('arguments', argument.name), ('arguments', argument.value)]
+    for name, value in texts:
         if value and not value.isprintable():
             raise RequestRefused(f'its {name} has characters that cannot be printed')
         if len(value) > _LONGEST_NAME:
@@ -57,9 +65,15 @@ def request_of(message: msg.MissionRequest) -> Request:
         if destinations or dwells:
             raise RequestRefused('it has stops and also destinations or dwells: give one of them')
         destinations, dwells = tuple(stop.place for stop in stops), dwells_of(stops)
+    if message.template and (destinations or dwells or stops or on_cancel):
+        raise RequestRefused('it has a template and also destinations or stops: give one of them')
+    if message.arguments and not message.template:
+        raise RequestRefused('it has arguments, but no template')
     return Request(message.request_id, destinations, message.robot_type, message.robot,
                    message.priority, dwells, message.header.stamp.to_sec(),
-                   person_of(message.requested_by), stops, on_cancel, after)
+                   person_of(message.requested_by), stops, on_cancel, after, message.template,
+                   tuple((one.name, one.value) for one in message.arguments),
+                   message.earliest.to_sec(), message.deadline.to_sec())
 
 
 def person_of(text: str) -> str:
@@ -94,8 +108,20 @@ def status_message(status: Status, now: genpy.Time) -> msg.MissionStatus:
         request_id=status.request_id, state=int(status.state), robot=status.robot,
         destinations_reached=status.reached, reason=status.reason,
         command=int(status.command or 0), command_code=int(status.command_code),
-        asks=status.asks,
+        asks=status.asks, template=status.template,
+        arguments=[msg.StepParameter(*one) for one in status.arguments],
+        earliest=genpy.Time.from_sec(status.earliest),
+        deadline=genpy.Time.from_sec(status.deadline),
+        deadline_code=int(status.deadline_state),
         request_stamp=min(genpy.Time.from_sec(status.stamp), _END_OF_TIME))
+    message.header.stamp = now
+    return message
+
+
+def templates_message(work: SiteWork, now: genpy.Time) -> msg.MissionTemplates:
+    """The templates of a work file; `now` is the stamp."""
+    message = msg.MissionTemplates(templates=[
+        msg.MissionTemplate(one.name, list(one.parameters)) for one in work.templates.values()])
     message.header.stamp = now
     return message
 

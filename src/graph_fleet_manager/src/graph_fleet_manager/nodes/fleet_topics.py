@@ -19,6 +19,7 @@ from fleet_core.supervision.fleet_view import plan_progress, robot_views
 from fleet_core.supervision.mission_book import MOST_OPEN
 from fleet_core.supervision.missions import Status
 from fleet_core.supervision.supervisor import Supervisor
+from fleet_core.work.site_work import SiteWork
 from graph_fleet_manager.messages import missions as messages
 from graph_fleet_manager.messages.edge_times import TimesSent
 from graph_fleet_manager.messages.planning import request_message
@@ -27,6 +28,7 @@ from graph_fleet_manager.nodes.sending import Newcomers, send
 from itrci_nav_msgs.msg import (
     FleetState,
     MissionStatus,
+    MissionTemplates,
     PlanAnswer,
     StepCommand,
     StepParameter,
@@ -62,6 +64,8 @@ class FleetTopics:
                                          subscriber_listener=Newcomers(newcomer))
         self._states = rospy.Publisher('/fleet_state', FleetState, queue_size=1, latch=True)
         self._plans = FleetPlanTopic(rate)
+        self._templates = rospy.Publisher('/mission_templates', MissionTemplates, queue_size=1,
+                                          latch=True)
         self._requests = rospy.Publisher('/plan_request', PlanRequestMessage, queue_size=10,
                                          subscriber_listener=Newcomers(self._ask_newcomer))
         names = tuple(robots)
@@ -133,6 +137,10 @@ class FleetTopics:
         self._times.fill(question, times, self._rate)
         send(self._requests.publish, question)
         return False
+
+    def publish_templates(self, work: SiteWork) -> None:
+        """Publishes the templates of the work file."""
+        send(self._templates.publish, messages.templates_message(work, rospy.Time.now()))
 
     def publish_views(self, supervisor: Supervisor, now: float) -> None:
         """Publishes the state and the plan of all robots at the monotonic time `now` (s)."""

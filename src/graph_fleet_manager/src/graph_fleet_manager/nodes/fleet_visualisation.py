@@ -63,7 +63,8 @@ SLOW = 3             # periods between two pictures of the plans, and two moves 
 RADIUS = 0.4         # m, of a robot whose type is not known
 FEEDBACK_TIME = 8.0  # s for which a sentence is shown
 _BAD = {MissionStatus.FAILED: 'failed', MissionStatus.REFUSED: 'was refused',
-        MissionStatus.CANCELLED: 'was cancelled', MissionStatus.NEEDS_PERSON: 'needs a person'}
+        MissionStatus.CANCELLED: 'was cancelled', MissionStatus.NEEDS_PERSON: 'needs a person',
+        MissionStatus.EXPIRED: 'has expired'}
 
 
 class FleetVisualisation:

@@ -13,6 +13,7 @@ Subscribes
 Publishes
     /mission_status (itrci_nav_msgs/MissionStatus); a new subscriber gets those of open missions
     /fleet_state (itrci_nav_msgs/FleetState), /fleet_plan (FleetPlan), both latched
+    /mission_templates (itrci_nav_msgs/MissionTemplates), latched: the templates of the work file
     /fleet_poses (itrci_nav_msgs/FleetPoses), 5 Hz
     /plan_request (itrci_nav_msgs/PlanRequest), /<robot>/target_route (TargetRoute),
     /<robot>/step_command (StepCommand)
@@ -24,6 +25,7 @@ Services (std_srvs/Trigger)
     /<robot>/set_load (itrci_nav_msgs/SetLoad): a person says what a robot carries
 Parameters
     ~fleet_file   string  (required)  fleet file (YAML)
+    ~work_file    string  (none)     work file (YAML) of stations, devices, templates, timetables
     ~journal      string  graph_fleet_manager/fleet.sqlite in ROS_HOME
     ~keep_days    float   90.0   days for which the journal keeps missions that have ended
     ~improvement  float   0.0 s  time in which the planner improves a plan before it answers
@@ -61,7 +63,7 @@ from fleet_core.supervision.switching import OrderSwitching
 from graph_fleet_manager.commands import stop_address
 from graph_fleet_manager.messages import missions as messages
 from graph_fleet_manager.messages.planning import outcome_of
-from graph_fleet_manager.messages.stops import WrongStopMessage, answer_of
+from graph_fleet_manager.messages.stops import WrongStopMessage, answer_of, stops_of
 from graph_fleet_manager.nodes.event_loop import SupervisorEvents
 from graph_fleet_manager.nodes.fleet_diagnosis import report_fleet, report_missions
 from graph_fleet_manager.nodes.fleet_parameter import fleet_of
@@ -70,6 +72,7 @@ from graph_fleet_manager.nodes.fleet_services import FleetServices, not_stored
 from graph_fleet_manager.nodes.fleet_topics import FleetTopics, TellStatuses, status_message
 from graph_fleet_manager.nodes.journal_file import JournalFile
 from graph_fleet_manager.nodes.sending import send
+from graph_fleet_manager.nodes.work_file import WorkFile
 from graph_topic import FollowedGraph
 from itrci_nav_msgs.msg import (
     ClosedEdges,
@@ -98,6 +101,7 @@ class PathSupervisor:
             self._settings = load_settings(parameter('~fleet_file'))
         except FileError as error:
             raise ConfigurationError(str(error)) from None
+        self._work_file = WorkFile()
         self._file = JournalFile()
         self._rate = number('~sim_speed', 1.0, 0.01, 100.0)
         self._switches: bool = parameter('~order_switching', False, bool)
@@ -121,7 +125,8 @@ class PathSupervisor:
         self._thread = threading.Thread(target=self._work, name='supervisor', daemon=True)
         self._thread.start()
         publish_diagnostics('none', {
-            'fleet': lambda status: report_fleet(self._supervisor, self._file.trouble, status),
+            'fleet': lambda status: report_fleet(
+                self._supervisor, self._file.trouble or self._work_file.trouble, status),
             'missions': lambda status: report_missions(self._supervisor, status)})
         self._subscribers = self._subscribe(robots)
 
@@ -227,11 +232,15 @@ class PathSupervisor:
                 now < self._begin_at or (self._supervisor and self._supervisor.trouble)):
             return waiting
         self._begin_at = now + AGAIN
+        work = self._work_file.read(self._graph)
+        if work is None:
+            return waiting
         try:
             switching = OrderSwitching(self._fleet.clearance) if self._switches else None
             supervisor = Supervisor(self._graph, self._fleet, self._settings, journal, now,
                                     self._rate, self._gate, switching,
-                                    Conformance(self._check_every) if self._check_every else None)
+                                    Conformance(self._check_every) if self._check_every else None,
+                                    work)
         except JournalUnavailable as unavailable:
             self._file.fail(unavailable)
             return waiting
@@ -239,6 +248,7 @@ class PathSupervisor:
         self._begin_at = math.inf
         self._supervisor = supervisor
         self._services.offer_removed(supervisor.removed)
+        self._topics.publish_templates(work)
         stop = self._early.hand_over()
         is_stopped = stop or (self._gate.is_closed and not supervisor.is_stopped)
         stopping = supervisor.stop_fleet(now, stop) if is_stopped else ()
@@ -262,14 +272,16 @@ class PathSupervisor:
                           'command.', message.command, message.request_id)
             return
         details: Union[None, Change, StepAnswer] = None
-        if command is Command.MODIFY:
-            details = Change(message.priority, tuple(message.destination_vertices_id))
-        elif command is Command.ANSWER:
-            try:
+        try:
+            if command is Command.MODIFY:
+                details = Change(message.priority, tuple(message.destination_vertices_id),
+                                 stops_of(message.stops))
+            elif command is Command.ANSWER:
                 details = answer_of(message)
-            except WrongStopMessage as wrong:
-                rospy.logwarn('An answer for mission %d is ignored: %s.', message.request_id, wrong)
-                return
+        except WrongStopMessage as wrong:
+            rospy.logwarn('%s of mission %d is ignored: %s.', command.name, message.request_id,
+                          wrong)
+            return
         self._events.put_command(message.request_id, command, details,
                                  messages.person_of(message.requested_by))
 

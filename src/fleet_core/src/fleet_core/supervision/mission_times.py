@@ -1,0 +1,77 @@
+"""Missions with an earliest time or a deadline: they begin, expire, or are told to be late.
+
+The times are moments (s since 1970), so a clock that is changed moves none of them. If the clock is
+set back, a mission that has begun or expired stays so.
+"""
+from __future__ import annotations
+
+from math import inf
+from typing import Callable, Iterator
+
+from fleet_core.supervision.mission_book import MissionBook, waits_as
+from fleet_core.supervision.missions import DeadlineState, Mission, MissionState
+
+NEAR = 10.0    # s before its deadline at which a mission that is not done is at risk in any case
+AGAIN = 30.0   # s that it must be expected to be early, before it is not at risk any more
+PERIOD = 1.0   # s between two estimates
+
+
+def deadline_state(deadline: float, needed: float, now: float, before: DeadlineState,
+                   ) -> DeadlineState:
+    """Will a mission that is not done yet be done by its deadline?
+
+    needed -- s that it still needs, as far as is known
+    now    -- s since 1970, as the deadline
+    before -- the last answer
+    """
+    if not deadline:
+        return DeadlineState.NONE
+    left = deadline - now
+    if left < 0.0:
+        return DeadlineState.MISSED
+    spare = AGAIN if before is DeadlineState.AT_RISK else NEAR
+    return DeadlineState.AT_RISK if left - needed < spare else DeadlineState.AHEAD
+
+
+class MissionTimes:
+    """Follows the missions with times.
+
+    clock -- returns ms since 1970
+    """
+
+    def __init__(self, book: MissionBook, clock: Callable[[], int]) -> None:
+        self._book, self._clock = book, clock
+        self._estimated = -inf
+
+    def follow(self, needed: Callable[[Mission], float], now: float) -> Iterator[str]:
+        """Lets missions begin or expire. Yields a sentence for each that becomes late.
+
+        needed -- the s that a mission still needs, as far as is known
+        now    -- the supervisor's time
+        """
+        moment = self._clock() / 1000.0
+        is_due = now - self._estimated >= PERIOD
+        if is_due:
+            self._estimated = now
+        for mission in list(self._book.timed.values()):
+            request = mission.request
+            if mission.state is MissionState.PLANNED and moment >= request.earliest:
+                self._book.set(mission, *waits_as(request, is_early=False))
+            before, is_past = mission.deadline_state, moment > request.deadline
+            if not request.deadline or not mission.state.is_open or not (
+                    is_due or before is DeadlineState.NONE or
+                    is_past and before is not DeadlineState.MISSED):
+                continue
+            time = 0.0 if is_past else max(request.earliest - moment, 0.0) + needed(mission)
+            state = deadline_state(request.deadline, time, moment, before)
+            self._book.expect(mission, state)
+            if state is DeadlineState.MISSED and not mission.has_begun:
+                self._book.set(mission, MissionState.EXPIRED,
+                               'its deadline passed before it began')
+            if state is not before and state > DeadlineState.AHEAD:
+                yield _WORDS[state].format(request.id)
+
+
+_WORDS = {
+    DeadlineState.AT_RISK: 'Mission {} will miss its deadline, or its deadline is near.',
+    DeadlineState.MISSED: 'Mission {} has missed its deadline.'}

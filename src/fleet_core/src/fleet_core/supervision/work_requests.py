@@ -1,0 +1,64 @@
+"""Requests as the work file of the site lets them be made: templates, and types of steps."""
+from __future__ import annotations
+
+from collections import Counter
+from dataclasses import replace
+from typing import Iterable
+
+from fleet_core.supervision.mission_book import MissionBook
+from fleet_core.supervision.missions import Request, RequestRefused
+from fleet_core.work.site_work import SiteWork
+from fleet_core.work.stations import UnknownPlace, places_of
+from fleet_core.work.stops import WorkStop, dwells_of
+from fleet_core.work.templates import WrongArguments, check_arguments, filled
+from trajectory_graph import Graph
+
+
+class WorkRequests:
+    """Fills in the template of a request that is not a repeat.
+
+    The stops that result are stored. The work file is not asked again, so the mission stays as it
+    was accepted, whatever becomes of the file.
+    """
+
+    def __init__(self, work: SiteWork, graph: Graph, book: MissionBook) -> None:
+        self._work, self._graph, self._book = work, graph, book
+
+    def complete(self, request: Request) -> Request:
+        """The request with the stops of its template. Raises RequestRefused."""
+        if request.template:
+            request = self._filled(request)
+        self.check_types((*request.stops, *request.on_cancel))
+        return request
+
+    def check_types(self, stops: Iterable[WorkStop]) -> None:
+        """Raises RequestRefused for a type of step that the site does not have."""
+        types = self._work.step_types
+        for stop in stops:
+            for step in stop.steps:
+                if types and step.type not in types:
+                    raise RequestRefused(f'there is no step type {step.type[:40]!r}; there are: '
+                                         f'{", ".join(sorted(types))}')
+
+    def _filled(self, request: Request) -> Request:
+        template = self._work.templates.get(request.template)
+        if template is None:
+            raise RequestRefused(f'there is no template {request.template!r}; there are: '
+                                 f'{", ".join(self._work.templates) or "none"}')
+        try:
+            check_arguments(template, [name for name, _ in request.arguments])
+            arguments = dict(request.arguments)
+            stops = filled(template.stops, arguments, self._place)
+            on_cancel = filled(template.on_cancel, arguments, self._place)
+        except (UnknownPlace, WrongArguments) as wrong:
+            raise RequestRefused(str(wrong)) from None
+        return replace(request, destinations=tuple(stop.place for stop in stops),
+                       dwells=dwells_of(stops), stops=stops, on_cancel=on_cancel)
+
+    def _place(self, word: str) -> int:
+        """The place that a word names: of a group, one to which the fewest open missions go."""
+        places = places_of(word, self._work.stations, self._graph)
+        if len(places) == 1:
+            return places[0]
+        goals = Counter(place for mission in self._book.open for place in mission.left)
+        return min(places, key=lambda place: goals[place])

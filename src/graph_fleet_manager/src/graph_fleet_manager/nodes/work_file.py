@@ -1,0 +1,43 @@
+"""The work file of path_supervisor, which is read at the start and with each new graph."""
+from __future__ import annotations
+
+from typing import Optional
+
+import rospy
+
+from fleet_core.files.errors import FileError
+from fleet_core.files.work_file import load_work
+from fleet_core.work.site_work import SiteWork
+from node_lifecycle import parameter
+from trajectory_graph import Graph
+
+
+class WorkFile:
+    """Reads the file that ~work_file names.
+
+    trouble -- a clause that says why the file cannot be used; empty: it can
+    """
+
+    def __init__(self) -> None:
+        self._path: str = parameter('~work_file', '')
+        self.trouble = ''
+
+    def read(self, graph: Graph) -> Optional[SiteWork]:
+        """What the file says about the work at the site of a graph; None: it cannot be used.
+
+        Without its devices and stations robots must not drive. So the file is read again until a
+        person has mended it.
+        """
+        if not self._path:
+            return SiteWork()
+        try:
+            work = load_work(self._path, graph)
+        except FileError as error:
+            trouble = str(error).rstrip('.')
+            if trouble != self.trouble:
+                rospy.logerr('%s. The fleet manager does not begin before the file is mended; it '
+                             'is read again every few seconds.', trouble)
+            self.trouble = trouble
+            return None
+        self.trouble = ''
+        return work
