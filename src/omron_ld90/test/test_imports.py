@@ -97,8 +97,8 @@ FOLDERS = sorted(file.parent for file in SOURCES.glob('*/package.xml'))
 DEBIAN = {
     'PIL': 'pil', 'PyQt5': 'pyqt5', 'aiohttp': 'aiohttp', 'hypothesis': 'hypothesis',
     'jsonschema': 'jsonschema', 'networkx': 'networkx', 'numpy': 'numpy', 'paho': 'paho-mqtt',
-    'pytest': 'pytest', 'rospkg': 'rospkg', 'scipy': 'scipy', 'shapely': 'shapely',
-    'skimage': 'skimage', 'yaml': 'yaml'}
+    'pymodbus': 'pymodbus', 'pytest': 'pytest', 'rospkg': 'rospkg', 'scipy': 'scipy',
+    'shapely': 'shapely', 'skimage': 'skimage', 'yaml': 'yaml'}
 """By the module of a library: the name of its package in Debian, without `python3-`."""
 PARTS = {'yarl': 'aiohttp'}
 """By a module: the module of the library to which it belongs."""

@@ -45,7 +45,8 @@ LAYERS: Dict[str, Layer] = {
     'omron_arcl': layer('browser_guard', sockets='connection transport client listener'),
     'node_program': layer(),
     'xmlrpc_guard': layer('browser_guard', ros=True),
-    'node_lifecycle': layer('node_program xmlrpc_guard', ros=True, sockets='*'),
+    'node_lifecycle': layer(
+        'file_replacement node_program xmlrpc_guard', ros=True, sockets='*'),
     'node_host': layer('node_program', ros=True, sockets='*'),
     'graph_topic': layer('node_lifecycle trajectory_graph', ros=True),
     'rviz_drawing': layer('node_lifecycle trajectory_graph', ros=True),
@@ -56,7 +57,7 @@ LAYERS: Dict[str, Layer] = {
     'fleet_core.planning': layer('fleet_core fleet_core.geometry trajectory_graph'),
     'fleet_core.interlocking': layer(
         'fleet_core fleet_core.geometry route_protocol trajectory_graph'),
-    'fleet_core.work': layer('route_protocol'),
+    'fleet_core.work': layer('route_protocol trajectory_graph'),
     'fleet_core.supervision': layer(
         'fleet_core fleet_core.geometry fleet_core.interlocking fleet_core.planning '
         'fleet_core.work file_replacement json_records route_protocol trajectory_graph'),
@@ -102,6 +103,14 @@ LAYERS: Dict[str, Layer] = {
     'fleet_services': layer(
         'fleet_bringup fleet_core.files fleet_core.supervision trajectory_graph', ros=True),
     'fleet_services.nodes': layer('fleet_services node_lifecycle', ros=True, sockets='*'),
+    'fleet_devices': layer(),
+    'fleet_devices.core': layer('route_protocol'),
+    'fleet_devices.drivers': layer('fleet_core.work fleet_devices.core'),
+    'fleet_devices.commands': layer(
+        'graph_fleet_manager.commands route_protocol', ros=True),
+    'fleet_devices.nodes': layer(
+        'fleet_core.files fleet_core.work fleet_devices.core fleet_devices.drivers json_records '
+        'node_lifecycle omron_arcl route_protocol trajectory_graph', ros=True),
     # graphs
     'graph_editor': layer('file_replacement graph_editor.checking graph_editor.making omron_map '
                           'trajectory_graph'),
@@ -117,7 +126,7 @@ LAYERS: Dict[str, Layer] = {
         'omron_arcl omron_ld90 omron_map_converter route_protocol trajectory_graph'),
     'omron_ld90.operator': layer('omron_arcl omron_ld90 omron_map route_protocol'),
     'omron_ld90.nodes': layer(
-        'file_replacement fleet_requests graph_topic json_records node_lifecycle omron_arcl '
+        'fleet_requests graph_topic json_records node_lifecycle omron_arcl '
         'omron_ld90 omron_ld90.bridge omron_ld90.operator omron_map omron_map_converter '
         'route_protocol rviz_drawing trajectory_graph', ros=True),
     'omron_ld90_sim': layer('omron_ld90_sim.interface'),

@@ -8,7 +8,13 @@ from fleet_builders import corridor
 
 from fleet_core.files.errors import FileError
 from fleet_core.files.work_file import load_work
-from fleet_core.work.devices import Device, DeviceDriver, DeviceKind, ModbusAddress
+from fleet_core.work.devices import (
+    Device,
+    DeviceDriver,
+    DeviceKind,
+    ModbusAddress,
+    RobotAddress,
+)
 from fleet_core.work.site_work import SiteWork
 from fleet_core.work.stations import Station, StationKind
 from fleet_core.work.stops import (
@@ -47,6 +53,10 @@ from: "22:00", to: "04:00", days: 'fri-mon, wed', priority: 2}
 '''
 
 
+SHUTTER = '{name: shutter, kind: door, edges: [5], driver: ld90, robot: a, output: Out_1, ' \
+    'input: In-2, timeout: 5}'
+
+
 def read(tmp_path: Path, text: str) -> SiteWork:
     path = tmp_path / 'work.yaml'
     path.write_text(text)
@@ -83,6 +93,15 @@ def test_a_template_is_filled_with_arguments(tmp_path):
     assert (on_cancel.place, on_cancel.condition) == (4, Condition.LOADED)
 
 
+def test_a_device_has_the_address_that_its_driver_needs(tmp_path):
+    other = FILE.replace('is_open: 11', 'is_open: 11, port: 1502, unit: 4')
+    assert read(tmp_path, other).devices['gate'].address == ModbusAddress(
+        '10.0.0.40', 3, 11, 1502, 4)
+    assert read(tmp_path, f'devices: [{SHUTTER}]').devices['shutter'] == Device(
+        'shutter', DeviceKind.DOOR, (5,), 5.0, DeviceDriver.LD90,
+        RobotAddress('a', 'Out_1', 'In-2'))
+
+
 @pytest.mark.parametrize('text', ['stations: []', 'templates: []\ntimetables: []', '{}'])
 def test_each_part_may_be_missing_or_empty(tmp_path, text):
     assert read(tmp_path, text) == SiteWork()
@@ -115,6 +134,11 @@ def test_each_part_may_be_missing_or_empty(tmp_path, text):
     ('is_open: 11', 'is_open: 65536', 7, 'must be a number from 0 to 65535'),
     ('timeout: 5}', 'timeout: .inf}', 8, 'must be above 0'),
     ('edges: [4]', 'edges: []', 8, 'device lamp has no edges'),
+    ('is_open: 11', 'is_open: 11, unit: 256', 7, 'unit is 256, but must be a number from 0 to 255'),
+    ('is_open: 11', 'is_open: 11, robot: a', 7, 'has robot, but its driver is modbus'),
+    ('driver: simulated', 'driver: ld90, robot: a, output: b', 8, 'input is missing'),
+    ('driver: simulated', "driver: ld90, robot: a, output: 'b c', input: d", 8,
+     "output is 'b c', but must have 1 to 40 letters"),
     # templates
     ('parameters: [from, to, cart]', 'parameters: [from, to, cart, gone]', 11,
      "'gone' of template pallet is used nowhere"),

@@ -8,7 +8,7 @@ from typing import Any, Dict, List, Optional, Sequence, Tuple, Type
 import rospy
 from std_srvs.srv import Trigger
 
-from itrci_nav_msgs.msg import EdgeCommand, MissionCommand, MissionRequest
+from itrci_nav_msgs.msg import DeviceRequest, EdgeCommand, MissionCommand, MissionRequest
 from itrci_nav_msgs.srv import GetMissionStatus, GetMissionStatusResponse
 
 SILENCE = 10.0  # s without news of a mission after which its sender asks for the stored status
@@ -18,7 +18,9 @@ _TOPICS: Dict[Type[Any], Tuple[str, str]] = {
     MissionRequest: ('/mission_request', 'No program takes missions: is path_supervisor running?'),
     MissionCommand: ('/mission_command', 'No program takes commands: is path_supervisor running?'),
     EdgeCommand: ('/edge_command',
-                  'No program takes commands for edges: is graph_server running?')}
+                  'No program takes commands for edges: is graph_server running?'),
+    DeviceRequest: ('/device_request',
+                    'No program takes requests for devices: is fleet_devices running?')}
 
 
 class NotSent(Exception):
@@ -34,10 +36,10 @@ class ServiceRefused(Exception):
 
 
 class Sender:
-    """The topic for one kind of message: MissionRequest, MissionCommand or EdgeCommand."""
+    """The topic for one kind of message: one of those in `_TOPICS`."""
 
     def __init__(self, kind: Type[Any]) -> None:
-        self.topic, self._complaint = _TOPICS[kind]
+        self.topic, self.complaint = _TOPICS[kind]
         self._publisher = rospy.Publisher(self.topic, kind, queue_size=100)
 
     @property
@@ -48,8 +50,11 @@ class Sender:
     def send(self, message: Any) -> None:
         """Stamps a message with the present time, and sends it. Raises NotSent."""
         if not self.is_heard:
-            raise NotSent(self._complaint)
-        message.header.stamp = rospy.Time.now()
+            raise NotSent(self.complaint)
+        if isinstance(message, DeviceRequest):  # it has the fields of Open-RMF, so no header
+            message.request_time = rospy.Time.now()
+        else:
+            message.header.stamp = rospy.Time.now()
         self._publisher.publish(message)
 
     def repeat(self, message: Any) -> None:

@@ -66,3 +66,10 @@ class GoalWatch:
         elif self._server.statuses - self._since > STATUSES_WAITED:
             return _ON_ITS_WAY.get(state)
         return None
+
+
+def is_connected(client: ActionClient) -> bool:
+    """Returns whether all topics of the client are connected, so that no message is lost."""
+    return all(end.get_num_connections() > 0 for end in (
+        client.pub_goal, client.pub_cancel, client.status_sub, client.feedback_sub,
+        client.result_sub))

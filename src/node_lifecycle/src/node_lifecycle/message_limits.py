@@ -38,6 +38,8 @@ LIMITS: Dict[str, int] = {
     'itrci_nav_msgs/ClosedEdges': LIST,
     'itrci_nav_msgs/DeclareAbsentRequest': POINT,
     'itrci_nav_msgs/DeclareAbsentResponse': TEXT,
+    'itrci_nav_msgs/DeviceRequest': POINT,
+    'itrci_nav_msgs/DeviceState': TEXT,
     'itrci_nav_msgs/DockingPoints': LIST,
     'itrci_nav_msgs/EdgeCommand': LIST,
     'itrci_nav_msgs/ExecutionRouteStates': TEXT,

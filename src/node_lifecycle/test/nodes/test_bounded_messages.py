@@ -30,8 +30,8 @@ TOPIC = '/topic'
 SHARES = (0.5, 1, 10)
 PIECE = 2 ** 16  # bytes that a socket delivers at once
 #: Passed on as values, but only as parts of messages, or to be published.
-NOT_RECEIVED = {'itrci_nav_msgs/Edge', 'itrci_nav_msgs/EdgeState', 'itrci_nav_msgs/StepParameter',
-                'itrci_nav_msgs/StepState', 'itrci_nav_msgs/Vertex',
+NOT_RECEIVED = {'itrci_nav_msgs/DeviceUse', 'itrci_nav_msgs/Edge', 'itrci_nav_msgs/EdgeState',
+                'itrci_nav_msgs/StepParameter', 'itrci_nav_msgs/StepState', 'itrci_nav_msgs/Vertex',
                 'omron_ld90_msgs/LastCommand',
                 'nav_msgs/MapMetaData', 'visualization_msgs/Marker',
                 'visualization_msgs/MarkerArray'}

@@ -32,7 +32,6 @@ from typing import (
     FrozenSet,
     List,
     Mapping,
-    Optional,
     Sequence,
     Set,
     Tuple,
@@ -54,10 +53,12 @@ from fleet_core.files.strict_fields import (
 )
 from fleet_core.work.devices import (
     LAST_ADDRESS,
+    LAST_UNIT,
     Device,
     DeviceDriver,
     DeviceKind,
     ModbusAddress,
+    RobotAddress,
 )
 from fleet_core.work.site_work import SiteWork
 from fleet_core.work.stations import Station, StationKind, places_of
@@ -76,13 +77,16 @@ from trajectory_graph.strict_yaml import Field, WrongYaml
 
 _FILE = ('step_types', 'stations', 'devices', 'templates', 'timetables')
 _STATION = ('name', 'places', 'queue', 'capacity', 'kind')
-_MODBUS = ('host', 'port', 'open_coil', 'is_open')
-_DEVICE = ('name', 'kind', 'edges', 'timeout', 'driver', *_MODBUS)
+_ADDRESS = {DeviceDriver.MODBUS: ('host', 'port', 'unit', 'open_coil', 'is_open'),
+            DeviceDriver.LD90: ('robot', 'output', 'input')}
+_DEVICE = ('name', 'kind', 'edges', 'timeout', 'driver', *(
+    key for keys in _ADDRESS.values() for key in keys))
 _TEMPLATE = ('name', 'parameters', 'stops', 'on_cancel')
 _TIMETABLE = ('name', 'template', 'arguments', 'every', 'from', 'to', 'days', 'priority')
 _DAYS = ('mon', 'tue', 'wed', 'thu', 'fri', 'sat', 'sun')
 _MINUTES = {'min': 1, 'h': 60}
 _NAME = re.compile(r'[A-Za-z]\w*', re.ASCII)
+_ROBOTS_NAME = re.compile('[A-Za-z0-9_-]{1,40}')
 
 
 def load_work(path: Union[str, os.PathLike], graph: Graph) -> SiteWork:
@@ -184,30 +188,53 @@ def _device(graph: Graph, name: str, node: yaml.Node, fields: Dict[str, yaml.Nod
     driver = word(fields, 'driver', DeviceDriver, DeviceDriver.SIMULATED)
     return Device(name, word(fields, 'kind', DeviceKind, DeviceKind.DOOR), edges,
                   _timeout(('timeout', fields['timeout'])), driver,
-                  _modbus(name, driver, node, fields))
+                  _device_address(name, driver, node, fields))
 
 
-def _modbus(name: str, driver: DeviceDriver, node: yaml.Node, fields: Dict[str, yaml.Node],
-            ) -> Optional[ModbusAddress]:
-    if driver is not DeviceDriver.MODBUS:
-        for key in _MODBUS:
-            if key in fields:
+def _device_address(name: str, driver: DeviceDriver, node: yaml.Node,
+                    fields: Dict[str, yaml.Node]) -> Union[ModbusAddress, RobotAddress, None]:
+    """The address of a device. Raises WrongYaml for a key of another driver."""
+    for other, keys in _ADDRESS.items():
+        for key in keys:
+            if key in fields and other is not driver:
                 raise WrongYaml(f'device {name} has {key}, but its driver is '
                                 f'{driver.name.lower()}', fields[key])
-        return None
+    if driver is DeviceDriver.MODBUS:
+        return _modbus_address(node, fields)
+    if driver is DeviceDriver.LD90:
+        return _robot_address(node, fields)
+    return None
+
+
+def _modbus_address(node: yaml.Node, fields: Dict[str, yaml.Node]) -> ModbusAddress:
     strict_yaml.require(fields, ('host', 'open_coil', 'is_open'), node)
     host = strict_yaml.text(('host', fields['host']))
     if not host.strip() or not host.isprintable():
         raise WrongYaml(f'host is {host!r}, but must be the name or address of a computer',
                         fields['host'])
-    return ModbusAddress(host, _address(fields, 'open_coil', 0), _address(fields, 'is_open', 0),
-                         _address(fields, 'port', 1) if 'port' in fields else ModbusAddress.port)
+    return ModbusAddress(
+        host, _number(fields, 'open_coil', 0), _number(fields, 'is_open', 0),
+        _number(fields, 'port', 1) if 'port' in fields else ModbusAddress.port,
+        _number(fields, 'unit', 0, LAST_UNIT) if 'unit' in fields else ModbusAddress.unit)
 
 
-def _address(fields: Dict[str, yaml.Node], key: str, least: int) -> int:
+def _robot_address(node: yaml.Node, fields: Dict[str, yaml.Node]) -> RobotAddress:
+    """The names of a robot, an output and an input; they become part of a command."""
+    strict_yaml.require(fields, ('robot', 'output', 'input'), node)
+
+    def name(key: str) -> str:
+        text = strict_yaml.text((key, fields[key]))
+        if not _ROBOTS_NAME.fullmatch(text):
+            raise WrongYaml(f'{key} is {text!r}, but must have 1 to 40 letters, digits, _ and -',
+                            fields[key])
+        return text
+    return RobotAddress(name('robot'), name('output'), name('input'))
+
+
+def _number(fields: Dict[str, yaml.Node], key: str, least: int, most: int = LAST_ADDRESS) -> int:
     value = strict_yaml.whole((key, fields[key]))
-    if not least <= value <= LAST_ADDRESS:
-        raise WrongYaml(f'{key} is {value}, but must be a number from {least} to {LAST_ADDRESS}',
+    if not least <= value <= most:
+        raise WrongYaml(f'{key} is {value}, but must be a number from {least} to {most}',
                         fields[key])
     return value
 

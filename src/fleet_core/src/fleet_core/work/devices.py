@@ -3,9 +3,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import Enum
-from typing import Optional, Tuple
+from typing import Tuple, Union
 
 LAST_ADDRESS = 65535   # of a coil or an input of Modbus, and of a port
+LAST_UNIT = 255        # of Modbus
 
 
 class DeviceKind(Enum):
@@ -21,6 +22,7 @@ class DeviceDriver(Enum):
 
     SIMULATED = 'simulated'
     MODBUS = 'modbus'   # Modbus TCP
+    LD90 = 'ld90'       # an output and an input of an LD-90
 
 
 @dataclass(frozen=True)
@@ -29,12 +31,26 @@ class ModbusAddress:
 
     open_coil -- the coil that opens it
     is_open   -- the discrete input that says that it is open
+    unit      -- the device behind a gateway
     """
 
     host: str
     open_coil: int
     is_open: int
     port: int = 502
+    unit: int = 1
+
+
+@dataclass(frozen=True)
+class RobotAddress:
+    """The output of a robot that opens a device, and its input that says that it is open.
+
+    robot -- the namespace of its nodes
+    """
+
+    robot: str
+    output: str
+    input: str
 
 
 @dataclass(frozen=True)
@@ -44,7 +60,7 @@ class Device:
     edges   -- numbers of edges, in both directions: no robot is let onto them while the device is
                not known to be open
     timeout -- s that it may take to do what it was asked for
-    modbus  -- its address; None: its driver is not MODBUS
+    address -- where its driver reaches it; None: it is SIMULATED
     """
 
     name: str
@@ -52,4 +68,4 @@ class Device:
     edges: Tuple[int, ...]
     timeout: float
     driver: DeviceDriver = DeviceDriver.SIMULATED
-    modbus: Optional[ModbusAddress] = None
+    address: Union[ModbusAddress, RobotAddress, None] = None

@@ -132,9 +132,8 @@ def connected_sender(kind: Type[Any]) -> Sender:
     deadline = time.monotonic() + PATIENCE
     while not sender.is_heard:
         if time.monotonic() > deadline:
-            raise CommandProblem(name_problem(rosgraph.network.get_host_name()) or (
-                f'No node listens to {sender.topic}: is the fleet manager running? Start it with '
-                'fleet_manager.launch.'))
+            raise CommandProblem(name_problem(rosgraph.network.get_host_name())
+                                 or sender.complaint)
         time.sleep(0.02)
     return sender
 

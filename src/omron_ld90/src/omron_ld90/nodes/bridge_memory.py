@@ -20,10 +20,10 @@ from typing import Any, Dict, List, NamedTuple, Optional, Tuple
 import rospy
 
 from json_records import from_json, to_json
+from node_lifecycle.kept_files import hold, in_ros_home, replace_json
 from node_lifecycle.worker import start_worker
 from omron_ld90.bridge.events import BridgeMemory
 from omron_ld90.nodes.support.boot_clock import Moment
-from omron_ld90.nodes.support.kept_files import hold, in_ros_home, replace_json
 
 PARAMETER = '~route_record'
 REFRESHED = 5.0     # s after which an unchanged record is written again

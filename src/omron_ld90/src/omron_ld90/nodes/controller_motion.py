@@ -11,8 +11,8 @@ import rospy
 
 from json_records import from_json, to_json
 from node_lifecycle import warn
+from node_lifecycle.kept_files import hold, in_ros_home, replace_json
 from omron_arcl.records import DriveMemory, RobotMotion
-from omron_ld90.nodes.support.kept_files import hold, in_ros_home, replace_json
 from omron_ld90_msgs import msg
 
 

@@ -8,7 +8,7 @@ from typing import Any, Callable, Dict, Optional
 
 from actionlib import ActionClient, ClientGoalHandle, CommState, GoalStatus
 
-from node_lifecycle.lost_goals import GoalWatch, Loss, ServerWatch
+from node_lifecycle.lost_goals import GoalWatch, Loss, ServerWatch, is_connected
 
 PATIENCE = 5.0  # s that a goal waits for its server, because the server may still be starting
 _LOSSES = {
@@ -111,10 +111,3 @@ class ActionGoals:
                 return
         printable = ''.join(char if char.isprintable() else ' ' for char in text)
         self._on_end(name, succeeded, printable[:300])
-
-
-def is_connected(client: ActionClient) -> bool:
-    """Returns whether all topics of the client are connected, so that no message is lost."""
-    return all(end.get_num_connections() > 0 for end in (
-        client.pub_goal, client.pub_cancel, client.status_sub, client.feedback_sub,
-        client.result_sub))

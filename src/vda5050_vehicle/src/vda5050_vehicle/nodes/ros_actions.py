@@ -7,8 +7,9 @@ import actionlib
 import roslib.message
 
 from node_lifecycle import ConfigurationError
+from node_lifecycle.lost_goals import is_connected
 from vda5050_vehicle.core.action_table import ActionCall, ActionSpec, ActionTable
-from vda5050_vehicle.nodes.action_goals import ActionGoals, OnEnd, is_connected
+from vda5050_vehicle.nodes.action_goals import ActionGoals, OnEnd
 
 
 def check_types(table: ActionTable) -> None:

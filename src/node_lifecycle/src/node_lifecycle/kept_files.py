@@ -10,7 +10,7 @@ from typing import Any
 import rospkg
 
 from file_replacement import replace_file
-from node_lifecycle import ConfigurationError
+from node_lifecycle.parameters import ConfigurationError
 
 PATIENCE = 4.0  # s in which the node that this one replaces must have ended
 
@@ -52,11 +52,11 @@ def _lock(descriptor: int, given_up: threading.Event) -> None:
         os.close(descriptor)
 
 
-def replace_json(path: str, content: Any) -> None:
+def replace_json(path: str, content: Any, on_disk: bool = False) -> None:
     """Writes a file such that it is complete at any time; raises OSError.
 
-    The file is not forced to the disk: it must outlive the process only, and the node must not wait
-    for a disk.
+    on_disk -- True: it survives a power cut. False: it outlives the process only, and the node does
+               not wait for a disk
     """
     os.makedirs(os.path.dirname(os.path.abspath(path)), exist_ok=True)
-    replace_file(path, json.dumps(content), on_disk=False)
+    replace_file(path, json.dumps(content), on_disk=on_disk)

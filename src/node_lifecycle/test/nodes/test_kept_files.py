@@ -6,13 +6,12 @@ import sys
 
 import pytest
 
-from node_lifecycle import ConfigurationError
-from omron_ld90.nodes.support import kept_files
-from omron_ld90.nodes.support.kept_files import hold
+from node_lifecycle import ConfigurationError, kept_files
+from node_lifecycle.kept_files import hold
 
 HOLDER = """
 import sys
-from omron_ld90.nodes.support.kept_files import hold
+from node_lifecycle.kept_files import hold
 hold(sys.argv[1], '~motion_file')
 print('held', flush=True)
 sys.stdin.read()

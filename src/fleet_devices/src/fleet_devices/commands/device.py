@@ -1,0 +1,178 @@
+"""The command `device`: lists the doors, lights and other devices, opens them, gives them back.
+
+    device list [--json]
+    device open gate_north
+    device release gate_north [--of REQUESTER]
+
+A person is a requester like any other: a device that a person has opened stays open until that
+person gives it back, also if robots have passed since.
+
+Exit status 0: done; 1: wrong input, or fleet_devices does not run; 2: not taken.
+"""
+from __future__ import annotations
+
+import time
+from typing import Any, Dict, List, Optional, Sequence
+
+from graph_fleet_manager.commands.command_line import NOT_DONE, OK, CommandProblem, Parser
+from graph_fleet_manager.commands.fleet_client import (
+    PATIENCE,
+    TopicListener,
+    connect,
+    first_answer,
+    first_message,
+    requested_by,
+    run,
+)
+from graph_fleet_manager.commands.tables import as_json, offer_json, table_with_notes
+from itrci_nav_msgs.msg import DeviceRequest, DeviceState
+from route_protocol.device_messages import (
+    LONGEST_NAME,
+    WrongDeviceMessage,
+    device_report_of,
+    fill_device_request,
+)
+from route_protocol.devices import UNKNOWN_REQUESTER, DeviceMode, DeviceReport, DeviceUse
+from route_protocol.devices import DeviceRequest as Request
+from route_protocol.vehicle import milliseconds
+
+ALL_REPORTS = 1.5  # s within which each device is reported
+_MODES = {'open': DeviceMode.OPEN, 'release': DeviceMode.CLOSED}
+
+
+def main(arguments: Optional[Sequence[str]] = None) -> int:
+    """Runs the command; returns its exit status."""
+    return run('device', _device, arguments)
+
+
+def _device(arguments: List[str]) -> int:
+    parser = Parser('device', description='Lists the doors, lights and other devices of a site, '
+                    'opens them, and gives them back.')
+    commands = parser.add_subparsers(dest='command', metavar='COMMAND')
+    commands.required = True
+    offer_json(commands.add_parser('list', help='what each device shows, and its holders'))
+    asks = commands.add_parser('open', help='holds a device open until you give it back')
+    gives = commands.add_parser('release', help='gives a device back; it closes when it has no '
+                                                'other holder')
+    for one in (asks, gives):
+        one.add_argument('name', help='name of the device')
+    gives.add_argument('--of', metavar='REQUESTER', help='gives it back for a requester that '
+                       f'cannot; "{UNKNOWN_REQUESTER}" if the memory was lost. Look first: no '
+                       'robot and no person may be in it')
+    options = parser.parse_args(arguments)
+    connect('device_command')
+    states = TopicListener('/device_states', DeviceState)
+    if options.command == 'list':
+        return _list(states, options.json)
+    requester = getattr(options, 'of', None) or requested_by('device')[:LONGEST_NAME]
+    return _ask(states, options.name, requester, _MODES[options.command])
+
+
+# -- asking ---------------------------------------------------------------------------------------
+
+
+def _ask(states: TopicListener, name: str, requester: str, mode: DeviceMode) -> int:
+    known = first_message(states, lambda message: message.device_name == name, PATIENCE)
+    if known is None:
+        raise CommandProblem(f'No device {name} is reported: see device list. Is fleet_devices '
+                             'running?')
+    use = _report(known).use_of(requester)
+    request = Request(requester, name, mode, number_after(use))
+    shown: List[DeviceReport] = []
+
+    def is_answer(message: DeviceState) -> bool:
+        if message.device_name == name:
+            shown.append(_report(message))
+        return bool(shown) and is_taken(shown[-1], request)
+    if first_answer(fill_device_request(DeviceRequest(), request), states, is_answer) is None:
+        raise CommandProblem(f'fleet_devices did not take the request; its log says why. Device '
+                             f'{name} is {known_mode(shown, known)}.', NOT_DONE)
+    print(answer(shown[-1], request))
+    return OK
+
+
+def number_after(use: Optional[DeviceUse]) -> int:
+    """The number of the next request of a requester, above its last one, also of another clock."""
+    return max(milliseconds(), use.number + 1 if use is not None else 0)
+
+
+def is_taken(report: DeviceReport, request: Request) -> bool:
+    """Does a report show that a request was taken? What was lost is not shown when it is back."""
+    if request.requester == UNKNOWN_REQUESTER:
+        return report.use_of(UNKNOWN_REQUESTER) is None
+    return report.shows(request)
+
+
+def answer(report: DeviceReport, request: Request) -> str:
+    """What has come of a request, as a sentence."""
+    holders = [use.requester for use in report.obeyed if use.holds]
+    if request.mode is DeviceMode.OPEN:
+        return (f'Device {report.device} is held open for {request.requester}; it is '
+                f'{report.mode.name}.')
+    if holders:
+        return (f'Device {report.device} is given back. It stays open for {", ".join(holders)}.')
+    return f'Device {report.device} is given back, and closes. It is {report.mode.name}.'
+
+
+def known_mode(shown: List[DeviceReport], known: DeviceState) -> str:
+    """The last mode that was reported."""
+    return (shown[-1] if shown else _report(known)).mode.name
+
+
+def _report(message: DeviceState) -> DeviceReport:
+    try:
+        return device_report_of(message)
+    except WrongDeviceMessage as wrong:
+        raise CommandProblem(f'fleet_devices reports what this version does not know: {wrong}.'
+                             ) from None
+
+
+# -- listing --------------------------------------------------------------------------------------
+
+
+def _list(states: TopicListener, is_json: bool) -> int:
+    until = time.monotonic() + PATIENCE
+    latest: Dict[str, DeviceReport] = {}
+    while time.monotonic() < until:
+        states.wait(until - time.monotonic())
+        for message in states.unread():
+            if not latest:
+                until = min(until, time.monotonic() + ALL_REPORTS)
+            report = _report(message)
+            if report.is_newer_than(latest.get(report.device)):
+                latest[report.device] = report
+    if not latest:
+        raise CommandProblem('No device is reported: is fleet_devices running, and does its work '
+                             'file have devices?')
+    reports = [latest[name] for name in sorted(latest)]
+    now = time.time()
+    print(as_json({'devices': [values(report) for report in reports]}) if is_json
+          else listed(reports, now))
+    return OK
+
+
+def listed(reports: Sequence[DeviceReport], now: float) -> str:
+    """The devices as a table; below each one what is wrong with it."""
+    rows = [(report.device, report.mode.name, age(report.since, now),
+             'never' if report.read_at is None else age(report.read_at, now),
+             ', '.join(f'{use.requester} ({age(use.since, now)})' if use.since
+                       else use.requester for use in report.obeyed if use.holds) or '-')
+            for report in reports]
+    return table_with_notes(('device', 'shows', 'for', 'read', 'held by (for)'), rows,
+                            [report.reason for report in reports])
+
+
+def age(since: float, now: float) -> str:
+    """How long ago something was, for people."""
+    seconds = max(now - since, 0.0)
+    if seconds < 120:
+        return f'{seconds:.0f} s'
+    return f'{seconds / 60:.0f} min' if seconds < 7200 else f'{seconds / 3600:.0f} h'
+
+
+def values(report: DeviceReport) -> Dict[str, Any]:
+    """A report as values for JSON."""
+    return {'device': report.device, 'shows': report.mode.name, 'since': report.since,
+            'read': report.read_at, 'fault': report.fault.name, 'reason': report.reason or None,
+            'obeyed': [{'requester': use.requester, 'mode': use.mode.name, 'number': use.number,
+                      'since': use.since or None} for use in report.obeyed]}

@@ -1,0 +1,325 @@
+"""One device: its holders, what it shows, and what its output must be.
+
+State: the newest request of each requester (`obeyed`), whether a holder may be unknown
+(`is_memory_lost`), whether the device is closing, and what its last readings were. The stage
+follows:
+
+    | stage   | is it held?                        | output        |
+    |---------|------------------------------------|---------------|
+    | HELD    | yes, by a requester                | on            |
+    | FOUND   | perhaps: the memory is lost        | as it is      |
+    | CLOSING | no, and a claim was given back     | off           |
+    | LEFT    | no                                 | as it is      |
+
+    | event                             | in      | then                                           |
+    |-----------------------------------|---------|------------------------------------------------|
+    | start with the memory             |         | HELD if a requester holds it, else LEFT        |
+    | start without it                  |         | FOUND                                          |
+    | OPEN with a new number            | any     | HELD                                           |
+    | CLOSED, others hold it            | HELD    | HELD                                           |
+    | CLOSED, no other holds it         | any     | CLOSING; FOUND if the memory is lost           |
+    | CLOSED of `unknown`               | FOUND   | CLOSING                                        |
+    | reads closed `STEADY` times       | CLOSING | LEFT                                           |
+    | reads closed `STEADY` times       | any     | the memory is not lost any more: a device that |
+    |                                   |         | is closed has no robot in it                   |
+    | a number that is not new          | any     | the same: it is a repetition                   |
+
+The device is read by *exchanges*, one after the other; an exchange also sets the output if it does
+not read as it must. So a device that lies, that another program switches, or that has lost its
+power is opened again. Neither time nor the silence of a requester ends a use: a requester that has
+died holds the device until it, or a person, gives it back.
+
+    | readings                                                        | mode                       |
+    |-----------------------------------------------------------------|----------------------------|
+    | none yet                                                        | UNKNOWN                    |
+    | none for `offline_after`                                        | OFFLINE (NOT_READ)         |
+    | `STEADY` times output and input alike, as the stage wants it    | OPEN or CLOSED             |
+    | anything else                                                   | MOVING                     |
+    | anything else for longer than the device's timeout              | UNKNOWN (TIMED_OUT)        |
+
+Invariants (`test_device_states.py` searches all states, and finds each rule that is left out):
+
+NEVER CLOSES ON A HOLDER  the output is set to off only while no requester holds the device, and
+                          only after a claim was given back since the start
+OPEN IS NEW     a report that says OPEN shows only requests that were taken before an exchange with
+                a reading began, and the last `STEADY` readings were open, the last of them not
+                older than `offline_after`
+NUMBERS GROW    the number of a requester's newest request never falls, over restarts with the
+                memory too
+HELD IS OPENED  while a requester holds the device, each exchange sets the output unless it reads on
+LIVE            a device that works again becomes OPEN for its holder, and CLOSED if the last claim
+                was given back
+"""
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from enum import Enum
+from typing import Any, NamedTuple, Optional, Tuple
+
+from route_protocol.devices import (
+    UNKNOWN_REQUESTER,
+    DeviceFault,
+    DeviceMode,
+    DeviceReport,
+    DeviceRequest,
+    DeviceUse,
+)
+
+STEADY = 2          # readings alike before they are believed: an input that flaps opens nothing
+MOST_HOLDERS = 100  # requesters that may hold one device
+KEPT = 50           # requesters that hold nothing whose last numbers are kept
+
+_SETTLED = {True: DeviceMode.OPEN, False: DeviceMode.CLOSED}
+
+
+class DeviceLimits(NamedTuple):
+    """Times of a device (s).
+
+    timeout       -- that it may take to open or to close
+    offline_after -- without a reading after which it is OFFLINE
+    """
+
+    timeout: float
+    offline_after: float
+
+
+class Reading(NamedTuple):
+    """What a device showed: is its output on, and does its input say that it is open?"""
+
+    output: bool
+    is_open: bool
+
+
+@dataclass(frozen=True)
+class DeviceMemory:
+    """What outlives a restart. `is_lost`: there may be a holder that is not among `obeyed`."""
+
+    obeyed: Tuple[DeviceUse, ...] = ()
+    is_lost: bool = False
+
+
+LOST = DeviceMemory(is_lost=True)
+
+
+class Exchange(NamedTuple):
+    """What a driver has to do: to set the output (None: leaves it as it is), then to read."""
+
+    number: int
+    output: Optional[bool]
+
+
+class Stage(Enum):
+    """What is known of the holders of a device."""
+
+    HELD = 'held open'
+    FOUND = 'perhaps held: the memory is lost'
+    CLOSING = 'given back'
+    LEFT = 'without a holder'
+
+
+_OUTPUT = {Stage.HELD: True, Stage.FOUND: None, Stage.CLOSING: False, Stage.LEFT: None}
+
+
+@dataclass(frozen=True)
+class Taken:
+    """A use, with the number of exchanges that had begun when it was taken."""
+
+    use: DeviceUse
+    begun: int
+
+
+@dataclass(frozen=True)
+class DeviceMachine:
+    """See the module's text. `now` is in s of a clock that never steps back.
+
+    begun       -- number of exchanges that have begun
+    is_awaited  -- the last of them has not ended
+    read        -- number of the last exchange that had a reading; 0: none
+    read_at     -- when it began
+    output      -- what the output read then; None: it must be set again
+    settled     -- the last reading: True: open, False: closed, None: neither
+    alike       -- number of readings in a row that were so, at most STEADY
+    stage_from  -- number of exchanges that had begun when the stage began: they do not count
+    moving_from -- since when the device is not as it must be
+    mode, since -- what the device shows, and since when
+    problem     -- why the last exchange had no reading; empty: it had one
+    """
+
+    limits: DeviceLimits
+    since: float
+    obeyed: Tuple[Taken, ...] = ()
+    is_memory_lost: bool = False
+    is_closing: bool = False
+    begun: int = 0
+    is_awaited: bool = False
+    begun_at: float = 0.0
+    read: int = 0
+    read_at: Optional[float] = None
+    output: Optional[bool] = None
+    settled: Optional[bool] = None
+    alike: int = 0
+    stage_from: int = 0
+    moving_from: float = 0.0
+    mode: DeviceMode = DeviceMode.UNKNOWN
+    fault: DeviceFault = DeviceFault.NONE
+    problem: str = ''
+
+    @classmethod
+    def start(cls, limits: DeviceLimits, memory: DeviceMemory, now: float) -> DeviceMachine:
+        """The device after a start with what was stored, or with LOST."""
+        return cls(limits, now, tuple(Taken(use, 0) for use in memory.obeyed),
+                   is_memory_lost=memory.is_lost, moving_from=now)
+
+    @property
+    def stage(self) -> Stage:
+        """What is known of its holders."""
+        if any(taken.use.holds for taken in self.obeyed):
+            return Stage.HELD
+        if self.is_memory_lost:
+            return Stage.FOUND
+        return Stage.CLOSING if self.is_closing else Stage.LEFT
+
+    @property
+    def memory(self) -> DeviceMemory:
+        """What must be stored before anything else happens."""
+        return DeviceMemory(tuple(taken.use for taken in self.obeyed), self.is_memory_lost)
+
+    @property
+    def is_urgent(self) -> bool:
+        """Does the device answer, and was a use taken after the last reading began?"""
+        return not self.problem and not all(map(self._is_read, self.obeyed))
+
+    def refusal(self, request: DeviceRequest) -> str:
+        """Why a request cannot be taken, as a clause; empty: it can."""
+        others = sum(one.use.holds for one in self.obeyed if one.use.requester != request.requester)
+        if request.mode is DeviceMode.OPEN and others >= MOST_HOLDERS:
+            return f'{MOST_HOLDERS} others hold it already'
+        return ''
+
+    # --- events -----------------------------------------------------------------------------------
+
+    def ask(self, request: DeviceRequest, now: float, stamp: float) -> DeviceMachine:
+        """A request has come. `stamp`: the time for its use. The same device: it changes nothing.
+
+        Nothing may be done, and nothing reported, before `memory` is stored.
+        """
+        if request.requester == UNKNOWN_REQUESTER:
+            return self._with(now, is_memory_lost=False, is_closing=True) if (
+                self.is_memory_lost and request.mode is DeviceMode.CLOSED) else self
+        before = next((taken.use for taken in self.obeyed
+                       if taken.use.requester == request.requester), None)
+        if self.refusal(request) or before is not None and not self._is_new(request, before):
+            return self
+        use = DeviceUse(request.requester, request.mode, request.number, stamp)
+        others = tuple(taken for taken in self.obeyed if taken.use is not before)
+        return self._with(now, obeyed=_kept((*others, Taken(use, self.begun))),
+                          is_closing=not use.holds)
+
+    def begin(self, now: float) -> Tuple[DeviceMachine, Exchange]:
+        """An exchange begins; none may be awaited."""
+        wanted = _OUTPUT[self.stage]
+        number = self.begun + 1
+        return (replace(self, begun=number, begun_at=now, is_awaited=True),
+                Exchange(number, None if wanted == self.output else wanted))
+
+    def end(self, reading: Optional[Reading], problem: str, now: float) -> DeviceMachine:
+        """The exchange has ended. `reading`: None: it had none, because of `problem`.
+
+        An exchange without a reading may still have an effect, so the output must be set again.
+        """
+        if reading is None:
+            return replace(self, is_awaited=False, output=None, problem=problem).tick(now)
+        settled = reading.is_open if reading.is_open == reading.output else None
+        alike = min(self.alike + 1, STEADY) if self._goes_on(settled) else 1
+        if self.begun <= self.stage_from:
+            alike = 0
+        return replace(self, is_awaited=False, read=self.begun, read_at=self.begun_at,
+                       output=reading.output, settled=settled, alike=alike, problem='').tick(now)
+
+    def tick(self, now: float) -> DeviceMachine:
+        """Time has passed: what the device shows now."""
+        mode, fault = self._shown(now)
+        after = self
+        if mode is DeviceMode.OFFLINE:  # what was read before does not count any more
+            after = replace(after, alike=0, output=None)
+        elif self._is_steady() and self.settled is False:
+            after = replace(after, is_closing=False, is_memory_lost=False)
+        if mode is DeviceMode.MOVING and self.mode is not DeviceMode.MOVING:
+            after = replace(after, moving_from=now)
+        if (mode, fault) != (self.mode, self.fault):
+            after = replace(after, mode=mode, fault=fault, since=now)
+        return after
+
+    # --- what it shows ----------------------------------------------------------------------------
+
+    def report(self, name: str) -> DeviceReport:
+        """What is said of the device, without run and count."""
+        shown = [taken for taken in self.obeyed
+                 if self.mode is not DeviceMode.OPEN or self._is_read(taken)]
+        obeyed = tuple(taken.use for taken in shown)
+        if self.is_memory_lost:
+            obeyed += (DeviceUse(UNKNOWN_REQUESTER, DeviceMode.OPEN, 0, 0.0),)
+        return DeviceReport(name, self.mode, self.since, self.read_at, obeyed, self.fault,
+                            self._reason())
+
+    def _reason(self) -> str:
+        if self.fault is DeviceFault.NOT_READ:
+            return self.problem or 'it does not answer'
+        if self.fault is DeviceFault.NONE:
+            return ''
+        wanted = _OUTPUT[self.stage]
+        aim = 'come to rest' if wanted is None else ('open' if wanted else 'close')
+        return f'it does not {aim} within {self.limits.timeout:g} s: {self._readings()}'
+
+    def _readings(self) -> str:
+        if self.alike < STEADY:
+            return 'its readings change'
+        if self.settled is not None:
+            return f'it reads {"open" if self.settled else "closed"}'
+        return ('its output is on, and it does not read open' if self.output else
+                'its output is off, and it reads open')
+
+    def _shown(self, now: float) -> Tuple[DeviceMode, DeviceFault]:
+        last = self.since if self.read_at is None else self.read_at
+        if now - last > self.limits.offline_after:
+            return DeviceMode.OFFLINE, DeviceFault.NOT_READ
+        if self.read_at is None:
+            return self.mode, self.fault
+        if self._is_steady() and _OUTPUT[self.stage] in (None, self.settled):
+            assert self.settled is not None
+            return _SETTLED[self.settled], DeviceFault.NONE
+        late = self.mode in (DeviceMode.MOVING, DeviceMode.UNKNOWN)
+        if late and now - self.moving_from > self.limits.timeout:
+            return DeviceMode.UNKNOWN, DeviceFault.TIMED_OUT
+        return DeviceMode.MOVING, DeviceFault.NONE
+
+    # --- rules ------------------------------------------------------------------------------------
+
+    @staticmethod
+    def _is_new(request: DeviceRequest, use: DeviceUse) -> bool:
+        return request.number > use.number
+
+    def _is_read(self, taken: Taken) -> bool:
+        """Did an exchange with a reading begin after the use was taken?"""
+        return self.read > taken.begun
+
+    def _goes_on(self, settled: Optional[bool]) -> bool:
+        """Does a reading continue the ones before it?"""
+        return self.alike > 0 and settled == self.settled
+
+    def _is_steady(self) -> bool:
+        return self.settled is not None and self.alike >= STEADY
+
+    def _with(self, now: float, **changes: Any) -> DeviceMachine:
+        """The device after a change. In a new stage its time begins, and it must be read anew."""
+        after = replace(self, **changes)
+        if after.stage is not self.stage:
+            after = replace(after, moving_from=now, alike=0, stage_from=self.begun)
+        return after.tick(now)
+
+
+def _kept(obeyed: Tuple[Taken, ...]) -> Tuple[Taken, ...]:
+    """All requests that hold the device, and the last ones that do not."""
+    ended = [taken for taken in obeyed if not taken.use.holds]
+    forgotten = ended[:-KEPT]
+    return tuple(taken for taken in obeyed if taken not in forgotten)

@@ -1,0 +1,152 @@
+"""All devices of a site: what is stored, which exchanges are due, and what is reported."""
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from typing import Callable, Dict, List, Mapping, NamedTuple, Optional, Tuple
+
+from fleet_devices.core.device import (
+    LOST,
+    DeviceLimits,
+    DeviceMachine,
+    DeviceMemory,
+    Exchange,
+    Reading,
+)
+from route_protocol.devices import DeviceReport, DeviceRequest
+
+REPORT_PERIOD = 0.5  # s between two reports of a device that does not change
+
+
+@dataclass(frozen=True)
+class StoredDevices:
+    """What outlives a restart. `run`: the number of the run that has stored it."""
+
+    run: int = 0
+    devices: Mapping[str, DeviceMemory] = field(default_factory=dict)
+
+
+class Periods(NamedTuple):
+    """Times (s).
+
+    exchange -- between the beginnings of two exchanges with a device
+    report   -- between two reports of a device that does not change
+    """
+
+    exchange: float
+    report: float = REPORT_PERIOD
+
+
+class _Told(NamedTuple):
+    """The last report of a device, and when it was made; `device` shows the same."""
+
+    device: DeviceMachine
+    report: DeviceReport
+    at: float
+
+
+class Devices:
+    """The devices by their names. `now` is in s of a clock that never steps back.
+
+    memory -- what was stored; a device that is not in it has lost its memory
+    store  -- stores a new memory; raises OSError if it cannot
+    least_run -- the number of this run is at least this
+    """
+
+    def __init__(self, limits: Mapping[str, DeviceLimits], memory: StoredDevices,
+                 store: Callable[[StoredDevices], None], least_run: int, periods: Periods,
+                 now: float) -> None:
+        self.run = max(memory.run + 1, least_run)
+        self.problem = ''  # why the memory cannot be stored; empty: it can
+        self._store, self._periods = store, periods
+        self._kept = dict(memory.devices)  # also of devices that the site does not have at present
+        self._devices: Dict[str, DeviceMachine] = {
+            name: DeviceMachine.start(one, memory.devices.get(name, LOST), now)
+            for name, one in limits.items()}
+        self._due: Dict[str, float] = dict.fromkeys(limits, now)
+        self._told: Dict[str, _Told] = {}
+        self._count = 0
+        self._keep()
+
+    def __getitem__(self, name: str) -> DeviceMachine:
+        return self._devices[name]
+
+    # --- events -----------------------------------------------------------------------------------
+
+    def receive(self, request: DeviceRequest, now: float, stamp: float) -> str:
+        """A request has come. Returns why it is not taken, as a clause; empty: it is.
+
+        It is stored before anything is done because of it.
+        """
+        device = self._devices.get(request.device)
+        if device is None:
+            return f'there is no device {request.device}'
+        refusal = device.refusal(request)
+        if refusal:
+            return refusal
+        after = device.ask(request, now, stamp)
+        if after is not device:
+            self._devices[request.device] = after
+            if after.memory != device.memory and not self._keep():
+                self._devices[request.device] = device
+                return f'it cannot be stored: {self.problem}'
+        return ''
+
+    def begin_due(self, now: float) -> List[Tuple[str, Exchange]]:
+        """Begins the exchanges that are due, and returns them."""
+        exchanges = []
+        for name, device in self._devices.items():
+            if not device.is_awaited and (now >= self._due[name] or device.is_urgent):
+                self._devices[name], exchange = device.begin(now)
+                self._due[name] = now + self._periods.exchange
+                exchanges.append((name, exchange))
+        return exchanges
+
+    def ended(self, name: str, reading: Optional[Reading], problem: str, now: float) -> None:
+        """An exchange has ended; without a reading because of `problem`."""
+        self._change(name, self._devices[name].end(reading, problem, now))
+
+    def tick(self, now: float) -> None:
+        """Time has passed."""
+        for name, device in list(self._devices.items()):
+            self._change(name, device.tick(now))
+
+    def reports(self, now: float) -> List[DeviceReport]:
+        """The reports that are due: of devices that show something else, and of others in turn.
+
+        `since` and `read_at` are of the clock of `now`; the times of `obeyed` are stamps.
+        """
+        due = []
+        for name, device in self._devices.items():
+            told = self._told.get(name)
+            is_due = told is None or now - told.at >= self._periods.report
+            if told is not None and told.device is device and not is_due:
+                continue
+            news = device.report(name)
+            if told is None or is_due or replace(told.report, read_at=news.read_at) != news:
+                told = _Told(device, news, now)
+                self._count += 1
+                due.append(replace(news, run=self.run, count=self._count))
+            self._told[name] = told._replace(device=device)
+        return due
+
+    # --- memory -----------------------------------------------------------------------------------
+
+    def _change(self, name: str, after: DeviceMachine) -> None:
+        """Adopts a change that no request has made.
+
+        It only makes the memory shorter, so an older memory does no harm if it cannot be stored.
+        """
+        before, self._devices[name] = self._devices[name], after
+        if after.memory != before.memory:
+            self._keep()
+
+    def _keep(self) -> bool:
+        memory = StoredDevices(self.run, {**self._kept, **{
+            name: device.memory for name, device in self._devices.items()}})
+        try:
+            self._store(memory)
+        except OSError as error:
+            self.problem = error.strerror or str(error)
+            return False
+        self.problem = ''
+        return True

@@ -1,0 +1,1 @@
+"""What sets the output of a device and reads it: simulated, or over Modbus TCP."""

@@ -1,0 +1,74 @@
+"""A device that exists in this program only, for simulated sites and tests, with faults."""
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import Enum
+from typing import Callable, Optional, Sequence
+
+from fleet_devices.core.device import Reading
+from fleet_devices.drivers.driver import Silent
+
+SLOWER = 5.0  # times as long as usual
+
+
+class FaultKind(Enum):
+    """What is wrong with a simulated device."""
+
+    SLOW = 'slow'      # it takes SLOWER times as long
+    STUCK = 'stuck'    # it does not move
+    SILENT = 'silent'  # it does not answer, and does not obey
+    LYING = 'lying'    # its input says the opposite
+    SHUT = 'shut'      # it closes by itself, also if its output is on
+
+
+@dataclass(frozen=True)
+class ScriptedFault:
+    """A fault from `begin` until `end`, in s after the start."""
+
+    kind: FaultKind
+    begin: float
+    end: float
+
+
+class SimulatedDevice:
+    """A door that moves at a constant speed while its output asks for it.
+
+    clock  -- s, from any beginning
+    travel -- s from closed to open
+    """
+
+    def __init__(self, clock: Callable[[], float], travel: float,
+                 faults: Sequence[ScriptedFault] = ()) -> None:
+        self._clock, self._travel, self._faults = clock, travel, tuple(faults)
+        self._start = self._moved = clock()
+        self._output = False
+        self._width = 0.0  # 0: closed, 1: open
+
+    @property
+    def is_passable(self) -> bool:
+        """Is it open in truth?"""
+        self._move()
+        return self._width >= 1.0
+
+    def exchange(self, output: Optional[bool]) -> Reading:
+        """Sets the output, and reads the device. Raises Silent."""
+        self._move()
+        if self._has(FaultKind.SILENT):
+            raise Silent('it is silent, as its script says')
+        if output is not None:
+            self._output = output
+        is_open = self._width >= 1.0
+        return Reading(self._output, is_open is not self._has(FaultKind.LYING))
+
+    def _move(self) -> None:
+        now = self._clock()
+        passed, self._moved = now - self._moved, now
+        if self._has(FaultKind.STUCK):
+            return
+        opens = self._output and not self._has(FaultKind.SHUT)
+        way = passed / (self._travel * (SLOWER if self._has(FaultKind.SLOW) else 1.0))
+        self._width = min(max(self._width + (way if opens else -way), 0.0), 1.0)
+
+    def _has(self, kind: FaultKind) -> bool:
+        time = self._clock() - self._start
+        return any(one.kind is kind and one.begin <= time < one.end for one in self._faults)

@@ -1,0 +1,1 @@
+"""The node `fleet_devices` and its private parts."""

@@ -1,0 +1,120 @@
+"""fleet_devices: drives the doors, lights and other devices of a site, for all that ask.
+
+Subscribes
+    /device_request (itrci_nav_msgs/DeviceRequest)
+Publishes
+    /device_states (itrci_nav_msgs/DeviceState): at each change, and 2 Hz for each device
+    /diagnostics
+Client of
+    execute_command of robots whose outputs and inputs drive a device
+Parameters
+    ~work_file         string  (required)  the site's devices
+    ~graph_file        string  (required)  the trajectory graph, for the edges in the work file
+    ~memory_file       string  fleet_devices/memory.json  keeps the holders of each device; a
+                                        relative path begins in ROS_HOME
+    ~period            float   0.2 s    between two readings of a device
+    ~offline_after     float   2 s      without a reading after which a device is OFFLINE
+    ~simulated_travel  float   3 s      that a simulated device takes to open or close
+    ~simulated_faults  list    []       faults of simulated devices: device, fault, begin, end
+"""
+from __future__ import annotations
+
+import time
+from typing import Dict, Hashable, Optional
+
+import rospy
+
+from fleet_devices.core.device import Reading
+from fleet_devices.core.devices import Devices
+from fleet_devices.drivers.driver import ExchangeQueue
+from fleet_devices.nodes.diagnostics import show_devices
+from fleet_devices.nodes.memory_file import MemoryFile
+from fleet_devices.nodes.settings import Settings
+from itrci_nav_msgs.msg import DeviceRequest, DeviceState, DeviceUse
+from node_lifecycle import run, warn
+from node_lifecycle.event_loop import EventLoop
+from node_lifecycle.worker import start_worker
+from route_protocol.device_messages import (
+    WrongDeviceMessage,
+    device_request_of,
+    fill_device_report,
+)
+from route_protocol.devices import DeviceReport
+from route_protocol.devices import DeviceRequest as Request
+from route_protocol.vehicle import milliseconds
+
+TICK = 0.05  # s between two checks for what is due
+
+
+class DeviceNode:
+    """The node: see the module's text. One thread owns the devices."""
+
+    def __init__(self) -> None:
+        settings = Settings()
+        memory = MemoryFile(settings.memory_file, '~memory_file')
+        self._loop = EventLoop(self._tick, TICK)
+        self._devices = Devices(settings.limits, memory.read(), memory.write, milliseconds(),
+                                settings.periods, time.monotonic())
+        self._drivers = settings.lines()
+        self._lines: Dict[Hashable, ExchangeQueue] = {
+            peer: ExchangeQueue(self._on_end) for peer, _ in self._drivers.values()}
+        self._states = rospy.Publisher('/device_states', DeviceState, queue_size=1000,
+                                       tcp_nodelay=True)
+        rospy.Subscriber('/device_request', DeviceRequest, self._on_request, queue_size=1000,
+                         tcp_nodelay=True)
+        show_devices(settings.devices, self._devices)
+        for peer, line in self._lines.items():
+            start_worker(f'line to {peer}', line.run)
+        start_worker('devices', self._loop.run)
+
+    # --- callbacks --------------------------------------------------------------------------------
+
+    def _on_request(self, message: DeviceRequest) -> None:
+        try:
+            request = device_request_of(message)
+        except WrongDeviceMessage as wrong:
+            warn('request', f'A request for a device is ignored: {wrong}.')
+            return
+        self._loop.put(lambda: self._receive(request))
+
+    def _on_end(self, name: str, reading: Optional[Reading], problem: str) -> None:
+        self._loop.put(lambda: self._ended(name, reading, problem))
+
+    # --- in the thread that owns the devices ------------------------------------------------------
+
+    def _receive(self, request: Request) -> None:
+        refusal = self._devices.receive(request, time.monotonic(), rospy.get_time())
+        if refusal:
+            warn('refusal', f'{request.requester} asks for device {request.device}, in vain: '
+                            f'{refusal}.')
+        self._work()
+
+    def _ended(self, name: str, reading: Optional[Reading], problem: str) -> None:
+        self._devices.ended(name, reading, problem, time.monotonic())
+        self._work()
+
+    def _tick(self) -> None:
+        self._devices.tick(time.monotonic())
+        self._work()
+
+    def _work(self) -> None:
+        now = time.monotonic()
+        for name, exchange in self._devices.begin_due(now):
+            peer, driver = self._drivers[name]
+            self._lines[peer].put(name, driver, exchange)
+        behind = rospy.get_time() - now  # of the monotonic clock
+        for report in self._devices.reports(now):
+            self._states.publish(message_of(report, behind))
+
+
+def message_of(report: DeviceReport, behind: float) -> DeviceState:
+    """A report whose times are of a clock that is `behind` s behind that of ROS, as a message."""
+    read_at = None if report.read_at is None else report.read_at + behind
+    return fill_device_report(
+        DeviceState(), report.at(report.since + behind, read_at), DeviceUse,
+        lambda time: rospy.Time.from_sec(max(time, 0.0)))
+
+
+def main() -> None:
+    """Runs the node."""
+    run('fleet_devices', DeviceNode)

@@ -1,0 +1,89 @@
+"""The command `device`: what it lists, asks for, and says of the answer."""
+from __future__ import annotations
+
+import json
+
+import pytest
+
+from fleet_devices.commands import device
+from graph_fleet_manager.commands.tables import WIDTH, as_json
+from route_protocol.devices import (
+    UNKNOWN_REQUESTER,
+    DeviceFault,
+    DeviceMode,
+    DeviceReport,
+    DeviceRequest,
+    DeviceUse,
+)
+
+NOW = 10_000.0
+ANNA = DeviceUse('anna@desk (device)', DeviceMode.OPEN, 7, NOW - 90)
+GONE = DeviceUse('fleet', DeviceMode.CLOSED, 9, NOW - 30)
+UNKNOWN = DeviceUse(UNKNOWN_REQUESTER, DeviceMode.OPEN, 0, 0.0)
+
+
+def report(*obeyed: DeviceUse, mode: DeviceMode = DeviceMode.OPEN,
+           **fields: object) -> DeviceReport:
+    return DeviceReport('gate', mode, NOW - 4000, NOW - 0.2, obeyed, **fields)
+
+
+def asked(mode: DeviceMode, requester: str = ANNA.requester, number: int = 7) -> DeviceRequest:
+    return DeviceRequest(requester, 'gate', mode, number)
+
+
+def test_devices_are_listed_with_their_holders_and_the_fault_below():
+    late = report(mode=DeviceMode.UNKNOWN, fault=DeviceFault.TIMED_OUT, reason='it does not open')
+    never = DeviceReport('shutter', DeviceMode.OFFLINE, NOW - 3, None, (UNKNOWN,))
+    lines = device.listed([report(ANNA, GONE), late, never], NOW).splitlines()
+    assert lines[0].split() == ['device', 'shows', 'for', 'read', 'held', 'by', '(for)']
+    assert lines[1].split() == ['gate', 'OPEN', '67', 'min', '0', 's', 'anna@desk', '(device)',
+                                '(90', 's)']
+    assert lines[3].strip() == 'it does not open'
+    assert lines[4].split() == ['shutter', 'OFFLINE', '3', 's', 'never', 'unknown']
+
+
+def test_a_list_fits_a_terminal_whatever_the_names():
+    holders = tuple(DeviceUse('x' * 100, DeviceMode.OPEN, k, NOW) for k in range(5))
+    assert max(map(len, device.listed([report(*holders)], NOW).splitlines())) <= WIDTH
+
+
+def test_programs_get_all_as_json():
+    assert json.loads(as_json(device.values(report(ANNA, UNKNOWN)))) == {
+        'device': 'gate', 'shows': 'OPEN', 'since': NOW - 4000, 'read': NOW - 0.2,
+        'fault': 'NONE', 'reason': None, 'obeyed': [
+            {'requester': ANNA.requester, 'mode': 'OPEN', 'number': 7, 'since': NOW - 90},
+            {'requester': UNKNOWN_REQUESTER, 'mode': 'OPEN', 'number': 0, 'since': None}]}
+
+
+def test_a_number_is_above_the_last_one_also_if_that_is_of_a_clock_ahead():
+    ahead = 2 ** 60
+    assert device.number_after(DeviceUse('a', DeviceMode.OPEN, ahead, 0.0)) == ahead + 1
+    assert 10 ** 12 < device.number_after(None) < ahead
+    assert device.number_after(ANNA) > 10 ** 12
+
+
+@pytest.mark.parametrize('request_, obeyed, is_taken', [
+    (asked(DeviceMode.OPEN), (ANNA,), True), (asked(DeviceMode.OPEN, number=8), (ANNA,), False),
+    (asked(DeviceMode.CLOSED), (), False),
+    (asked(DeviceMode.CLOSED, UNKNOWN_REQUESTER), (ANNA, UNKNOWN), False),
+    (asked(DeviceMode.CLOSED, UNKNOWN_REQUESTER), (ANNA,), True)])
+def test_a_request_is_taken_when_a_report_shows_it(request_, obeyed, is_taken):
+    assert device.is_taken(report(*obeyed), request_) is is_taken
+
+
+@pytest.mark.parametrize('request_, obeyed, mode, told', [
+    (asked(DeviceMode.OPEN), (ANNA,), DeviceMode.MOVING,
+     'Device gate is held open for anna@desk (device); it is MOVING.'),
+    (asked(DeviceMode.CLOSED, 'fleet', 9), (ANNA, GONE), DeviceMode.OPEN,
+     'Device gate is given back. It stays open for anna@desk (device).'),
+    (asked(DeviceMode.CLOSED, 'fleet', 9), (GONE,), DeviceMode.MOVING,
+     'Device gate is given back, and closes. It is MOVING.')])
+def test_a_person_is_told_what_has_come_of_a_request(request_, obeyed, mode, told):
+    assert device.answer(report(*obeyed, mode=mode), request_) == told
+
+
+@pytest.mark.parametrize('arguments', [[], ['open'], ['shut', 'gate'], ['list', 'gate']])
+def test_wrong_words_are_refused_before_anything_is_sent(arguments):
+    with pytest.raises(SystemExit) as ended:
+        device.main(arguments)
+    assert ended.value.code == 1

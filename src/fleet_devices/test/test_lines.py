@@ -1,0 +1,32 @@
+"""All devices of a connection are read one after the other, in the order in which it was asked."""
+from __future__ import annotations
+
+from typing import List, Optional, Tuple
+
+from fleet_devices.core.device import Exchange, Reading
+from fleet_devices.drivers.driver import ExchangeQueue, Silent
+
+
+class Door:
+    """Reads as its output is, or is silent."""
+
+    def __init__(self, problem: str = '') -> None:
+        self.problem = problem
+
+    def exchange(self, output: Optional[bool]) -> Reading:
+        if self.problem:
+            raise Silent(self.problem)
+        return Reading(bool(output), False)
+
+
+def test_each_exchange_ends_once_in_order_and_a_silent_device_stops_no_other():
+    ends: List[Tuple[str, Optional[Reading], str]] = []
+    line = ExchangeQueue(lambda *end: ends.append(end))
+    line.put('gate', Door(), Exchange(1, True))
+    line.put('dead', Door('no answer'), Exchange(1, True))
+    line.put('gate', Door(), Exchange(2, None))
+    line.end()
+    line.put('gate', Door(), Exchange(3, None))
+    line.run()
+    assert ends == [('gate', Reading(True, False), ''), ('dead', None, 'no answer'),
+                    ('gate', Reading(False, False), '')]

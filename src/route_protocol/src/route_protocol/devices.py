@@ -1,0 +1,108 @@
+"""Devices: doors, lights and others, as requesters ask for them and `fleet_devices` shows them.
+
+A requester holds a device open by a request, and gives it back by another one. Its requests have
+*numbers*, which grow, over its restarts, too. A request is taken once: one whose number is not
+above the last of this requester is a repetition. So a requester repeats its newest request until a
+report shows its number, also one that gives back.
+
+A report that says OPEN shows only requests that were taken before the device was read. So a
+requester that finds its newest number in such a report knows that the device was read open after
+it had asked. Reports have the number of a run and a count: an old report is never taken for a new
+one, however late it comes.
+"""
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from enum import IntEnum
+from typing import Optional, Tuple
+
+UNKNOWN_REQUESTER = 'unknown'
+"""Shown as a requester if the memory is lost: a robot that is not known may be in the device."""
+
+
+class DeviceMode(IntEnum):
+    """What a device shows, as in itrci_nav_msgs/DeviceState and in Open-RMF's messages of doors."""
+
+    CLOSED = 0
+    MOVING = 1
+    OPEN = 2
+    OFFLINE = 3
+    UNKNOWN = 4
+
+
+class DeviceFault(IntEnum):
+    """Why a device cannot be used, as in itrci_nav_msgs/DeviceState."""
+
+    NONE = 0
+    NOT_READ = 1   # it does not answer
+    TIMED_OUT = 2  # it does not show what is wanted within its timeout
+
+
+@dataclass(frozen=True)
+class DeviceRequest:
+    """What a requester wants of a device: OPEN, or CLOSED to give it back."""
+
+    requester: str
+    device: str
+    mode: DeviceMode
+    number: int
+
+
+@dataclass(frozen=True)
+class DeviceUse:
+    """What a device obeys of one requester. `since`: when it was taken (s)."""
+
+    requester: str
+    mode: DeviceMode
+    number: int
+    since: float
+
+    @property
+    def holds(self) -> bool:
+        """Does the requester hold the device open?"""
+        return self.mode is DeviceMode.OPEN
+
+
+@dataclass(frozen=True)
+class DeviceReport:
+    """What `fleet_devices` says of one device. Times are in s.
+
+    since   -- when the mode began
+    read_at -- when the device was read; None: never
+    reason  -- the fault, for people
+    run     -- of fleet_devices; a later one is higher
+    count   -- grows with each report of a run
+    """
+
+    device: str
+    mode: DeviceMode
+    since: float
+    read_at: Optional[float]
+    obeyed: Tuple[DeviceUse, ...] = ()
+    fault: DeviceFault = DeviceFault.NONE
+    reason: str = ''
+    run: int = 0
+    count: int = 0
+
+    def is_newer_than(self, other: Optional[DeviceReport]) -> bool:
+        """Was this report made later than the other one of this device?"""
+        return other is None or (self.run, self.count) > (other.run, other.count)
+
+    def at(self, since: float, read_at: Optional[float]) -> DeviceReport:
+        """The same report with times of another clock."""
+        return replace(self, since=since, read_at=read_at)
+
+    def use_of(self, requester: str) -> Optional[DeviceUse]:
+        """What the device obeys of a requester; None: nothing."""
+        return next((use for use in self.obeyed if use.requester == requester), None)
+
+    def shows(self, request: DeviceRequest) -> bool:
+        """Has this request been taken? If not, it must be repeated."""
+        use = self.use_of(request.requester)
+        return use is not None and use.number >= request.number
+
+    def is_open_for(self, requester: str, number: int) -> bool:
+        """Was the device read open after this requester's request with this number was taken?"""
+        use = self.use_of(requester)
+        return (self.mode is DeviceMode.OPEN and use is not None and use.holds
+                and use.number == number)

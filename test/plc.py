@@ -1,0 +1,115 @@
+"""A PLC with a door, as pymodbus's own server: it can be killed, can lie, and starts again."""
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import inspect
+import socket
+import threading
+from types import TracebackType
+from typing import Any, Callable, Dict, List, Optional, Type
+
+import pymodbus.datastore as store
+
+try:
+    from pymodbus.server import ModbusTcpServer
+except ImportError:  # 3.0
+    from pymodbus.server.async_io import ModbusTcpServer
+
+from fleet_core.work.devices import ModbusAddress
+from ports import free_port
+
+COIL, INPUT, UNIT = 3, 11, 7
+_OFFSET = 1  # pymodbus's contexts number coils and inputs from 1
+
+
+class _Bits(store.ModbusSequentialDataBlock):
+    """Bits that functions answer and receive."""
+
+    def __init__(self, read: Callable[[int], bool], write: Callable[[int, bool], None]) -> None:
+        super().__init__(0, [0])
+        self._read, self._write = read, write
+
+    def validate(self, address: int, count: int = 1) -> bool:
+        return 0 < address <= 100
+
+    def getValues(self, address: int, count: int = 1) -> List[bool]:  # noqa: N802 pymodbus's name
+        return [self._read(address - _OFFSET + k) for k in range(count)]
+
+    def setValues(self, address: int, values: Any) -> None:  # noqa: N802 pymodbus's name
+        for k, value in enumerate(values if isinstance(values, list) else [values]):
+            self._write(address - _OFFSET + k, bool(value))
+
+
+class Plc:
+    """Its door is open as soon as its coil is set, unless it lies."""
+
+    def __init__(self) -> None:
+        self.port = free_port()
+        self.coils: Dict[int, bool] = {}
+        self.lies = False
+        self.ignores = False
+        self._loop: Optional[asyncio.AbstractEventLoop] = None
+        self._task: Any = None
+        self._thread: Optional[threading.Thread] = None
+
+    @property
+    def address(self) -> ModbusAddress:
+        """The address of its door."""
+        return ModbusAddress('127.0.0.1', COIL, INPUT, self.port, UNIT)
+
+    def __enter__(self) -> Plc:
+        self.start()
+        return self
+
+    def __exit__(self, kind: Optional[Type[BaseException]], error: Optional[BaseException],
+                 trace: Optional[TracebackType]) -> None:
+        self.kill()
+
+    def start(self) -> None:
+        """Starts it, with all coils off, as after a power cut."""
+        self.coils = {}
+        listening = threading.Event()
+        self._thread = threading.Thread(target=lambda: asyncio.run(self._serve(listening)),
+                                        daemon=True)
+        self._thread.start()
+        assert listening.wait(10)
+
+    def kill(self) -> None:
+        """Ends it with all its connections."""
+        if self._thread is not None and self._loop is not None:
+            self._loop.call_soon_threadsafe(self._task.cancel)
+            self._thread.join(10)
+            assert not self._thread.is_alive()
+            self._thread = None
+
+    async def _serve(self, listening: threading.Event) -> None:
+        self._loop = asyncio.get_running_loop()
+        device = getattr(store, 'ModbusDeviceContext', None) or store.ModbusSlaveContext
+        never = _Bits(lambda _: False, lambda _, __: None)
+        context = store.ModbusServerContext({UNIT: device(
+            di=_Bits(self._input, lambda _, __: None),
+            co=_Bits(lambda address: self.coils.get(address, False), self._set),
+            ir=never, hr=never)}, single=False)
+        names = inspect.signature(ModbusTcpServer.__init__).parameters
+        reuse = {'allow_reuse_address': True} if 'allow_reuse_address' in names else {}
+        server = ModbusTcpServer(context, address=('127.0.0.1', self.port), **reuse)
+        self._task = asyncio.ensure_future(server.serve_forever())
+        while not await self._loop.run_in_executor(None, _listens, self.port):
+            await asyncio.sleep(0.01)
+        listening.set()
+        with contextlib.suppress(asyncio.CancelledError):  # some versions swallow it
+            await self._task
+        await server.shutdown()
+
+    def _input(self, address: int) -> bool:
+        return address == INPUT and self.coils.get(COIL, False) is not self.lies
+
+    def _set(self, address: int, value: bool) -> None:
+        if not self.ignores:
+            self.coils[address] = value
+
+
+def _listens(port: int) -> bool:
+    with socket.socket() as probe:
+        return probe.connect_ex(('127.0.0.1', port)) == 0
