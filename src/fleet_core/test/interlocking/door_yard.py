@@ -42,7 +42,7 @@ from yard_model import (
 from fleet_core.interlocking.allocation import Knowledge
 from fleet_core.interlocking.claims import Claims
 from fleet_core.interlocking.interlocking import Interlocking
-from fleet_core.interlocking.resources import DeviceRequest, Needs, Resource, ResourceKind
+from fleet_core.interlocking.resources import DeviceDemand, Needs, Resource, ResourceKind
 
 DOOR = 'door'
 Names = FrozenSet[str]
@@ -158,7 +158,7 @@ class DoorYard(Yard):
         claims._is_begun = door.begun
         claims._asked = {(name, DOOR): number for name, number in door.asked}
         if door.begun:
-            claims._requests[DOOR] = DeviceRequest(
+            claims._requests[DOOR] = DeviceDemand(
                 DOOR, door.request.number, tuple(sorted(door.request.robots)))
         claims.open_for = {DOOR: door.told} if door.told else {}
         for name, id in zip(self.names, ids):
@@ -166,7 +166,7 @@ class DoorYard(Yard):
         return claims
 
     def _door(self, door: Door, claims: Claims) -> Door:
-        request = claims.requests.get(DOOR, DeviceRequest(DOOR, 0))
+        request = claims.requests.get(DOOR, DeviceDemand(DOOR, 0))
         return door._replace(
             stored=frozenset(name for name in claims.robots if claims.stored_of(name)),
             wanted=frozenset(name for name, own in claims._wanted.items() if own),

@@ -9,13 +9,13 @@ from fleet_builders import corridor
 from fleet_core.geometry.site_geometry import SiteGeometry
 from fleet_core.interlocking.claims import Claims
 from fleet_core.interlocking.resources import (
-    DeviceMode,
-    DeviceReport,
+    DeviceReading,
     Needs,
     Resource,
     ResourceKind,
 )
 from fleet_core.supervision.device_desk import FRESH, REPEAT, DeviceDesk
+from route_protocol.devices import DeviceMode
 
 DOOR = Resource('door', ResourceKind.DOOR, frozenset({2}), has_device=True)
 
@@ -35,7 +35,7 @@ class Desk(DeviceDesk):
         return self.claims.requests['door'].number
 
     def hear(self, now: float, mode: DeviceMode = DeviceMode.OPEN, age: float = 0.0) -> None:
-        self.report(DeviceReport('door', mode, self.number, age), now)
+        self.report(DeviceReading('door', mode, self.number, age), now)
 
     def is_open(self, now: float) -> bool:
         self.look(now)

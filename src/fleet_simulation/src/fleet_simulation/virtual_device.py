@@ -3,7 +3,8 @@ from __future__ import annotations
 
 from typing import Tuple
 
-from fleet_core.interlocking.resources import DeviceMode, DeviceReport, DeviceRequest
+from fleet_core.interlocking.resources import DeviceDemand, DeviceReading
+from route_protocol.devices import DeviceMode
 
 PERIOD = 1.0  # s between two reports if nothing changes
 
@@ -25,7 +26,7 @@ class VirtualDevice:
         self._told: Tuple[DeviceMode, int] = DeviceMode.UNKNOWN, 0
         self._since = 0.0
 
-    def receive(self, request: DeviceRequest) -> None:
+    def receive(self, request: DeviceDemand) -> None:
         """Handles a request. One that is not newer changes nothing."""
         if request.number > self._request:
             self._request, self.robots = request.number, request.robots
@@ -47,10 +48,10 @@ class VirtualDevice:
             return DeviceMode.OPEN
         return DeviceMode.MOVING if self._open > 0.0 else DeviceMode.CLOSED
 
-    def reports(self) -> Tuple[DeviceReport, ...]:
+    def reports(self) -> Tuple[DeviceReading, ...]:
         """What it reports now: at each change, and once in each period."""
         news = self.mode, self._request
         if self.is_silent or news == self._told and self._since < PERIOD:
             return ()
         self._told, self._since = news, 0.0
-        return DeviceReport(self.resource, self.mode, self._request),
+        return DeviceReading(self.resource, self.mode, self._request),

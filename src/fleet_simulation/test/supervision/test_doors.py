@@ -8,11 +8,12 @@ import pytest
 from fleet_builders import AGV, corridor, graph_of
 
 from fleet_core.interlocking.claims import ClaimState
-from fleet_core.interlocking.resources import DeviceMode, Resource, ResourceKind
+from fleet_core.interlocking.resources import Resource, ResourceKind
 from fleet_core.supervision.device_desk import FRESH
 from fleet_core.supervision.missions import CommandKind, MissionState, Request
 from fleet_core.supervision.settings import RobotSettings
 from fleet_simulation.virtual_fleet import Crash
+from route_protocol.devices import DeviceMode
 from world.chaos import PARKING, ROBOTS, VERTICES, YARD
 from world.supervised_fleet import SupervisedFleet
 

@@ -63,7 +63,7 @@ from typing import (
 )
 
 from fleet_core.interlocking.allocation import Allocation, Knowledge
-from fleet_core.interlocking.resources import NOTHING, DeviceRequest, Needs
+from fleet_core.interlocking.resources import NOTHING, DeviceDemand, Needs
 
 
 class ClaimState(Enum):
@@ -119,7 +119,7 @@ class Claims:
         self._needed: Dict[str, FrozenSet[str]] = dict(self._stored)
         self._changed: Set[str] = set()  # robots whose claims are not in the journal as they are
         self._asked: Dict[Tuple[str, str], int] = {}  # the first request with this robot
-        self._requests: Dict[str, DeviceRequest] = {}
+        self._requests: Dict[str, DeviceDemand] = {}
         self._is_begun = not any(one.has_device for one in needs.resources.values())
         if not self._is_begun:
             self._draw()
@@ -280,7 +280,7 @@ class Claims:
 
     def _ask(self, resource: str) -> None:
         robots = tuple(sorted(name for name, own in self._stored.items() if resource in own))
-        self._requests[resource] = DeviceRequest(resource, self._number, robots)
+        self._requests[resource] = DeviceDemand(resource, self._number, robots)
         before = {name for name, asked in self._asked if asked == resource}
         for name in before - set(robots):
             del self._asked[name, resource]
@@ -288,6 +288,6 @@ class Claims:
             self._asked[name, resource] = self._number
 
     @property
-    def requests(self) -> Mapping[str, DeviceRequest]:
+    def requests(self) -> Mapping[str, DeviceDemand]:
         """The newest request to each device, by resource. All its claims are in the journal."""
         return self._requests

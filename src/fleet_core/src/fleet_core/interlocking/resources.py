@@ -6,12 +6,13 @@ place that needs a resource only with a claim to it (`claims`).
 from __future__ import annotations
 
 from dataclasses import dataclass
-from enum import Enum, IntEnum
+from enum import Enum
 from typing import Dict, FrozenSet, Iterable, Mapping, Tuple
 
 from fleet_core.geometry.site_geometry import SiteGeometry
 from fleet_core.interlocking.allocation import Allocation
 from fleet_core.interlocking.reports import nearness
+from route_protocol.devices import DeviceMode
 
 NOTHING: FrozenSet[str] = frozenset()
 
@@ -48,21 +49,11 @@ class Resource:
         return f'{self.kind.value} {self.name}'
 
 
-class DeviceMode(IntEnum):
-    """What a device says of itself; the numbers are those of Open-RMF."""
-
-    CLOSED = 0
-    MOVING = 1
-    OPEN = 2
-    OFFLINE = 3
-    UNKNOWN = 4
-
-
 @dataclass(frozen=True)
-class DeviceRequest:
-    """What a device is to do: to be open for these robots, or closed if there are none.
+class DeviceDemand:
+    """What the claims want of a device: open for these robots, or given back if there are none.
 
-    number -- a later request has a higher number, also after a restart
+    number -- a later demand has a higher number, also after a restart
     """
 
     resource: str
@@ -71,10 +62,10 @@ class DeviceRequest:
 
 
 @dataclass(frozen=True)
-class DeviceReport:
-    """What a device reports.
+class DeviceReading:
+    """What a report of a device means for the claims.
 
-    request -- number of the newest request that it obeys; 0: none
+    request -- number of the newest demand that it obeys; 0: none
     age     -- s since the device was read, at the arrival of the report
     """
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import FrozenSet, Tuple, Union
 
-from fleet_core.interlocking.resources import DeviceRequest
+from fleet_core.interlocking.resources import DeviceDemand
 from fleet_core.planning.plan_requests import Times
 from fleet_core.planning.tasks import Obstacle, Task
 from fleet_core.supervision.missions import Status
@@ -41,7 +41,7 @@ class SendStep:
 class AskDevice:
     """Publish a request to the device of a resource."""
 
-    request: DeviceRequest
+    request: DeviceDemand
 
 
 @dataclass(frozen=True)

@@ -9,8 +9,9 @@ import math
 from typing import Callable, Collection, Dict, List, NamedTuple
 
 from fleet_core.interlocking.claims import Claims
-from fleet_core.interlocking.resources import DeviceMode, DeviceReport
+from fleet_core.interlocking.resources import DeviceReading
 from fleet_core.supervision.actions import AskDevice
+from route_protocol.devices import DeviceMode
 
 FRESH = 3.0   # s for which a report counts
 REPEAT = 1.0  # s between two requests that no report shows
@@ -19,7 +20,7 @@ REPEAT = 1.0  # s between two requests that no report shows
 class _Read(NamedTuple):
     """A report, and when its device was read, in s by the supervisor's clock."""
 
-    report: DeviceReport
+    report: DeviceReading
     at: float
 
 
@@ -42,7 +43,7 @@ class DeviceDesk:
         self._read: Dict[str, _Read] = {}
         self._sent: Dict[str, _Sent] = {}
 
-    def report(self, report: DeviceReport, now: float) -> None:
+    def report(self, report: DeviceReading, now: float) -> None:
         """Handles a report. One that was read before the newest changes nothing."""
         at = now - max(report.age, 0.0)
         before = self._read.get(report.resource)

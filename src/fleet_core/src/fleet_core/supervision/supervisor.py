@@ -21,7 +21,7 @@ from fleet_core.interlocking.reports import (
     check_report,
     old_location,
 )
-from fleet_core.interlocking.resources import DeviceReport, Needs, Resource
+from fleet_core.interlocking.resources import DeviceReading, Needs, Resource
 from fleet_core.interlocking.stop_gate import StopGate
 from fleet_core.planning.road_network import RoadNetwork
 from fleet_core.planning.tasks import PlanningOutcome
@@ -398,7 +398,7 @@ class Supervisor:
         self._go_on(now)
         return problem, self._actions(now)
 
-    def device_report(self, report: DeviceReport, now: float) -> List[Action]:
+    def device_report(self, report: DeviceReading, now: float) -> List[Action]:
         """Handles the report of a device."""
         self.devices.report(report, now)
         return self._out.take_unless_due_later(now)
