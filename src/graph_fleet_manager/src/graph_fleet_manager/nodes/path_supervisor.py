@@ -240,7 +240,7 @@ class PathSupervisor:
             supervisor = Supervisor(self._graph, self._fleet, self._settings, journal, now,
                                     self._rate, self._gate, switching,
                                     Conformance(self._check_every) if self._check_every else None,
-                                    work)
+                                    work=work)
         except JournalUnavailable as unavailable:
             self._file.fail(unavailable)
             return waiting
