@@ -8,7 +8,7 @@ from fleet_core.supervision.missions import MissionState
 from fleet_core.supervision.outages import Outage
 from fleet_page.core import fleet_model
 from fleet_page.core.acts import Act, ActKind
-from fleet_page.core.fleet import NEVER_HEARD, Group, ShownPose, alarm_of
+from fleet_page.core.fleet import NEVER_HEARD, RobotGroup, ShownPose, alarm_of
 from fleet_page.core.fleet_model import FleetModel
 from fleet_page.core.readiness import LIMIT, Readiness
 
@@ -37,18 +37,18 @@ def test_a_stop_is_shown_until_the_fleet_goes_on_also_if_the_fleet_manager_dies(
 
 
 @pytest.mark.parametrize('values, group, alarm', [
-    ({'state': 'IDLE', 'mission': None}, Group.IDLE, ''), ({}, Group.DRIVING, ''),
-    ({'waits_for': 'b'}, Group.STANDING, ''), ({'state': 'CHARGING'}, Group.CHARGING, ''),
-    ({'state': 'OFFLINE', 'outage': 'SILENT'}, Group.TROUBLE, 'SILENT'),
-    ({'state': 'OFFLINE', 'outage': 'SILENT', 'mission': None}, Group.AWAY, ''),
-    ({'state': 'OFFLINE', 'outage': 'CLOCK'}, Group.TROUBLE, 'CLOCK'),
-    ({'state': 'UNKNOWN', 'outage': 'UNSEEN'}, Group.TROUBLE, NEVER_HEARD),
-    ({'state': 'OUT_OF_SERVICE', 'outage': 'OUT_OF_SERVICE'}, Group.AWAY, '')])
+    ({'state': 'IDLE', 'mission': None}, RobotGroup.IDLE, ''), ({}, RobotGroup.DRIVING, ''),
+    ({'waits_for': 'b'}, RobotGroup.STANDING, ''), ({'state': 'CHARGING'}, RobotGroup.CHARGING, ''),
+    ({'state': 'OFFLINE', 'outage': 'SILENT'}, RobotGroup.TROUBLE, 'SILENT'),
+    ({'state': 'OFFLINE', 'outage': 'SILENT', 'mission': None}, RobotGroup.AWAY, ''),
+    ({'state': 'OFFLINE', 'outage': 'CLOCK'}, RobotGroup.TROUBLE, 'CLOCK'),
+    ({'state': 'UNKNOWN', 'outage': 'UNSEEN'}, RobotGroup.TROUBLE, NEVER_HEARD),
+    ({'state': 'OUT_OF_SERVICE', 'outage': 'OUT_OF_SERVICE'}, RobotGroup.AWAY, '')])
 def test_each_robot_counts_once_and_its_alarm_says_why(values, group, alarm):
     model = FleetModel()
     model.take_robots([robot(**values)], 100.0)
     counts = model.live.get('counts')
-    assert counts[group.value] == 1 == sum(counts[one.value] for one in Group)
+    assert counts[group.value] == 1 == sum(counts[one.value] for one in RobotGroup)
     assert (model.live.get('alarm:robot:a') or {'cause': ''})['cause'] == alarm
 
 

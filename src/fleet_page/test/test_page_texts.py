@@ -15,7 +15,7 @@ from fleet_page.core.fleet import (
     DEADLINE_ALARMS,
     MISSION_STATES,
     ROBOT_STATES,
-    Group,
+    RobotGroup,
 )
 
 SOURCES = {path.name: path.read_text() for path in PAGE_FOLDER.iterdir()
@@ -38,7 +38,7 @@ def used_keys():
     found |= {f'tab_{name}' for name in re.findall(r"'(\w+)'", tabs)}
     columns = re.search(r'COLUMNS = \[(.*?)\]', SOURCES['missions.js']).group(1)
     found |= {f'column_{name}' for name in (*re.findall(r"'(\w+)'", columns), 'urgency')}
-    found |= {f'count_{group.value}' for group in Group} | {'count_open', 'count_done'}
+    found |= {f'count_{group.value}' for group in RobotGroup} | {'count_open', 'count_done'}
     return found | {f'todo_{name}' for name in ALARMS}
 
 
@@ -107,7 +107,7 @@ def test_every_text_that_is_translated_is_still_said_by_the_fleet_manager():
 
 @pytest.mark.parametrize('file, name', [
     ('fleet_view', '_waits_for'), ('work_desk', 'waits_for'), ('work_desk', '_words'),
-    ('work_desk', '_show'), ('mission_book', '_waits_for'), ('mission_book', '_is_over')])
+    ('work_desk', '_show'), ('mission_book', 'waits_as'), ('mission_book', '_is_over')])
 def test_every_reason_to_wait_or_to_end_is_translated(file, name):
     path = Path(__file__).parents[2] / f'fleet_core/src/fleet_core/supervision/{file}.py'
     known = '\n'.join(re.sub(r'\{\w+\}|loaded', '{}', text) for key, text in TABLES['en'].items()

@@ -102,7 +102,7 @@ DEBIAN = {
 """By the module of a library: the name of its package in Debian, without `python3-`."""
 PARTS = {'yarl': 'aiohttp'}
 """By a module: the module of the library to which it belongs."""
-WITHOUT = {'selenium'}
+WITHOUT = {'selenium', 'vda5050'}
 """Libraries without which tests skip."""
 HELPERS = {file.stem for file in (SOURCES.parent / 'test').glob('*.py')}
 """Modules for the system tests, which lie outside all packages."""

@@ -68,8 +68,8 @@ LAYERS: Dict[str, Layer] = {
         'fleet_core fleet_core.files fleet_core.planning file_replacement trajectory_graph'),
     'fleet_simulation': layer(
         'fleet_core fleet_core.files fleet_core.interlocking fleet_core.planning fleet_core.site '
-        'fleet_core.supervision fleet_simulation.agv file_replacement node_program route_protocol '
-        'trajectory_graph'),
+        'fleet_core.supervision fleet_core.work fleet_simulation.agv file_replacement node_program '
+        'route_protocol trajectory_graph'),
     'fleet_simulation.agv': layer('fleet_core browser_guard route_protocol trajectory_graph',
                                   sockets='control_socket'),
     'graph_fleet_manager': layer(),
@@ -85,9 +85,10 @@ LAYERS: Dict[str, Layer] = {
         'node_program trajectory_graph', ros=True, sockets='*'),
     'graph_fleet_manager.nodes': layer(
         'fleet_core fleet_core.files fleet_core.interlocking fleet_core.planning fleet_core.site '
-        'fleet_core.supervision fleet_requests fleet_simulation.agv graph_fleet_manager.commands '
-        'graph_fleet_manager.messages graph_fleet_manager.multimaster graph_topic node_lifecycle '
-        'route_protocol rviz_drawing trajectory_graph', ros=True),
+        'fleet_core.supervision fleet_core.work fleet_requests fleet_simulation.agv '
+        'graph_fleet_manager.commands graph_fleet_manager.messages '
+        'graph_fleet_manager.multimaster graph_topic node_lifecycle route_protocol rviz_drawing '
+        'trajectory_graph', ros=True),
     'fleet_page': layer(),
     'fleet_page.core': layer(
         'fleet_core.supervision fleet_core.work node_program trajectory_graph'),

@@ -2,7 +2,7 @@
 
 A robot claims a resource before it is granted a place that needs it. The claim is on the disk
 before the device is asked, and before the place is granted. It ends by the robot's place alone,
-never by time. So no door closes on a robot that stands in it, whoever restarts.
+never by time. So no door closes on a robot that stands in it, through all restarts.
 
 A robot claims what its allocation needs, what it wants, and what it claims by the journal. The
 state of a claim is kept nowhere. It follows from three facts:

@@ -11,7 +11,7 @@ from typing import Callable, Dict, Iterator, Mapping, NamedTuple, Optional
 
 from fleet_core.supervision.missions import Request
 from fleet_core.work.timetables import (
-    Due,
+    DueRun,
     Timetable,
     WallMinute,
     due,
@@ -30,7 +30,7 @@ class TimetableRun(NamedTuple):
     """
 
     timetable: Timetable
-    due: Due
+    due: DueRun
     request: Optional[Request]
 
 

@@ -18,7 +18,7 @@ class WorkRequests:
     """Fills in the template of a request that is not a repeat.
 
     The stops that result are stored. The work file is not asked again, so the mission stays as it
-    was accepted, whatever becomes of the file.
+    was accepted, even if the file changes.
     """
 
     def __init__(self, work: SiteWork, graph: Graph, book: MissionBook) -> None:

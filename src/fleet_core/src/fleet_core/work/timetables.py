@@ -65,7 +65,7 @@ class Timetable:
     priority: int = 0
 
 
-class Due(NamedTuple):
+class DueRun(NamedTuple):
     """What a timetable asks for now.
 
     run         -- the run to be made now; None: there is none
@@ -80,7 +80,7 @@ class Due(NamedTuple):
     is_set_back: bool = False
 
 
-def due(timetable: Timetable, last: Optional[WallMinute], now: WallMinute) -> Due:
+def due(timetable: Timetable, last: Optional[WallMinute], now: WallMinute) -> DueRun:
     """The newest run after `last` that is due.
 
     last -- as in the last answer; None: the timetable is new, and begins with this minute
@@ -97,4 +97,4 @@ def due(timetable: Timetable, last: Optional[WallMinute], now: WallMinute) -> Du
             if count > 0:
                 runs += count
                 newest = first + (behind + count - 1) * timetable.every
-    return Due(newest or None, max(runs - 1, 0), newest or since, is_set_back)
+    return DueRun(newest or None, max(runs - 1, 0), newest or since, is_set_back)

@@ -64,7 +64,7 @@ def alarm_of(robot: ShownRobot) -> str:
     return robot.outage if is_missed or robot.outage in ALARMING else ''
 
 
-class Group(Enum):
+class RobotGroup(Enum):
     """What a robot counts as in the header of the page; the value is its key there."""
 
     IDLE = 'idle'
@@ -78,15 +78,15 @@ class Group(Enum):
     """It is offline, out of service or absent."""
 
 
-_WITH_WORK = {'IDLE': Group.IDLE, 'BUSY': Group.DRIVING, 'CHARGING': Group.CHARGING}
+_WITH_WORK = {'IDLE': RobotGroup.IDLE, 'BUSY': RobotGroup.DRIVING, 'CHARGING': RobotGroup.CHARGING}
 
 
-def group_of(robot: ShownRobot) -> Group:
+def group_of(robot: ShownRobot) -> RobotGroup:
     """The group of a robot."""
     if alarm_of(robot):
-        return Group.TROUBLE
-    group = _WITH_WORK.get(robot.state, Group.AWAY)
-    return Group.STANDING if group is Group.DRIVING and robot.waits_for else group
+        return RobotGroup.TROUBLE
+    group = _WITH_WORK.get(robot.state, RobotGroup.AWAY)
+    return RobotGroup.STANDING if group is RobotGroup.DRIVING and robot.waits_for else group
 
 
 @dataclass(frozen=True)

@@ -16,9 +16,9 @@ from fleet_core.supervision.missions import MissionState
 from fleet_page.core.fleet import (
     DEADLINE_ALARMS,
     OPEN_STATES,
-    Group,
     MissionRequest,
     MissionStatus,
+    RobotGroup,
     ShownPlan,
     ShownPose,
     ShownRobot,
@@ -158,7 +158,7 @@ class FleetModel:
     def _count(self) -> None:
         groups = Counter(map(group_of, self.robots.values()))
         self.live.put('counts', {
-            **{group.value: groups[group] for group in Group}, 'done': len(self._done),
+            **{group.value: groups[group] for group in RobotGroup}, 'done': len(self._done),
             'open': sum(status.state in OPEN_STATES for status in self.missions.values())})
 
     # -- alarms -----------------------------------------------------------------------------------
