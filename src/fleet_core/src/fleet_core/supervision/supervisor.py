@@ -28,6 +28,7 @@ from fleet_core.supervision.assumptions import World, WorldView
 from fleet_core.supervision.charging import ChargeQueue
 from fleet_core.supervision.duties import Errand, errand_of
 from fleet_core.supervision.fleet_stop import NOT_STOPPED, FleetStop, StopCause
+from fleet_core.supervision.hindrances import Hindrance
 from fleet_core.supervision.journal import Journal
 from fleet_core.supervision.journal_database import JournalUnavailable
 from fleet_core.supervision.liveness import SILENCE
@@ -58,6 +59,7 @@ from fleet_core.supervision.run_number import RUN_NUMBER, RunNumber
 from fleet_core.supervision.settings import RobotSettings
 from fleet_core.supervision.switching import OrderSwitching
 from fleet_core.supervision.waiting_missions import WaitingMissions
+from fleet_core.supervision.waits import FLEET_STOPPED, NO_WAIT, STARTING, Wait, WaitCode
 from fleet_core.supervision.work_desk import NEWEST_STEP, WorkDesk
 from route_protocol.messages import WrongReport
 from route_protocol.steps import StepReport
@@ -90,6 +92,8 @@ class Supervisor:
                  conformance: Optional[Conformance] = None) -> None:
         self.gate = gate or StopGate()
         self.networks = Networks(graph, fleet, rate)
+        self.rate = rate
+        """The factor by which robots are faster than the clock."""
         memories, stored = journal.robots(), journal.graph()
         is_same = graph.is_same(stored)
         before = None if is_same else stored
@@ -164,6 +168,20 @@ class Supervisor:
     def is_stopped(self) -> bool:
         """Must each robot stand until the fleet is resumed?"""
         return self.interlocking.is_stopped
+
+    @property
+    def all_wait(self) -> Wait:
+        """Why no robot gets a mission or anything new to drive."""
+        if self.is_stopped:
+            return FLEET_STOPPED
+        if self.trouble:
+            return Wait(WaitCode.DISK, f'the disk: {self.trouble}')
+        return STARTING if self._is_starting or self._is_recovering else NO_WAIT
+
+    @property
+    def own_hindrances(self) -> Dict[str, Hindrance]:
+        """By robot, what hinders it from serving any mission now."""
+        return self._waiting.own_hindrances
 
     # -- missions ---------------------------------------------------------------------------------
 
@@ -602,10 +620,10 @@ class Supervisor:
                 robot.liveness.is_seen or robot.outage is Outage.ABSENT
                 for robot in self.robots.values()))
         if self.is_stopped:
-            self._waiting.hold('the fleet is stopped')
+            self._waiting.hold(FLEET_STOPPED.text)
         self._is_recovering &= any(robot.is_halted and robot.outage is None
                                    for robot in self.robots.values())
-        if self._is_starting or self._is_recovering or self.is_stopped or self.trouble:
+        if self.all_wait.code:
             return
         busy = set(self.book.serving)
         for name in self.charging.update(busy, self._waiting.short, self.network, now):
