@@ -37,7 +37,7 @@ from fleet_core.planning.layers import Search, layered  # noqa: E402
 from fleet_core.planning.planner import FleetPlanner  # noqa: E402
 from fleet_core.planning.road_network import RoadNetwork  # noqa: E402
 from fleet_core.planning.safe_intervals import find_path  # noqa: E402
-from fleet_core.planning.tasks import Outcome  # noqa: E402
+from fleet_core.planning.tasks import PlanningOutcome  # noqa: E402
 from trajectory_graph import Graph, split_edges  # noqa: E402
 
 SEEDS = 20
@@ -77,7 +77,7 @@ def additions() -> float:
     return time.process_time() - begun
 
 
-def ratio(outcome: Outcome) -> float:
+def ratio(outcome: PlanningOutcome) -> float:
     """The cost divided by the lower bound, over the robots that are served."""
     return outcome.cost / outcome.lower_bound if outcome.lower_bound else 1.0
 

@@ -36,7 +36,7 @@ from graph_editor.making.maker import make_graph
 from graph_editor.making.options import MakingOptions
 from graph_editor.nodes.handles import VERTICES, vertex_group
 from graph_editor.nodes.view import fitted, rendering_arguments
-from graph_editor.site import Site, SiteOptions, load_site
+from graph_editor.site import MappedSite, SiteOptions, load_site
 from rviz import frames_in
 from trajectory_graph import Edge, Graph, Vertex, load_graph, save_graph
 from trajectory_graph.editing import Draft
@@ -115,13 +115,13 @@ def length(graph: Graph) -> float:
     return sum(graph.curve(id).length for id in graph.edges)
 
 
-def robot_floor(site: Site, graph: Graph) -> np.ndarray:
+def robot_floor(site: MappedSite, graph: Graph) -> np.ndarray:
     """Mask of the floor with half a robot's width of room, flooded from the graph."""
     return site.floor.reachable(OPTIONS.robot_width / 2.0,
                                 [vertex.position for vertex in graph.vertices.values()])
 
 
-def share_served(site: Site, graph: Graph) -> float:
+def share_served(site: MappedSite, graph: Graph) -> float:
     """The share of the reachable floor whose driving distance to an edge is at most 2 m."""
     coverage = Coverage(site.floor, robot_floor(site, graph), 2.0)
     served = np.zeros(coverage.mask.size, bool)
@@ -130,7 +130,7 @@ def share_served(site: Site, graph: Graph) -> float:
     return float(served[coverage.mask.ravel()].mean())
 
 
-def errors(site: Site, graph: Graph) -> int:
+def errors(site: MappedSite, graph: Graph) -> int:
     """The number of errors in check_graph, such as edges in walls or unreachable vertices."""
     findings = Checker(CheckRules(), site).all(Draft.of(graph))
     return sum(finding.severity is Severity.ERROR for finding in findings)

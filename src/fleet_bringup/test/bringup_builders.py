@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import List
 
 from fleet_bringup.options import Options
-from fleet_bringup.robot_entries import Entry, read_entries
+from fleet_bringup.robot_entries import RobotEntry, read_entries
 from fleet_core.files.fleet_file import load_fleet
 
 HEAD = '''clearance: 0.1
@@ -23,7 +23,7 @@ def fleet_file(folder: Path, *robots: str) -> str:
     return str(path)
 
 
-def entries(folder: Path, *robots: str, **options: object) -> List[Entry]:
+def entries(folder: Path, *robots: str, **options: object) -> List[RobotEntry]:
     """The entries of these robots."""
     path = fleet_file(folder, *robots)
     return read_entries(path, load_fleet(path), Options(fleet=path, **options))

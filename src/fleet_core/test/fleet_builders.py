@@ -10,7 +10,7 @@ from fleet_core.fleet import RobotType
 from fleet_core.interlocking.reports import Pose, point_of
 from fleet_core.interlocking.route_record import RouteRecord
 from route_protocol.master import give_route
-from route_protocol.values import Location, RouteReport, SymbolicPose
+from route_protocol.values import RouteReport, SymbolicPose, VehicleLocation
 from trajectory_graph import CurveType, Edge, Graph, Vertex
 
 AGV = RobotType('agv', 0.4, 1.0)
@@ -95,7 +95,7 @@ def at_place(said: RouteReport, graph: Graph, edge: int, fraction: float) -> Rou
     """The same report from another place: at this fraction of this edge."""
     x, y = point_of(graph, Pose(edge, fraction))
     return replace(said, pose=SymbolicPose(edge, 100.0 * fraction),
-                   location=Location(x, y, math.nan))
+                   location=VehicleLocation(x, y, math.nan))
 
 
 def as_files(graph: Graph, types: Sequence[RobotType], robots: Mapping[str, Tuple[str, int]],

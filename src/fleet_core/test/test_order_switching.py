@@ -21,7 +21,7 @@ from fleet_core.planning.planner import FleetPlanner
 from fleet_core.planning.plans import Drive
 from fleet_core.planning.precedence import Constraint
 from fleet_core.planning.road_network import RoadNetwork
-from fleet_core.planning.tasks import Outcome, PlannedDrive, Task
+from fleet_core.planning.tasks import PlannedDrive, PlanningOutcome, Task
 from trajectory_graph import Graph, GraphError
 
 ANY_SEED = given(seed=st.integers(0, 2 ** 32 - 1))
@@ -36,7 +36,7 @@ class Moment:
 
     network: RoadNetwork
     clearance: float
-    outcome: Outcome
+    outcome: PlanningOutcome
     kinds: Dict[str, object]
     now: float
     late: Dict[str, float]
@@ -107,7 +107,7 @@ def moment(case: Case, random: Random) -> Moment:
               for name, robot in plan['robots'].items()}
     ends = [d[-1].end for d in drives.values() if d]
     assume(ends)
-    outcome = Outcome(drives, tuple(Constraint(*one) for one in plan['precedence']))
+    outcome = PlanningOutcome(drives, tuple(Constraint(*one) for one in plan['precedence']))
     now = random.choice((0.0, random.uniform(0.0, max(ends))))
     late = {name: random.choice((0.0, random.uniform(0.0, 60.0))) for name in drives}
     return Moment(case.network, case.clearance, outcome,

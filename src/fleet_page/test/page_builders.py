@@ -11,12 +11,12 @@ from pathlib import Path
 from typing import Any, List, Optional, Tuple
 
 from fleet_core.supervision.history import HistoryLine
-from fleet_page.core.acts import Act, ActKind, Outcome
-from fleet_page.core.fleet import MissionRequest, MissionStatus, Place, Plan, Robot
+from fleet_page.core.acts import Act, ActKind, ActOutcome
+from fleet_page.core.fleet import MissionRequest, MissionStatus, ShownPlan, ShownPose, ShownRobot
 from fleet_page.core.page import Missions, Page
 from fleet_page.core.records import Records
 from fleet_page.core.replay import ReplayRing
-from fleet_page.core.roles import Person, Role, TokenFile, Tokens, load_tokens
+from fleet_page.core.roles import Person, TokenFile, Tokens, UserRole, load_tokens
 from fleet_page.door.door import Access, Door
 from fleet_page.door.files import CHART, PageFiles
 from fleet_page.door.security import Addresses, certificates_of
@@ -40,11 +40,11 @@ def graph(columns: int = 4, rows: int = 3) -> Graph:
                             for k, (a, b) in enumerate(ends, 1)])
 
 
-def robot(name: str = 'a', **values: Any) -> Robot:
+def robot(name: str = 'a', **values: Any) -> ShownRobot:
     """A robot that drives along edge 1 to vertex 2, with nothing to wait for."""
     known = {'type': 'agv', 'state': 'BUSY', 'outage': 'NONE', 'edge': 1, 'fraction': 0.5,
              'seen': 100.0, 'battery': 0.75, 'mission': 7, 'destination': 2, 'waits_for': ''}
-    return Robot(name, **{**known, **values})
+    return ShownRobot(name, **{**known, **values})
 
 
 def status(id: int = 7, state: str = 'ACTIVE', **values: Any) -> MissionStatus:
@@ -79,11 +79,11 @@ def show_fleet(shown: Page, now: Optional[float] = None) -> None:
     model.take_robots([robot(to_end=90.0), robot(
         'b', state='FAILED', outage='FAILED', mission=None, edge=2, waits_for='wheel blocked',
         destination=0, battery=None)], now)
-    model.take_places({'a': Place(1.5, 0.0, 0.0), 'b': Place(4.5, 0.0, None)})
+    model.take_places({'a': ShownPose(1.5, 0.0, 0.0), 'b': ShownPose(4.5, 0.0, None)})
     for id, state in ((7, 'ACTIVE'), (8, 'PENDING'), (9, 'SUCCEEDED')):
         model.take_request(request(id))
         shown.take_status(status(id, state, robot='' if state == 'PENDING' else 'a'))
-    shown.take_plans({'a': Plan((1, 2), 1)}, now)
+    shown.take_plans({'a': ShownPlan((1, 2), 1)}, now)
 
 
 class FakeFleet:
@@ -94,16 +94,17 @@ class FakeFleet:
         self.slow: Optional[threading.Event] = None
         """If set, all acts except stops wait for it."""
 
-    def do(self, act: Act, person: Person) -> Outcome:
+    def do(self, act: Act, person: Person) -> ActOutcome:
         """The function that `WebServer` calls."""
         if self.slow is not None and act.kind is not ActKind.STOP:
             self.slow.wait(10.0)
         self.acts.append((act, person))
-        return Outcome(True, f'{act.kind.value} was asked', 77 if act.kind is ActKind.SEND else 0)
+        return ActOutcome(True, f'{act.kind.value} was asked',
+                          77 if act.kind is ActKind.SEND else 0)
 
-    def stop(self, person: str) -> Outcome:
+    def stop(self, person: str) -> ActOutcome:
         """The function that `Door` calls."""
-        return self.do(Act(ActKind.STOP), Person(person, Role.OPERATE))
+        return self.do(Act(ActKind.STOP), Person(person, UserRole.OPERATE))
 
     @property
     def kinds(self) -> List[ActKind]:

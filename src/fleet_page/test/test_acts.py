@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from fleet_page.core.acts import RULES, Act, ActKind, WrongAct, act_of
-from fleet_page.core.roles import Role
+from fleet_page.core.roles import UserRole
 
 JSON = st.recursive(st.none() | st.booleans() | st.integers() | st.floats() | st.text(),
                     lambda inner: st.lists(inner) | st.dictionaries(st.text(), inner))
@@ -51,4 +51,4 @@ def test_anything_else_is_refused_and_never_fails(content, kind, value):
 
 def test_every_act_has_a_rule_and_no_act_is_for_those_who_only_see():
     assert set(RULES) == set(ActKind)
-    assert all(rule.role > Role.SEE for rule in RULES.values())
+    assert all(rule.role > UserRole.SEE for rule in RULES.values())

@@ -13,7 +13,7 @@ pytest.importorskip('aiohttp')
 from page_builders import TOKENS, until  # noqa: E402
 from test_web_server import served  # noqa: E402
 
-from fleet_page.core.acts import ActKind, Outcome  # noqa: E402
+from fleet_page.core.acts import ActKind, ActOutcome  # noqa: E402
 from fleet_page.core.admissions import MOST, MOST_OF_ADDRESS  # noqa: E402
 from fleet_page.door import connections as connections_module  # noqa: E402
 from fleet_page.door import worker as worker_module  # noqa: E402
@@ -208,10 +208,10 @@ def test_a_browser_cannot_say_itself_who_it_is(tmp_path):
 def test_many_who_ask_for_a_stop_at_once_share_one_that_began_after_they_asked():
     begun, may_end = [], threading.Event()
 
-    def stop(person: str) -> Outcome:
+    def stop(person: str) -> ActOutcome:
         begun.append(len(begun))
         may_end.wait(5.0)
-        return Outcome(True, f'stop {begun[-1]}')
+        return ActOutcome(True, f'stop {begun[-1]}')
 
     async def work() -> None:
         stops = Stops(stop)
@@ -229,7 +229,7 @@ def test_many_who_ask_for_a_stop_at_once_share_one_that_began_after_they_asked()
 
 
 def test_a_stop_that_fails_once_can_be_asked_again():
-    outcomes = iter([Outcome(False, 'no robot'), Outcome(True, 'stopped')])
+    outcomes = iter([ActOutcome(False, 'no robot'), ActOutcome(True, 'stopped')])
 
     async def work() -> None:
         stops = Stops(lambda person: next(outcomes))

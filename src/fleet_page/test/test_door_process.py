@@ -15,12 +15,12 @@ pytest.importorskip('aiohttp')
 
 from page_builders import PAGE_FOLDER, TOKENS, token_file  # noqa: E402
 
-from fleet_page.core.acts import Outcome  # noqa: E402
+from fleet_page.core.acts import ActOutcome  # noqa: E402
 from fleet_page.door.process import DoorError, DoorProcess, DoorSettings  # noqa: E402
 
 
-def stop(person: str) -> Outcome:
-    return Outcome(True, f'stopped in process {os.getpid()}, whose arguments are none of a node')
+def stop(person: str) -> ActOutcome:
+    return ActOutcome(True, f'stopped in process {os.getpid()}, whose arguments are none of a node')
 
 
 @pytest.fixture

@@ -6,7 +6,7 @@ from fleet_core.supervision.history import HistoryLine
 from fleet_core.supervision.missions import MissionState
 from fleet_page.core import fleet_model
 from fleet_page.core.acts import Act, ActKind
-from fleet_page.core.fleet import Place
+from fleet_page.core.fleet import ShownPose
 from fleet_page.core.fleet_model import FleetModel
 from fleet_page.core.readiness import LIMIT, Readiness
 
@@ -39,7 +39,7 @@ def test_a_robot_without_a_location_stands_where_its_edge_says():
     model.graph = graph()
     model.take_robots([robot(fraction=0.5)], 0.0)
     assert model.live.get('pose:a') == [1.5, 0.0, 0.0]
-    model.take_places({'a': Place(1.0, 2.0, None)})
+    model.take_places({'a': ShownPose(1.0, 2.0, None)})
     model.take_robots([robot(fraction=0.9)], 0.5)
     assert model.live.get('pose:a') == [1.0, 2.0, None]
 
@@ -47,7 +47,7 @@ def test_a_robot_without_a_location_stands_where_its_edge_says():
 def test_a_robot_that_leaves_the_fleet_leaves_the_page():
     model = FleetModel()
     model.take_robots([robot('a'), robot('b')], 0.0)
-    model.take_places({'a': Place(0.0, 0.0, 0.0)})
+    model.take_places({'a': ShownPose(0.0, 0.0, 0.0)})
     model.take_robots([robot('b')], 0.5)
     assert model.live.entries('robot:').keys() == {'b'} and model.live.get('pose:a') is None
 
@@ -55,10 +55,10 @@ def test_a_robot_that_leaves_the_fleet_leaves_the_page():
 def test_a_standing_robot_changes_nothing():
     model = FleetModel()
     model.take_robots([robot()], 0.0)
-    model.take_places({'a': Place(1.0, 1.0, 0.0)})
+    model.take_places({'a': ShownPose(1.0, 1.0, 0.0)})
     before = model.live.revision
     model.take_robots([robot(seen=200.0, fraction=0.6)], 0.5)
-    model.take_places({'a': Place(1.001, 1.0, 0.0)})
+    model.take_places({'a': ShownPose(1.001, 1.0, 0.0)})
     assert model.live.revision == before
 
 
@@ -116,19 +116,19 @@ def test_waiting_distance_and_work_are_summed_up():
     model = FleetModel()
     model.take_robots([robot(waits_for='b')], 0.0)
     model.take_robots([robot(waits_for='b')], 0.5)
-    model.take_places({'a': Place(0.0, 0.0, 0.0)})
-    model.take_places({'a': Place(1.5, 0.0, 0.0)})
-    model.take_places({'a': Place(99.0, 0.0, 0.0)})  # carried, not driven
+    model.take_places({'a': ShownPose(0.0, 0.0, 0.0)})
+    model.take_places({'a': ShownPose(1.5, 0.0, 0.0)})
+    model.take_places({'a': ShownPose(99.0, 0.0, 0.0)})  # carried, not driven
     sums, edges = model.take_sums()
     assert (sums['a'].distance, sums['a'].busy, sums['a'].waiting) == (1.5, 0.5, 0.5)
     assert edges == {1: 0.5} and model.take_sums() == ({}, {})
 
 
 def test_the_page_records_what_became_of_a_mission(tmp_path):
-    from fleet_page.core.acts import Act, ActKind, Outcome
+    from fleet_page.core.acts import Act, ActKind, ActOutcome
     from fleet_page.core.roles import LOCAL
     shown = page(str(tmp_path))
-    shown.done(LOCAL, Act(ActKind.SEND, destinations=(2,)), Outcome(True, 'sent', 9), 1.0)
+    shown.done(LOCAL, Act(ActKind.SEND, destinations=(2,)), ActOutcome(True, 'sent', 9), 1.0)
     assert shown.records.audit(1)[0]['outcome'] == 'sent'
     show_fleet(shown)
     assert shown.records.audit(1)[0]['outcome'] == 'SUCCEEDED a'

@@ -16,7 +16,7 @@ from fleet_core.supervision.fleet_stop import (  # noqa: E402
     StopCause,
 )
 from fleet_page.core.acts import ActKind  # noqa: E402
-from fleet_page.core.fleet import Place  # noqa: E402
+from fleet_page.core.fleet import ShownPose  # noqa: E402
 from trajectory_graph import split_edges  # noqa: E402
 
 pytestmark = needs_browser
@@ -70,7 +70,7 @@ def test_robots_missions_alarms_and_plans_are_shown(window, served):
 
 def test_a_robot_that_moves_is_drawn_where_it_is(window, served):
     before = window.one('.robot[data-name=a]').get_attribute('transform')
-    served.do(lambda: served.page.model.take_places({'a': Place(2.5, 0.0, 0.0)}))
+    served.do(lambda: served.page.model.take_places({'a': ShownPose(2.5, 0.0, 0.0)}))
     window.wait(lambda: window.one('.robot[data-name=a]').get_attribute('transform') != before)
 
 

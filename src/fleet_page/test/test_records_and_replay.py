@@ -7,7 +7,7 @@ from page_builders import page, show_fleet
 from fleet_core.supervision.history import HistoryLine
 from fleet_core.supervision.missions import MissionState
 from fleet_page.core import records as records_module
-from fleet_page.core.acts import Act, ActKind, Outcome
+from fleet_page.core.acts import Act, ActKind, ActOutcome
 from fleet_page.core.history import history_csv, history_values
 from fleet_page.core.records import Records, Sums, TooManyFavourites
 from fleet_page.core.replay import KEY_PERIOD, SEGMENTS, ReplayRing
@@ -17,7 +17,7 @@ def test_the_audit_list_keeps_the_newest_rows(monkeypatch):
     monkeypatch.setattr(records_module, 'MOST_ROWS', 3)
     records = Records(':memory:')
     for time in range(10):
-        records.note(time, 'anna', Act(ActKind.OUT, robot='a'), Outcome(True, 'done'))
+        records.note(time, 'anna', Act(ActKind.OUT, robot='a'), ActOutcome(True, 'done'))
     rows = records.audit(100)
     assert [row['time'] for row in rows] == [9.0, 8.0, 7.0]
     assert rows[0]['details'] == {'robot': 'a'}

@@ -6,16 +6,16 @@ from fleet_page.core.rate_limits import RateLimit
 from fleet_page.core.roles import (
     SESSION_TIME,
     Person,
-    Role,
     Sessions,
     TokenFile,
     TokenFileError,
+    UserRole,
     load_tokens,
 )
 
 
 def test_a_token_gives_its_person_and_role(tmp_path):
-    assert tokens(tmp_path).person(TOKENS['operate']) == Person('operater', Role.OPERATE)
+    assert tokens(tmp_path).person(TOKENS['operate']) == Person('operater', UserRole.OPERATE)
     assert tokens(tmp_path).person('') is None
     assert tokens(tmp_path).person(TOKENS['admin'] + 'x') is None
     assert tokens(tmp_path).person('\ud800') is None
@@ -44,7 +44,7 @@ def test_a_wrong_token_file_is_told_without_its_tokens(tmp_path, text, words):
 def test_a_session_ends_after_a_time_without_requests(tmp_path):
     sessions, known = Sessions(), tokens(tmp_path)
     session = sessions.open(TOKENS['see'], 0.0)
-    person = Person('seer', Role.SEE)
+    person = Person('seer', UserRole.SEE)
     assert sessions.person(session, known, SESSION_TIME - 1.0) == person
     assert sessions.person(session, known, 2.0 * SESSION_TIME - 2.0) == person
     assert sessions.person(session, known, 4.0 * SESSION_TIME) is None
@@ -65,8 +65,8 @@ def test_a_token_that_leaves_the_file_ends_its_sessions(tmp_path):
     rewrite(tmp_path, f'see seer {TOKENS["see"]}\nsee operater {TOKENS["operate"]}\n')
     assert file.refresh() and not file.refresh()
     assert sessions.person(opened['admin'], file.tokens, 1.0) is None
-    assert sessions.person(opened['see'], file.tokens, 1.0) == Person('seer', Role.SEE)
-    assert sessions.person(opened['operate'], file.tokens, 1.0) == Person('operater', Role.SEE)
+    assert sessions.person(opened['see'], file.tokens, 1.0) == Person('seer', UserRole.SEE)
+    assert sessions.person(opened['operate'], file.tokens, 1.0) == Person('operater', UserRole.SEE)
 
 
 @pytest.mark.parametrize('text', [None, '', 'see anna'])

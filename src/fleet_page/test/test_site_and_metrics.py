@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from page_builders import graph, page, show_fleet
 
-from fleet_page.core.fleet import Plan
+from fleet_page.core.fleet import ShownPlan
 from fleet_page.core.latencies import Histogram, ReleaseWatch
 from fleet_page.core.metrics import escaped
 from fleet_page.core.site import WrongMap, site_values, wall_map
@@ -67,10 +67,10 @@ def test_a_label_cannot_leave_its_quotes():
 
 def test_a_release_takes_from_the_first_plan_without_to_the_first_with_an_edge():
     watch = ReleaseWatch()
-    watch.take({'a': Plan((1,), 0)}, 10.0)
-    watch.take({'a': Plan((1,), 0)}, 11.0)
-    watch.take({'a': Plan((1,), 1)}, 12.5)
-    watch.take({'a': Plan((1,), 1)}, 14.0)
+    watch.take({'a': ShownPlan((1,), 0)}, 10.0)
+    watch.take({'a': ShownPlan((1,), 0)}, 11.0)
+    watch.take({'a': ShownPlan((1,), 1)}, 12.5)
+    watch.take({'a': ShownPlan((1,), 1)}, 14.0)
     assert (watch.seconds.count, watch.seconds.sum) == (1, 2.5)
 
 

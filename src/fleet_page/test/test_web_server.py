@@ -22,7 +22,7 @@ from yarl import URL  # noqa: E402
 from fleet_core.supervision.journal_database import JournalError  # noqa: E402
 from fleet_page.core.acts import RULES, ActKind  # noqa: E402
 from fleet_page.core.rate_limits import RateLimit  # noqa: E402
-from fleet_page.core.roles import Role  # noqa: E402
+from fleet_page.core.roles import UserRole  # noqa: E402
 from fleet_page.door import door as door_module  # noqa: E402
 from fleet_page.door import worker as worker_module  # noqa: E402
 
@@ -177,7 +177,7 @@ def test_a_role_may_do_what_the_table_says(tmp_path, role):
     async def test(site, client, _new):
         assert await client.login(role) == 200
         for kind in ActKind:
-            allowed = RULES[kind].role <= Role[role.upper()]
+            allowed = RULES[kind].role <= UserRole[role.upper()]
             status, answer = await client.act(body_of(kind))
             assert (status == 200) is allowed, (kind, answer)
             assert status in (200, 403)

@@ -19,7 +19,7 @@ from proofs import LONG, is_whole
 
 from fleet_core.fleet import RobotType
 from fleet_core.interlocking import interlocking
-from fleet_core.planning.tasks import Outcome
+from fleet_core.planning.tasks import PlanningOutcome
 from fleet_core.supervision import questions
 from fleet_core.supervision.actions import AskPlanner
 from fleet_core.supervision.missions import MissionState
@@ -49,7 +49,7 @@ class CorruptedFleet(SupervisedFleet):
 
     kinds: Sequence[Spoil] = tuple(WRONG.values())
 
-    def _plan(self, question: AskPlanner) -> Outcome:
+    def _plan(self, question: AskPlanner) -> PlanningOutcome:
         outcome = super()._plan(question)
         if self.random.random() >= 0.1:
             return outcome

@@ -8,7 +8,7 @@ import numpy as np
 from hypothesis import strategies as st
 
 from graph_editor.floor import Floor
-from graph_editor.site import Place, PlaceKind, Site
+from graph_editor.site import MappedSite, NamedPlace, PlaceKind
 
 RESOLUTION = 0.05
 Box = Tuple[float, float, float, float]  # x1, y1, x2, y2 in m
@@ -22,9 +22,9 @@ class Plan:
     height: float
     boxes: Tuple[Box, ...]
     start: Tuple[float, float]
-    places: Tuple[Place, ...] = ()
+    places: Tuple[NamedPlace, ...] = ()
 
-    def site(self, name: str = 'plan') -> Site:
+    def site(self, name: str = 'plan') -> MappedSite:
         """The site with outer walls around the plan."""
         rows, columns = (int(round(side / RESOLUTION)) + 4 for side in (self.height, self.width))
         occupied = np.zeros((rows, columns), bool)
@@ -35,8 +35,8 @@ class Plan:
             occupied[bottom:max(top, bottom + 1), left:max(right, left + 1)] = True
         floor = Floor(occupied, np.ones_like(occupied), RESOLUTION,
                       (-2 * RESOLUTION, -2 * RESOLUTION))
-        home = Place(PlaceKind.HOME, '', *self.start)
-        return Site(name, floor, (home, *self.places))
+        home = NamedPlace(PlaceKind.HOME, '', *self.start)
+        return MappedSite(name, floor, (home, *self.places))
 
 
 def corridor(length: float = 12.0, width: float = 2.4) -> Plan:

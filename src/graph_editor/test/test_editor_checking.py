@@ -15,7 +15,7 @@ from graph_editor.checking.rules import CheckRules
 from graph_editor.errors import SiteError
 from graph_editor.making.maker import make_graph
 from graph_editor.making.options import MakingOptions
-from graph_editor.site import Place, PlaceKind
+from graph_editor.site import NamedPlace, PlaceKind
 from trajectory_graph import CurveType, Edge, Graph, Vertex, editing
 from trajectory_graph.editing import Draft
 
@@ -191,8 +191,8 @@ def test_an_edge_that_bends_where_robots_cannot_turn_is_told():
 
 
 def test_a_goal_of_the_map_that_is_no_vertex_is_told():
-    plan = replace(HALL, places=(Place(PlaceKind.GOAL, 'press 4', 4.0, 4.0),
-                                 Place(PlaceKind.GOAL, 'store', 2.1, 1.5)))
+    plan = replace(HALL, places=(NamedPlace(PlaceKind.GOAL, 'press 4', 4.0, 4.0),
+                                 NamedPlace(PlaceKind.GOAL, 'store', 2.1, 1.5)))
     finding = only(found(ring(), plan), "goal 'press 4' of the map has no vertex")
     assert finding.place == (4.0, 4.0)
 

@@ -21,7 +21,7 @@ from graph_editor.making.keeping_ids import with_ids_of
 from graph_editor.making.maker import make_graph
 from graph_editor.making.options import Halls, MakingOptions
 from graph_editor.making.tidying import LEAST_FLOOR
-from graph_editor.site import Place, PlaceKind, Site
+from graph_editor.site import MappedSite, NamedPlace, PlaceKind
 from trajectory_graph import Graph
 from trajectory_graph.editing import Draft
 from trajectory_graph.yaml_file import dump_graph
@@ -30,7 +30,7 @@ LONG = os.environ.get('LD90_LONG_TESTS') == '1'
 OPTIONS = MakingOptions()
 
 
-def floor_of_robot(site: Site) -> np.ndarray:
+def floor_of_robot(site: MappedSite) -> np.ndarray:
     """The floor where a robot can turn, or pass straight, from its start places.
 
     The margin is larger than the smallest one of the maker, so that the maker must reach all of it.
@@ -63,17 +63,17 @@ def straight_between(floor: Floor, starts: np.ndarray, ends: np.ndarray,
     return bool((room >= OPTIONS.tight + 0.02).any())
 
 
-def share_served(site: Site, graph: Graph, reach: float) -> float:
+def share_served(site: MappedSite, graph: Graph, reach: float) -> float:
     """The share of the robot's floor whose driving distance to an edge is at most `reach` m."""
     return float(served_or_not(site, graph, reach).mean())
 
 
-def floor_left(site: Site, graph: Graph, reach: float) -> float:
+def floor_left(site: MappedSite, graph: Graph, reach: float) -> float:
     """The rest of that floor, in m2."""
     return np.count_nonzero(~served_or_not(site, graph, reach)) * PITCH ** 2
 
 
-def served_or_not(site: Site, graph: Graph, reach: float) -> np.ndarray:
+def served_or_not(site: MappedSite, graph: Graph, reach: float) -> np.ndarray:
     """True or False for each cell of the robot's floor; paths also lead straight through gaps."""
     coverage = Coverage(site.floor, site.floor.clearance >= OPTIONS.tight, reach)
     its_floor = Coverage(site.floor, floor_of_robot(site), reach).mask
@@ -85,12 +85,12 @@ def served_or_not(site: Site, graph: Graph, reach: float) -> np.ndarray:
     return served[its_floor.ravel()]
 
 
-def least_clearance(site: Site, graph: Graph) -> float:
+def least_clearance(site: MappedSite, graph: Graph) -> float:
     return min(float(site.floor.clearance_at(graph.curve(id).sample(0.02)).min())
                for id in graph.edges)
 
 
-def turns_without_room(site: Site, graph: Graph) -> List[str]:
+def turns_without_room(site: MappedSite, graph: Graph) -> List[str]:
     """The findings of check_graph about places where robots must turn and cannot."""
     findings = Checker(CheckRules(), site).all(Draft.of(graph))
     return [str(finding) for finding in findings if 'must turn' in finding.text]
@@ -190,8 +190,8 @@ def two_doors(*boxes: Box) -> Plan:
     """Two rooms and two doors of 0.6 m between them; in the upper room a goal on each side."""
     return Plan(6.4, 5.1, (
         (0.0, 2.35, 1.75, 2.45), (2.35, 2.35, 4.9, 2.45), (5.5, 2.35, 6.4, 2.45), *boxes),
-        (3.2, 0.7), (Place(PlaceKind.GOAL, 'right', 3.9, 3.6),
-                     Place(PlaceKind.GOAL, 'left', 1.0, 3.6)))
+        (3.2, 0.7), (NamedPlace(PlaceKind.GOAL, 'right', 3.9, 3.6),
+                     NamedPlace(PlaceKind.GOAL, 'left', 1.0, 3.6)))
 
 
 BEHIND_LEFT_DOOR = 1.6, 3.05, 2.0, 3.45  # a box that robots cannot pass

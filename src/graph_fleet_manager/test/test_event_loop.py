@@ -9,7 +9,7 @@ from fleet_builders import AGV, corridor
 
 from fleet_core.interlocking.reports import Report
 from fleet_core.supervision.actions import Note, TellStatus
-from fleet_core.supervision.missions import Command, MissionState, Request
+from fleet_core.supervision.missions import CommandKind, MissionState, Request
 from fleet_core.supervision.outages import Outage
 from graph_fleet_manager.nodes import event_loop
 from graph_fleet_manager.nodes.event_loop import BATCH, SupervisorEvents
@@ -233,7 +233,7 @@ def test_after_a_stall_no_robot_is_silent_that_reported_meanwhile(fleet):
         loop.put_report(lambda supervisor, now, arrived, report=report: supervisor.report(
             'a', Report(report), now, arrived), 'a')
         if late == 3:
-            loop.put_order(lambda supervisor, now: supervisor.command(1, Command.PAUSE, now))
+            loop.put_order(lambda supervisor, now: supervisor.command(1, CommandKind.PAUSE, now))
     for _ in range(30):
         loop.take()(fleet.supervisor, fleet.now)
         assert fleet.supervisor.robots['a'].outage is None
@@ -314,8 +314,8 @@ def test_requests_and_commands_before_there_is_a_graph_are_carried_out_once_ther
         loop, fleet):
     loop.put_request(Request(1, (3,)))
     loop.put_request(Request(2, (2,)))
-    loop.put_command(2, Command.PAUSE)
-    loop.put_command(2, Command.CANCEL)
+    loop.put_command(2, CommandKind.PAUSE)
+    loop.put_command(2, CommandKind.CANCEL)
     loop.put_report(lambda supervisor, now, arrived: pytest.fail('an old report must not count'))
     for _ in range(3):
         assert loop.take()(None, 0.0) == ()
@@ -335,9 +335,9 @@ def test_as_many_requests_as_may_be_open_are_kept_and_what_comes_beyond_is_told(
     assert refusal.status.request_id == 51
     assert '5000 already wait' in refusal.status.reason
     for _ in range(50):
-        loop.put_command(1, Command.PAUSE)
+        loop.put_command(1, CommandKind.PAUSE)
         assert loop.take()(None, 0.0) == ()
-    loop.put_command(1, Command.PAUSE)
+    loop.put_command(1, CommandKind.PAUSE)
     note, = loop.take()(None, 0.0)
     assert isinstance(note, Note) and 'PAUSE for mission 1 is ignored' in note.text
     loop.begin()
@@ -351,8 +351,8 @@ def test_a_command_overtakes_all_requests_but_those_that_it_is_about(loop, fleet
     loop.begin()
     for id in range(2, 500):
         loop.put_request(Request(id, (3,)))
-    loop.put_command(1, Command.CANCEL)
-    loop.put_command(400, Command.CANCEL)
+    loop.put_command(1, CommandKind.CANCEL)
+    loop.put_command(400, CommandKind.CANCEL)
     assert told_by(take_all(loop, fleet, 1))[0] == (1, MissionState.CANCELLED)
     assert told_by(take_all(loop, fleet, 1)) == [
         (400, MissionState.PENDING), (400, MissionState.CANCELLED)]

@@ -8,7 +8,7 @@ from fleet_builders import AGV, corridor
 
 from fleet_core.interlocking.reports import Report
 from fleet_core.planning.precedence import Constraint
-from fleet_core.planning.tasks import Outcome
+from fleet_core.planning.tasks import PlanningOutcome
 from fleet_core.supervision import assignment
 from fleet_core.supervision.actions import SendRoute
 from fleet_core.supervision.mission_book import MissionBook
@@ -198,7 +198,7 @@ def test_an_answer_by_which_another_robot_goes_first_is_not_used():
     record = supervisor.robots['a'].record
     end = record.end
     fleet.run_until(lambda: record.end > end)
-    free = Outcome(drives, ())
+    free = PlanningOutcome(drives, ())
     assert question.plan(free, world) is not None
-    behind_b = Outcome(drives, (Constraint('b', 1, 0.0, 'a', end - base),))
+    behind_b = PlanningOutcome(drives, (Constraint('b', 1, 0.0, 'a', end - base),))
     assert question.plan(behind_b, world) is None

@@ -23,13 +23,13 @@ from route_protocol.messages import WrongReport
 from route_protocol.values import (
     TAKEN_OVER,
     EpochCause,
-    Location,
     Motion,
     Reason,
     ReasonCode,
     RouteOrder,
     RouteReport,
     SymbolicPose,
+    VehicleLocation,
 )
 from route_protocol.vehicle import Answer, VehicleState
 from trajectory_graph import Edge, Graph, Vertex
@@ -368,7 +368,7 @@ class RouteWorld:
     def reported(self, world: World) -> World:
         """The state after the robot has reported."""
         robot, end = world.robot, self._end(world)
-        report = end.report(0, robot.pose, Location(LENGTH * robot.place / 2.0, 0.0, 0.0),
+        report = end.report(0, robot.pose, VehicleLocation(LENGTH * robot.place / 2.0, 0.0, 0.0),
                             robot.motion)
         return self._after(world._replace(reports=world.reports | {report}), end)
 

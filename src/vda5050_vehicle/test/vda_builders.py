@@ -17,13 +17,13 @@ from route_protocol.values import (
     NO_REASON,
     TAKEN_OVER,
     EpochCause,
-    Location,
     Motion,
     Reason,
     ReasonCode,
     RouteOrder,
     RouteReport,
     SymbolicPose,
+    VehicleLocation,
 )
 from route_protocol.vehicle import Answer
 from trajectory_graph import Graph, load_graph
@@ -131,7 +131,7 @@ class RobotSide:
     def report(self) -> RouteReport:
         """The present report."""
         return self.vehicle.report(
-            0, self.pose, Location(0.0, 0.0, 0.0), self.motion,
+            0, self.pose, VehicleLocation(0.0, 0.0, 0.0), self.motion,
             Reason(ReasonCode.STOP_OWED, self.owes_stop) if self.owes_stop else NO_REASON)
 
     @property

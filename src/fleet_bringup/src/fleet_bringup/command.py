@@ -18,12 +18,12 @@ from typing import Dict, List, Optional, Sequence, Tuple
 import rospkg
 
 from fleet_bringup.errors import CannotStart
-from fleet_bringup.files import Site, make_site, simulated_robots
+from fleet_bringup.files import StartedSite, make_site, simulated_robots
 from fleet_bringup.launch_file import launch_text
 from fleet_bringup.made_fleet import fleet_text, made_fleet, parking_places
 from fleet_bringup.options import Options, help_text, parse
 from fleet_bringup.ports import check_ports, needed_ports
-from fleet_bringup.robot_entries import LD90, Entry, check_count, read_entries
+from fleet_bringup.robot_entries import LD90, RobotEntry, check_count, read_entries
 from fleet_bringup.rviz_file import rviz_text
 from fleet_core.files.errors import FileError
 from fleet_core.files.fleet_file import load_fleet
@@ -86,8 +86,8 @@ def prepare(options: Options, folder: str, check: bool = True) -> Dict[str, str]
 class Gathered:
     """The inputs of launch files. `files`: paths by the kind of file."""
 
-    entries: List[Entry]
-    site: Site
+    entries: List[RobotEntry]
+    site: StartedSite
     files: Dict[str, str]
 
 
@@ -142,8 +142,8 @@ def _fleet(options: Options, folder: str, graph: Graph) -> Tuple[Fleet, str]:
     return fleet, path
 
 
-def _site(options: Options, folder: str, graph: Graph, entries: List[Entry],
-          laboratory: str) -> Site:
+def _site(options: Options, folder: str, graph: Graph, entries: List[RobotEntry],
+          laboratory: str) -> StartedSite:
     """The graph and the map as files; raises CannotStart if LD-90s have no map."""
     base_map, map_file = options.base_map, options.map_file
     if not any(entry.robot.driver == LD90 for entry in entries):

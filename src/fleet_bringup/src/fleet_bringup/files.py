@@ -9,7 +9,7 @@ from typing import Any, Dict, List, Optional, Sequence
 import yaml
 
 from fleet_bringup.errors import CannotStart
-from fleet_bringup.robot_entries import LD90, Entry
+from fleet_bringup.robot_entries import LD90, RobotEntry
 from omron_map import MapError
 from omron_map_converter.converter import (
     ConversionError,
@@ -22,7 +22,7 @@ from trajectory_graph import Graph, save_graph
 
 
 @dataclass(frozen=True)
-class Site:
+class StartedSite:
     """The graph and the map of the fleet, as files. `map_file` is empty without LD-90s."""
 
     graph: Graph
@@ -35,11 +35,11 @@ class Site:
         return next((one.id for one in self.graph.vertices.values() if one.dock), 0)
 
 
-def make_site(folder: str, graph: Graph, base_map: str, map_file: str) -> Site:
+def make_site(folder: str, graph: Graph, base_map: str, map_file: str) -> StartedSite:
     """Writes the graph, and makes the map from the base map; raises CannotStart."""
     graph_file = os.path.join(folder, 'graph.yaml')
     save_graph(graph, graph_file)
-    site = Site(graph, graph_file, map_file)
+    site = StartedSite(graph, graph_file, map_file)
     if not base_map:
         return site
     output = os.path.join(folder, 'fleet.map')
@@ -51,10 +51,10 @@ def make_site(folder: str, graph: Graph, base_map: str, map_file: str) -> Site:
     except (ConversionError, MapError) as error:
         raise CannotStart(
             f'The map of the LD-90s cannot be made from {base_map}: {error}') from None
-    return Site(graph, graph_file, output)
+    return StartedSite(graph, graph_file, output)
 
 
-def simulated_robots(entries: Sequence[Entry], graph: Graph) -> str:
+def simulated_robots(entries: Sequence[RobotEntry], graph: Graph) -> str:
     """The content of the file for `ld90_sim --robots`."""
     rows: List[Dict[str, Any]] = []
     for entry in entries:

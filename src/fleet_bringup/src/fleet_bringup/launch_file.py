@@ -11,9 +11,9 @@ from typing import Any, Collection, Dict, Sequence
 from xml.dom import minidom
 
 from fleet_bringup.errors import CannotStart
-from fleet_bringup.files import Site
+from fleet_bringup.files import StartedSite
 from fleet_bringup.options import Options
-from fleet_bringup.robot_entries import AGV, LD90, Entry
+from fleet_bringup.robot_entries import AGV, LD90, RobotEntry
 
 RESPAWN = {'respawn': 'true', 'respawn_delay': '2'}
 #: The file in ROS_HOME in which the bridge of a real robot keeps its last route.
@@ -41,7 +41,7 @@ class Part(Enum):
     PAGE = 'page'
 
 
-def parts_of(entries: Sequence[Entry], options: Options) -> Sequence[Part]:
+def parts_of(entries: Sequence[RobotEntry], options: Options) -> Sequence[Part]:
     """The parts that a fleet has, in the order in which they start."""
     has = {Part.SIMULATORS: any(entry.is_simulated for entry in entries),
            Part.ROBOTS: any(entry.robot.driver == LD90 for entry in entries),
@@ -50,8 +50,8 @@ def parts_of(entries: Sequence[Entry], options: Options) -> Sequence[Part]:
     return [part for part in Part if has[part]]
 
 
-def launch_text(entries: Sequence[Entry], site: Site, options: Options, files: Dict[str, str],
-                parts: Collection[Part] = tuple(Part)) -> str:
+def launch_text(entries: Sequence[RobotEntry], site: StartedSite, options: Options,
+                files: Dict[str, str], parts: Collection[Part] = tuple(Part)) -> str:
     """The launch file of some parts. `files`: paths by the kind of file, see `command.prepare`."""
     root = ET.Element('launch')
     root.append(ET.Comment(f' Made by scripts/run.sh fleet:={options.fleet} '.replace('--', '- -')))
@@ -66,8 +66,8 @@ def launch_text(entries: Sequence[Entry], site: Site, options: Options, files: D
     return minidom.parseString(ET.tostring(root)).toprettyxml('  ')
 
 
-def _simulators(root: ET.Element, entries: Sequence[Entry], site: Site, options: Options,
-                files: Dict[str, str]) -> None:
+def _simulators(root: ET.Element, entries: Sequence[RobotEntry], site: StartedSite,
+                options: Options, files: Dict[str, str]) -> None:
     if any(entry.robot.driver == LD90 and entry.is_simulated for entry in entries):
         _ld90_simulator(root, site, options, files)
     if any(entry.robot.driver == AGV for entry in entries):
@@ -77,14 +77,14 @@ def _simulators(root: ET.Element, entries: Sequence[Entry], site: Site, options:
             _hosted(options, {}))
 
 
-def _robots(root: ET.Element, entries: Sequence[Entry], site: Site, options: Options,
+def _robots(root: ET.Element, entries: Sequence[RobotEntry], site: StartedSite, options: Options,
             files: Dict[str, str]) -> None:
     for entry in entries:
         if entry.robot.driver == LD90:
             _ld90(root, entry, site, options, files)
 
 
-def _manager(root: ET.Element, entries: Sequence[Entry], site: Site, options: Options,
+def _manager(root: ET.Element, entries: Sequence[RobotEntry], site: StartedSite, options: Options,
              files: Dict[str, str]) -> None:
     if options.fleet_manager:
         _include(root, 'graph_fleet_manager', 'fleet_manager', {
@@ -103,7 +103,8 @@ def _memory(files: Dict[str, str]) -> Dict[str, str]:
         ('closed_edges_file', 'closed_edges'), ('journal', 'journal')) if key in files}
 
 
-def _ld90_simulator(root: ET.Element, site: Site, options: Options, files: Dict[str, str]) -> None:
+def _ld90_simulator(root: ET.Element, site: StartedSite, options: Options,
+                    files: Dict[str, str]) -> None:
     lists = [] if options.lasers else ['--outgoing-commands', '0.5:Status']
     node = _node(root, 'ld90_sim', 'omron_ld90_sim', 'ld90_sim', {})
     node.set('args', _words(
@@ -112,7 +113,7 @@ def _ld90_simulator(root: ET.Element, site: Site, options: Options, files: Dict[
         '--control', options.control_port, *lists))
 
 
-def _ld90(root: ET.Element, entry: Entry, site: Site, options: Options,
+def _ld90(root: ET.Element, entry: RobotEntry, site: StartedSite, options: Options,
           files: Dict[str, str]) -> None:
     _include(root, 'omron_ld90', 'robot', {
         'robot_name': entry.name, 'robot_ip': entry.host or '127.0.0.1',
@@ -129,7 +130,7 @@ def _ld90(root: ET.Element, entry: Entry, site: Site, options: Options,
         _hosted(options, RESPAWN))
 
 
-def _pictures(root: ET.Element, site: Site, options: Options, files: Dict[str, str]) -> None:
+def _pictures(root: ET.Element, site: StartedSite, options: Options, files: Dict[str, str]) -> None:
     if site.map_file:
         group = ET.SubElement(root, 'group', ns=MAP)
         _node(group, 'map_visualisation', 'omron_ld90', 'map_visualisation',
@@ -141,7 +142,7 @@ def _pictures(root: ET.Element, site: Site, options: Options, files: Dict[str, s
         node.set('args', _words(site.map_file, files['rviz']))
 
 
-def _page(root: ET.Element, entries: Sequence[Entry], site: Site, options: Options,
+def _page(root: ET.Element, entries: Sequence[RobotEntry], site: StartedSite, options: Options,
           files: Dict[str, str]) -> None:
     _node(root, 'fleet_page', 'fleet_page', 'fleet_page', {
         'fleet_file': files['fleet'], 'map_topic': f'/{MAP}/map', 'listen': options.listen,

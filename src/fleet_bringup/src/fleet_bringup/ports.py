@@ -6,10 +6,10 @@ from typing import Dict, Iterable, List, Sequence, Tuple
 
 from fleet_bringup.errors import CannotStart
 from fleet_bringup.options import Options
-from fleet_bringup.robot_entries import AGV, LD90, Entry
+from fleet_bringup.robot_entries import AGV, LD90, RobotEntry
 
 
-def needed_ports(entries: Sequence[Entry], options: Options) -> List[Tuple[int, str]]:
+def needed_ports(entries: Sequence[RobotEntry], options: Options) -> List[Tuple[int, str]]:
     """Each port of this computer that is needed, and its purpose."""
     ports: List[Tuple[int, str]] = []
     for entry in entries:

@@ -38,7 +38,7 @@ _NAME = re.compile(r'[A-Za-z][A-Za-z0-9_]*\Z')
 
 
 @dataclass(frozen=True)
-class Entry:
+class RobotEntry:
     """The data to start one robot.
 
     line     -- line of the robot in the fleet file
@@ -67,7 +67,7 @@ class Entry:
         return not self.host and self.robot.driver != NONE
 
 
-def read_entries(path: str, fleet: Fleet, options: Options) -> List[Entry]:
+def read_entries(path: str, fleet: Fleet, options: Options) -> List[RobotEntry]:
     """The entries of all robots of a fleet file that `load_fleet` has read; raises FileError."""
     try:
         root = strict_yaml.compose(path)
@@ -85,7 +85,8 @@ def read_entries(path: str, fleet: Fleet, options: Options) -> List[Entry]:
         raise FileError.of(path, wrong) from None
 
 
-def _entry(robot: Robot, node: yaml.Node, folder: str, options: Options, simulated: int) -> Entry:
+def _entry(robot: Robot, node: yaml.Node, folder: str, options: Options,
+           simulated: int) -> RobotEntry:
     given = strict_yaml.mapping(node, f'robot {robot.name}')
     if not _NAME.match(robot.name):
         raise WrongYaml(f'robot {robot.name} needs a name of letters, digits and _ that begins with'
@@ -96,14 +97,14 @@ def _entry(robot: Robot, node: yaml.Node, folder: str, options: Options, simulat
         if driver == AGV:
             raise WrongYaml(f'robot {robot.name}: driver agv is simulated here; with a computer of '
                             'its own its driver is ld90 or none', given['computer'])
-        return Entry(replace(robot, driver=NONE), strict_yaml.line_of(node),
-                     computer=computer(('computer', given['computer'])))
+        return RobotEntry(replace(robot, driver=NONE), strict_yaml.line_of(node),
+                          computer=computer(('computer', given['computer'])))
     if driver != LD90:
         wrong = next((key for key in ('host', 'arcl_port', 'outgoing_port', 'password_file')
                       if key in given), None)
         if wrong:
             raise WrongYaml(f'robot {robot.name}: {wrong} is for driver ld90 only', given[wrong])
-        return Entry(robot, strict_yaml.line_of(node))
+        return RobotEntry(robot, strict_yaml.line_of(node))
     host = strict_yaml.optional(given, 'host', strict_yaml.text, '')
     step = 0 if host else PORT_STEP * simulated
     password = strict_yaml.optional(given, 'password_file', strict_yaml.text, '')
@@ -115,16 +116,16 @@ def _entry(robot: Robot, node: yaml.Node, folder: str, options: Options, simulat
         if not os.access(password, os.R_OK):
             raise WrongYaml(f'robot {robot.name}: password_file {password} cannot be read',
                             given['password_file'])
-    return Entry(
+    return RobotEntry(
         robot, strict_yaml.line_of(node), host,
         strict_yaml.optional(given, 'arcl_port', tcp_port, options.arcl_port + step),
         strict_yaml.optional(given, 'outgoing_port', tcp_port, options.outgoing_port + step),
         password, strict_yaml.optional(given, 'start', _start, None))
 
 
-def _check_each_other(entries: Sequence[Entry]) -> None:
+def _check_each_other(entries: Sequence[RobotEntry]) -> None:
     """Raises WrongYaml if two robots have the same vertex, host or port."""
-    users: Dict[str, Entry] = {}
+    users: Dict[str, RobotEntry] = {}
     for entry in entries:
         own = [f'vertex {entry.robot.vertex}']
         if entry.host:

@@ -9,10 +9,10 @@ import rospkg
 import yaml
 
 from fleet_bringup.options import Options
-from fleet_bringup.robot_entries import LD90, Entry
+from fleet_bringup.robot_entries import LD90, RobotEntry
 
 
-def rviz_text(entries: Sequence[Entry], options: Options) -> str:
+def rviz_text(entries: Sequence[RobotEntry], options: Options) -> str:
     """The content of the configuration file for RViz."""
     template = os.path.join(rospkg.RosPack().get_path('graph_fleet_manager'), 'rviz', 'fleet.rviz')
     with open(template, encoding='utf-8') as stream:
@@ -23,7 +23,7 @@ def rviz_text(entries: Sequence[Entry], options: Options) -> str:
     return yaml.safe_dump(configuration, sort_keys=False)
 
 
-def _lasers(entry: Entry) -> Dict[str, Any]:
+def _lasers(entry: RobotEntry) -> Dict[str, Any]:
     laser = {
         'Class': 'rviz/PointCloud2', 'Name': 'Laser', 'Topic': f'/{entry.name}/laser_cloud',
         'Alpha': 1, 'Color': '135; 206; 250', 'Color Transformer': 'FlatColor',

@@ -8,7 +8,7 @@ from fleet_core.interlocking.allocation import Knowledge
 from fleet_core.interlocking.reports import Report
 from fleet_core.interlocking.route_master import RouteMaster
 from fleet_core.interlocking.route_record import RouteRecord
-from route_protocol.values import EdgeState, Location, Motion, RouteReport, SymbolicPose
+from route_protocol.values import EdgeState, Motion, RouteReport, SymbolicPose, VehicleLocation
 
 GRAPH = corridor(4)
 C, P = EdgeState.COMPLETE, EdgeState.PROCESSING
@@ -25,7 +25,7 @@ def told(number, edge, percentage, motion=Motion.STANDING, states=(), edges=(), 
     curve = GRAPH.curve(edge)
     x, y = curve.point_at(percentage / 100.0 * curve.length)
     return Report(RouteReport(
-        0, 0, edges, states, SymbolicPose(edge, percentage), location=Location(x, y, 0.0),
+        0, 0, edges, states, SymbolicPose(edge, percentage), location=VehicleLocation(x, y, 0.0),
         epoch=epoch, master='path_supervisor', order=order, first=1 if order else 0,
         refused=refused, motion=motion, number=number), age)
 

@@ -566,7 +566,7 @@ class Yard:
         x, y = self._point(pose.edge, pose.percentage / 100.0)
         report = values.RouteReport(
             0, vehicle.order, edges, states, pose, FAILED if vehicle.failed else values.NO_REASON,
-            values.Location(x, y, 0.0), vehicle.epoch, side.cause,
+            values.VehicleLocation(x, y, 0.0), vehicle.epoch, side.cause,
             MASTER if vehicle.master == ME else '', vehicle.order, vehicle.refused,
             NO if vehicle.refused else values.NO_REASON, first, self._motion(vehicle))
         return (side._replace(vehicle=vehicle._replace(sequence=number)),

@@ -44,9 +44,9 @@ from fleet_core.interlocking.reports import GraphPosition
 from fleet_core.interlocking.route_record import RouteRecord
 from fleet_core.planning.precedence import Constraint
 from fleet_core.planning.road_network import RoadNetwork
-from fleet_core.planning.tasks import Outcome, PlannedDrive, Task
+from fleet_core.planning.tasks import PlannedDrive, PlanningOutcome, Task
 from fleet_core.supervision import questions, release
-from fleet_core.supervision.assumptions import Assumption, Assumptions, Role, World
+from fleet_core.supervision.assumptions import Assumption, Assumptions, PlanRole, World
 from fleet_core.supervision.duties import Duty
 from fleet_core.supervision.plan_in_force import PlanInForce
 from fleet_core.supervision.release import GrantGoal
@@ -252,7 +252,7 @@ class Fleet:
 
     def _answered(self, state: State, asked: Asked, answer: Plan) -> State:
         """The answer is used if it fits."""
-        robots = {name: Assumption(Role.STANDING, 0, asked.bases[k], asked.ends[k], _NOWHERE,
+        robots = {name: Assumption(PlanRole.STANDING, 0, asked.bases[k], asked.ends[k], _NOWHERE,
                                    (Duty.MISSION, 0, 0, 0))
                   for k, name in enumerate(self.names)}
         question = questions.Question(
@@ -372,10 +372,10 @@ class Fleet:
 
     # -- values of the program --------------------------------------------------------------------
 
-    def _outcome(self, plan: Plan) -> Outcome:
-        return Outcome({name: tuple(PlannedDrive(edge, n, n + 1.0)
-                                    for n, edge in enumerate(plan.drives[k]))
-                        for k, name in enumerate(self.names)}, plan.order)
+    def _outcome(self, plan: Plan) -> PlanningOutcome:
+        return PlanningOutcome({name: tuple(PlannedDrive(edge, n, n + 1.0)
+                                            for n, edge in enumerate(plan.drives[k]))
+                                for k, name in enumerate(self.names)}, plan.order)
 
     def _plan_in_force(self, plan: Plan) -> PlanInForce:
         return PlanInForce(self._outcome(plan), dict(zip(self.names, plan.bases)), 0.0,

@@ -12,15 +12,15 @@ from nav_msgs.msg import OccupancyGrid
 from std_srvs.srv import Trigger, TriggerResponse
 
 from fleet_page.core.acts import Act, ActKind
-from fleet_page.core.fleet import MISSION_STATES, ROBOT_STATES, Place
+from fleet_page.core.fleet import MISSION_STATES, ROBOT_STATES, ShownPose
 from fleet_page.core.fleet_model import FleetModel
-from fleet_page.core.roles import Person, Role
+from fleet_page.core.roles import Person, UserRole
 from fleet_page.core.site import WrongMap
 from fleet_page.nodes import fleet_commands, fleet_stop, messages
 from itrci_nav_msgs import msg
 from itrci_nav_msgs.srv import DeclareAbsent, DeclareAbsentResponse
 
-ANNA = Person('anna', Role.ADMIN)
+ANNA = Person('anna', UserRole.ADMIN)
 
 
 @pytest.mark.parametrize('kind, words', [
@@ -39,7 +39,7 @@ def test_whatever_numbers_a_robot_has_the_page_can_tell_them():
     model.take_places(messages.places_of(msg.FleetPoses(poses=[
         msg.FleetPose('a', 1.0, 2.0, math.nan, Time(0)),
         msg.FleetPose('b', math.nan, 2.0, 0.0, Time(0))])))
-    assert model.places == {'a': Place(1.0, 2.0, None)}
+    assert model.places == {'a': ShownPose(1.0, 2.0, None)}
     json.loads(model.live.update(0))
 
 

@@ -21,7 +21,7 @@ from roslib.packages import find_node
 
 from fleet_bringup.command import gather
 from fleet_services.ownership import NotDone, as_user, owner_of
-from fleet_services.plan import Plan, plan_services
+from fleet_services.plan import InstallationPlan, plan_services
 from fleet_services.site_file import SiteFile
 from fleet_services.state_folders import DATA, LOGS, make_private, move, planned_moves
 from fleet_services.units import System, unit_files
@@ -177,7 +177,7 @@ def _units_of(target: Path) -> List[Path]:
 
 
 def _make_settings(site: SiteFile, system: System, machine: Machine, package: Path,
-                   folder: Path) -> Plan:
+                   folder: Path) -> InstallationPlan:
     """Makes all files that the units need, in a new folder: a running site keeps its old one."""
     plan = _make_files(site, system, folder)
     shutil.copyfile(package / 'config' / 'restart_pause', folder / 'restart_pause')
@@ -197,7 +197,8 @@ def _make_settings(site: SiteFile, system: System, machine: Machine, package: Pa
     return plan
 
 
-def _divide_state(site: SiteFile, plan: Plan, system: System, machine: Machine) -> List[str]:
+def _divide_state(site: SiteFile, plan: InstallationPlan, system: System,
+                  machine: Machine) -> List[str]:
     """Moves the state of a site of 1.0.0, and of a robot whose unit is another one now.
 
     Only the owner of the state touches it. What belongs to no unit stays where it is.
@@ -235,7 +236,7 @@ def _own(folder: Path, user: int, group: int, mode: int) -> None:
         os.close(opened)
 
 
-def _make_files(site: SiteFile, system: System, settings: Path) -> Plan:
+def _make_files(site: SiteFile, system: System, settings: Path) -> InstallationPlan:
     """Makes graph, map, fleet file and launch files. The paths in them are without the root."""
     gathered = gather(site.options, str(settings), check=False)
     files, graph = dict(gathered.files), gathered.site

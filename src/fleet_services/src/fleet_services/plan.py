@@ -10,10 +10,10 @@ from dataclasses import dataclass, replace
 from ipaddress import ip_address
 from typing import Dict, List, Mapping, Optional, Sequence, Tuple
 
-from fleet_bringup.files import Site
+from fleet_bringup.files import StartedSite
 from fleet_bringup.launch_file import Part, launch_text, parts_of
 from fleet_bringup.options import Options
-from fleet_bringup.robot_entries import LD90, Entry
+from fleet_bringup.robot_entries import LD90, RobotEntry
 from fleet_services.site_file import SiteFile
 from fleet_services.state_folders import DATA, MANAGER, MASTER, UNITS
 from fleet_services.units import Service, System
@@ -26,7 +26,7 @@ _OF_THE_PAGE = ('token_file', 'key_file')
 
 
 @dataclass(frozen=True)
-class Plan:
+class InstallationPlan:
     """The files to install.
 
     launches -- texts of launch files, by the names of their services
@@ -46,8 +46,9 @@ class Plan:
         return {folder: name for folder, name in UNITS.items() if name in names}
 
 
-def plan_services(site: SiteFile, entries: Sequence[Entry], graph: Site, files: Dict[str, str],
-                  system: System, programs: Mapping[str, str]) -> Plan:
+def plan_services(site: SiteFile, entries: Sequence[RobotEntry], graph: StartedSite,
+                  files: Dict[str, str], system: System,
+                  programs: Mapping[str, str]) -> InstallationPlan:
     """All services of a site, in the order in which they start.
 
     files    -- paths by the kind of file
@@ -61,7 +62,7 @@ def plan_services(site: SiteFile, entries: Sequence[Entry], graph: Site, files: 
     secrets: Dict[str, str] = {}
     robots: Dict[str, str] = {}
 
-    def add(name: str, part: Part, own: Sequence[Entry], options: Options,
+    def add(name: str, part: Part, own: Sequence[RobotEntry], options: Options,
             needed: Mapping[str, str], peers: Optional[Tuple[str, ...]] = known) -> None:
         launches[name] = launch_text(own, graph, options, files, (part,))
         secrets.update(needed)
@@ -90,10 +91,10 @@ def plan_services(site: SiteFile, entries: Sequence[Entry], graph: Site, files: 
                 None if not site.networks and not _is_loopback(site.options.listen) else known)
         else:
             add(part.value, part, entries, site.options, {})
-    return Plan(tuple(services), launches, secrets, robots)
+    return InstallationPlan(tuple(services), launches, secrets, robots)
 
 
-def _networks(site: SiteFile, entries: Sequence[Entry]) -> Optional[Tuple[str, ...]]:
+def _networks(site: SiteFile, entries: Sequence[RobotEntry]) -> Optional[Tuple[str, ...]]:
     """The addresses with which any service may communicate; None: the site file does not tell."""
     if site.networks:
         return _with(tuple(site.networks), [site.address])
@@ -118,7 +119,7 @@ def _is_loopback(host: str) -> bool:
         return host == 'localhost'
 
 
-def _groups(entries: Sequence[Entry], size: int) -> List[Tuple[str, List[Entry]]]:
+def _groups(entries: Sequence[RobotEntry], size: int) -> List[Tuple[str, List[RobotEntry]]]:
     """Groups of at most `size` LD-90s that share a unit, with the names of their services."""
     ld90s = [entry for entry in entries if entry.robot.driver == LD90]
     return [(f'robots-{number + 1}', ld90s[begin:begin + size])

@@ -35,7 +35,7 @@ from fleet_core.interlocking.conformance import (
 )
 from fleet_core.interlocking.reports import Report
 from fleet_core.interlocking.route_master import ME
-from fleet_core.planning.tasks import Outcome
+from fleet_core.planning.tasks import PlanningOutcome
 from fleet_core.supervision.actions import (
     Action,
     AskPlanner,
@@ -372,7 +372,7 @@ class VirtualFleet(Generic[Body]):
             elif isinstance(action, AskPlanner):
                 self.planner.answer(action.number, self._plan(action), self.now)
 
-    def _plan(self, question: AskPlanner) -> Outcome:
+    def _plan(self, question: AskPlanner) -> PlanningOutcome:
         return self.planner.plan(question, self.supervisor.network)
 
     def _check_room(self) -> None:

@@ -7,7 +7,7 @@ from typing import Dict, List, Optional, Sequence, Tuple
 from fleet_core.fleet import Fleet
 from fleet_core.planning.planner import FleetPlanner
 from fleet_core.planning.road_network import RoadNetwork
-from fleet_core.planning.tasks import Outcome
+from fleet_core.planning.tasks import PlanningOutcome
 from fleet_core.supervision.actions import AskPlanner
 from fleet_simulation.on_the_way import OnTheWay
 
@@ -31,7 +31,7 @@ class VirtualPlanner:
         """s of processor time that all plans took."""
         self._fleet = fleet
         self._parking = None if parking is None else tuple(parking)
-        self.answers: OnTheWay[Tuple[int, Outcome]] = OnTheWay()
+        self.answers: OnTheWay[Tuple[int, PlanningOutcome]] = OnTheWay()
         """Answers to the supervisor, with the numbers of its questions."""
         self._planners: Dict[Tuple[frozenset, frozenset], FleetPlanner] = {}
 
@@ -39,7 +39,7 @@ class VirtualPlanner:
         """Is to be called when another graph is in force."""
         self._planners.clear()
 
-    def plan(self, question: AskPlanner, network: RoadNetwork) -> Outcome:
+    def plan(self, question: AskPlanner, network: RoadNetwork) -> PlanningOutcome:
         """Returns the answer to a question on this network."""
         begun = time.thread_time()
         planner = self._planner(question, network)
@@ -49,7 +49,7 @@ class VirtualPlanner:
         self.spent += self.plans[-1]
         return outcome
 
-    def answer(self, number: int, outcome: Outcome, now: float) -> None:
+    def answer(self, number: int, outcome: PlanningOutcome, now: float) -> None:
         """Sends the answer to question `number`; it arrives after the latency."""
         self.answers.send((number, outcome), now + self.latency)
 

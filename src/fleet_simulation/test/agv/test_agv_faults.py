@@ -12,7 +12,7 @@ from fleet_core.fleet import Robot
 from fleet_simulation.agv.control_socket import LONGEST_LINE, AgvControlServer
 from fleet_simulation.agv.faults import FAULTS, UnknownAgvFault, help_text, inject
 from fleet_simulation.agv.simulation import Simulation
-from route_protocol.values import Location
+from route_protocol.values import VehicleLocation
 
 
 def on_its_way() -> Conversation:
@@ -72,7 +72,7 @@ def test_off_the_graph_no_route_is_taken_up_until_it_is_put_back() -> None:
     agv = on_its_way()
     inject(agv.vehicle, 'offgraph 1.5')
     assert agv.vehicle.pose[1] == pytest.approx(1.5)
-    assert agv.last.location == Location(*agv.vehicle.pose), (
+    assert agv.last.location == VehicleLocation(*agv.vehicle.pose), (
         'only a position in metres says where it is now')
     assert (agv.last.pose.edge, agv.last.reason.text) == (0, 'off the corridor')
     agv.order(8, 1)

@@ -10,7 +10,7 @@ from fleet_builders import AGV, ladder
 
 from fleet_core.interlocking.claims import Claim, ClaimIndex
 from fleet_core.interlocking.interlocking import Interlocking
-from fleet_core.planning.tasks import Outcome
+from fleet_core.planning.tasks import PlanningOutcome
 from fleet_core.supervision import plan_executor
 from fleet_core.supervision.actions import AskPlanner
 from fleet_core.supervision.assumptions import World
@@ -47,7 +47,7 @@ class Traffic(SupervisedFleet):
                                  robot=name)
             self.run(min(0.5, seconds))
 
-    def _plan(self, question: AskPlanner) -> Outcome:
+    def _plan(self, question: AskPlanner) -> PlanningOutcome:
         self.asked.append(question)
         return super()._plan(question)
 
@@ -58,7 +58,7 @@ def used(monkeypatch) -> List[bool]:
     found: List[bool] = []
     plan = Question.plan
 
-    def noted(question: Question, outcome: Outcome, world: World) -> Optional[PlanInForce]:
+    def noted(question: Question, outcome: PlanningOutcome, world: World) -> Optional[PlanInForce]:
         answer = plan(question, outcome, world)
         found.append(answer is not None)
         return answer
@@ -118,7 +118,7 @@ def excluding(fleet: SupervisedFleet, question: AskPlanner) -> List[Tuple[str, s
 class Forgetful(Traffic):
     """A planner that forgets the order of use in a third of its plans."""
 
-    def _plan(self, question: AskPlanner) -> Outcome:
+    def _plan(self, question: AskPlanner) -> PlanningOutcome:
         outcome = super()._plan(question)
         return outcome if self.random.random() < 0.7 else without_order(outcome, self.random)
 

@@ -12,7 +12,7 @@ from fleet_core.interlocking.allocation import Knowledge
 from fleet_core.interlocking.reports import Report, point_of
 from fleet_core.interlocking.stop_gate import StopGate
 from fleet_core.supervision.fleet_view import robot_views
-from fleet_core.supervision.missions import Command, MissionState
+from fleet_core.supervision.missions import CommandKind, MissionState
 from fleet_core.supervision.outages import Outage
 from fleet_core.supervision.settings import RobotSettings
 from fleet_simulation.virtual_fleet import Rhythm
@@ -171,7 +171,7 @@ def test_a_paused_robot_is_passed_where_there_is_room_and_blocks_no_other_for_ev
         fleet.request(1, 6, robot='a')
         fleet.request(2, 1, robot='b')
         fleet.run(2.0 + 0.4 * seed)
-        fleet.do(fleet.supervisor.command(1, Command.PAUSE, fleet.now))
+        fleet.do(fleet.supervisor.command(1, CommandKind.PAUSE, fleet.now))
         fleet.run_until_done(2, limit=120.0)
         assert fleet.state(2) is MissionState.SUCCEEDED
 

@@ -19,7 +19,7 @@ from fleet_core.supervision.fleet_view import (
     plan_views,
     robot_views,
 )
-from fleet_core.supervision.missions import Command, MissionState
+from fleet_core.supervision.missions import CommandKind, MissionState
 from fleet_core.supervision.outages import Outage
 from fleet_core.supervision.settings import RobotSettings
 from route_protocol.values import EMERGENCY_STOP, TAKEN_OVER, SymbolicPose
@@ -92,7 +92,7 @@ def test_a_dwell_holds_the_robot_and_release_ends_one_without_end():
     assert fleet.now >= 4.0 + 4.0
     fleet.run(60.0)
     assert fleet.state(1) is MissionState.ACTIVE and fleet.agvs['a'].travelled == pytest.approx(8)
-    fleet.do(fleet.supervisor.command(1, Command.RELEASE, fleet.now))
+    fleet.do(fleet.supervisor.command(1, CommandKind.RELEASE, fleet.now))
     fleet.run_until_done(1)
     assert fleet.state(1) is MissionState.SUCCEEDED
 
@@ -105,7 +105,7 @@ def test_who_stays_at_a_destination_makes_room_for_nobody():
     fleet.request(2, 5, robot='b')
     fleet.run(30.0)
     assert fleet.agvs['a'].visited == [4, 3]
-    fleet.do(fleet.supervisor.command(1, Command.RELEASE, fleet.now))
+    fleet.do(fleet.supervisor.command(1, CommandKind.RELEASE, fleet.now))
     fleet.run_until_done(1, 2)
 
 
@@ -134,7 +134,7 @@ def test_a_cancelled_robot_stops_at_the_end_of_its_edge():
     fleet.request(1, 8)
     fleet.run(3.0)
     assert len(fleet.supervisor.robots['a'].record.ahead) > 2
-    fleet.do(fleet.supervisor.command(1, Command.CANCEL, fleet.now))
+    fleet.do(fleet.supervisor.command(1, CommandKind.CANCEL, fleet.now))
     fleet.run(20.0)
     assert fleet.state(1) is MissionState.CANCELLED
     assert fleet.agvs['a'].travelled < 6.1
@@ -144,10 +144,10 @@ def test_pause_and_resume():
     fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1)})
     fleet.request(1, 8)
     fleet.run(3.0)
-    fleet.do(fleet.supervisor.command(1, Command.PAUSE, fleet.now))
+    fleet.do(fleet.supervisor.command(1, CommandKind.PAUSE, fleet.now))
     fleet.run(30.0)
     assert fleet.state(1) is MissionState.PAUSED and fleet.agvs['a'].travelled < 4.1
-    fleet.do(fleet.supervisor.command(1, Command.RESUME, fleet.now))
+    fleet.do(fleet.supervisor.command(1, CommandKind.RESUME, fleet.now))
     fleet.run_until_done(1)
     assert fleet.state(1) is MissionState.SUCCEEDED
 
@@ -512,10 +512,10 @@ def test_to_look_only_at_robots_with_news_gives_the_same_orders(seed, monkeypatc
         for id, places in enumerate(((5, 101), (1, 105), (103, 3), (104, 2)), 1):
             fleet.request(id, *places, dwells=(3.0 * (id % 2), 0.0))
         fleet.run(4.0)
-        fleet.do(fleet.supervisor.command(1, Command.PAUSE, fleet.now))
+        fleet.do(fleet.supervisor.command(1, CommandKind.PAUSE, fleet.now))
         fleet.close(2)
         fleet.run(6.0)
-        fleet.do(fleet.supervisor.command(1, Command.RESUME, fleet.now))
+        fleet.do(fleet.supervisor.command(1, CommandKind.RESUME, fleet.now))
         fleet.do(fleet.supervisor.stop_fleet(fleet.now))
         fleet.run(5.0)
         fleet.do(fleet.supervisor.resume_fleet(fleet.now)[1])

@@ -15,10 +15,10 @@ from fleet_core.supervision.assignment import assign
 from fleet_core.supervision.battery import MUTE
 from fleet_core.supervision.fleet_view import RobotState, robot_views
 from fleet_core.supervision.missions import (
-    Change,
-    Command,
     CommandCode,
+    CommandKind,
     Mission,
+    MissionChange,
     MissionState,
     Request,
 )
@@ -95,7 +95,7 @@ def test_a_cancelled_robot_stops_at_the_end_of_its_edge_though_it_has_another_mi
     fleet.request(1, 8)
     fleet.request(2, 2, robot='a')
     fleet.run_until(lambda: fleet.agvs['a'].visited[-1] == 3)
-    fleet.do(fleet.supervisor.command(1, Command.CANCEL, fleet.now))
+    fleet.do(fleet.supervisor.command(1, CommandKind.CANCEL, fleet.now))
     fleet.run_until_done(2)
     assert fleet.agvs['a'].visited == [1, 2, 3, 2]
 
@@ -109,12 +109,12 @@ def test_a_report_from_before_the_last_order_does_not_answer_a_cancel():
     # the order that makes the route longer
     fleet.network.to_robots, orders = [], fleet.network.to_robots
     assert len(orders[-1].edges) == 2 and fleet.agvs['a'].current == 0
-    fleet.do(fleet.supervisor.command(1, Command.CANCEL, fleet.now))
+    fleet.do(fleet.supervisor.command(1, CommandKind.CANCEL, fleet.now))
     fleet.do(fleet.supervisor.report('a', Report(fleet.agvs['a'].report(fleet.now)), fleet.now))
     assert len(robot(fleet).record.held) == 2, 'the robot has not received the cancel'
 
 
-@pytest.mark.parametrize('command', [Command.CANCEL, Command.PAUSE])
+@pytest.mark.parametrize('command', [CommandKind.CANCEL, CommandKind.PAUSE])
 def test_what_a_robot_has_not_heard_yet_is_not_ordered_after_a_cancel(command):
     fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1)}, settings=FAR)
     fleet.run(1.0)
@@ -139,7 +139,7 @@ def test_a_restart_orders_nothing_again_that_was_cancelled_while_the_robot_was_s
     fleet.network.silent['a'] = fleet.network.silent['b'] = 1e9
     fleet.agvs['a'].stalled = 1e9
     fleet.run(8.0)
-    fleet.do(fleet.supervisor.command(1, Command.CANCEL, fleet.now))
+    fleet.do(fleet.supervisor.command(1, CommandKind.CANCEL, fleet.now))
     fleet.run(2.0)
     sent = len(fleet.sent)
     fleet.restart()
@@ -175,7 +175,7 @@ def test_an_order_that_was_under_way_as_the_robot_was_taken_over_does_not_drive_
     fleet.run(1.5)
     agv = fleet.agvs['a']
     fleet.request(2, 8, robot='a')
-    fleet.do(fleet.supervisor.command(1, Command.CANCEL, fleet.now))
+    fleet.do(fleet.supervisor.command(1, CommandKind.CANCEL, fleet.now))
     fleet.run_until(lambda: any(o.order.number > agv.taken for o in fleet.network.to_robots))
     order = fleet.network.to_robots.pop()
     agv.fail(TAKEN_OVER)
@@ -282,8 +282,8 @@ def test_a_robot_that_drives_while_edges_behind_it_are_taken_out_of_the_graph(to
 # -- MODIFY: another priority, and other destinations from now on ----------------------------------
 
 def modify(fleet, mission, priority=0, *destinations):
-    actions = fleet.supervisor.command(mission, Command.MODIFY, fleet.now,
-                                       Change(priority, destinations))
+    actions = fleet.supervisor.command(mission, CommandKind.MODIFY, fleet.now,
+                                       MissionChange(priority, destinations))
     fleet.do(actions)
     return [action.status for action in actions if isinstance(action, TellStatus)]
 
@@ -346,7 +346,8 @@ def test_who_requested_a_mission_and_its_end_is_told_and_kept():
     notes = [action.text for action in fleet.supervisor.request(
         Request(1, (6,), requested_by='anna (page)'), fleet.now) if isinstance(action, Note)]
     assert notes == ['anna (page) requests mission 1 to 6.']
-    actions = fleet.supervisor.command(1, Command.CANCEL, fleet.now, requested_by='boris (page)')
+    actions = fleet.supervisor.command(1, CommandKind.CANCEL, fleet.now,
+                                       requested_by='boris (page)')
     fleet.do(actions)
     assert any(isinstance(action, Note) and action.text == 'boris (page) requests CANCEL of '
                'mission 1.' for action in actions)

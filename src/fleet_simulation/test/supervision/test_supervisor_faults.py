@@ -10,9 +10,9 @@ import pytest
 from fleet_builders import AGV, at_place, corridor, graph_of
 
 from fleet_core.interlocking.reports import CLOCK_ERROR, Report
-from fleet_core.planning.tasks import Outcome
+from fleet_core.planning.tasks import PlanningOutcome
 from fleet_core.supervision.fleet_view import robot_views
-from fleet_core.supervision.missions import Command, MissionState
+from fleet_core.supervision.missions import CommandKind, MissionState
 from fleet_core.supervision.outages import Outage
 from fleet_core.supervision.settings import RobotSettings
 from route_protocol.values import EdgeState, Reason, ReasonCode, SymbolicPose
@@ -27,11 +27,11 @@ def test_a_paused_mission_whose_robot_drops_out_stays_paused():
     fleet.request(1, 4)
     fleet.run(2.0)
     assert fleet.robot_of(1) == 'a'
-    fleet.do(fleet.supervisor.command(1, Command.PAUSE, fleet.now))
+    fleet.do(fleet.supervisor.command(1, CommandKind.PAUSE, fleet.now))
     fleet.do(fleet.supervisor.take_out('a', fleet.now))
     fleet.run(20.0)
     assert fleet.state(1) is MissionState.PAUSED and fleet.agvs['b'].travelled == 0.0
-    fleet.do(fleet.supervisor.command(1, Command.RESUME, fleet.now))
+    fleet.do(fleet.supervisor.command(1, CommandKind.RESUME, fleet.now))
     fleet.run_until_done(1)
     assert fleet.state(1) is MissionState.SUCCEEDED and fleet.robot_of(1) == 'b'
 
@@ -158,9 +158,9 @@ def test_a_command_that_changes_nothing_says_so():
     fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1)})
     fleet.request(1, 8)
     fleet.run(1.0)
-    for command, note in ((Command.RELEASE, 'Mission 1 is not staying anywhere: nothing to '
+    for command, note in ((CommandKind.RELEASE, 'Mission 1 is not staying anywhere: nothing to '
                                             'release.'),
-                          (Command.RESUME, 'Mission 1 is not paused.')):
+                          (CommandKind.RESUME, 'Mission 1 is not paused.')):
         fleet.do(fleet.supervisor.command(1, command, fleet.now))
         assert fleet.notes[-1] == note
     fleet.run_until_done(1)
@@ -389,7 +389,7 @@ def test_a_robot_that_stands_on_an_edge_has_left_when_it_is_elsewhere(edge, arc,
     fleet.request(1, 3)
     fleet.run_until(lambda: fleet.agvs['a'].edge == 2 and fleet.agvs['a'].arc > 0.9)
     fleet.do(fleet.supervisor.take_out('a', fleet.now))
-    fleet.do(fleet.supervisor.command(1, Command.CANCEL, fleet.now))
+    fleet.do(fleet.supervisor.command(1, CommandKind.CANCEL, fleet.now))
     fleet.run(4.0)
     fleet.do(fleet.supervisor.bring_in('a', fleet.now)[1])
     assert fleet.supervisor.robots['a'].works
@@ -398,7 +398,7 @@ def test_a_robot_that_stands_on_an_edge_has_left_when_it_is_elsewhere(edge, arc,
     assert (fleet.supervisor.robots['a'].outage is Outage.TAKEN_OVER) == left
 
 
-@pytest.mark.parametrize('command', [Command.CANCEL, Command.PAUSE])
+@pytest.mark.parametrize('command', [CommandKind.CANCEL, CommandKind.PAUSE])
 @pytest.mark.parametrize('before', [0.1, 0.6, 0.9])
 def test_who_cannot_brake_in_time_for_a_cancel_stops_later_and_has_not_failed(command, before):
     fleet = SupervisedFleet(corridor(9), {'a': (AGV, 1)},
@@ -594,12 +594,12 @@ def test_a_refusal_of_what_was_never_ordered_ends_nothing(fleet):
 
 def test_a_plan_that_was_not_asked_for_is_not_driven(fleet):
     before = fleet.supervisor.plan_executor.plan
-    fleet.do(fleet.supervisor.plan_made(4711, Outcome({}, ()), fleet.now))
+    fleet.do(fleet.supervisor.plan_made(4711, PlanningOutcome({}, ()), fleet.now))
     fleet.do(fleet.supervisor.plan_failed(4711, 'a stranger says so', fleet.now))
     assert fleet.supervisor.plan_executor.plan is before and ends_well(fleet)
 
 
-@pytest.mark.parametrize('command', list(Command))
+@pytest.mark.parametrize('command', list(CommandKind))
 def test_a_command_for_a_mission_that_is_not_there_is_told_so(fleet, command):
     fleet.do(fleet.supervisor.command(4711, command, fleet.now))
     assert fleet.notes[-1] == f'There is no open mission 4711 for {command.name}.'

@@ -13,7 +13,7 @@ from fleet_core.interlocking.interlocking import Interlocking
 from fleet_core.interlocking.reports import Report
 from fleet_core.interlocking.route_master import MANUAL_REACH
 from fleet_core.supervision.fleet_view import robot_views
-from fleet_core.supervision.missions import Command, MissionState
+from fleet_core.supervision.missions import CommandKind, MissionState
 from fleet_core.supervision.outages import Outage, Sign
 from fleet_core.supervision.restoring import robots_of
 from fleet_core.supervision.settings import RobotSettings
@@ -52,7 +52,7 @@ def test_a_robot_that_stays_until_released_is_released_before_the_first_tick_aft
     fleet.run(20.0)
     assert fleet.reached(1) == 0 and fleet.agvs['a'].visited[-1] == 2
     fleet.restart()
-    fleet.do(fleet.supervisor.command(1, Command.RELEASE, fleet.now))
+    fleet.do(fleet.supervisor.command(1, CommandKind.RELEASE, fleet.now))
     assert fleet.reached(1) == 1
     fleet.run_until_done(1)
     assert fleet.state(1) is MissionState.SUCCEEDED
@@ -171,7 +171,7 @@ def test_a_cancelled_robot_is_not_sent_on_by_a_restart(crash):
                             settings=RobotSettings(release_ahead=8.0))
     fleet.request(1, 8)
     fleet.run(3.0)
-    fleet.do(fleet.supervisor.command(1, Command.CANCEL, fleet.now))
+    fleet.do(fleet.supervisor.command(1, CommandKind.CANCEL, fleet.now))
     orders, fleet.network.to_robots = fleet.network.to_robots, []
     fleet.restart()
     # the order may or may not have reached the robot
@@ -188,14 +188,14 @@ def test_a_pause_outlives_a_restart_while_the_robot_is_silent():
     fleet.run(2.0)
     fleet.agvs['a'].emergency = True
     fleet.run(2.0)
-    fleet.do(fleet.supervisor.command(1, Command.PAUSE, fleet.now))
+    fleet.do(fleet.supervisor.command(1, CommandKind.PAUSE, fleet.now))
     fleet.run(1.0)
     fleet.restart()
     fleet.run(2.0)
     fleet.agvs['a'].emergency = False
     fleet.run(30.0)
     assert fleet.state(1) is MissionState.PAUSED and fleet.agvs['a'].travelled < 4.1
-    fleet.do(fleet.supervisor.command(1, Command.RESUME, fleet.now))
+    fleet.do(fleet.supervisor.command(1, CommandKind.RESUME, fleet.now))
     fleet.run_until_done(1)
     assert fleet.state(1) is MissionState.SUCCEEDED
 
@@ -339,7 +339,7 @@ def test_a_stop_that_was_stored_later_outlives_a_restart():
     assert fleet.supervisor.is_stopped
 
 
-@pytest.mark.parametrize('command', [Command.CANCEL, Command.PAUSE])
+@pytest.mark.parametrize('command', [CommandKind.CANCEL, CommandKind.PAUSE])
 def test_a_mission_is_cancelled_or_paused_although_that_cannot_be_stored(command):
     fleet = driving()
     fleet.disk.fails()
@@ -350,7 +350,7 @@ def test_a_mission_is_cancelled_or_paused_although_that_cannot_be_stored(command
     assert f'{command.name} is carried out, but will be lost' in fleet.statuses[-1].reason
     fleet.disk.fails(False)
     fleet.run(5.0)
-    assert fleet.told(1)[-1] is (MissionState.CANCELLED if command is Command.CANCEL
+    assert fleet.told(1)[-1] is (MissionState.CANCELLED if command is CommandKind.CANCEL
                                  else MissionState.PAUSED)
 
 
@@ -361,17 +361,17 @@ def test_who_cancels_what_no_robot_was_told_of_moves_no_robot():
     fleet.run_until(lambda: fleet.supervisor.plan_executor.is_planning)
     fleet.disk.fails()  # before the plan comes, so that its first edges are not sent
     fleet.run(5.0)
-    fleet.do(fleet.supervisor.command(1, Command.CANCEL, fleet.now))
+    fleet.do(fleet.supervisor.command(1, CommandKind.CANCEL, fleet.now))
     fleet.run(5.0)
     fleet.disk.fails(False)
     fleet.run(10.0)
     assert fleet.state(1) is MissionState.CANCELLED and travelled(fleet) == 0.0
 
 
-@pytest.mark.parametrize('command', [Command.RESUME, Command.RELEASE])
+@pytest.mark.parametrize('command', [CommandKind.RESUME, CommandKind.RELEASE])
 def test_what_would_let_a_robot_drive_on_is_not_done_and_that_is_said(command):
     fleet = driving()
-    fleet.do(fleet.supervisor.command(1, Command.PAUSE, fleet.now))
+    fleet.do(fleet.supervisor.command(1, CommandKind.PAUSE, fleet.now))
     fleet.run(5.0)
     fleet.disk.fails()
     fleet.close(7)  # something must be stored, so the fault shows
@@ -446,7 +446,7 @@ def test_neither_a_command_nor_who_comes_late_is_told_what_is_on_no_disk():
     fleet.run(2.0)
     fleet.disk.fails()
     fleet.run_until(lambda: fleet.reached(1) == 1)
-    fleet.do(fleet.supervisor.command(1, Command.PAUSE, fleet.now))
+    fleet.do(fleet.supervisor.command(1, CommandKind.PAUSE, fleet.now))
     assert fleet.statuses[-1].reason.startswith('PAUSE is carried out, but will be lost')
     status, = fleet.supervisor.book.stored_open
     for told in (fleet.statuses[-1], status):
@@ -456,7 +456,7 @@ def test_neither_a_command_nor_who_comes_late_is_told_what_is_on_no_disk():
 def test_who_comes_late_is_told_of_an_end_only_once_it_is_stored():
     fleet = driving()
     fleet.disk.fails()
-    fleet.do(fleet.supervisor.command(1, Command.CANCEL, fleet.now))
+    fleet.do(fleet.supervisor.command(1, CommandKind.CANCEL, fleet.now))
     assert [status.state for status in fleet.supervisor.book.stored_open] == [MissionState.ACTIVE]
     fleet.disk.fails(False)
     fleet.run(3.0)

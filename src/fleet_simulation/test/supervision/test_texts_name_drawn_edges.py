@@ -10,7 +10,7 @@ from fleet_builders import AGV, corridor
 from proofs import is_whole
 
 from fleet_core.fleet import RobotType
-from fleet_core.planning.tasks import Outcome
+from fleet_core.planning.tasks import PlanningOutcome
 from fleet_core.supervision.actions import AskPlanner
 from fleet_core.supervision.fleet_view import robot_views
 from fleet_core.supervision.settings import RobotSettings
@@ -38,7 +38,7 @@ class TellingFleet(SupervisedFleet):
         self.texts: Dict[str, None] = {}
         super().__init__(*arguments, **options)  # type: ignore[arg-type]
 
-    def _plan(self, question: AskPlanner) -> Outcome:
+    def _plan(self, question: AskPlanner) -> PlanningOutcome:
         outcome = super()._plan(question)
         if self.random.random() >= 0.1:
             return outcome

@@ -11,7 +11,7 @@ from test_work_in_every_order import DISTURBED, Life
 
 from fleet_core.supervision.fleet_view import robot_views
 from fleet_core.supervision.hindrances import WORDS, Hindrance
-from fleet_core.supervision.missions import Command, MissionState
+from fleet_core.supervision.missions import CommandKind, MissionState
 from fleet_core.supervision.waits import WaitCode
 from fleet_core.supervision.why import MissionReason, RobotReason, mission_reason
 from fleet_core.work.dependencies import Dependency
@@ -193,7 +193,7 @@ def test_a_mission_waits_for_the_missions_before_it_and_for_its_resumption():
     fleet.request(2, 7, after=(Dependency(1),))
     fleet.run(1.0)
     assert code(fleet, 2) is WaitCode.MISSIONS
-    fleet.do(fleet.supervisor.command(1, Command.PAUSE, fleet.now))
+    fleet.do(fleet.supervisor.command(1, CommandKind.PAUSE, fleet.now))
     fleet.run(5.0)
     assert code(fleet) is WaitCode.RESUME
 

@@ -8,7 +8,7 @@ from fleet_builders import AGV, corridor
 
 from fleet_core.interlocking import interlocking
 from fleet_core.supervision.fleet_view import robot_views
-from fleet_core.supervision.missions import Command, MissionState, Request, StepAnswer
+from fleet_core.supervision.missions import CommandKind, MissionState, Request, StepAnswer
 from fleet_core.work.rules import StepDecision
 from fleet_core.work.stops import (
     Actor,
@@ -48,11 +48,11 @@ class WorkingFleet(SupervisedFleet):
             id, tuple(stop.place for stop in stops), dwells=dwells_of(stops), stops=stops,
             on_cancel=on_cancel, **more), self.now))
 
-    def command(self, id: int, command: Command) -> None:
+    def command(self, id: int, command: CommandKind) -> None:
         self.do(self.supervisor.command(id, command, self.now))
 
     def answer(self, id: int, answer: StepDecision) -> None:
-        self.do(self.supervisor.command(id, Command.ANSWER, self.now, StepAnswer(answer)))
+        self.do(self.supervisor.command(id, CommandKind.ANSWER, self.now, StepAnswer(answer)))
 
     def set_load(self, name: str, mission: Optional[int] = None) -> str:
         problem, actions = self.supervisor.set_load(name, mission, self.now)
@@ -191,7 +191,7 @@ def test_a_cancelled_mission_ends_its_running_step_first_and_brings_its_load_awa
     empty = Stop(2, steps=(Step('wash', 60.0),), condition=Condition.EMPTY)
     fleet.send(1, Stop(3, steps=(TAKE,)), Stop(6, steps=(GIVE,)), on_cancel=(empty, away))
     fleet.run_until(lambda: fleet.load() is LoadState.UNKNOWN)
-    fleet.command(1, Command.CANCEL)
+    fleet.command(1, CommandKind.CANCEL)
     assert fleet.state(1) is MissionState.CANCELLING
     fleet.run_until_done(1)
     assert fleet.state(1) is MissionState.CANCELLED and fleet.load() is LoadState.EMPTY
@@ -203,7 +203,7 @@ def test_a_breakable_step_is_broken_off_by_a_cancellation():
     fleet = WorkingFleet()
     fleet.send(1, Stop(3, steps=(Step('wait', 900.0, (('seconds', '600'),), breakable=True),)))
     fleet.run_until(lambda: fleet.reason(1).startswith('step 1'))
-    fleet.command(1, Command.CANCEL)
+    fleet.command(1, CommandKind.CANCEL)
     fleet.run_until_done(1, limit=5.0)
     assert fleet.state(1) is MissionState.CANCELLED and fleet.done() == []
 
@@ -212,7 +212,7 @@ def test_a_loaded_robot_without_a_place_for_its_load_waits_for_a_person_and_serv
     fleet = WorkingFleet()
     fleet.send(1, Stop(3, steps=(TAKE,)), Stop(6, steps=(GIVE,)))
     fleet.run_until(lambda: fleet.load() is LoadState.LOADED)
-    fleet.command(1, Command.CANCEL)
+    fleet.command(1, CommandKind.CANCEL)
     fleet.request(2, 7)
     fleet.run(30.0)
     assert fleet.state(1) is MissionState.NEEDS_PERSON
@@ -287,11 +287,11 @@ def test_no_step_begins_while_the_fleet_is_stopped_or_the_mission_is_paused():
     fleet = WorkingFleet()
     fleet.send(1, Stop(1, steps=(Step('one', 60.0), Step('two', 60.0))))
     fleet.run_until(lambda: fleet.reason(1).startswith('step 1'))
-    fleet.command(1, Command.PAUSE)
+    fleet.command(1, CommandKind.PAUSE)
     fleet.run(20.0)
     assert fleet.done() == ['one'] and fleet.state(1) is MissionState.PAUSED
     fleet.do(fleet.supervisor.stop_fleet(fleet.now))
-    fleet.command(1, Command.RESUME)
+    fleet.command(1, CommandKind.RESUME)
     fleet.run(20.0)
     assert fleet.done() == ['one']
     fleet.do(fleet.supervisor.resume_fleet(fleet.now)[1])
@@ -306,19 +306,19 @@ def test_a_robot_whose_driver_shows_no_steps_begins_none_and_can_be_cancelled():
     fleet.run(30.0)
     assert fleet.state(1) is MissionState.ACTIVE and fleet.load() is LoadState.EMPTY
     assert 'a shows no steps' in fleet.reason(1)
-    fleet.command(1, Command.CANCEL)
+    fleet.command(1, CommandKind.CANCEL)
     fleet.run_until_done(1)
     assert fleet.state(1) is MissionState.CANCELLED
 
 
 @pytest.mark.parametrize('command, told', [
-    (Command.RELEASE, 'goes on when its steps have ended'),
-    (Command.ANSWER, 'no such step waits for an answer')])
+    (CommandKind.RELEASE, 'goes on when its steps have ended'),
+    (CommandKind.ANSWER, 'no such step waits for an answer')])
 def test_a_command_that_does_not_fit_is_answered(command, told):
     fleet = WorkingFleet()
     fleet.send(1, Stop(3, steps=(TAKE,)))
     fleet.run(1.0)
-    if command is Command.ANSWER:
+    if command is CommandKind.ANSWER:
         fleet.answer(1, StepDecision.SKIP)
     else:
         fleet.command(1, command)
@@ -330,7 +330,7 @@ def test_a_clean_up_passes_its_stops_without_steps():
     fleet.send(1, Stop(3, steps=(TAKE,)), Stop(6, steps=(GIVE,)),
                on_cancel=(Stop(5), Stop(8, steps=(GIVE,))))
     fleet.run_until(lambda: fleet.load() is LoadState.LOADED)
-    fleet.command(1, Command.CANCEL)
+    fleet.command(1, CommandKind.CANCEL)
     fleet.run_until_done(1, limit=120.0)
     assert fleet.state(1) is MissionState.CANCELLED and fleet.done() == ['take', 'give']
 
@@ -341,7 +341,7 @@ def test_a_mission_that_a_new_graph_makes_impossible_fails_when_its_step_has_end
     fleet.send(1, Stop(2, steps=(Step('work', 900.0, (('seconds', '60'),)),)), Stop(8))
     fleet.run_until(lambda: fleet.steps['a'].running)
     if is_paused:
-        fleet.command(1, Command.PAUSE)
+        fleet.command(1, CommandKind.PAUSE)
     fleet.restart(corridor(7))
     fleet.request(2, 5)
     fleet.run_until(lambda: not fleet.state(1).is_open)

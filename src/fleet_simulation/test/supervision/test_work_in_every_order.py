@@ -13,7 +13,7 @@ from typing import Dict, List, Tuple
 import pytest
 from fleet_builders import AGV, corridor
 
-from fleet_core.supervision.missions import Command, MissionState, Request, StepAnswer
+from fleet_core.supervision.missions import CommandKind, MissionState, Request, StepAnswer
 from fleet_core.work import rules
 from fleet_core.work.rules import StepDecision
 from fleet_core.work.stops import Condition, LoadEffect, dwells_of
@@ -89,7 +89,7 @@ class Life(SupervisedFleet):
         if chance() < 0.004:
             self.restart()
         if chance() < 0.004 and self.open():
-            self.do(self.supervisor.command(self.dice.choice(self.open()), Command.CANCEL,
+            self.do(self.supervisor.command(self.dice.choice(self.open()), CommandKind.CANCEL,
                                             self.now))
         if chance() < 0.004:
             self.do(self.supervisor.stop_fleet(self.now))
@@ -119,7 +119,8 @@ class Life(SupervisedFleet):
             return
         decision = StepDecision.DONE if step in steps.done else self.dice.choice(
             (StepDecision.RETRY, StepDecision.SKIP, StepDecision.FAIL))
-        self.do(self.supervisor.command(mission, Command.ANSWER, self.now, StepAnswer(decision)))
+        self.do(self.supervisor.command(mission, CommandKind.ANSWER, self.now,
+                                        StepAnswer(decision)))
 
     def check(self) -> None:
         """Fails if what is known is not what is so."""

@@ -8,7 +8,7 @@ import pytest
 from fleet_builders import AGV, ladder
 
 from fleet_core.planning.precedence import Constraint
-from fleet_core.planning.tasks import Outcome, PlannedDrive, Task
+from fleet_core.planning.tasks import PlannedDrive, PlanningOutcome, Task
 from fleet_core.supervision.actions import AskPlanner
 from fleet_core.supervision.plan_check import fault_of
 from world.supervised_fleet import SupervisedFleet
@@ -23,7 +23,7 @@ class MisledFleet(SupervisedFleet):
     spoil = staticmethod(without_drives)
     answers = 0
 
-    def _plan(self, question: AskPlanner) -> Outcome:
+    def _plan(self, question: AskPlanner) -> PlanningOutcome:
         self.answers += 1
         outcome = super()._plan(question)
         return self.spoil(outcome, self.random) if self.answers <= SPOILT else outcome
@@ -68,9 +68,9 @@ def test_a_plan_that_leads_a_robot_past_its_destination_is_told():
 
 GRAPH = ladder(5)
 TASKS = (Task('a', AGV, vertex=1, destinations=(3,)), Task('b', AGV, vertex=5))
-RIGHT = Outcome({'a': (PlannedDrive(1, 0.0, 2.0), PlannedDrive(2, 2.0, 4.0)),
-                 'b': (PlannedDrive(-4, 0.0, 2.0), PlannedDrive(4, 3.0, 5.0))},
-                (Constraint('a', 1, 0.5, 'b', 1),))
+RIGHT = PlanningOutcome({'a': (PlannedDrive(1, 0.0, 2.0), PlannedDrive(2, 2.0, 4.0)),
+                         'b': (PlannedDrive(-4, 0.0, 2.0), PlannedDrive(4, 3.0, 5.0))},
+                        (Constraint('a', 1, 0.5, 'b', 1),))
 
 
 def drives(*edges):

@@ -7,7 +7,7 @@ from typing import Callable, Dict, Iterator, List, NamedTuple, Sequence, Set, Tu
 
 from fleet_core.supervision.early_stop import EarlyStop
 from fleet_core.supervision.fleet_stop import FleetStop, StopCause
-from fleet_core.supervision.missions import Command, Mission, MissionState, Request
+from fleet_core.supervision.missions import CommandKind, Mission, MissionState, Request
 from fleet_core.supervision.outbox import AGAIN
 from fleet_simulation.virtual_fleet import STEP, Crash
 from route_protocol.values import TAKEN_OVER, Reason, ReasonCode
@@ -162,21 +162,21 @@ class Chaos:
 
     def cancel(self, robot: str, number: int) -> None:
         """Cancels the robot's mission; without one, an open mission."""
-        self._command(Command.CANCEL, robot, number)
+        self._command(CommandKind.CANCEL, robot, number)
 
     def pause(self, robot: str, number: int) -> None:
         """Pauses the robot's mission; without one, an open mission."""
-        self._command(Command.PAUSE, robot, number)
+        self._command(CommandKind.PAUSE, robot, number)
 
     def resume(self, robot: str, number: int) -> None:
         """Resumes the robot's mission; without one, an open mission."""
-        self._command(Command.RESUME, robot, number)
+        self._command(CommandKind.RESUME, robot, number)
 
     def release(self, robot: str, number: int) -> None:
         """Ends the dwell of the robot's mission; without one, of an open mission."""
-        self._command(Command.RELEASE, robot, number)
+        self._command(CommandKind.RELEASE, robot, number)
 
-    def _command(self, command: Command, robot: str, number: int) -> None:
+    def _command(self, command: CommandKind, robot: str, number: int) -> None:
         book = self.fleet.supervisor.book
         mission = book.of_robot(robot)
         if mission is None and book.open:
@@ -184,15 +184,15 @@ class Chaos:
         if mission is not None:
             self._say(mission, command)
 
-    def _say(self, mission: Mission, command: Command) -> None:
+    def _say(self, mission: Mission, command: CommandKind) -> None:
         fleet, robot = self.fleet, mission.robot
         supervisor = fleet.supervisor
-        if command is Command.CANCEL:
+        if command is CommandKind.CANCEL:
             self._cancelled.append(mission.request.stamp)
         actions = supervisor.command(mission.request.id, command, fleet.now)
-        if robot and command in (Command.CANCEL, Command.PAUSE):
+        if robot and command in (CommandKind.CANCEL, CommandKind.PAUSE):
             self.promises.rest(robot)
-        elif robot and command is Command.RESUME:
+        elif robot and command is CommandKind.RESUME:
             self.promises.resting.pop(robot, None)
         fleet.do(actions)
 
@@ -437,7 +437,7 @@ class Chaos:
         self.run(2.0 + AGAIN)
         self.resume_all('', 0)
         for mission in fleet.supervisor.book.open[2:]:
-            self._say(mission, Command.CANCEL)
+            self._say(mission, CommandKind.CANCEL)
         while any(robot.outage is not None for robot in fleet.supervisor.robots.values()):
             assert fleet.now < limit, fleet.picture()
             self.run(1.0)
@@ -459,9 +459,9 @@ class Chaos:
         self._resume_what_was_stopped_past_it()
         for mission in self.fleet.supervisor.book.open:
             if mission.state is MissionState.PAUSED:
-                self._say(mission, Command.RESUME)
+                self._say(mission, CommandKind.RESUME)
             elif mission.dwell_until == math.inf:
-                self._say(mission, Command.RELEASE)
+                self._say(mission, CommandKind.RELEASE)
         return not self.fleet.supervisor.book.open
 
     def _check_end(self, request: Request) -> None:

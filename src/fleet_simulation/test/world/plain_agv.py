@@ -19,7 +19,6 @@ from route_protocol.values import (
     TAKEN_OVER,
     EdgeState,
     EpochCause,
-    Location,
     Motion,
     Phase,
     Reason,
@@ -28,6 +27,7 @@ from route_protocol.values import (
     RouteRefusal,
     RouteReport,
     SymbolicPose,
+    VehicleLocation,
 )
 from trajectory_graph import Graph, TrajectoryGraphError, check_route
 
@@ -516,7 +516,8 @@ class Agv:
         return RouteReport(
             stamp - (self.old or 0), self.route_id, self.edges, self._states(),
             SymbolicPose(pose.edge, 100.0 * pose.fraction), self.reason,
-            None if self.old is None or self.off_graph else Location(*self.position, math.nan),
+            None if self.old is None or self.off_graph else
+            VehicleLocation(*self.position, math.nan),
             knows['epoch'], knows['cause'], knows['master'] or '', knows['taken'], knows['refused'],
             knows['refusal'], knows['first'], self.motion, knows['report'],
             self.unready)
@@ -622,7 +623,7 @@ class LostLink:
         if self._commands_only:
             pose = self._agv.pose
             said = replace(said, stamp=stamp, pose=SymbolicPose(pose.edge, 100.0 * pose.fraction),
-                           location=Location(*self._agv.position, math.nan))
+                           location=VehicleLocation(*self._agv.position, math.nan))
         return said
 
     def report(self, now: float) -> RouteReport:

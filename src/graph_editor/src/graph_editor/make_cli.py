@@ -17,12 +17,12 @@ from graph_editor.making.keeping_ids import with_ids_of
 from graph_editor.making.maker import make_graph
 from graph_editor.making.options import Halls, MakingOptions
 from graph_editor.picture import draw_graph
-from graph_editor.site import Place, PlaceKind, Site, SiteOptions, load_site
+from graph_editor.site import MappedSite, NamedPlace, PlaceKind, SiteOptions, load_site
 from omron_map import MapError
 from trajectory_graph import Graph, TrajectoryGraphError, load_graph
 
 ERRORS = (SiteError, MapError, TrajectoryGraphError)
-LoadMap = Callable[[str, SiteOptions], Site]
+LoadMap = Callable[[str, SiteOptions], MappedSite]
 _DEFAULT = MakingOptions()
 
 
@@ -106,19 +106,19 @@ def edge_width_option(narrow: Dict[int, float]) -> str:
     return '--edge-width ' + ','.join(f'{id}={width:.2f}' for id, width in sorted(narrow.items()))
 
 
-def _more_places(chosen: argparse.Namespace) -> List[Place]:
+def _more_places(chosen: argparse.Namespace) -> List[NamedPlace]:
     """Returns the docks and goals of the command line; raises SiteError."""
     places = [_place(PlaceKind.DOCK, f'dock,{text}', f'--dock {text}') for text in chosen.dock]
     return places + [_place(PlaceKind.GOAL, text, f'--goal {text}') for text in chosen.goal]
 
 
-def _place(kind: PlaceKind, text: str, option: str) -> Place:
+def _place(kind: PlaceKind, text: str, option: str) -> NamedPlace:
     try:
         name, *numbers = text.split(',')
         x, y, degrees = (float(number or 'nan') for number in numbers)
         if math.isfinite(x) and math.isfinite(y) and not math.isinf(degrees):
             heading = None if math.isnan(degrees) else math.radians(degrees)
-            return Place(kind, name, x, y, heading)
+            return NamedPlace(kind, name, x, y, heading)
         raise ValueError
     except ValueError:
         raise SiteError(f'{option} must give {"" if kind is PlaceKind.DOCK else "a name, "}x and y '

@@ -11,7 +11,7 @@ from PIL.PngImagePlugin import PngInfo
 from graph_editor.checking.findings import Finding, Severity
 from graph_editor.errors import SiteError
 from graph_editor.floor import Floor
-from graph_editor.site import Site
+from graph_editor.site import MappedSite
 from omron_map.canvas import label_font
 from trajectory_graph import CurveType, Graph
 
@@ -27,7 +27,7 @@ ERROR, WARNING = (220, 20, 20), (240, 150, 0)
 Pixels = Sequence[Tuple[float, float]]
 
 
-def draw_graph(site: Site, graph: Graph, path: str, corridor: float,
+def draw_graph(site: MappedSite, graph: Graph, path: str, corridor: float,
                findings: Sequence[Finding] = ()) -> None:
     """Writes the PNG file `path`; raises SiteError if it cannot be written.
 

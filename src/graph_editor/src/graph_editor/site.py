@@ -32,7 +32,7 @@ class PlaceKind(Enum):
 
 
 @dataclass(frozen=True)
-class Place:
+class NamedPlace:
     """A place with a name; heading in rad, None if any heading is allowed."""
 
     kind: PlaceKind
@@ -48,13 +48,13 @@ class Place:
 
 
 @dataclass(frozen=True, eq=False)
-class Site:
+class MappedSite:
     """A floor with its known places."""
 
     name: str
     """The file or the name of the map."""
     floor: Floor
-    places: Tuple[Place, ...] = ()
+    places: Tuple[NamedPlace, ...] = ()
     notes: Tuple[str, ...] = ()
     """Warnings about the map for people, one sentence each."""
 
@@ -75,7 +75,7 @@ class SiteOptions:
     resolution: float = 0.05
 
 
-def load_site(path: str, options: SiteOptions) -> Site:
+def load_site(path: str, options: SiteOptions) -> MappedSite:
     """Returns the site of a `.map` file or of the `.yaml` of a ROS map.
 
     Raises SiteError or MapError.
@@ -87,7 +87,7 @@ def load_site(path: str, options: SiteOptions) -> Site:
     return site_of_document(MapDocument.load(path), options)
 
 
-def site_of_document(document: MapDocument, options: SiteOptions) -> Site:
+def site_of_document(document: MapDocument, options: SiteOptions) -> MappedSite:
     """Returns the site of a robot's map.
 
     Scan points, lines, forbidden areas and forbidden lines are obstacles.
@@ -103,7 +103,7 @@ def site_of_document(document: MapDocument, options: SiteOptions) -> Site:
         notes.append(f'{document.name} already contains the fences and goals of a graph: use the '
                      'original map without them.')
     floor = Floor(occupied, inside, pitch / 1000.0, origin, _obstacles(document, pitch))
-    return Site(document.name, floor, _places(document), tuple(notes))
+    return MappedSite(document.name, floor, _places(document), tuple(notes))
 
 
 def _obstacles(document: MapDocument, pitch: float) -> np.ndarray:
@@ -124,7 +124,7 @@ def _obstacles(document: MapDocument, pitch: float) -> np.ndarray:
 
 
 def site_of_grid(cells: np.ndarray, resolution: float, origin: Tuple[float, float],
-                 options: SiteOptions, name: str = 'map') -> Site:
+                 options: SiteOptions, name: str = 'map') -> MappedSite:
     """Returns the site of an occupancy grid (rows from the lowest y; 0..100, -1 unknown), in m.
 
     Unknown cells are not floor. A grid without free cells only has obstacles. Its floor is the area
@@ -137,7 +137,7 @@ def site_of_grid(cells: np.ndarray, resolution: float, origin: Tuple[float, floa
     inside = _inside(occupied, resolution, origin, options)
     if known.any():
         inside = known & inside if options.area is not None else known
-    return Site(name, Floor(occupied, inside, resolution, origin))
+    return MappedSite(name, Floor(occupied, inside, resolution, origin))
 
 
 def _inside(occupied: np.ndarray, resolution: float, origin: Tuple[float, float],
@@ -152,7 +152,7 @@ def _inside(occupied: np.ndarray, resolution: float, origin: Tuple[float, float]
             & ((xs >= min(x1, x2)) & (xs <= max(x1, x2)))[None, :])
 
 
-def _places(document: MapDocument) -> Tuple[Place, ...]:
+def _places(document: MapDocument) -> Tuple[NamedPlace, ...]:
     places = []
     for kind, objects in ((PlaceKind.DOCK, document.docks), (PlaceKind.GOAL, document.goals),
                           (PlaceKind.HOME, document.homes)):
@@ -161,5 +161,5 @@ def _places(document: MapDocument) -> Tuple[Place, ...]:
             if obj.is_area:
                 x, y = obj.rectangle.centre_x, obj.rectangle.centre_y
             heading = math.radians(obj.theta) if obj.has_heading else None
-            places.append(Place(kind, obj.label, x / 1000.0, y / 1000.0, heading))
+            places.append(NamedPlace(kind, obj.label, x / 1000.0, y / 1000.0, heading))
     return tuple(places)

@@ -8,7 +8,7 @@ import rosgraph
 import rospy
 
 from fleet_core.supervision.mission_commands import not_done, not_stored
-from fleet_core.supervision.missions import Command, MissionState, RequestRefused, Status
+from fleet_core.supervision.missions import CommandKind, MissionState, RequestRefused, Status
 from graph_fleet_manager.commands import fleet_client, mission
 from graph_fleet_manager.commands.command_line import NOT_DONE, OK, CommandProblem
 from graph_fleet_manager.messages.missions import request_of, status_message
@@ -117,7 +117,8 @@ def test_what_is_told_of_other_missions_with_its_id_is_no_answer_to_a_command(mo
 
 @pytest.mark.parametrize('word, last', [
     ('cancel', status_message(not_stored(
-        Status(7, MissionState.ACTIVE, stamp=MINE), Command.CANCEL, 'a full disk'), rospy.Time(5))),
+        Status(7, MissionState.ACTIVE, stamp=MINE), CommandKind.CANCEL, 'a full disk'),
+        rospy.Time(5))),
     ('cancel', status(MissionState.SUCCEEDED)), ('pause', status(MissionState.PAUSED)),
     ('resume', status(MissionState.PENDING)), ('release', status(MissionState.ACTIVE)),
     ('modify', status(MissionState.ACTIVE)), ('cancel', status(MissionState.CANCELLING)),
@@ -151,8 +152,9 @@ def test_an_answer_is_for_the_step_that_asks_when_the_person_gives_it(monkeypatc
 
 
 def test_a_change_that_is_refused_is_told_with_its_reason(monkeypatch):
-    refused = status_message(not_done(Status(7, MissionState.ACTIVE, stamp=MINE), Command.MODIFY,
-                                      'the graph has no vertex 99'), rospy.Time(5))
+    refused = status_message(not_done(Status(7, MissionState.ACTIVE, stamp=MINE),
+                                      CommandKind.MODIFY, 'the graph has no vertex 99'),
+                             rospy.Time(5))
     with pytest.raises(CommandProblem, match='7: MODIFY is not done: .* no vertex 99') as failed:
         change(monkeypatch, 'modify', status(MissionState.ACTIVE), refused)
     assert failed.value.status == NOT_DONE

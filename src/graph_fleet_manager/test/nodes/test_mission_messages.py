@@ -11,8 +11,8 @@ from fleet_core.interlocking.reports import Pose
 from fleet_core.supervision.fleet_stop import NOT_STOPPED
 from fleet_core.supervision.fleet_view import DriveView, RobotState, RobotView
 from fleet_core.supervision.missions import (
-    Command,
     CommandCode,
+    CommandKind,
     MissionState,
     RequestRefused,
     Status,
@@ -28,7 +28,7 @@ from graph_fleet_manager.messages.missions import (
     status_message,
 )
 from itrci_nav_msgs import msg
-from route_protocol.values import Location, Reason, ReasonCode
+from route_protocol.values import Reason, ReasonCode, VehicleLocation
 
 NOW = genpy.Time(100)
 
@@ -59,7 +59,7 @@ def test_every_state_of_a_robot_has_the_number_of_the_message():
 
 
 @pytest.mark.parametrize('values, location', [
-    ((1.5, -2.0, 0.7), Location(1.5, -2.0, 0.7)), ((math.nan,) * 3, None),
+    ((1.5, -2.0, 0.7), VehicleLocation(1.5, -2.0, 0.7)), ((math.nan,) * 3, None),
     ((math.inf, 0.0, 0.0), None)])
 def test_a_report_has_the_place_in_metres_or_none(values, location):
     x, y, theta = values
@@ -76,7 +76,7 @@ def test_a_report_and_a_refusal_have_the_reason_with_its_code():
 
 
 def test_a_status_tells_which_command_it_answers():
-    status = Status(7, MissionState.ACTIVE, command=Command.PAUSE,
+    status = Status(7, MissionState.ACTIVE, command=CommandKind.PAUSE,
                     command_code=CommandCode.NOT_DONE)
     message = status_message(status, NOW)
     assert (message.command, message.command_code) == (

@@ -12,7 +12,7 @@ from fleet_core.fleet import RobotType
 from fleet_core.geometry.areas import Area
 from fleet_core.planning.plan_requests import PlanRequest
 from fleet_core.planning.precedence import Constraint
-from fleet_core.planning.tasks import CannotPlan, Obstacle, Outcome, PlannedDrive, Task
+from fleet_core.planning.tasks import CannotPlan, Obstacle, PlannedDrive, PlanningOutcome, Task
 from graph_fleet_manager.messages.planning import (
     answer_message,
     no_plan_message,
@@ -125,7 +125,7 @@ class TestRequests:
 
 
 class TestAnswers:
-    OUTCOME = Outcome(
+    OUTCOME = PlanningOutcome(
         {'r2': (), 'r1': (PlannedDrive(3, -1.5, 0.25), PlannedDrive(-4, 0.25, 7.125))},
         (Constraint('r1', 0, 0.5, 'r2', 1),), {'r2': 'it is blocked by r1'}, 12.5, 8.0)
     REQUEST = request_message(

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from omron_ld90.bridge.events import RobotSeen
 from omron_ld90.bridge.route_follower import RouteFollower
 from omron_ld90.bridge.route_strategies import RouteSettings
-from route_protocol.values import Location, SymbolicPose
+from route_protocol.values import SymbolicPose, VehicleLocation
 
 ALL = ('vertex_by_vertex', 'direct', 'rolling')
 
@@ -210,7 +210,8 @@ def test_every_route_is_driven_in_order_and_told_truly(journey, strategy, period
         percentage = report.pose.percentage if complete < len(route) else 0.0
 
 
-@pytest.mark.parametrize('place, location', [((1.0, 0.0), Location(1.0, 0.0, 0.5)), (None, None)])
+@pytest.mark.parametrize('place, location', [
+    ((1.0, 0.0), VehicleLocation(1.0, 0.0, 0.5)), (None, None)])
 def test_reports_tell_where_the_robot_is_in_metres(place, location):
     follower = RouteFollower(RouteSettings(), dissertation_graph())
     follower.handle(RobotSeen(1, place=place, heading=0.5), 1.0)

@@ -16,7 +16,7 @@ from omron_map import editing, scan_editing
 from omron_map.checks import check
 from omron_map.errors import FieldError, MapError, MapWarning
 from omron_map.objects import MapObject
-from omron_map.reader import Content, Record, check_category, read_content, read_headers
+from omron_map.reader import MapContent, Record, check_category, read_content, read_headers
 from omron_map.regular_file import read_regular_file
 from omron_map.saving import write_file
 from omron_map.scans import scans_of
@@ -30,7 +30,7 @@ class MapDocument:
     raises MapError and changes nothing. `name` is the name of the file in errors.
     """
 
-    def __init__(self, content: Content, name: str) -> None:
+    def __init__(self, content: MapContent, name: str) -> None:
         self.name = name
         self._records = content.records
         self._sections = content.sections

@@ -31,7 +31,7 @@ class Record(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Content:
+class MapContent:
     """The contents of a file: metadata records, a header for each scan source, the sections."""
 
     records: List[Record]
@@ -39,7 +39,7 @@ class Content:
     sections: List[Section]
 
 
-def read_content(data: bytes, name: str) -> Content:
+def read_content(data: bytes, name: str) -> MapContent:
     """Returns the contents of the file `name` with the bytes `data`; raises MapError."""
     binary = data.find(b'\0')
     if binary >= 0:
@@ -56,7 +56,7 @@ def read_content(data: bytes, name: str) -> Content:
     except FieldError as error:
         raise error.in_file(name) from None
     _check_sources(sections, headers, name)
-    return Content(records, headers, sections)
+    return MapContent(records, headers, sections)
 
 
 def check_category(data: bytes, name: str) -> None:

@@ -14,13 +14,13 @@ from route_protocol.order_rules import MAXIMUM_EDGES
 from route_protocol.values import (
     EdgeState,
     EpochCause,
-    Location,
     Motion,
     ReasonCode,
     RouteOrder,
     RouteRefusal,
     RouteReport,
     SymbolicPose,
+    VehicleLocation,
     reason_of,
 )
 
@@ -31,7 +31,7 @@ _LONGEST_NAME = 256
 
 _LAST_NUMBER = 2 ** 63  # beyond it, no number of an order or a report makes sense
 
-_UNKNOWN = Location(math.nan, math.nan, math.nan)
+_UNKNOWN = VehicleLocation(math.nan, math.nan, math.nan)
 
 
 class WrongReport(ValueError):
@@ -127,12 +127,12 @@ def refusal_of(message: Any) -> RouteRefusal:
                         reason_of(message.reason_code, _words(message.reason)), message.order)
 
 
-def location_of(message: Any) -> Optional[Location]:
+def location_of(message: Any) -> Optional[VehicleLocation]:
     """Returns the robot's pose in an `itrci_nav_msgs/ExecutionRouteStates`; None if unknown."""
     if not (math.isfinite(message.x) and math.isfinite(message.y)):
         return None
-    return Location(message.x, message.y,
-                    message.theta if math.isfinite(message.theta) else math.nan)
+    return VehicleLocation(message.x, message.y,
+                           message.theta if math.isfinite(message.theta) else math.nan)
 
 
 def _words(text: str) -> str:

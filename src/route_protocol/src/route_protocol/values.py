@@ -134,7 +134,7 @@ def reason_of(code: int, text: str) -> Reason:
 
 
 @dataclass(frozen=True)
-class Location:
+class VehicleLocation:
     """The robot's pose in the map frame: m, m, rad; `theta` is NaN if it is unknown."""
 
     x: float
@@ -196,7 +196,7 @@ class RouteReport:
     states: Tuple[EdgeState, ...]
     pose: SymbolicPose
     reason: Reason = NO_REASON
-    location: Optional[Location] = None
+    location: Optional[VehicleLocation] = None
     epoch: int = 0
     cause: EpochCause = EpochCause.NONE
     master: str = ''

@@ -61,7 +61,6 @@ from route_protocol.values import (
     NO_REASON,
     OVERRULED,
     EpochCause,
-    Location,
     Motion,
     Phase,
     Reason,
@@ -70,6 +69,7 @@ from route_protocol.values import (
     RouteRefusal,
     RouteReport,
     SymbolicPose,
+    VehicleLocation,
 )
 
 OLD_MASTER = ''
@@ -281,8 +281,9 @@ class Vehicle:
 
     # -- reports ----------------------------------------------------------------------------------
 
-    def report(self, stamp: int, pose: SymbolicPose, location: Optional[Location], motion: Motion,
-               reason: Reason = NO_REASON, unready: ReasonCode = ReasonCode.NONE) -> RouteReport:
+    def report(self, stamp: int, pose: SymbolicPose, location: Optional[VehicleLocation],
+               motion: Motion, reason: Reason = NO_REASON,
+               unready: ReasonCode = ReasonCode.NONE) -> RouteReport:
         """Returns the next report.
 
         stamp, pose, location -- the vehicle's place, and when it was there

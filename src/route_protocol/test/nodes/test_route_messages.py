@@ -14,13 +14,13 @@ from route_protocol.values import (
     EMERGENCY_STOP,
     NO_REASON,
     EdgeState,
-    Location,
     Reason,
     ReasonCode,
     RouteOrder,
     RouteRefusal,
     RouteReport,
     SymbolicPose,
+    VehicleLocation,
     reason_of,
 )
 
@@ -66,7 +66,7 @@ def test_a_reason_is_what_its_code_says_whatever_the_words(code, text, reason):
     assert reason_of(code, text) == reason and bool(reason) is (code > 0 or bool(text))
 
 
-@pytest.mark.parametrize('location', [Location(1.5, -2.0, 0.7), None])
+@pytest.mark.parametrize('location', [VehicleLocation(1.5, -2.0, 0.7), None])
 def test_a_report_tells_where_the_robot_is_in_metres(location):
     report = RouteReport(0, 7, (), (), SymbolicPose(), location=location)
     message = fill_report(ExecutionRouteStates(), report, EdgeStateMessage)

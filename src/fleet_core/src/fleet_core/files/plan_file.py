@@ -6,10 +6,11 @@ import os
 from typing import Any, Dict, Iterable, Mapping, Union
 
 from file_replacement import replace_file
-from fleet_core.planning.tasks import Outcome
+from fleet_core.planning.tasks import PlanningOutcome
 
 
-def solved_plan(outcome: Outcome, planning_time: float, geometry_time: float) -> Dict[str, Any]:
+def solved_plan(outcome: PlanningOutcome, planning_time: float,
+                geometry_time: float) -> Dict[str, Any]:
     """The content of the file for a plan of all robots; times in s."""
     ends = [drives[-1].end if drives else 0.0 for drives in outcome.drives.values()]
     return {

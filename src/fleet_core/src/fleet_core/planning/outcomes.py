@@ -8,12 +8,12 @@ from fleet_core.planning.plans import Plan
 from fleet_core.planning.precedence import precedence
 from fleet_core.planning.reservation_table import ReservationTable
 from fleet_core.planning.schedule import in_order, schedule
-from fleet_core.planning.tasks import Outcome, PlannedDrive
+from fleet_core.planning.tasks import PlannedDrive, PlanningOutcome
 
 
 def outcome_of(reservations: ReservationTable, agents: Mapping[str, Agent],
                behind: Mapping[str, Plan], served: Iterable[str], unserved: Mapping[str, str],
-               rounds: int) -> Outcome:
+               rounds: int) -> PlanningOutcome:
     """The plans, and the order of use that keeps them safe.
 
     behind   -- each agent's plan behind its fixed drives; after improvement its drives begin as
@@ -27,7 +27,7 @@ def outcome_of(reservations: ReservationTable, agents: Mapping[str, Agent],
     constraints = precedence(reservations, whole, {name: t.kind for name, t in agents.items()},
                              {name: len(t.fixed) for name, t in agents.items()})
     queries = {name: agents[name].query for name in served}
-    return Outcome(
+    return PlanningOutcome(
         {name: tuple([PlannedDrive(ids[drive], start, end) for drive, start, end, _ in plan])
          for name, plan in whole.items()},
         tuple(constraints), dict(unserved),

@@ -15,7 +15,7 @@ from fleet_core.planning.plan_requests import PlanRequest
 from fleet_core.planning.planner import FleetPlanner
 from fleet_core.planning.road_network import RoadNetwork
 from fleet_core.planning.safe_intervals import find_path
-from fleet_core.planning.tasks import CannotPlan, Obstacle, Outcome, Task
+from fleet_core.planning.tasks import CannotPlan, Obstacle, PlanningOutcome, Task
 from trajectory_graph import Graph
 
 _PLANNERS_KEPT = 4  # planners for different closed edges and learned times
@@ -55,7 +55,7 @@ class PlanService:
         return frozenset(self._open.vertex_ids[vertex] for kind in self._fleet.types
                          for vertex in named_parking(self._open, kind))
 
-    def answer(self, request: PlanRequest, received: Optional[float] = None) -> Outcome:
+    def answer(self, request: PlanRequest, received: Optional[float] = None) -> PlanningOutcome:
         """Returns the plans. Limits count from `received` (monotonic s; default: now).
 
         Raises CannotPlan for an invalid request.

@@ -14,7 +14,7 @@ from fleet_core.planning.problem import check
 from fleet_core.planning.reservation_table import ReservationTable
 from fleet_core.planning.road_network import RoadNetwork
 from fleet_core.planning.safe_intervals import find_path
-from fleet_core.planning.tasks import Obstacle, Outcome, Task
+from fleet_core.planning.tasks import Obstacle, PlanningOutcome, Task
 
 Place = Tuple[str, RobotType, int]
 """Name of a robot, its type, and the id of a vertex."""
@@ -77,7 +77,7 @@ class FleetPlanner:
 
     def plan(self, tasks: Sequence[Task], obstacles: Sequence[Obstacle] = (),
              deadline: float = inf, rounds: Optional[int] = None,
-             improve_until: float = inf, seed: int = 0) -> Outcome:
+             improve_until: float = inf, seed: int = 0) -> PlanningOutcome:
         """Plans for all tasks, and improves the plans.
 
         The improvement ends at the deadline (monotonic s), after `rounds`, or at `improve_until`

@@ -27,7 +27,7 @@ from fleet_core.planning.plans import Plan
 from fleet_core.planning.problem import Problem
 from fleet_core.planning.reservation_table import ReservationTable
 from fleet_core.planning.schedule import schedule
-from fleet_core.planning.tasks import Obstacle, Outcome, Task
+from fleet_core.planning.tasks import Obstacle, PlanningOutcome, Task
 from fleet_core.planning.tea_star import Path, Paths, TeaStar, by_length, is_too_late
 
 _ORDERS = 10      # maximum number of orders in which all are planned anew before LaCAM begins
@@ -78,7 +78,7 @@ class PlanningPipeline:
         self._grounded: Set[str] = set()
         """Robots that stay where they are."""
 
-    def run(self, deadline: float, rounds: Optional[int], improve_until: float) -> Outcome:
+    def run(self, deadline: float, rounds: Optional[int], improve_until: float) -> PlanningOutcome:
         """Runs all steps in order, and returns the answer."""
         self._ground_who_is_too_near()
         self._give_up_what_is_out_of_reach()
@@ -329,7 +329,7 @@ class PlanningPipeline:
         else:
             self._tea_star.book_present(agent)
 
-    def _outcome(self, rounds: int) -> Outcome:
+    def _outcome(self, rounds: int) -> PlanningOutcome:
         behind = {name: self._paths[name].plan if name in self._paths else self._old.get(name, [])
                   for name in self._agents}
         served = [t.name for t in self._agents.values() if t.name in self._paths]

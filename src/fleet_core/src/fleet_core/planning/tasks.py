@@ -65,7 +65,7 @@ class Obstacle:
 
 
 @dataclass(frozen=True)
-class Outcome:
+class PlanningOutcome:
     """The answer of the planner: the plans of all robots, and the order that makes them safe.
 
     drives       -- for each robot all of its drives, released ones included

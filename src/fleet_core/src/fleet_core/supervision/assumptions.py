@@ -14,7 +14,7 @@ from fleet_core.supervision.missions import Mission
 from fleet_core.supervision.robots import ManagedRobot
 
 
-class Role(Enum):
+class PlanRole(Enum):
     """How a plan treats a robot."""
 
     DRIVING = 'driving'     # it drives on along its granted edges
@@ -33,7 +33,7 @@ class Assumption(NamedTuple):
     reach      -- number of its mission's destinations that the plan includes; None: all
     """
 
-    role: Role
+    role: PlanRole
     generation: int
     base: int
     end: int
@@ -106,7 +106,8 @@ class Assumptions:
         now = assumption_of(robot, world.errands[name])
         if before.errand != now.errand or before.generation != now.generation:
             return False
-        if before.role in (Role.OBSTACLE, Role.ABSENT) or now.role in (Role.OBSTACLE, Role.ABSENT):
+        if (before.role in (PlanRole.OBSTACLE, PlanRole.ABSENT)
+                or now.role in (PlanRole.OBSTACLE, PlanRole.ABSENT)):
             return before.role is now.role and all(
                 ours == theirs if now.errand[0] is Duty.STAND else ours <= theirs
                 for ours, theirs in zip(now.places, before.places))
@@ -124,12 +125,12 @@ def assumption_of(robot: ManagedRobot, errand: Errand) -> Assumption:
     record, allocation = robot.record, robot.master.allocation
     stands = errand.duty is Duty.STAND
     if allocation.knowledge is not Knowledge.KNOWN:
-        role = Role.ABSENT
+        role = PlanRole.ABSENT
     elif not robot.works or stands or (record.position is None and not record.held):
-        role = Role.OBSTACLE
+        role = PlanRole.OBSTACLE
     else:
-        role = Role.DRIVING if record.ahead else Role.STANDING
-    places = _places(allocation) if role is Role.OBSTACLE else _NOWHERE
+        role = PlanRole.DRIVING if record.ahead else PlanRole.STANDING
+    places = _places(allocation) if role is PlanRole.OBSTACLE else _NOWHERE
     base = record.cleared[0] if record.held else record.end
     return Assumption(role, record.generation, base, record.end, places, errand.key)
 

@@ -7,8 +7,8 @@ from typing import Deque, Dict, Iterable, List, Mapping, Optional, Set, Tuple
 
 from fleet_core.supervision.missions import (
     Acceptance,
-    Change,
     Mission,
+    MissionChange,
     MissionState,
     Request,
     RequestRefused,
@@ -201,7 +201,7 @@ class MissionBook:
         mission.state, mission.reason, mission.robot = state, reason, robot
         self.changed.add(mission.serial)
 
-    def change(self, mission: Mission, change: Change) -> None:
+    def change(self, mission: Mission, change: MissionChange) -> None:
         """Changes the priority, and the destinations from now on."""
         is_pending = mission in self.pending
         if is_pending:

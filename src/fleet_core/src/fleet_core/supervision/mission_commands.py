@@ -7,10 +7,10 @@ from typing import Mapping
 from fleet_core.supervision.mission_book import MissionBook
 from fleet_core.supervision.missions import (
     Acceptance,
-    Change,
-    Command,
     CommandCode,
+    CommandKind,
     Mission,
+    MissionChange,
     MissionState,
     Request,
     RequestRefused,
@@ -20,39 +20,39 @@ from fleet_core.supervision.robots import ManagedRobot
 from fleet_core.supervision.work_desk import WorkDesk
 
 
-def carry_out(command: Command, mission: Mission, book: MissionBook,
+def carry_out(command: CommandKind, mission: Mission, book: MissionBook,
               robots: Mapping[str, ManagedRobot], desk: WorkDesk,
               requested_by: str = '') -> str:
     """Cancels, pauses, resumes, or ends a dwell. Returns why it did not; empty: it did."""
     name = mission.robot
-    if command is Command.CANCEL:
+    if command is CommandKind.CANCEL:
         by = f' of {requested_by}' if requested_by else ''
         reason = f'cancelled on request{by}'
         if desk.cancel(mission, reason):
             return ''
         book.set(mission, MissionState.CANCELLED, reason)
-    elif command is Command.PAUSE:
+    elif command is CommandKind.PAUSE:
         book.set(mission, MissionState.PAUSED)
-    elif command is Command.RESUME:
+    elif command is CommandKind.RESUME:
         if mission.state is not MissionState.PAUSED:
             return f'Mission {mission.request.id} is not paused.'
         waits = MissionState.BLOCKED if mission.request.after else MissionState.PENDING
         book.set(mission, MissionState.ACTIVE if name else waits)
         if name:
             robots[name].comes_to_rest = False
-    elif command is Command.RELEASE:
+    elif command is CommandKind.RELEASE:
         if mission.request.stops:
             return (f'Mission {mission.request.id} goes on when its steps have ended: nothing to '
                     'release.')
         if mission.stays_since is None:
             return f'Mission {mission.request.id} is not staying anywhere: nothing to release.'
         book.reach(mission)
-    if name and command in (Command.CANCEL, Command.PAUSE):
+    if name and command in (CommandKind.CANCEL, CommandKind.PAUSE):
         robots[name].comes_to_rest = True
     return ''
 
 
-def modify(mission: Mission, change: Change, book: MissionBook, acceptance: Acceptance,
+def modify(mission: Mission, change: MissionChange, book: MissionBook, acceptance: Acceptance,
            robots: Mapping[str, ManagedRobot]) -> str:
     """Changes priority and destinations. Returns why it did not, as a clause; empty: it did.
 
@@ -77,13 +77,13 @@ def refused(request: Request, reason: str) -> Status:
     return Status(request.id, MissionState.REFUSED, reason=reason, stamp=request.stamp)
 
 
-def not_done(before: Status, command: Command, trouble: str) -> Status:
+def not_done(before: Status, command: CommandKind, trouble: str) -> Status:
     """The status after a command that cannot be carried out: the mission is unchanged."""
     return replace(before, command=command, command_code=CommandCode.NOT_DONE,
                    reason=f'{command.name} is not done: {trouble}')
 
 
-def not_stored(before: Status, command: Command, trouble: str) -> Status:
+def not_stored(before: Status, command: CommandKind, trouble: str) -> Status:
     """The status after a command that was carried out, but could not be stored on the disk."""
     return replace(before, command=command, command_code=CommandCode.NOT_STORED,
                    reason=f'{command.name} is carried out, but will be lost if the fleet '

@@ -38,7 +38,7 @@ class MissionState(IntEnum):
                             MissionState.CANCELLED)
 
 
-class Command(IntEnum):
+class CommandKind(IntEnum):
     """A command for a mission, as in itrci_nav_msgs/MissionCommand."""
 
     CANCEL = 0
@@ -106,7 +106,7 @@ class Request:
 
 
 @dataclass(frozen=True)
-class Change:
+class MissionChange:
     """The changes that MODIFY makes to a request.
 
     destinations -- to be visited from now on, without stays; empty: no change
@@ -142,7 +142,7 @@ class Status:
     reached: int = 0
     reason: str = ''
     stamp: float = 0.0
-    command: Optional[Command] = None
+    command: Optional[CommandKind] = None
     command_code: CommandCode = CommandCode.NONE
     asks: int = 0
 
@@ -202,7 +202,7 @@ class Mission:
         """The destinations still to be visited, including that of a dwell under way."""
         return self.request.destinations[self.reached:]
 
-    def changed(self, change: Change) -> Request:
+    def changed(self, change: MissionChange) -> Request:
         """The request after a change. A stay under way counts as the end of its destination."""
         request = replace(self.request, priority=change.priority)
         if not change.destinations:
@@ -304,7 +304,7 @@ class Acceptance:
             raise RequestRefused(f'vertex {first} is in another part of the graph than '
                                  f'{request.robot or "each of its robots"}')
 
-    def check_change(self, mission: Mission, change: Change) -> None:
+    def check_change(self, mission: Mission, change: MissionChange) -> None:
         """Raises RequestRefused if no robot, or not the serving robot, could carry out the rest."""
         if not change.destinations:
             return

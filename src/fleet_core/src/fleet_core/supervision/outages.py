@@ -83,34 +83,34 @@ _WAYS_BACK: Mapping[Outage, str] = {
 }
 
 
-class Change(NamedTuple):
+class OutageChange(NamedTuple):
     """A sign leads from any of these outages (None: the robot works) to the target."""
 
     sources: AbstractSet[Optional[Outage]]
     target: Optional[Outage]
 
 
-TRANSITIONS: Mapping[Sign, Change] = {
-    Sign.REPORT: Change({Outage.UNSEEN, Outage.SILENT}, None),
-    Sign.SILENCE: Change({None, Outage.STOPPED, Outage.DEAF, Outage.CLOCK}, Outage.SILENT),
-    Sign.NO_ANSWER: Change({None}, Outage.DEAF),
-    Sign.ANSWER: Change({Outage.DEAF}, None),
-    Sign.CLOCK_OFF: Change({None, Outage.DEAF}, Outage.CLOCK),
-    Sign.CLOCK_RIGHT: Change({Outage.CLOCK}, None),
-    Sign.LINK_LOST: Change(_BY_ITSELF, Outage.LOST_LINK),
-    Sign.LINK_BACK: Change({Outage.LOST_LINK}, None),
-    Sign.EMERGENCY: Change(_BY_ITSELF, Outage.STOPPED),
-    Sign.DRIVES: Change({Outage.STOPPED}, None),
-    Sign.STANDS: Change({Outage.STOPPED}, None),
-    Sign.EXCLUDED: Change(_BY_ITSELF, Outage.TOO_NEAR),
-    Sign.TAKEN: Change(_ON_SITE, Outage.TAKEN_OVER),
-    Sign.FAILURE: Change(_ON_SITE, Outage.FAILED),
-    Sign.LEFT_GRAPH: Change({None}, Outage.OFF_GRAPH),
-    Sign.FOUND: Change({Outage.OFF_GRAPH}, None),
-    Sign.TAKEN_OUT: Change(_ON_SITE, Outage.OUT_OF_SERVICE),
-    Sign.BROUGHT_IN: Change(_ON_SITE, None),
-    Sign.DECLARED_ABSENT: Change(_ALL, Outage.ABSENT),
-    Sign.LOCATED: Change({Outage.ABSENT}, None),
+TRANSITIONS: Mapping[Sign, OutageChange] = {
+    Sign.REPORT: OutageChange({Outage.UNSEEN, Outage.SILENT}, None),
+    Sign.SILENCE: OutageChange({None, Outage.STOPPED, Outage.DEAF, Outage.CLOCK}, Outage.SILENT),
+    Sign.NO_ANSWER: OutageChange({None}, Outage.DEAF),
+    Sign.ANSWER: OutageChange({Outage.DEAF}, None),
+    Sign.CLOCK_OFF: OutageChange({None, Outage.DEAF}, Outage.CLOCK),
+    Sign.CLOCK_RIGHT: OutageChange({Outage.CLOCK}, None),
+    Sign.LINK_LOST: OutageChange(_BY_ITSELF, Outage.LOST_LINK),
+    Sign.LINK_BACK: OutageChange({Outage.LOST_LINK}, None),
+    Sign.EMERGENCY: OutageChange(_BY_ITSELF, Outage.STOPPED),
+    Sign.DRIVES: OutageChange({Outage.STOPPED}, None),
+    Sign.STANDS: OutageChange({Outage.STOPPED}, None),
+    Sign.EXCLUDED: OutageChange(_BY_ITSELF, Outage.TOO_NEAR),
+    Sign.TAKEN: OutageChange(_ON_SITE, Outage.TAKEN_OVER),
+    Sign.FAILURE: OutageChange(_ON_SITE, Outage.FAILED),
+    Sign.LEFT_GRAPH: OutageChange({None}, Outage.OFF_GRAPH),
+    Sign.FOUND: OutageChange({Outage.OFF_GRAPH}, None),
+    Sign.TAKEN_OUT: OutageChange(_ON_SITE, Outage.OUT_OF_SERVICE),
+    Sign.BROUGHT_IN: OutageChange(_ON_SITE, None),
+    Sign.DECLARED_ABSENT: OutageChange(_ALL, Outage.ABSENT),
+    Sign.LOCATED: OutageChange({Outage.ABSENT}, None),
 }
 """All transitions between outages. A sign changes nothing if no transition applies."""
 

@@ -14,14 +14,14 @@ from collections import Counter
 from typing import Dict, List, Sequence
 
 from fleet_core.planning.precedence import Constraint
-from fleet_core.planning.tasks import Outcome, PlannedDrive, Task
+from fleet_core.planning.tasks import PlannedDrive, PlanningOutcome, Task
 from trajectory_graph import Graph
 from trajectory_graph.drawn_names import edge_name
 
 _SHOWN = 40  # characters shown of a name that no robot has
 
 
-def fault_of(outcome: Outcome, tasks: Sequence[Task], graph: Graph) -> str:
+def fault_of(outcome: PlanningOutcome, tasks: Sequence[Task], graph: Graph) -> str:
     """The first fault, as the end of a sentence about the plan; empty: there is none."""
     asked = {task.name for task in tasks}
     for name in (*outcome.drives, *outcome.unserved):
@@ -75,14 +75,14 @@ def _leads_over(task: Task, drives: Sequence[PlannedDrive], graph: Graph) -> boo
     return not left
 
 
-def _is_possible(constraint: Constraint, outcome: Outcome) -> bool:
+def _is_possible(constraint: Constraint, outcome: PlanningOutcome) -> bool:
     """Do both drives exist, and is the fraction a number from 0 to 1?"""
     return (0 <= constraint.before < len(outcome.drives.get(constraint.first, ()))
             and 0 <= constraint.drive < len(outcome.drives.get(constraint.then, ()))
             and 0.0 <= constraint.fraction <= 1.0)
 
 
-def _ring(outcome: Outcome) -> List[str]:
+def _ring(outcome: PlanningOutcome) -> List[str]:
     """Robots that would wait for each other for ever.
 
     A drive may begin after the drive before it, and all drives for which it waits, have begun. To

@@ -6,7 +6,7 @@ from math import inf
 from typing import AbstractSet, Deque, Dict, Mapping, NamedTuple, Optional, Tuple
 
 from fleet_core.interlocking.interlocking import Gate, Interlocking, Refusal
-from fleet_core.planning.tasks import Outcome
+from fleet_core.planning.tasks import PlanningOutcome
 from fleet_core.supervision.actions import AskPlanner
 from fleet_core.supervision.assumptions import World
 from fleet_core.supervision.duties import Duty, goes_until
@@ -87,7 +87,7 @@ class PlanExecutor:
 
     # -- answers of the planner -------------------------------------------------------------------
 
-    def plan_made(self, number: int, outcome: Outcome, world: World, now: float) -> bool:
+    def plan_made(self, number: int, outcome: PlanningOutcome, world: World, now: float) -> bool:
         """Uses the planner's answer, even a late one, if it fits. Returns whether it was expected.
         """
         question = self._open.pop(number, None)
@@ -258,7 +258,7 @@ class PlanExecutor:
         self._number += 1
         if not question.tasks:
             self._open.clear()
-            self.plan = question.plan(Outcome({}, ()), world)
+            self.plan = question.plan(PlanningOutcome({}, ()), world)
             self._tell('')
             return
         self._open = {number: one for number, one in self._open.items()

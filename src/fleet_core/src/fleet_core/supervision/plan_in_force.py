@@ -4,7 +4,7 @@ from __future__ import annotations
 from typing import Dict, Iterable, List, Mapping, NamedTuple, Optional, Set, Tuple
 
 from fleet_core.interlocking.route_record import RouteRecord
-from fleet_core.planning.tasks import Outcome
+from fleet_core.planning.tasks import PlanningOutcome
 from fleet_core.supervision.assumptions import Assumptions
 from fleet_core.supervision.robot_plan import RobotPlan
 
@@ -28,7 +28,7 @@ class PlanInForce:
     assumptions -- the conditions under which the plan is useful
     """
 
-    def __init__(self, outcome: Outcome, bases: Mapping[str, int], made_at: float,
+    def __init__(self, outcome: PlanningOutcome, bases: Mapping[str, int], made_at: float,
                  assumptions: Assumptions) -> None:
         self.plans: Dict[str, RobotPlan] = {
             name: RobotPlan(drives, bases[name]) for name, drives in outcome.drives.items()}

@@ -5,11 +5,11 @@ from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Dict, List, Mapping, Optional, Tuple
 
-from fleet_core.planning.tasks import Obstacle, Outcome, PlannedDrive, Task
+from fleet_core.planning.tasks import Obstacle, PlannedDrive, PlanningOutcome, Task
 from fleet_core.supervision.assumptions import (
     Assumption,
     Assumptions,
-    Role,
+    PlanRole,
     World,
     assumption_of,
 )
@@ -37,7 +37,7 @@ class Question:
     asked_at: float
     ends: Mapping[str, int]
 
-    def plan(self, outcome: Outcome, world: World) -> Optional[PlanInForce]:
+    def plan(self, outcome: PlanningOutcome, world: World) -> Optional[PlanInForce]:
         """The plan in an answer; None: a robot was granted edges meanwhile that the plan lacks.
 
         If a robot's errand has changed meanwhile, the plan still serves all other robots.
@@ -54,7 +54,7 @@ class Question:
         plan = PlanInForce(outcome, bases, self.asked_at, self.assumptions)
         return plan if self._is_in_turn(plan, world) else None
 
-    def fault_of(self, outcome: Outcome, graph: Graph) -> str:
+    def fault_of(self, outcome: PlanningOutcome, graph: Graph) -> str:
         """The first fault of an answer; empty: none. The planner may still be wrong in other ways.
         """
         return fault_of(outcome, self.tasks, graph)
@@ -81,11 +81,11 @@ def question_of(world: World, plan: Optional[PlanInForce], seed: int, now: float
     for name, robot in world.robots.items():
         errand = world.errands[name]
         assumption = assumption_of(robot, errand)
-        if assumption.role is Role.OBSTACLE:
+        if assumption.role is PlanRole.OBSTACLE:
             vertices, edges, areas = assumption.places
             obstacles.append(Obstacle(name, robot.type, tuple(sorted(vertices)),
                                       tuple(sorted(edges)), tuple(areas)))
-        elif assumption.role is not Role.ABSENT:
+        elif assumption.role is not PlanRole.ABSENT:
             own = plan.plan_of(name) if plan is not None else None
             further = foreseen.get(name, ())
             ends[name] = robot.record.end + len(further)

@@ -21,7 +21,7 @@ from fleet_core.interlocking.reports import (
 )
 from fleet_core.interlocking.stop_gate import StopGate
 from fleet_core.planning.road_network import RoadNetwork
-from fleet_core.planning.tasks import Outcome
+from fleet_core.planning.tasks import PlanningOutcome
 from fleet_core.supervision import mission_commands, mission_progress
 from fleet_core.supervision.actions import Action, TellStatus
 from fleet_core.supervision.assumptions import World, WorldView
@@ -35,9 +35,9 @@ from fleet_core.supervision.liveness import SILENCE
 from fleet_core.supervision.mission_book import MissionBook
 from fleet_core.supervision.missions import (
     Acceptance,
-    Change,
-    Command,
+    CommandKind,
     Mission,
+    MissionChange,
     MissionState,
     Request,
     RequestRefused,
@@ -246,8 +246,8 @@ class Supervisor:
         """
         return self._journal.status(request_id, stamp)
 
-    def command(self, request_id: int, command: Command, now: float,
-                change: Union[None, Change, StepAnswer] = None,
+    def command(self, request_id: int, command: CommandKind, now: float,
+                change: Union[None, MissionChange, StepAnswer] = None,
                 requested_by: str = '') -> List[Action]:
         """Cancels, pauses, resumes or ends a dwell; modifies a mission, or answers its step."""
         if requested_by:
@@ -257,7 +257,7 @@ class Supervisor:
             self._out.note(f'There is no open mission {request_id} for {command.name}.', True)
             return self._actions(now)
         before = mission.stored or mission.status
-        if self.trouble and command not in (Command.CANCEL, Command.PAUSE):
+        if self.trouble and command not in (CommandKind.CANCEL, CommandKind.PAUSE):
             self._out.put(TellStatus(mission_commands.not_done(before, command, self.trouble)))
             return self._actions(now)
         if change is None:
@@ -563,7 +563,7 @@ class Supervisor:
             self._go_on(now)
         return self._actions(now)
 
-    def plan_made(self, number: int, outcome: Outcome, now: float) -> List[Action]:
+    def plan_made(self, number: int, outcome: PlanningOutcome, now: float) -> List[Action]:
         """Handles the planner's answer. An answer that does not fit any more is ignored."""
         if self.plan_executor.plan_made(number, outcome, self._world(), now):
             self._go_on(now)

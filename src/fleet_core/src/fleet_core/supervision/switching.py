@@ -12,7 +12,7 @@ from typing import List, Optional, Tuple
 from fleet_core.planning.edge_groups import RobotProgress, edge_groups
 from fleet_core.planning.order_switching import LATE, RemainingDrives, switch_order
 from fleet_core.planning.plans import Drive
-from fleet_core.planning.tasks import Outcome, PlannedDrive
+from fleet_core.planning.tasks import PlannedDrive, PlanningOutcome
 from fleet_core.supervision.assumptions import World
 from fleet_core.supervision.duties import UNTIL_RELEASED, Duty, Errand
 from fleet_core.supervision.plan_in_force import PlanInForce
@@ -59,7 +59,7 @@ class OrderSwitching:
         self.switched += 1
         drives = {name: _retimed(own, courses[name], switched.starts[name], now - plan.made_at)
                   for name, own in plan.plans.items()}
-        return PlanInForce(Outcome(drives, switched.order(found), plan.unserved),
+        return PlanInForce(PlanningOutcome(drives, switched.order(found), plan.unserved),
                            {name: own.base for name, own in plan.plans.items()}, plan.made_at,
                            plan.assumptions)
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from enum import Enum
 from typing import Any, Callable, Dict, Mapping, Tuple
 
-from fleet_page.core.roles import Role
+from fleet_page.core.roles import UserRole
 
 MOST_DESTINATIONS = 100
 MOST_EDGES = 1000
@@ -57,7 +57,7 @@ class Act:
 
 
 @dataclass(frozen=True)
-class Outcome:
+class ActOutcome:
     """The outcome of an act. `mission`: the request id of a new mission, else 0."""
 
     ok: bool
@@ -128,35 +128,35 @@ _EDGES: Dict[str, Field] = {'edges': _edges}
 class Rule:
     """The role that an act needs, its required fields and its optional fields."""
 
-    role: Role
+    role: UserRole
     needed: Mapping[str, Field]
     optional: Mapping[str, Field]
 
 
-def _rule(role: Role, needed: Mapping[str, Field], **optional: Field) -> Rule:
+def _rule(role: UserRole, needed: Mapping[str, Field], **optional: Field) -> Rule:
     return Rule(role, needed, optional)
 
 
 RULES: Dict[ActKind, Rule] = {
-    ActKind.STOP: _rule(Role.OPERATE, {}),
-    ActKind.RESUME: _rule(Role.OPERATE, {}),
-    ActKind.SEND: _rule(Role.OPERATE, {'destinations': _destinations}, robot=_text_or_empty,
+    ActKind.STOP: _rule(UserRole.OPERATE, {}),
+    ActKind.RESUME: _rule(UserRole.OPERATE, {}),
+    ActKind.SEND: _rule(UserRole.OPERATE, {'destinations': _destinations}, robot=_text_or_empty,
                         robot_type=_text_or_empty, priority=_whole, stays=_stays),
-    ActKind.CANCEL: _rule(Role.OPERATE, _MISSION),
-    ActKind.PAUSE: _rule(Role.OPERATE, _MISSION),
-    ActKind.CONTINUE: _rule(Role.OPERATE, _MISSION),
-    ActKind.RELEASE: _rule(Role.OPERATE, _MISSION),
-    ActKind.MODIFY: _rule(Role.OPERATE, {**_MISSION, 'priority': _whole},
+    ActKind.CANCEL: _rule(UserRole.OPERATE, _MISSION),
+    ActKind.PAUSE: _rule(UserRole.OPERATE, _MISSION),
+    ActKind.CONTINUE: _rule(UserRole.OPERATE, _MISSION),
+    ActKind.RELEASE: _rule(UserRole.OPERATE, _MISSION),
+    ActKind.MODIFY: _rule(UserRole.OPERATE, {**_MISSION, 'priority': _whole},
                           destinations=_changed_destinations),
-    ActKind.CLOSE: _rule(Role.OPERATE, _EDGES),
-    ActKind.OPEN: _rule(Role.OPERATE, _EDGES),
-    ActKind.OUT: _rule(Role.OPERATE, _ROBOT),
-    ActKind.IN: _rule(Role.OPERATE, _ROBOT),
-    ActKind.ABSENT: _rule(Role.ADMIN, _ROBOT),
-    ActKind.ADD_FAVOURITE: _rule(Role.OPERATE, {'name': _text, 'destinations': _destinations},
+    ActKind.CLOSE: _rule(UserRole.OPERATE, _EDGES),
+    ActKind.OPEN: _rule(UserRole.OPERATE, _EDGES),
+    ActKind.OUT: _rule(UserRole.OPERATE, _ROBOT),
+    ActKind.IN: _rule(UserRole.OPERATE, _ROBOT),
+    ActKind.ABSENT: _rule(UserRole.ADMIN, _ROBOT),
+    ActKind.ADD_FAVOURITE: _rule(UserRole.OPERATE, {'name': _text, 'destinations': _destinations},
                                  robot=_text_or_empty, robot_type=_text_or_empty,
                                  priority=_whole, stays=_stays),
-    ActKind.REMOVE_FAVOURITE: _rule(Role.OPERATE, {'name': _text}),
+    ActKind.REMOVE_FAVOURITE: _rule(UserRole.OPERATE, {'name': _text}),
 }
 
 

@@ -12,7 +12,7 @@ OPEN_STATES = ('PENDING', 'ACTIVE', 'PAUSED', 'CANCELLING', 'NEEDS_PERSON', 'BLO
 
 
 @dataclass(frozen=True)
-class Place:
+class ShownPose:
     """A pose in the frame `map`: x (m), y (m), theta (rad); None: the heading is not known."""
 
     x: float
@@ -21,7 +21,7 @@ class Place:
 
 
 @dataclass(frozen=True)
-class Robot:
+class ShownRobot:
     """One robot.
 
     outage   -- name of the code in itrci_nav_msgs/FleetRobot without OUTAGE_; NONE if it works
@@ -48,7 +48,7 @@ class Robot:
 
 
 @dataclass(frozen=True)
-class Plan:
+class ShownPlan:
     """The next edges of a robot, with signed ids. The first `released` edges are released."""
 
     edges: Tuple[int, ...]

@@ -15,9 +15,9 @@ from fleet_page.core.fleet import (
     OPEN_STATES,
     MissionRequest,
     MissionStatus,
-    Place,
-    Plan,
-    Robot,
+    ShownPlan,
+    ShownPose,
+    ShownRobot,
 )
 from fleet_page.core.live_state import LiveState
 from fleet_page.core.records import Sums
@@ -40,8 +40,8 @@ class FleetModel:
     def __init__(self) -> None:
         self.live = LiveState()
         self.graph: Optional[Graph] = None
-        self.robots: Dict[str, Robot] = {}
-        self.places: Dict[str, Place] = {}
+        self.robots: Dict[str, ShownRobot] = {}
+        self.places: Dict[str, ShownPose] = {}
         self.missions: Dict[Key, MissionStatus] = {}
         self.ended: Dict[str, int] = {}
         """Missions that ended since the start, by state."""
@@ -74,7 +74,7 @@ class FleetModel:
 
     # -- robots -----------------------------------------------------------------------------------
 
-    def take_robots(self, robots: Iterable[Robot], now: float) -> None:
+    def take_robots(self, robots: Iterable[ShownRobot], now: float) -> None:
         """Takes the states of all robots."""
         found = {robot.name: robot for robot in robots}
         if self._heard is not None:
@@ -116,7 +116,7 @@ class FleetModel:
         self.live.put('stop', {'cause': stop.cause.name, 'by': stop.by, 'since': stop.since,
                                'why': stop.why} if stop.is_in_force else None)
 
-    def take_places(self, places: Mapping[str, Place]) -> None:
+    def take_places(self, places: Mapping[str, ShownPose]) -> None:
         """Takes the poses of robots."""
         for name, place in places.items():
             before = self.places.get(name)
@@ -134,19 +134,19 @@ class FleetModel:
         # While it is alive the time is omitted, because each message would be a change.
         self.live.put('fleet', {'alive': alive, 'heard': None if alive else self._heard})
 
-    def _show_place(self, name: str, place: Place) -> None:
+    def _show_place(self, name: str, place: ShownPose) -> None:
         self.live.put(f'pose:{name}', [
             round(place.x, 2), round(place.y, 2),
             None if place.theta is None else round(place.theta, 2)])
 
-    def _place_on_graph(self, robot: Robot) -> Optional[Place]:
+    def _place_on_graph(self, robot: ShownRobot) -> Optional[ShownPose]:
         if self.graph is None or abs(robot.edge) not in self.graph.edges:
             return None
         curve = self.graph.curve(robot.edge)
         s = curve.length * min(max(robot.fraction, 0.0), 1.0)
-        return Place(*curve.point_at(s), curve.heading_at(s))
+        return ShownPose(*curve.point_at(s), curve.heading_at(s))
 
-    def _sum_up(self, robots: Mapping[str, Robot], seconds: float) -> None:
+    def _sum_up(self, robots: Mapping[str, ShownRobot], seconds: float) -> None:
         for name, robot in robots.items():
             sums = self._sums.setdefault(name, Sums())
             sums.watched += seconds
@@ -175,7 +175,7 @@ class FleetModel:
 
     # -- plans and missions -----------------------------------------------------------------------
 
-    def take_plans(self, plans: Mapping[str, Plan]) -> None:
+    def take_plans(self, plans: Mapping[str, ShownPlan]) -> None:
         """Takes the plans of all robots."""
         self.live.replace('plan:', {name: [list(plan.edges), plan.released]
                                     for name, plan in plans.items() if plan.edges})
@@ -248,7 +248,7 @@ def _name_of(key: Key) -> str:
     return f'mission:{key[0]}:{key[1]}'
 
 
-def _robot_values(robot: Robot) -> Dict[str, Any]:
+def _robot_values(robot: ShownRobot) -> Dict[str, Any]:
     """A robot as browsers get it. Values that change with each report are omitted or rounded."""
     values = asdict(robot)
     for name in ('name', 'edge', 'fraction', 'seen', 'to_end'):

@@ -3,7 +3,7 @@ from __future__ import annotations
 
 from typing import Dict, List, Mapping
 
-from fleet_page.core.fleet import Plan
+from fleet_page.core.fleet import ShownPlan
 
 BOUNDS = (0.05, 0.1, 0.25, 0.5, 1.0, 2.0, 5.0, 10.0, 30.0)  # s
 
@@ -43,7 +43,7 @@ class ReleaseWatch:
         self.seconds = Histogram()
         self._held: Dict[str, float] = {}  # begin of each robot's wait
 
-    def take(self, plans: Mapping[str, Plan], now: float) -> None:
+    def take(self, plans: Mapping[str, ShownPlan], now: float) -> None:
         """Takes the plans at `now` (s)."""
         for name in [name for name in self._held if name not in plans]:
             del self._held[name]

@@ -8,8 +8,8 @@ from functools import partial
 from typing import Any, Callable, Dict, List, Optional
 
 from fleet_core.supervision.history import HistoryLine
-from fleet_page.core.acts import Act, ActKind, Outcome
-from fleet_page.core.fleet import OPEN_STATES, MissionRequest, MissionStatus, Plan
+from fleet_page.core.acts import Act, ActKind, ActOutcome
+from fleet_page.core.fleet import OPEN_STATES, MissionRequest, MissionStatus, ShownPlan
 from fleet_page.core.fleet_model import FleetModel
 from fleet_page.core.latencies import Histogram, ReleaseWatch
 from fleet_page.core.metrics import metrics_text
@@ -27,7 +27,7 @@ SUMS_PERIOD = 20.0    # s between two additions to the sums of the history
 
 
 @dataclass
-class Site:
+class ShownSite:
     """The data of the site, except the graph. `radii`: m, by robot type."""
 
     parking: frozenset = frozenset()
@@ -41,7 +41,7 @@ class Page:
 
     def __init__(self, records: Records, replay: ReplayRing, missions: Missions) -> None:
         self.model = FleetModel()
-        self.site = Site()
+        self.site = ShownSite()
         self.records, self.replay, self.missions = records, replay, missions
         self.planner, self.release = Histogram(), ReleaseWatch()
         self._recorded = self._summed = 0.0
@@ -64,7 +64,7 @@ class Page:
             self._summed = now
             self._keep('history', lambda: self.records.add(now, *self.model.take_sums()))
 
-    def take_plans(self, plans: Dict[str, Plan], now: float) -> None:
+    def take_plans(self, plans: Dict[str, ShownPlan], now: float) -> None:
         """Takes the plans of all robots."""
         self.model.take_plans(plans)
         self.release.take(plans, now)
@@ -92,7 +92,7 @@ class Page:
 
     def noticed(self, name: str, act: Act, now: float, mission: int = 0) -> None:
         """Adds an act that a person or program requested without the page to the audit list."""
-        self._keep('audit list', lambda: self.records.note(now, name, act, Outcome(
+        self._keep('audit list', lambda: self.records.note(now, name, act, ActOutcome(
             True, '', mission)))
 
     def _keep(self, what: str, write: Callable[[], None]) -> None:
@@ -108,25 +108,25 @@ class Page:
 
     # -- requests of browsers ---------------------------------------------------------------------
 
-    def done(self, person: Person, act: Act, outcome: Outcome, now: float) -> None:
+    def done(self, person: Person, act: Act, outcome: ActOutcome, now: float) -> None:
         """Adds an act of a person, and its outcome, to the audit list."""
         self._keep('audit list', lambda: self.records.note(now, person.name, act, outcome))
 
-    def change_favourites(self, act: Act) -> Outcome:
+    def change_favourites(self, act: Act) -> ActOutcome:
         """Stores or removes a favourite."""
         try:
             if act.kind is ActKind.REMOVE_FAVOURITE:
                 found = self.records.remove_favourite(act.name)
-                outcome = Outcome(found, '' if found else f'There is no favourite {act.name}.')
+                outcome = ActOutcome(found, '' if found else f'There is no favourite {act.name}.')
             else:
                 self.records.keep_favourite(act.name, {
                     'destinations': act.destinations, 'robot': act.robot,
                     'robot_type': act.robot_type, 'priority': act.priority, 'stays': act.stays})
-                outcome = Outcome(True, '')
+                outcome = ActOutcome(True, '')
         except TooManyFavourites:
-            return Outcome(False, 'There are too many favourites: remove some.')
+            return ActOutcome(False, 'There are too many favourites: remove some.')
         except sqlite3.Error as error:
-            return Outcome(False, f'The favourite cannot be written to the disk: {error}.')
+            return ActOutcome(False, f'The favourite cannot be written to the disk: {error}.')
         self.model.show_favourites(self.records.favourites())
         return outcome
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 from typing import Iterable, Optional
 
 from fleet_core.supervision.fleet_view import RobotState
-from fleet_page.core.fleet import Robot
+from fleet_page.core.fleet import ShownRobot
 
 LIMIT = 30.0  # s after the first news of the fleet, within which all robots should be ready
 _READY = ('IDLE', 'BUSY', 'CHARGING')
@@ -18,7 +18,7 @@ class Readiness:
         self._since: Optional[float] = None
         self._is_told = False
 
-    def words(self, robots: Iterable[Robot], is_surveyed: bool, is_stopped: bool,
+    def words(self, robots: Iterable[ShownRobot], is_surveyed: bool, is_stopped: bool,
               now: float) -> str:
         """The sentences that tell it; empty: it is told already, or robots are still awaited.
 

@@ -6,7 +6,7 @@ import sqlite3
 from dataclasses import asdict, dataclass
 from typing import Any, Dict, List, Mapping, Tuple
 
-from fleet_page.core.acts import Act, Outcome
+from fleet_page.core.acts import Act, ActOutcome
 
 MOST_ROWS = 50000       # most rows of the audit list; the oldest are deleted
 MOST_FAVOURITES = 100
@@ -69,7 +69,7 @@ class Records:
 
     # -- audit ------------------------------------------------------------------------------------
 
-    def note(self, time: float, person: str, act: Act, outcome: Outcome) -> None:
+    def note(self, time: float, person: str, act: Act, outcome: ActOutcome) -> None:
         """Adds a request of a person, and its outcome, to the audit list."""
         details = {name: value for name, value in asdict(act).items() if value and name != 'kind'}
         self._db.execute('INSERT INTO audit VALUES (NULL, ?, ?, ?, ?, ?, ?, ?)', (

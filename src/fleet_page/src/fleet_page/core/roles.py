@@ -18,7 +18,7 @@ MOST_SESSIONS = 1000
 _NAME = re.compile(r'[A-Za-z0-9_.-]{1,40}')
 
 
-class Role(IntEnum):
+class UserRole(IntEnum):
     """A role. A higher role permits all that a lower one permits."""
 
     SEE = 1
@@ -31,10 +31,10 @@ class Person:
     """A user of the page. The name is written to the records and to `requested_by`."""
 
     name: str
-    role: Role
+    role: UserRole
 
 
-LOCAL = Person('local', Role.ADMIN)
+LOCAL = Person('local', UserRole.ADMIN)
 """The person for all requests if there is no token file: only this computer reaches the page."""
 
 
@@ -117,14 +117,14 @@ def _person(words: List[str], where: str) -> Tuple[bytes, Person]:
     if len(words) != 3:
         raise TokenFileError(f'{where}: the line must be ROLE NAME TOKEN.')
     role, name, token = words
-    if role.upper() not in Role.__members__:
+    if role.upper() not in UserRole.__members__:
         raise TokenFileError(f'{where}: the role must be see, operate or admin.')
     if not _NAME.fullmatch(name):
         raise TokenFileError(f'{where}: the name must be of letters, digits, _ . and -.')
     if len(token) < SHORTEST_TOKEN:
         raise TokenFileError(f'{where}: the token must have {SHORTEST_TOKEN} characters or more: '
                              'take one of `openssl rand -hex 16`.')
-    return digest_of(token), Person(name, Role[role.upper()])
+    return digest_of(token), Person(name, UserRole[role.upper()])
 
 
 class Sessions:

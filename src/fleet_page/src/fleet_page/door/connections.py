@@ -40,7 +40,7 @@ class Connection(asyncio.Protocol):
     string is escaped.
     """
 
-    def __init__(self, listener: Listener, sock: socket.socket, place: str) -> None:
+    def __init__(self, listener: DoorListener, sock: socket.socket, place: str) -> None:
         self._listener, self._sock, self.place = listener, sock, place
         self.inner: Any = None
         self._transport: Optional[asyncio.Transport] = None
@@ -179,7 +179,7 @@ class Connection(asyncio.Protocol):
             self._timer = None
 
 
-class Listener:
+class DoorListener:
     """Accepts connections at one address, within the limits of `Admissions`."""
 
     def __init__(self, protocol: Callable[[], asyncio.Protocol],

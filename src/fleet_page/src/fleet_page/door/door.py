@@ -12,11 +12,11 @@ from typing import Any, Awaitable, Callable, Dict, Optional
 
 from aiohttp import web
 
-from fleet_page.core.acts import RULES, ActKind, Outcome, WrongAct, act_of
+from fleet_page.core.acts import RULES, ActKind, ActOutcome, WrongAct, act_of
 from fleet_page.core.admissions import place_of
 from fleet_page.core.rate_limits import RateLimit
 from fleet_page.core.roles import LOCAL, Person, Sessions, TokenFile, TokenFileError
-from fleet_page.door.connections import HEAD_WITHIN, Connection, Listener
+from fleet_page.door.connections import HEAD_WITHIN, Connection, DoorListener
 from fleet_page.door.files import PageFiles
 from fleet_page.door.security import HEADERS, TRANSPORT, Addresses
 from fleet_page.door.stops import Stops
@@ -45,7 +45,7 @@ class Access:
 class Door:
     """The routes and sessions in front of the page's process. One event loop uses it."""
 
-    def __init__(self, access: Access, files: PageFiles, stop: Callable[[str], Outcome],
+    def __init__(self, access: Access, files: PageFiles, stop: Callable[[str], ActOutcome],
                  worker: Worker) -> None:
         self._access, self._files, self._worker = access, files, worker
         self._stops = Stops(stop)
@@ -56,7 +56,7 @@ class Door:
         self._stop_requests = RateLimit(20.0, 5.0)
         self._failures = RateLimit(5.0, 0.1)
         self._relayed: Counter[Person] = Counter()
-        self._listener: Optional[Listener] = None
+        self._listener: Optional[DoorListener] = None
         self._watching: Optional[asyncio.Future[None]] = None
         app = web.Application(middlewares=[self._guard], client_max_size=LARGEST_REQUEST)
         app.add_routes([
@@ -72,7 +72,7 @@ class Door:
         """Begins to listen; returns the port. Raises OSError."""
         await self._runner.setup()
         assert self._runner.server is not None  # since its setup
-        self._listener = Listener(self._runner.server, certificates)
+        self._listener = DoorListener(self._runner.server, certificates)
         port = self._listener.listen(host, port)
         if self._access.tokens is not None:
             self._watching = asyncio.ensure_future(self._watch(self._access.tokens))
@@ -225,7 +225,7 @@ class Door:
         outcome = await asyncio.shield(asyncio.ensure_future(self._stop(person)))
         return web.json_response({'ok': outcome.ok, 'text': outcome.text, 'mission': 0})
 
-    async def _stop(self, person: Person) -> Outcome:
+    async def _stop(self, person: Person) -> ActOutcome:
         """Stops the fleet and reports it, even if the browser does not wait for it."""
         asked = time.time()
         outcome = await self._stops.stop(person.name)

@@ -16,7 +16,7 @@ import socket
 from dataclasses import asdict, dataclass
 from typing import Any, Callable, Dict, NoReturn, Tuple
 
-from fleet_page.core.acts import Outcome
+from fleet_page.core.acts import ActOutcome
 from fleet_page.core.roles import TokenFile, TokenFileError
 from fleet_page.door.door import Access, Door
 from fleet_page.door.files import PageFiles
@@ -54,7 +54,7 @@ class DoorSettings:
 class DoorProcess:
     """The door, seen from the page's process."""
 
-    def __init__(self, stop: Callable[[str], Outcome],
+    def __init__(self, stop: Callable[[str], ActOutcome],
                  begin: Callable[[], None] = lambda: None) -> None:
         """Forks the door, which calls `begin` first.
 
@@ -98,7 +98,7 @@ class DoorProcess:
         self._channel.close()
 
 
-def _be_the_door(channel: socket.socket, stop: Callable[[str], Outcome],
+def _be_the_door(channel: socket.socket, stop: Callable[[str], ActOutcome],
                  begin: Callable[[], None]) -> NoReturn:
     """The whole life of the door's process."""
     for number in (signal.SIGINT, signal.SIGTERM):  # they end the page's process, and so the door
@@ -129,7 +129,7 @@ def _allow_connections() -> None:
 
 
 async def _serve(settings: DoorSettings, channel: socket.socket,
-                 stop: Callable[[str], Outcome]) -> None:
+                 stop: Callable[[str], ActOutcome]) -> None:
     worker = Worker(settings.worker)
     door = None
     try:

@@ -5,7 +5,7 @@ import asyncio
 import concurrent.futures
 from typing import Callable, Optional
 
-from fleet_page.core.acts import Outcome
+from fleet_page.core.acts import ActOutcome
 
 
 class Stops:
@@ -15,19 +15,19 @@ class Stops:
     two stops: the one that runs, and the next. That one has the name of its first requester.
     """
 
-    def __init__(self, stop: Callable[[str], Outcome]) -> None:
+    def __init__(self, stop: Callable[[str], ActOutcome]) -> None:
         self._stop = stop
         self._thread = concurrent.futures.ThreadPoolExecutor(1, 'stop')
-        self._running: Optional[asyncio.Future[Outcome]] = None
-        self._next: Optional[asyncio.Future[Outcome]] = None
+        self._running: Optional[asyncio.Future[ActOutcome]] = None
+        self._next: Optional[asyncio.Future[ActOutcome]] = None
 
-    async def stop(self, person: str) -> Outcome:
+    async def stop(self, person: str) -> ActOutcome:
         """Returns the outcome of a stop that began after this call of a person."""
         if self._next is None:
             self._next = asyncio.ensure_future(self._after(self._running, person))
         return await asyncio.shield(self._next)
 
-    async def _after(self, before: Optional[asyncio.Future[Outcome]], person: str) -> Outcome:
+    async def _after(self, before: Optional[asyncio.Future[ActOutcome]], person: str) -> ActOutcome:
         if before is not None:
             await asyncio.wait([before])
         self._running, self._next = self._next, None

@@ -5,7 +5,7 @@ from typing import Any, Callable, Dict, Tuple, Type
 
 from std_srvs.srv import Trigger
 
-from fleet_page.core.acts import Act, ActKind, Outcome
+from fleet_page.core.acts import Act, ActKind, ActOutcome
 from fleet_page.core.roles import Person
 from fleet_requests import NotSent, Sender, ServiceRefused, ServiceSilent, call, mission_request
 from itrci_nav_msgs.msg import EdgeCommand, MissionCommand, MissionRequest
@@ -34,7 +34,7 @@ class FleetCommands:
         self._commands = Sender(MissionCommand)
         self._edges = Sender(EdgeCommand)
 
-    def do(self, act: Act, person: Person) -> Outcome:
+    def do(self, act: Act, person: Person) -> ActOutcome:
         """Carries out an act for a person, and returns its outcome."""
         by = by_page(person.name)
         try:
@@ -46,34 +46,34 @@ class FleetCommands:
                 return self._edge(act, by)
             return self._call(act, by)
         except (NotSent, ServiceRefused) as reason:
-            return Outcome(False, str(reason))
+            return ActOutcome(False, str(reason))
         except ServiceSilent as error:
-            return Outcome(False, f'{error}.')
+            return ActOutcome(False, f'{error}.')
 
-    def _send(self, act: Act, by: str) -> Outcome:
+    def _send(self, act: Act, by: str) -> ActOutcome:
         request = mission_request(
             act.destinations, robot=act.robot, robot_type=act.robot_type, priority=act.priority,
             dwell=list(act.stays), requested_by=by)
         self._requests.send(request)
-        return Outcome(True, f'Sent as mission {request.request_id}.', request.request_id)
+        return ActOutcome(True, f'Sent as mission {request.request_id}.', request.request_id)
 
-    def _command(self, act: Act, by: str) -> Outcome:
+    def _command(self, act: Act, by: str) -> ActOutcome:
         self._commands.send(MissionCommand(
             request_id=act.mission, command=COMMANDS[act.kind], priority=act.priority,
             destination_vertices_id=list(act.destinations), requested_by=by))
-        return Outcome(True, f'Asked for mission {act.mission}.')
+        return ActOutcome(True, f'Asked for mission {act.mission}.')
 
-    def _edge(self, act: Act, by: str) -> Outcome:
+    def _edge(self, act: Act, by: str) -> ActOutcome:
         edges = sorted(set(act.edges))
         self._edges.send(EdgeCommand(command=EDGES[act.kind], edges=edges, requested_by=by))
-        return Outcome(True, f'Edges {", ".join(map(str, edges))}.')
+        return ActOutcome(True, f'Edges {", ".join(map(str, edges))}.')
 
-    def _call(self, act: Act, by: str) -> Outcome:
+    def _call(self, act: Act, by: str) -> ActOutcome:
         if act.robot and not self._is_robot(act.robot):
-            return Outcome(False, f'There is no robot {act.robot}.')
+            return ActOutcome(False, f'There is no robot {act.robot}.')
         name, kind = _SERVICES[act.kind]
         arguments = (by,) if kind is DeclareAbsent else ()
-        return Outcome(True, call(name.format(act.robot), kind, *arguments, requested_by=by))
+        return ActOutcome(True, call(name.format(act.robot), kind, *arguments, requested_by=by))
 
 
 def by_page(person: str) -> str:

@@ -5,7 +5,7 @@ import sys
 
 import rospy
 
-from fleet_page.core.acts import Outcome
+from fleet_page.core.acts import ActOutcome
 from fleet_page.nodes.fleet_commands import by_page
 from graph_fleet_manager.commands.command_line import CommandProblem
 from graph_fleet_manager.commands.stop import stop
@@ -20,12 +20,12 @@ def forget_node_arguments() -> None:
     rospy.names.reload_mappings(sys.argv)
 
 
-def stop_fleet(person: str) -> Outcome:
+def stop_fleet(person: str) -> ActOutcome:
     """Stops all robots for a person, even if the fleet manager hangs.
 
     One stop may run at a time, because a direct stop uses the topics of the robots.
     """
     try:
-        return Outcome(True, stop(by_page(person)))
+        return ActOutcome(True, stop(by_page(person)))
     except CommandProblem as error:
-        return Outcome(False, str(error))
+        return ActOutcome(False, str(error))

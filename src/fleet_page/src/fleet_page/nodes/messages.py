@@ -10,9 +10,9 @@ from fleet_page.core.fleet import (
     ROBOT_STATES,
     MissionRequest,
     MissionStatus,
-    Place,
-    Plan,
-    Robot,
+    ShownPlan,
+    ShownPose,
+    ShownRobot,
 )
 from fleet_page.core.site import WallMap, wall_map
 from fleet_page.nodes.fleet_commands import COMMANDS, EDGES
@@ -28,9 +28,9 @@ _COMMANDS: Dict[int, ActKind] = {number: kind for kind, number in COMMANDS.items
 _EDGES: Dict[int, ActKind] = {number: kind for kind, number in EDGES.items()}
 
 
-def robot_of(message: msg.FleetRobot) -> Robot:
+def robot_of(message: msg.FleetRobot) -> ShownRobot:
     """A robot in /fleet_state."""
-    return Robot(
+    return ShownRobot(
         message.name, message.type, _word(ROBOT_STATES, message.state),
         _OUTAGES.get(message.outage_code, 'UNKNOWN'), message.pose.edge_id,
         _finite(message.pose.percentage, 0.0) / 100.0, message.seen.to_sec(),
@@ -39,17 +39,17 @@ def robot_of(message: msg.FleetRobot) -> Robot:
         message.waits_for, message.to_end if math.isfinite(message.to_end) else None)
 
 
-def places_of(message: msg.FleetPoses) -> Dict[str, Place]:
+def places_of(message: msg.FleetPoses) -> Dict[str, ShownPose]:
     """The poses of all robots whose position is known, by name."""
-    return {pose.robot: Place(pose.x, pose.y,
-                              pose.theta if math.isfinite(pose.theta) else None)
+    return {pose.robot: ShownPose(pose.x, pose.y,
+                                  pose.theta if math.isfinite(pose.theta) else None)
             for pose in message.poses if math.isfinite(pose.x) and math.isfinite(pose.y)}
 
 
-def plans_of(message: msg.FleetPlan) -> Dict[str, Plan]:
+def plans_of(message: msg.FleetPlan) -> Dict[str, ShownPlan]:
     """The plan of each robot, by name. Released edges come first."""
-    return {plan.robot: Plan(tuple(drive.edge_id for drive in plan.drives),
-                             sum(drive.released for drive in plan.drives))
+    return {plan.robot: ShownPlan(tuple(drive.edge_id for drive in plan.drives),
+                                  sum(drive.released for drive in plan.drives))
             for plan in message.plans}
 
 

@@ -16,7 +16,7 @@ _COMPRESSED = 1000  # bytes from which an answer is compressed
 
 
 @dataclass(frozen=True)
-class Content:
+class WebAnswer:
     """The bytes of an answer; `compressed`: by gzip, empty if that is not worth it."""
 
     content: bytes
@@ -26,9 +26,9 @@ class Content:
     compressed: bytes = b''
 
 
-def json_bytes(values: Any, status: int = 200) -> Content:
+def json_bytes(values: Any, status: int = 200) -> WebAnswer:
     """JSON values as an answer."""
-    return Content(json.dumps(values).encode(), 'application/json', status)
+    return WebAnswer(json.dumps(values).encode(), 'application/json', status)
 
 
 class Finished:
@@ -36,14 +36,14 @@ class Finished:
 
     def __init__(self) -> None:
         self._thread = concurrent.futures.ThreadPoolExecutor(1, 'answers')
-        self._made: OrderedDict[str, Tuple[Any, asyncio.Future[Content]]] = OrderedDict()
+        self._made: OrderedDict[str, Tuple[Any, asyncio.Future[WebAnswer]]] = OrderedDict()
 
     def close(self) -> None:
         """Makes no further answer."""
         self._thread.shutdown(wait=False)
 
     async def answer(self, request: web.Request, name: str, state: Any,
-                     make: Callable[[], Content]) -> web.Response:
+                     make: Callable[[], WebAnswer]) -> web.Response:
         """The answer of this name and state; `make` is called in a thread if there is none."""
         known = self._made.get(name)
         if known is None or known[0] != state:
@@ -61,7 +61,7 @@ class Finished:
                             content_type=made.kind, charset='utf-8')
 
 
-def _compressed(made: Content) -> Content:
+def _compressed(made: WebAnswer) -> WebAnswer:
     if len(made.content) < _COMPRESSED:
         return made
     return replace(made, compressed=gzip.compress(made.content, 6))

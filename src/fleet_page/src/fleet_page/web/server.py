@@ -15,18 +15,18 @@ from aiohttp import web
 
 from fleet_core.supervision.history import HistoryLine
 from fleet_core.supervision.journal_database import JournalError
-from fleet_page.core.acts import RULES, Act, ActKind, Outcome, WrongAct, act_of
+from fleet_page.core.acts import RULES, Act, ActKind, ActOutcome, WrongAct, act_of
 from fleet_page.core.history import history_csv, history_values
 from fleet_page.core.metrics import CONTENT_TYPE
 from fleet_page.core.page import Page
 from fleet_page.core.rate_limits import RateLimit
 from fleet_page.core.records import HOUR
-from fleet_page.core.roles import Person, Role
+from fleet_page.core.roles import Person, UserRole
 from fleet_page.door.door import LARGEST_REQUEST, refused
 from fleet_page.door.worker import PERSON, ROLE, STOPPED
-from fleet_page.web.finished import Content, Finished, json_bytes
+from fleet_page.web.finished import Finished, WebAnswer, json_bytes
 
-Do = Callable[[Act, Person], Outcome]
+Do = Callable[[Act, Person], ActOutcome]
 """Carries out an act of the fleet. It is called in separate threads and may take seconds."""
 Handler = Callable[[web.Request], Awaitable[web.StreamResponse]]
 
@@ -82,7 +82,7 @@ class WebServer:
                 return refused(error.status, error.reason or '')
         return guard
 
-    def _may(self, request: web.Request, role: Role) -> Person:
+    def _may(self, request: web.Request, role: UserRole) -> Person:
         """The person of the request. Raises an HTTP error for a person without that role."""
         person = _person(request)
         if person.role < role:
@@ -92,8 +92,8 @@ class WebServer:
     # -- views ------------------------------------------------------------------------------------
 
     async def _events(self, request: web.Request) -> web.StreamResponse:
-        person = self._may(request, Role.SEE)
-        kept = 0 if person.role > Role.SEE else KEPT_FOR_OPERATORS
+        person = self._may(request, UserRole.SEE)
+        kept = 0 if person.role > UserRole.SEE else KEPT_FOR_OPERATORS
         if self.clients >= MOST_CLIENTS - kept or self._clients[person] >= MOST_CLIENTS_OF_ONE:
             return refused(503, 'Too many pages follow the fleet: close some.')
         answer = web.StreamResponse(headers={
@@ -132,38 +132,38 @@ class WebServer:
         return int(number)
 
     async def _site(self, request: web.Request) -> web.StreamResponse:
-        self._may(request, Role.SEE)
+        self._may(request, UserRole.SEE)
         values = self._page.site_values()
         return await self._finished.answer(request, 'site', self._page.model.site_revision,
                                            lambda: json_bytes(values()))
 
     async def _map(self, request: web.Request) -> web.StreamResponse:
-        self._may(request, Role.SEE)
+        self._may(request, UserRole.SEE)
         walls = self._page.site.walls
         if walls is None:
             return refused(404, 'There is no map.')
         return web.Response(body=walls.png, content_type='image/png')
 
     async def _history(self, request: web.Request) -> web.StreamResponse:
-        self._may(request, Role.SEE)
+        self._may(request, UserRole.SEE)
         hours, since = _span(request)
         sums = self._page.history_sums(since)
 
-        def make() -> Content:
+        def make() -> WebAnswer:
             lines, trouble = self._missions(since)
             values = history_values(lines, sums, since, time.time())
             return json_bytes({**values, 'trouble': trouble})
         return await self._finished.answer(request, f'history {hours}', _moment(), make)
 
     async def _history_csv(self, request: web.Request) -> web.StreamResponse:
-        self._may(request, Role.SEE)
+        self._may(request, UserRole.SEE)
         hours, since = _span(request)
 
-        def make() -> Content:
+        def make() -> WebAnswer:
             lines, trouble = self._missions(since)
             if trouble:
                 return json_bytes({'ok': False, 'text': trouble}, 503)
-            return Content(history_csv(lines, since).encode(), 'text/csv', 200, {
+            return WebAnswer(history_csv(lines, since).encode(), 'text/csv', 200, {
                 'Content-Disposition': 'attachment; filename="missions.csv"'})
         return await self._finished.answer(request, f'csv {hours}', _moment(), make)
 
@@ -174,7 +174,7 @@ class WebServer:
             return [], str(error)
 
     async def _replay(self, request: web.Request) -> web.StreamResponse:
-        self._may(request, Role.SEE)
+        self._may(request, UserRole.SEE)
         span = self._page.replay.span
         moment = None
         if 'time' in request.query:
@@ -186,13 +186,13 @@ class WebServer:
         return web.json_response({'span': span, 'moment': moment})
 
     async def _audit(self, request: web.Request) -> web.StreamResponse:
-        self._may(request, Role.OPERATE)
+        self._may(request, UserRole.OPERATE)
         answer = web.json_response({'rows': self._page.records.audit(200)})
         answer.enable_compression()
         return answer
 
     async def _metrics(self, request: web.Request) -> web.StreamResponse:
-        self._may(request, Role.SEE)
+        self._may(request, UserRole.SEE)
         return web.Response(body=self._page.metrics(self.clients).encode(),
                             headers={'Content-Type': CONTENT_TYPE})
 
@@ -214,7 +214,7 @@ class WebServer:
         return web.json_response({'ok': outcome.ok, 'text': outcome.text,
                                   'mission': outcome.mission})
 
-    async def _done(self, person: Person, act: Act) -> Outcome:
+    async def _done(self, person: Person, act: Act) -> ActOutcome:
         """Carries out an act and records its outcome, even if the client does not wait for it."""
         if act.kind in (ActKind.ADD_FAVOURITE, ActKind.REMOVE_FAVOURITE):
             outcome = self._page.change_favourites(act)
@@ -227,8 +227,8 @@ class WebServer:
     async def _stopped(self, request: web.Request) -> web.StreamResponse:
         """Records a stop that the door has carried out."""
         stop = await request.json()
-        self._page.done(Person(stop['person'], Role.OPERATE), Act(ActKind.STOP),
-                        Outcome(stop['ok'], stop['text']), stop['time'])
+        self._page.done(Person(stop['person'], UserRole.OPERATE), Act(ActKind.STOP),
+                        ActOutcome(stop['ok'], stop['text']), stop['time'])
         return web.json_response({})
 
 
@@ -242,7 +242,7 @@ async def serve(server: WebServer, path: str) -> web.AppRunner:
 
 def _person(request: web.Request) -> Person:
     """The person of a request, as the door says."""
-    return Person(request.headers[PERSON], Role[request.headers[ROLE]])
+    return Person(request.headers[PERSON], UserRole[request.headers[ROLE]])
 
 
 def _span(request: web.Request) -> Tuple[int, float]:

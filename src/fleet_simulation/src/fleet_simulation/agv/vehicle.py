@@ -30,7 +30,6 @@ from route_protocol.values import (
     NO_REASON,
     TAKEN_OVER,
     EpochCause,
-    Location,
     Motion,
     Phase,
     Reason,
@@ -39,6 +38,7 @@ from route_protocol.values import (
     RouteRefusal,
     RouteReport,
     SymbolicPose,
+    VehicleLocation,
 )
 from route_protocol.vehicle import Answer, VehicleState
 from trajectory_graph import Graph, change_of, speed_of
@@ -148,7 +148,7 @@ class AgvVehicle:
 
     def report(self) -> RouteReport:
         """The next report to the fleet manager."""
-        return self._protocol.report(self.stamp, self._symbolic_pose(), Location(*self.pose),
+        return self._protocol.report(self.stamp, self._symbolic_pose(), VehicleLocation(*self.pose),
                                      self.motion, unready=self._unready)
 
     def new_messages(self) -> List[Union[RouteReport, RouteRefusal]]:

@@ -17,7 +17,7 @@ from graph_editor.checking.findings import Finding, in_order
 from graph_editor.checking.rules import CheckRules
 from graph_editor.checking.served_floor import ServedFloor
 from graph_editor.floor import Floor
-from graph_editor.site import Site
+from graph_editor.site import MappedSite
 from trajectory_graph import Edge, Graph, GraphError, Vertex
 from trajectory_graph.editing import Draft
 
@@ -27,7 +27,7 @@ KEPT = 20_000  # largest number of elements with cached findings
 class Checker:
     """Checks graphs, and caches the findings about unchanged elements."""
 
-    def __init__(self, rules: CheckRules, site: Optional[Site] = None) -> None:
+    def __init__(self, rules: CheckRules, site: Optional[MappedSite] = None) -> None:
         """Without a site only the graph itself is checked."""
         self.rules = rules
         self._site = site

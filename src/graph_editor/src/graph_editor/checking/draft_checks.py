@@ -18,7 +18,7 @@ from graph_editor.checking.rules import CheckRules
 from graph_editor.checking.served_floor import ServedFloor
 from graph_editor.floor import EVERY_NEIGHBOUR, Floor
 from graph_editor.robot import NEARLY_STRAIGHT
-from graph_editor.site import Place, PlaceKind
+from graph_editor.site import NamedPlace, PlaceKind
 from trajectory_graph.curves import Curve
 from trajectory_graph.editing import Draft
 
@@ -63,7 +63,7 @@ def check_corners(draft: Draft, curves: Curves, floor: Floor, rules: CheckRules)
     return findings
 
 
-def check_service(draft: Draft, curves: Curves, served: ServedFloor, places: Sequence[Place],
+def check_service(draft: Draft, curves: Curves, served: ServedFloor, places: Sequence[NamedPlace],
                   rules: CheckRules) -> List[Finding]:
     """Returns findings for places of the map without a vertex, and for floor far from all edges."""
     findings = []

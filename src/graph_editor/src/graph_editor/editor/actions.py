@@ -38,40 +38,40 @@ GRIDS = (0.0, 0.05, 0.1, 0.25, 0.5)  # m; 0: no grid
 
 
 @dataclass(frozen=True)
-class Entry:
+class MenuItem:
     """An entry of a menu: an action with its argument, or a submenu with `entries`."""
 
     title: str
     action: Optional[Action] = None
     argument: float = 0.0
-    entries: Tuple[Entry, ...] = ()
+    entries: Tuple[MenuItem, ...] = ()
 
 
-def _entries(*actions: Action) -> Tuple[Entry, ...]:
-    return tuple(Entry(action.value, action) for action in actions)
+def _entries(*actions: Action) -> Tuple[MenuItem, ...]:
+    return tuple(MenuItem(action.value, action) for action in actions)
 
 
-_SPEEDS = Entry(Action.SPEED.value, entries=tuple(
-    Entry(f'{speed:g} m/s', Action.SPEED, speed) for speed in SPEEDS))
-_GRIDS = Entry(Action.GRID.value, entries=tuple(
-    Entry(f'{grid:g} m' if grid else 'Off', Action.GRID, grid) for grid in GRIDS))
+_SPEEDS = MenuItem(Action.SPEED.value, entries=tuple(
+    MenuItem(f'{speed:g} m/s', Action.SPEED, speed) for speed in SPEEDS))
+_GRIDS = MenuItem(Action.GRID.value, entries=tuple(
+    MenuItem(f'{grid:g} m' if grid else 'Off', Action.GRID, grid) for grid in GRIDS))
 _ALWAYS = (*_entries(Action.UNDO, Action.REDO), _GRIDS,
            *_entries(Action.SAVE, Action.TAKE_OVER, Action.LOAD))
 
-VERTEX_MENU: Tuple[Entry, ...] = (
+VERTEX_MENU: Tuple[MenuItem, ...] = (
     *_entries(Action.CONNECT, Action.CONNECT_HERE, Action.HEAD_ALONG, Action.QUARTER_LEFT,
               Action.TURN_ROUND, Action.DOCK, Action.PARKING, Action.DELETE_VERTEX), *_ALWAYS)
-EDGE_MENU: Tuple[Entry, ...] = (
+EDGE_MENU: Tuple[MenuItem, ...] = (
     *_entries(Action.LINE, Action.SPLINE, Action.CUT, Action.TURN_EDGE, Action.TWO_WAY,
               Action.ONE_WAY), _SPEEDS, *_entries(Action.DELETE_EDGE), *_ALWAYS)
 
 
-def numbered(menu: Tuple[Entry, ...]) -> Tuple[List[Tuple[int, int, str]], Dict[int, Entry]]:
+def numbered(menu: Tuple[MenuItem, ...]) -> Tuple[List[Tuple[int, int, str]], Dict[int, MenuItem]]:
     """Returns a menu in the form of RViz: (id, id of the parent or 0, title), and entries by id."""
     rows: List[Tuple[int, int, str]] = []
-    by_id: Dict[int, Entry] = {}
+    by_id: Dict[int, MenuItem] = {}
 
-    def add(entries: Tuple[Entry, ...], parent: int) -> None:
+    def add(entries: Tuple[MenuItem, ...], parent: int) -> None:
         for entry in entries:
             id = len(rows) + 1
             rows.append((id, parent, entry.title))

@@ -12,7 +12,7 @@ from graph_editor.floor import Floor
 from graph_editor.making.bends import LaneWay
 from graph_editor.making.lanes import LaneNet
 from graph_editor.making.options import MakingOptions
-from graph_editor.site import Place, PlaceKind
+from graph_editor.site import NamedPlace, PlaceKind
 from trajectory_graph import CurveType, Edge, Graph, Vertex, split_edges
 
 PASS, PARKING = 'pass', 'parking'
@@ -24,7 +24,7 @@ SPLINE_SPEED = 0.5  # m/s; the highest speed on splines with a large turn
 TURN_RATE = 1.0  # rad/s; the highest turning rate of a robot in a bend
 
 
-def assemble(net: LaneNet, ways: Sequence[LaneWay], places: Mapping[int, Place],
+def assemble(net: LaneNet, ways: Sequence[LaneWay], places: Mapping[int, NamedPlace],
              frame_id: str, options: MakingOptions) -> Graph:
     """Returns the graph; vertices and edges are numbered from 1, in reading order of the map."""
     positions = {node: net.positions[node] for way in ways for node in (way.first, way.last)}
@@ -62,7 +62,7 @@ def assemble(net: LaneNet, ways: Sequence[LaneWay], places: Mapping[int, Place],
     return numbered(_with_parking(graph, places, net.floor, options))
 
 
-def _in_order(net: LaneNet, way: LaneWay, places: Mapping[int, Place]) -> LaneWay:
+def _in_order(net: LaneNet, way: LaneWay, places: Mapping[int, NamedPlace]) -> LaneWay:
     """Returns the path in the direction that its edges get.
 
     Edges lead towards docks and other dead ends, but away from goals at a dead end. All others lead
@@ -82,7 +82,7 @@ def _in_order(net: LaneNet, way: LaneWay, places: Mapping[int, Place]) -> LaneWa
     return way if first < last else way.turned_round()
 
 
-def _vertex(node: int, position: np.ndarray, theta: float, place: Optional[Place],
+def _vertex(node: int, position: np.ndarray, theta: float, place: Optional[NamedPlace],
             frame_id: str) -> Vertex:
     x, y = (float(value) for value in position)
     return Vertex(node, x, y, theta, theta, PASS if place is None else place.name, frame_id,
@@ -97,7 +97,7 @@ def _edge(id: int, origin: int, destination: int, control: Optional[np.ndarray])
                 float(np.hypot(*(control[3] - control[2]))))
 
 
-def _with_headings(graph: Graph, places: Mapping[int, Place]) -> Graph:
+def _with_headings(graph: Graph, places: Mapping[int, NamedPlace]) -> Graph:
     """Returns the graph with the headings of goals and docks.
 
     A robot that waits at the end of a dead end faces out of it. A robot that docks faces into it.
@@ -139,7 +139,7 @@ def _speed(graph: Graph, edge: Edge, floor: Floor, options: MakingOptions) -> fl
     return round(min(max(speed, min(SLOWEST, options.speed)), options.speed), 1)
 
 
-def _with_parking(graph: Graph, places: Mapping[int, Place], floor: Floor,
+def _with_parking(graph: Graph, places: Mapping[int, NamedPlace], floor: Floor,
                   options: MakingOptions) -> Graph:
     """Returns the graph with parking vertices.
 

@@ -28,7 +28,7 @@ from graph_editor.making.straightening import straighten
 from graph_editor.making.tidying import prune_tails, tidy
 from graph_editor.making.tips import give_tips_room
 from graph_editor.making.widening import widen
-from graph_editor.site import Place, PlaceKind, Site
+from graph_editor.site import MappedSite, NamedPlace, PlaceKind
 from trajectory_graph import Graph
 
 TIMES = 3  # number of rounds of squaring and rectifying, because each step influences the other
@@ -42,7 +42,7 @@ class MadeGraph:
     notes: Tuple[str, ...]
 
 
-def make_graph(site: Site, options: MakingOptions) -> MadeGraph:
+def make_graph(site: MappedSite, options: MakingOptions) -> MadeGraph:
     """Returns the graph of a site; raises SiteError if there is no floor for a graph.
 
     The shape of the lanes is computed from the cells of the floor, which have smoother walls. Then
@@ -81,7 +81,7 @@ def make_graph(site: Site, options: MakingOptions) -> MadeGraph:
     return MadeGraph(graph, tuple(notes))
 
 
-def _lanes(site: Site, mask: np.ndarray, coverage: Coverage, axes: Sequence[float],
+def _lanes(site: MappedSite, mask: np.ndarray, coverage: Coverage, axes: Sequence[float],
            options: MakingOptions) -> LaneNet:
     skeleton = skeleton_of(site.floor, mask)
     prune(skeleton, coverage, options)
@@ -98,7 +98,7 @@ def _lanes(site: Site, mask: np.ndarray, coverage: Coverage, axes: Sequence[floa
     return net
 
 
-def _lanes_floor(site: Site, options: MakingOptions,
+def _lanes_floor(site: MappedSite, options: MakingOptions,
                  starts: List[Tuple[float, float]]) -> np.ndarray:
     """Returns the mask of the floor for lanes.
 
@@ -121,13 +121,13 @@ def _joined(open_cells: np.ndarray, mask: np.ndarray) -> np.ndarray:
     return np.isin(parts, np.unique(parts[mask & open_cells]))
 
 
-def _placed(site: Site, options: MakingOptions, notes: List[str]) -> List[Place]:
+def _placed(site: MappedSite, options: MakingOptions, notes: List[str]) -> List[NamedPlace]:
     """Returns the places on one connected floor.
 
     It is the floor with the most docks, else the most goals, else the most homes. Each place that
     robots cannot reach from there gets a note.
     """
-    parts: Dict[int, List[Place]] = {}
+    parts: Dict[int, List[NamedPlace]] = {}
     labels, _ = ndimage.label(site.floor.clearance >= options.tight, EVERY_NEIGHBOUR)
     for place in site.places:
         part = site.floor.part_near(labels, place.position)

@@ -13,7 +13,7 @@ from graph_editor.making.lanes import Lane, LaneNet, LaneOrNode
 from graph_editor.making.options import MakingOptions
 from graph_editor.making.sight import TOLERANCE, in_sight, straight
 from graph_editor.making.straightening import straight_pieces
-from graph_editor.site import Place, PlaceKind
+from graph_editor.site import NamedPlace, PlaceKind
 
 ON_LANE = 0.6  # m; a goal within this distance of a lane gets no own lane, but becomes part of it
 NEAR_NODE = 0.7  # m; a lane to a place starts at a node if a node is within this distance
@@ -25,12 +25,12 @@ UNEVEN = 0.5  # m; additional cost of a lane that does not join at a right angle
 class Attached(NamedTuple):
     """The nodes of the places, and notes for people about places without a node."""
 
-    nodes: Dict[int, Place]
+    nodes: Dict[int, NamedPlace]
     notes: List[str]
 
 
-def attach_places(net: LaneNet, places: Iterable[Place], options: MakingOptions,
-                  there: Mapping[int, Place] = MappingProxyType({})) -> Attached:
+def attach_places(net: LaneNet, places: Iterable[NamedPlace], options: MakingOptions,
+                  there: Mapping[int, NamedPlace] = MappingProxyType({})) -> Attached:
     """Makes a node for each goal and dock; homes get no node.
 
     there -- places that already have nodes
@@ -46,7 +46,7 @@ def attach_places(net: LaneNet, places: Iterable[Place], options: MakingOptions,
     return attached
 
 
-def _attach(net: LaneNet, place: Place, attached: Attached,
+def _attach(net: LaneNet, place: NamedPlace, attached: Attached,
             options: MakingOptions) -> Optional[int]:
     position = np.array(place.position)
     room = net.floor.clearance_of(position)
@@ -66,7 +66,7 @@ def _attach(net: LaneNet, place: Place, attached: Attached,
     return _with_lane_of_its_own(net, place, attached, options)
 
 
-def _on_lane(net: LaneNet, position: np.ndarray, taken: Dict[int, Place]) -> Optional[int]:
+def _on_lane(net: LaneNet, position: np.ndarray, taken: Dict[int, NamedPlace]) -> Optional[int]:
     """Moves a node, or bends a lane, to the position; returns the node, None if nothing is near."""
     near = [(float(np.hypot(*(net.positions[node] - position))), node) for node in net.nodes
             if node not in taken]
@@ -99,7 +99,7 @@ def _foot(net: LaneNet, lane: Lane, position: np.ndarray) -> np.ndarray:
     return a + min(max(fraction, 0.0), 1.0) * along
 
 
-def _with_lane_of_its_own(net: LaneNet, place: Place, attached: Attached,
+def _with_lane_of_its_own(net: LaneNet, place: NamedPlace, attached: Attached,
                           options: MakingOptions) -> Optional[int]:
     position = np.array(place.position)
     if place.kind is PlaceKind.DOCK and place.heading is not None:
@@ -126,8 +126,8 @@ def _with_lane_of_its_own(net: LaneNet, place: Place, attached: Attached,
     return _draw(net, way, node, options)
 
 
-def _straight_behind(net: LaneNet, position: np.ndarray, heading: float, taken: Dict[int, Place],
-                     options: MakingOptions) -> Optional[int]:
+def _straight_behind(net: LaneNet, position: np.ndarray, heading: float,
+                     taken: Dict[int, NamedPlace], options: MakingOptions) -> Optional[int]:
     """Returns a node straight behind a dock, at least 0.4 m away: an old one, or one on a lane."""
     behind = -np.array((math.cos(heading), math.sin(heading)))
     across = np.array((-behind[1], behind[0]))
@@ -165,7 +165,7 @@ def _draw(net: LaneNet, way: List[np.ndarray], node: int, options: MakingOptions
     return first
 
 
-def _start_of_lane(floor: Floor, place: Place,
+def _start_of_lane(floor: Floor, place: NamedPlace,
                    options: MakingOptions) -> Tuple[np.ndarray, float]:
     """Returns the start of a place's lane, and the clearance that it needs there.
 

@@ -7,10 +7,10 @@ from graph_editor.making.lanes import LaneNet
 from graph_editor.making.options import MakingOptions
 from graph_editor.making.places import attach_places
 from graph_editor.making.widening import Gap, widen
-from graph_editor.site import Place
+from graph_editor.site import NamedPlace
 
 
-def regain(net: LaneNet, gaps: Iterable[Gap], places: Dict[int, Place], options: MakingOptions,
+def regain(net: LaneNet, gaps: Iterable[Gap], places: Dict[int, NamedPlace], options: MakingOptions,
            homes: Sequence[Tuple[float, float]]) -> LaneNet:
     """Returns the net with the places behind gaps to which lanes can lead after all.
 

@@ -29,7 +29,7 @@ from graph_editor.making.straights import (
     ways_to_drive,
 )
 from graph_editor.robot import NEARLY_STRAIGHT
-from graph_editor.site import Place
+from graph_editor.site import NamedPlace
 
 NEAR = 1.5  # m; lanes within this distance of a tight corner may be replaced
 ASIDE = 0.8  # m; places to turn are searched within this distance of the lanes
@@ -44,10 +44,10 @@ class Gap(NamedTuple):
     """The clearance there, m."""
     length: float
     """The length of the lanes behind it, m."""
-    places: Tuple[Place, ...]
+    places: Tuple[NamedPlace, ...]
     """The places behind it."""
 
-    def note(self, found: Collection[Place]) -> str:
+    def note(self, found: Collection[NamedPlace]) -> str:
         """Returns a note for people; `found`: places to which other lanes lead."""
         x, y = self.position
         behind = f', nor to {self.length:.0f} m of lanes behind it' if self.length else ''
@@ -57,7 +57,7 @@ class Gap(NamedTuple):
                 f'{", with " if names else ""}{names}.')
 
 
-def widen(net: LaneNet, options: MakingOptions, places: Dict[int, Place],
+def widen(net: LaneNet, options: MakingOptions, places: Dict[int, NamedPlace],
           homes: Sequence[Tuple[float, float]]) -> List[Gap]:
     """Replaces lanes that are too narrow, except at the nodes of `places`.
 
@@ -102,8 +102,8 @@ def _too_narrow(net: LaneNet, least: Margin) -> Iterator[int]:
             yield node
 
 
-def _leave_out(net: LaneNet, places: Dict[int, Place], homes: Sequence[Tuple[float, float]],
-               options: MakingOptions) -> Tuple[float, Tuple[Place, ...]]:
+def _leave_out(net: LaneNet, places: Dict[int, NamedPlace], homes: Sequence[Tuple[float, float]],
+               options: MakingOptions) -> Tuple[float, Tuple[NamedPlace, ...]]:
     """Removes all parts of the net except one; returns the length (m) and places of these parts."""
     parts = list(net.components())
     if len(parts) == 1:

@@ -52,7 +52,7 @@ from graph_editor.nodes.graph_topic import GraphTopic
 from graph_editor.nodes.handles import BLACK
 from graph_editor.nodes.live_map import load_map
 from graph_editor.nodes.take_over import TakeOver
-from graph_editor.site import Site, SiteOptions
+from graph_editor.site import MappedSite, SiteOptions
 from node_lifecycle import ConfigurationError, init_node, number, parameter
 from omron_map import MapError
 from rviz_drawing import drawing
@@ -70,7 +70,7 @@ GRAPH_PERIOD = 0.25  # s; the shortest time between two messages with drafts
 class EditorNode:
     """Connects a session to RViz, to the subscribers of its graph, and to the window."""
 
-    def __init__(self, session: EditingSession, site: Site, rules: CheckRules) -> None:
+    def __init__(self, session: EditingSession, site: MappedSite, rules: CheckRules) -> None:
         self.session = session
         self.lock = threading.RLock()
         self.findings: List[Finding] = []
@@ -197,7 +197,7 @@ def _counted(number: int, thing: str) -> str:
     return f'{number} {thing}' if number == 1 else f'{number} {thing}s'
 
 
-def _grid_message(site: Site) -> OccupancyGrid:
+def _grid_message(site: MappedSite) -> OccupancyGrid:
     floor = site.floor
     message = OccupancyGrid()
     message.header.frame_id = FRAME

@@ -18,7 +18,7 @@ from std_msgs.msg import ColorRGBA
 from visualization_msgs.msg import InteractiveMarker, InteractiveMarkerControl, Marker, MenuEntry
 
 from graph_editor.checking.findings import Severity
-from graph_editor.editor.actions import EDGE_MENU, VERTEX_MENU, Entry, numbered
+from graph_editor.editor.actions import EDGE_MENU, VERTEX_MENU, MenuItem, numbered
 from rviz_drawing import drawing, flat
 from rviz_drawing.drawing import FRAME, colour
 from rviz_drawing.text_places import VertexText, text_size
@@ -80,7 +80,7 @@ class ShownEdge(NamedTuple):
     look: Look
 
 
-def _menu(entries: Tuple[Entry, ...]) -> Tuple[List[MenuEntry], Dict[int, Entry]]:
+def _menu(entries: Tuple[MenuItem, ...]) -> Tuple[List[MenuEntry], Dict[int, MenuItem]]:
     rows, by_id = numbered(entries)
     return [MenuEntry(id=id, parent_id=parent, title=title, command_type=MenuEntry.FEEDBACK)
             for id, parent, title in rows], by_id

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from graph_editor.errors import SiteError
-from graph_editor.site import Site, SiteOptions, load_site, site_of_grid
+from graph_editor.site import MappedSite, SiteOptions, load_site, site_of_grid
 
 if TYPE_CHECKING:
     from nav_msgs.msg import OccupancyGrid
@@ -18,14 +18,14 @@ TOPIC = 'topic:'
 PATIENCE = 10.0  # s to wait for a map
 
 
-def load_map(name: str, options: SiteOptions) -> Site:
+def load_map(name: str, options: SiteOptions) -> MappedSite:
     """Returns the site of a map file or of the topic after `topic:`; raises SiteError, MapError."""
     if not name.startswith(TOPIC):
         return load_site(name, options)
     return site_of_message(_received(name[len(TOPIC):]), options, name)
 
 
-def site_of_message(message: OccupancyGrid, options: SiteOptions, name: str) -> Site:
+def site_of_message(message: OccupancyGrid, options: SiteOptions, name: str) -> MappedSite:
     """Returns the site of a nav_msgs/OccupancyGrid; raises SiteError if it is wrong or rotated."""
     info = message.info
     if len(message.data) != info.height * info.width or not message.data:

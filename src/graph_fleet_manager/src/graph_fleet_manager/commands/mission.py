@@ -31,7 +31,7 @@ from fleet_core.files.stops_file import StopsFile, load_stops
 from fleet_core.supervision.hindrances import Hindrance
 from fleet_core.supervision.history import HISTORY_COLUMNS, history, row_of
 from fleet_core.supervision.journal_database import JournalError
-from fleet_core.supervision.missions import Command, MissionState
+from fleet_core.supervision.missions import CommandKind, MissionState
 from fleet_core.supervision.waits import WaitCode
 from fleet_core.work.rules import StepDecision
 from fleet_requests import mission_request
@@ -72,7 +72,7 @@ from node_program.inert_text import cell
 from trajectory_graph import Graph
 from trajectory_graph.messages import graph_from_message
 
-_CHANGES = {command.name.lower(): command for command in Command}
+_CHANGES = {command.name.lower(): command for command in CommandKind}
 _ANSWERS = {answer.name.lower(): answer for answer in StepDecision if answer}
 
 
@@ -356,24 +356,24 @@ def _change(word: str, arguments: List[str]) -> int:
     return OK
 
 
-def _is_so(status: MissionStatus, command: Command) -> bool:
+def _is_so(status: MissionStatus, command: CommandKind) -> bool:
     """Returns whether a mission is already paused, or not paused, as a command demands.
 
     No status is published for a command that changes nothing.
     """
-    return command in (Command.PAUSE, Command.RESUME) and (
-        (status.state == MissionState.PAUSED) is (command is Command.PAUSE))
+    return command in (CommandKind.PAUSE, CommandKind.RESUME) and (
+        (status.state == MissionState.PAUSED) is (command is CommandKind.PAUSE))
 
 
-def _shows(status: MissionStatus, command: Command) -> bool:
+def _shows(status: MissionStatus, command: CommandKind) -> bool:
     """Returns whether the status of a mission shows the result of a command."""
     state = MissionState(status.state)
     is_answer = status.command_code != MissionStatus.COMMAND_NONE and status.command == command
     if not state.is_open or is_answer:
         return True
-    if command in (Command.RELEASE, Command.MODIFY, Command.ANSWER):
+    if command in (CommandKind.RELEASE, CommandKind.MODIFY, CommandKind.ANSWER):
         return True
-    if command is Command.CANCEL:
+    if command is CommandKind.CANCEL:
         return state in (MissionState.CANCELLING, MissionState.NEEDS_PERSON)
     return _is_so(status, command)
 

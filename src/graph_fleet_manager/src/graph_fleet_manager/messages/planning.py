@@ -14,7 +14,7 @@ from fleet_core.fleet import RobotType
 from fleet_core.geometry.areas import Area
 from fleet_core.planning.plan_requests import PlanRequest, Times
 from fleet_core.planning.precedence import Constraint
-from fleet_core.planning.tasks import CannotPlan, Obstacle, Outcome, PlannedDrive, Task
+from fleet_core.planning.tasks import CannotPlan, Obstacle, PlannedDrive, PlanningOutcome, Task
 from itrci_nav_msgs import msg
 
 _LONGEST_NAME = 256
@@ -156,7 +156,7 @@ def _type(robot: str, name: str, types: Mapping[str, RobotType]) -> RobotType:
 # -- answers --------------------------------------------------------------------------------------
 
 
-def answer_message(request: msg.PlanRequest, outcome: Outcome, planning_time: float,
+def answer_message(request: msg.PlanRequest, outcome: PlanningOutcome, planning_time: float,
                    rate: float = 1.0) -> msg.PlanAnswer:
     """The answer to a request, with the plans of `outcome`."""
     answer = _answer(request, msg.PlanAnswer.PLANNED)
@@ -165,7 +165,7 @@ def answer_message(request: msg.PlanRequest, outcome: Outcome, planning_time: fl
     return answer
 
 
-def write_outcome(answer: msg.PlanAnswer, outcome: Outcome, released: Mapping[str, int],
+def write_outcome(answer: msg.PlanAnswer, outcome: PlanningOutcome, released: Mapping[str, int],
                   rate: float = 1.0) -> None:
     """Puts the plans into an answer that has the request's stamp already.
 
@@ -188,10 +188,10 @@ def no_plan_message(request: msg.PlanRequest, result: int, reason: str) -> msg.P
     return answer
 
 
-def outcome_of(answer: msg.PlanAnswer, rate: float = 1.0) -> Outcome:
+def outcome_of(answer: msg.PlanAnswer, rate: float = 1.0) -> PlanningOutcome:
     """The plans in an answer whose result is PLANNED."""
     clock = PlanningClock(answer.header.stamp, rate)
-    return Outcome(
+    return PlanningOutcome(
         {plan.robot: tuple(PlannedDrive(drive.edge_id, clock.seconds(drive.start),
                                         clock.seconds(drive.end)) for drive in plan.drives)
          for plan in answer.plans},

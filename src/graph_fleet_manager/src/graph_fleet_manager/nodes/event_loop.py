@@ -24,7 +24,7 @@ from typing import Callable, Deque, Dict, List, NamedTuple, Optional, Sequence, 
 from fleet_core.supervision.actions import Action, Note, TellStatus
 from fleet_core.supervision.mission_book import MOST_OPEN
 from fleet_core.supervision.mission_commands import refused
-from fleet_core.supervision.missions import Change, Command, Request, StepAnswer
+from fleet_core.supervision.missions import CommandKind, MissionChange, Request, StepAnswer
 from fleet_core.supervision.supervisor import Supervisor
 from graph_fleet_manager.nodes.turns import TurnKind, Turns, Waiting
 
@@ -128,8 +128,8 @@ class SupervisorEvents:
             return ()
         self.put(when_ready)
 
-    def put_command(self, request_id: int, command: Command,
-                    change: Union[None, Change, StepAnswer] = None,
+    def put_command(self, request_id: int, command: CommandKind,
+                    change: Union[None, MissionChange, StepAnswer] = None,
                     requested_by: str = '') -> None:
         """Queues a command. Requests with that id that still wait are handled before it."""
         def do(supervisor: Supervisor, now: float) -> Sequence[Action]:

@@ -55,7 +55,7 @@ from fleet_core.supervision.actions import Action, TellStatus
 from fleet_core.supervision.early_stop import EarlyStop
 from fleet_core.supervision.fleet_stop import FleetStop
 from fleet_core.supervision.journal_database import JournalUnavailable
-from fleet_core.supervision.missions import Change, Command, RequestRefused, StepAnswer
+from fleet_core.supervision.missions import CommandKind, MissionChange, RequestRefused, StepAnswer
 from fleet_core.supervision.outbox import AGAIN
 from fleet_core.supervision.supervisor import Supervisor
 from fleet_core.supervision.switching import OrderSwitching
@@ -257,15 +257,15 @@ class PathSupervisor:
 
     def _on_command(self, message: MissionCommand) -> None:
         try:
-            command = Command(message.command)
+            command = CommandKind(message.command)
         except ValueError:
             rospy.logwarn('A mission command %d for mission %d is ignored: there is no such '
                           'command.', message.command, message.request_id)
             return
-        details: Union[None, Change, StepAnswer] = None
-        if command is Command.MODIFY:
-            details = Change(message.priority, tuple(message.destination_vertices_id))
-        elif command is Command.ANSWER:
+        details: Union[None, MissionChange, StepAnswer] = None
+        if command is CommandKind.MODIFY:
+            details = MissionChange(message.priority, tuple(message.destination_vertices_id))
+        elif command is CommandKind.ANSWER:
             try:
                 details = answer_of(message)
             except WrongStopMessage as wrong:

@@ -56,7 +56,6 @@ from route_protocol.values import (
     EMERGENCY_STOP,
     NO_REASON,
     EpochCause,
-    Location,
     Motion,
     Phase,
     Reason,
@@ -65,6 +64,7 @@ from route_protocol.values import (
     RouteRefusal,
     RouteReport,
     SymbolicPose,
+    VehicleLocation,
 )
 from route_protocol.vehicle import Answer, Vehicle, draw_epoch, milliseconds
 from trajectory_graph import Graph
@@ -421,8 +421,8 @@ class RouteFollower:
         self._note(f'Route {self.vehicle.state.route_id} failed: {failure}')
 
 
-def _location_of(last: Optional[MapLocation]) -> Optional[Location]:
+def _location_of(last: Optional[MapLocation]) -> Optional[VehicleLocation]:
     """The location as reports tell it."""
     if last is None:
         return None
-    return Location(last.x, last.y, math.nan if last.heading is None else last.heading)
+    return VehicleLocation(last.x, last.y, math.nan if last.heading is None else last.heading)
