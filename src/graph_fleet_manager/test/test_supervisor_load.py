@@ -34,12 +34,12 @@ def fleet():
 def looked_at(monkeypatch):
     """How often the supervisor looked at each mission."""
     counter = Counter()
-    original = assignment._why_nobody
+    original = assignment.hindrances
 
     def counted(mission, *more):
         counter[mission.request.id] += 1
         return original(mission, *more)
-    monkeypatch.setattr(assignment, '_why_nobody', counted)
+    monkeypatch.setattr(assignment, 'hindrances', counted)
     return counter
 
 

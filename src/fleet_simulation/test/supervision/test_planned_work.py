@@ -9,6 +9,8 @@ import pytest
 from fleet_builders import AGV, corridor
 
 from fleet_core.supervision.missions import CommandKind, DeadlineState, MissionState, Request
+from fleet_core.supervision.waits import WaitCode
+from fleet_core.supervision.why import mission_reason
 from fleet_core.work.dependencies import Dependency
 from fleet_core.work.site_work import SiteWork
 from fleet_core.work.stations import Station, StationKind
@@ -127,6 +129,14 @@ def test_a_mission_is_planned_until_its_earliest_time_also_over_a_restart():
     assert fleet.told(1) == [MissionState.PLANNED]
     fleet.run_until_done(1)
     assert MissionState.SUCCEEDED in fleet.told(1)
+
+
+def test_a_planned_mission_says_how_long_it_waits_for_its_time():
+    fleet = PlannedFleet()
+    fleet.request(1, 5, earliest=fleet.moment + 60.0)
+    fleet.run(20.0)
+    wait = mission_reason(fleet.mission(1), fleet.supervisor, fleet.now).wait
+    assert (wait.code, wait.until) == (WaitCode.TIME, pytest.approx(40.0, abs=0.5))
 
 
 def test_a_mission_that_was_paused_while_planned_waits_for_its_time_when_it_is_resumed():

@@ -646,6 +646,6 @@ def test_each_of_many_robots_gets_a_mission_that_its_type_can_serve():
                                     robot_type=chance.choice((kind.name, ''))))
                 for id, (kind, _) in enumerate(robots.values(), 1)]
     supervisor = fleet.supervisor
-    found = assign(missions, supervisor.robots, supervisor.robots, supervisor.acceptance,
+    found = assign(missions, supervisor.own_hindrances, supervisor.robots, supervisor.acceptance,
                    supervisor.networks, fleet.now)
     assert len(found.assigned) == len(robots)

@@ -14,14 +14,21 @@ from std_srvs.srv import TriggerRequest
 from fleet_core.interlocking.stop_gate import StopGate
 from fleet_core.supervision.early_stop import EarlyStop
 from fleet_core.supervision.fleet_stop import NOT_STOPPED, FleetStop, StopCause
+from fleet_core.supervision.hindrances import Hindrance
 from fleet_core.supervision.missions import MissionState
 from fleet_core.supervision.outages import Outage
+from fleet_core.supervision.waits import WaitCode
 from fleet_simulation.virtual_fleet import route_order
 from graph_fleet_manager.messages.missions import state_message, stop_of
 from graph_fleet_manager.nodes import fleet_services
 from graph_fleet_manager.nodes.event_loop import SupervisorEvents
 from itrci_nav_msgs.msg import FleetStop as FleetStopMessage
-from itrci_nav_msgs.srv import GetMissionStatusRequest
+from itrci_nav_msgs.msg import RobotHindrance
+from itrci_nav_msgs.srv import (
+    ExplainMissionRequest,
+    ExplainMissionResponse,
+    GetMissionStatusRequest,
+)
 from route_protocol.master import REPEAT
 from world.supervised_fleet import SupervisedFleet
 
@@ -316,6 +323,34 @@ def test_the_stored_status_of_a_mission_is_told_to_a_program_that_asks(services,
     ask.request_id = 8
     answer, _ = services.call('/get_mission_status', fleet.supervisor, request=ask)
     assert not answer.found
+
+
+def test_what_a_mission_waits_for_is_told_to_a_program_that_asks(services):
+    fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1), 'b': (AGV, 8)})
+    fleet.run(1.0)
+    fleet.request(7, 6, robot='a')
+    fleet.run(1.0)
+    fleet.request(8, 2, robot='a')
+    fleet.run(1.0)
+    told, _ = services.call('/explain_mission', fleet.supervisor,
+                            request=ExplainMissionRequest(request_id=8))
+    assert (told.found, told.waits_for_code, told.waits_for) == (
+        True, told.ROBOT, 'it waits for a to be free')
+    busy, other = told.robots
+    assert (busy.robot, busy.hindrance, busy.has_mission, busy.request_id) == (
+        'a', busy.BUSY, True, 7)
+    assert busy.until == told.until and 0.0 < told.until < 20.0
+    assert (other.robot, other.hindrance, other.has_mission) == ('b', busy.OTHER_ROBOT, False)
+    told, _ = services.call('/explain_mission', fleet.supervisor,
+                            request=ExplainMissionRequest(request_id=9))
+    assert not told.found
+
+
+@pytest.mark.parametrize('kind, message', [
+    (Hindrance, RobotHindrance), (WaitCode, ExplainMissionResponse)])
+def test_the_reasons_have_the_numbers_of_the_message(kind, message):
+    assert {one.name: getattr(message, one.name) for one in kind} == {
+        one.name: one.value for one in kind}
 
 
 def test_before_the_fleet_manager_has_begun_no_mission_is_called_unknown(services):

@@ -1,6 +1,7 @@
 """The command `mission` follows its own request, even if other messages have the same id."""
 from __future__ import annotations
 
+import json
 import time
 from datetime import datetime
 
@@ -19,7 +20,9 @@ from itrci_nav_msgs.msg import (
     MissionStatus,
     MissionTemplate,
     MissionTemplates,
+    RobotHindrance,
 )
+from itrci_nav_msgs.srv import ExplainMissionResponse
 
 MINE, OTHER = 1.7e9 + 0.123456789, 1.7e9 - 60.0
 
@@ -285,3 +288,54 @@ def test_the_templates_are_listed(monkeypatch, capsys):
     assert mission.main(['templates']) == 0
     assert [line.split() for line in capsys.readouterr().out.splitlines()] == [
         ['template', 'parameters'], ['pallet', 'from', 'to'], ['tour', '-']]
+
+
+# -- mission why ----------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def explained(monkeypatch):
+    """What the fleet manager answers to mission why; None: it does not answer."""
+    told = ExplainMissionResponse(
+        found=True, state=MissionStatus.PENDING, waits_for_code=ExplainMissionResponse.ROBOT,
+        waits_for='it waits for a robot to be free', until=41.6, robots=[
+            RobotHindrance('a', RobotHindrance.BUSY, True, 5, 41.6, 'it serves mission 5'),
+            RobotHindrance('b', RobotHindrance.OTHER_TYPE, False, 0, float('nan'),
+                           'the mission is for another type of robot')])
+    monkeypatch.setattr(mission, 'connect', lambda name: None)
+    monkeypatch.setattr(mission, 'ask', lambda service, kind, id: told)
+    return told
+
+
+def test_why_names_what_a_mission_waits_for_and_the_reason_of_each_robot(explained, capsys):
+    assert mission.main(['why', '7']) == OK
+    assert capsys.readouterr().out.splitlines() == [
+        'Mission 7 is PENDING. Reason: it waits for a robot to be free, for about 42 s.',
+        'robot  why it does not serve the mission',
+        'a      it serves mission 5, for about 42 s',
+        'b      the mission is for another type of robot']
+
+
+def test_why_of_a_mission_that_drives_says_so(explained, capsys):
+    explained.robot, explained.state, explained.robots = 'a', MissionStatus.ACTIVE, []
+    explained.waits_for, explained.until = '', float('nan')
+    assert mission.main(['why', '7']) == OK
+    assert capsys.readouterr().out == (
+        'Mission 7 is ACTIVE, served by a. Reason: its robot drives, or sets out.\n')
+
+
+def test_why_tells_programs_codes_and_numbers(explained, capsys):
+    assert mission.main(['why', '7', '--json']) == OK
+    told = json.loads(capsys.readouterr().out)
+    assert (told['state'], told['code'], told['robot']) == ('PENDING', 'ROBOT', None)
+    assert told['until'] == pytest.approx(41.6)
+    busy, other = told['robots']
+    assert (busy['hindrance'], busy['mission']) == ('BUSY', 5)
+    assert other == {'robot': 'b', 'hindrance': 'OTHER_TYPE', 'mission': None, 'until': None,
+                     'reason': 'the mission is for another type of robot'}
+
+
+def test_why_of_a_mission_that_is_not_open_is_not_done(explained, capsys):
+    explained.found = False
+    assert mission.main(['why', '7']) == NOT_DONE
+    assert 'There is no open mission 7' in capsys.readouterr().err

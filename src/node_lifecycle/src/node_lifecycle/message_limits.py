@@ -43,6 +43,8 @@ LIMITS: Dict[str, int] = {
     'itrci_nav_msgs/DockingPoints': LIST,
     'itrci_nav_msgs/EdgeCommand': LIST,
     'itrci_nav_msgs/ExecutionRouteStates': TEXT,
+    'itrci_nav_msgs/ExplainMissionRequest': POINT,
+    'itrci_nav_msgs/ExplainMissionResponse': FLEET,
     'itrci_nav_msgs/FleetPlan': PLAN,
     'itrci_nav_msgs/FleetPoses': FLEET,
     'itrci_nav_msgs/FleetState': FLEET,

@@ -3,13 +3,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import inf
-from typing import AbstractSet, Dict, List, Mapping, NamedTuple, Sequence, Tuple
+from typing import Dict, List, Mapping, NamedTuple, Sequence, Tuple
 
 import numpy as np
 from scipy.optimize import linear_sum_assignment
 
 from fleet_core.interlocking.reports import GraphPosition
 from fleet_core.planning.road_network import RoadNetwork
+from fleet_core.supervision.hindrances import Hindrance
 from fleet_core.supervision.missions import Acceptance, Mission
 from fleet_core.supervision.networks import Networks
 from fleet_core.supervision.robots import ManagedRobot
@@ -39,16 +40,17 @@ class Assignment:
     short: Mapping[int, str]
 
 
-def assign(missions: Sequence[Mission], free: Mapping[str, ManagedRobot],
+def assign(missions: Sequence[Mission], own: Mapping[str, Hindrance],
            robots: Mapping[str, ManagedRobot], acceptance: Acceptance,
            networks: Networks, now: float) -> Assignment:
-    """Assigns missions to `free` robots: those of higher priority first, then the oldest.
+    """Assigns missions to robots: those of higher priority first, then the oldest.
 
     Among missions of one priority, the sum of the times to the first destinations is minimal. The
     range of a battery is compared with nominal times.
+
+    own -- by robot, what hinders it from serving any mission
     """
-    free = dict(free)
-    works = frozenset(name for name, robot in robots.items() if robot.works)
+    own = dict(own)
     assigned: List[Assigned] = []
     waiting: Dict[int, str] = {}
     short: Dict[int, str] = {}
@@ -56,45 +58,72 @@ def assign(missions: Sequence[Mission], free: Mapping[str, ManagedRobot],
     while order:
         group = [m for m in order if m.request.priority == order[0].request.priority]
         order = order[len(group):]
-        able: List[Mission] = []
+        able: List[Tuple[Mission, Sequence[str]]] = []
         for mission in group:
-            reason, empty = _why_nobody(mission, free, robots, works, acceptance,
-                                        networks.nominal, now)
-            if reason:
-                waiting[mission.serial] = reason
-                if empty:
-                    short[mission.serial] = empty
-            else:
-                able.append(mission)
-        for mission, name in _match(able, free, acceptance, networks):
+            found = hindrances(mission, own, robots, acceptance, networks.nominal)
+            reason, empty = why_nobody(found, robots, now)
+            waiting[mission.serial] = reason
+            if empty:
+                short[mission.serial] = empty
+            able_ones = [name for name, one in found.items() if one is Hindrance.NONE]
+            if able_ones:
+                able.append((mission, able_ones))
+        for mission, name in _match(able, robots, networks):
             assigned.append(Assigned(mission, name))
-            del free[name]
-        taken = {mission.serial for mission, _ in assigned}
-        waiting.update((mission.serial, _waits_for(acceptance.robots_for(mission.request)))
-                       for mission in able if mission.serial not in taken)
+            own[name] = Hindrance.BUSY
+            del waiting[mission.serial]
     return Assignment(tuple(assigned), waiting, short)
 
 
-def _match(missions: Sequence[Mission], free: Mapping[str, ManagedRobot], acceptance: Acceptance,
+def hindrances(mission: Mission, own: Mapping[str, Hindrance], robots: Mapping[str, ManagedRobot],
+               acceptance: Acceptance, network: RoadNetwork) -> Dict[str, Hindrance]:
+    """By robot that may serve a mission, why it cannot serve it now.
+
+    own -- by robot, what hinders it from serving any mission
+    """
+    return {name: own[name] or _on_the_way(mission, robots[name], network)
+            for name in acceptance.robots_for(mission.request)}
+
+
+def own_hindrance(robot: ManagedRobot, is_busy: bool, is_laden: bool) -> Hindrance:
+    """What hinders a robot from serving any mission now."""
+    some = ((robot.outage is not None, Hindrance.OUTAGE), (robot.is_halted, Hindrance.HALTED),
+            (is_busy, Hindrance.BUSY), (is_laden, Hindrance.LADEN),
+            (not robot.is_charged, Hindrance.MUST_CHARGE),
+            (not robot.record.held and robot.record.position is None, Hindrance.NO_PLACE))
+    return next((hindrance for is_so, hindrance in some if is_so), Hindrance.NONE)
+
+
+def _on_the_way(mission: Mission, robot: ManagedRobot, network: RoadNetwork) -> Hindrance:
+    """Why a free robot cannot drive to all destinations of a mission."""
+    seconds = time_over(mission.left, robot, network)
+    if seconds == inf:
+        return Hindrance.NO_WAY
+    lasts = seconds * robot.type.speed <= robot.battery.range_left()
+    return Hindrance.NONE if lasts else Hindrance.BATTERY
+
+
+def _match(missions: Sequence[Tuple[Mission, Sequence[str]]], robots: Mapping[str, ManagedRobot],
            networks: Networks) -> List[Tuple[Mission, str]]:
-    names = list(free)
+    """Gives missions to robots that can serve them: of each mission, the names of those."""
+    useful = {name for _, able in missions for name in able}
+    names = [name for name in robots if name in useful]
+    numbers = {name: number for number, name in enumerate(names)}
     found: List[Tuple[Mission, str]] = []
-    pending = list(missions)
-    if not names or not pending:
+    if not names:
         return found
-    pending = pending[:len(names)] if _all_alike(pending) else pending
+    pending = missions[:len(names)] if _all_alike([one for one, _ in missions]) else missions
     costs = np.full((len(pending), len(names)), _NEVER)
-    for row, mission in enumerate(pending):
-        for name in acceptance.robots_for(mission.request):
-            if name in free and can_end(mission, free[name], networks.nominal):
-                time = time_to(mission.request.destinations[0], free[name], networks.network)
-                if time < inf:
-                    costs[row, names.index(name)] = time + row * _LATER
+    for row, (mission, able) in enumerate(pending):
+        for name in able:
+            time = time_to(mission.request.destinations[0], robots[name], networks.network)
+            if time < inf:
+                costs[row, numbers[name]] = time + row * _LATER
     # The matching of scipy.sparse may take minutes if 200 robots cannot serve all missions.
     rows, columns = linear_sum_assignment(costs)
     for row, column in zip(rows.tolist(), columns.tolist()):
         if costs[row, column] < _NEVER:
-            found.append((pending[row], names[column]))
+            found.append((pending[row][0], names[column]))
     return found
 
 
@@ -103,44 +132,28 @@ def _all_alike(missions: Sequence[Mission]) -> bool:
     return len({(m.request.robot_type, m.request.robot) for m in missions}) == 1
 
 
-def _why_nobody(mission: Mission, free: Mapping[str, ManagedRobot],
-                robots: Mapping[str, ManagedRobot], working: AbstractSet[str],
-                acceptance: Acceptance, network: RoadNetwork, now: float) -> Tuple[str, str]:
-    """Why no free robot can serve a mission, and the robot that could if it were charged.
+def why_nobody(found: Mapping[str, Hindrance], robots: Mapping[str, ManagedRobot],
+               now: float) -> Tuple[str, str]:
+    """What a mission waits for, by the hindrances of its robots.
 
-    Each of the two is empty if it does not apply.
+    Also returns the robot that could serve it if it were charged; empty: none.
     """
-    names = acceptance.robots_for(mission.request)
-    works = [name for name in names if name in working]
+    names = list(found)
+    works = [name for name in names if not found[name].is_outage]
+    free = [name for name in works if found[name].is_free]
     if not works:
-        return _out_of_service([robots[name] for name in names]), ''
-    able = [name for name in works if name in free]
-    if not able:
-        return _why_none_is_free(names, [robots[name] for name in works], now), ''
-    reach = [name for name in able
-             if time_over(mission.request.destinations, free[name], network) < inf]
-    if not reach:
-        return 'none of the free robots can reach all its destinations', ''
-    if not any(can_end(mission, free[name], network) for name in reach):
-        fullest = max(reach, key=lambda name: free[name].battery.range_left())
+        if len(names) == 1:
+            return f'{names[0]}: {robots[names[0]].why or "it is stopped"}', ''
+        return f'none of its robots is in service: {", ".join(names)}', ''
+    if not free and not any(robots[name].is_charged for name in works):
+        return _must_charge([robots[name] for name in works], now), ''
+    if free and Hindrance.NONE not in found.values():
+        short = [name for name in free if found[name] is Hindrance.BATTERY]
+        if not short:
+            return 'none of the free robots can reach all its destinations', ''
+        fullest = max(short, key=lambda name: robots[name].battery.range_left())
         return 'no free robot has enough charge for it', fullest
-    return '', ''
-
-
-def _out_of_service(robots: Sequence[ManagedRobot]) -> str:
-    if len(robots) == 1:
-        return f'{robots[0].name}: {robots[0].why or "it is stopped"}'
-    return f'none of its robots is in service: {", ".join(robot.name for robot in robots)}'
-
-
-def _why_none_is_free(names: Sequence[str], working: Sequence[ManagedRobot], now: float) -> str:
-    if any(robot.is_charged for robot in working):
-        return _waits_for(names)
-    return _must_charge(working, now)
-
-
-def _waits_for(names: Sequence[str]) -> str:
-    return f'it waits for {names[0] if len(names) == 1 else "a robot"} to be free'
+    return f'it waits for {names[0] if len(names) == 1 else "a robot"} to be free', ''
 
 
 def _must_charge(robots: Sequence[ManagedRobot], now: float) -> str:
@@ -150,12 +163,6 @@ def _must_charge(robots: Sequence[ManagedRobot], now: float) -> str:
         return (f'{whose} must charge first, and there is no battery report from '
                 f'{", ".join(mute)}')
     return f'{whose} must charge first'
-
-
-def can_end(mission: Mission, robot: ManagedRobot, network: RoadNetwork) -> bool:
-    """Has the robot enough charge for the whole mission?"""
-    seconds = time_over(mission.left, robot, network)
-    return seconds < inf and seconds * robot.type.speed <= robot.battery.range_left()
 
 
 def time_to(vertex: int, robot: ManagedRobot, network: RoadNetwork) -> float:

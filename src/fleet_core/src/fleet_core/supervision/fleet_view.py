@@ -9,13 +9,13 @@ from typing import List, Mapping, NamedTuple, Optional, Tuple
 from fleet_core.interlocking.allocation import Knowledge
 from fleet_core.interlocking.reports import Pose
 from fleet_core.supervision.duties import Duty, Errand
-from fleet_core.supervision.missions import MissionState
 from fleet_core.supervision.outages import Outage
 from fleet_core.supervision.plan_in_force import PlanInForce
 from fleet_core.supervision.restoring import RemovedRobot
 from fleet_core.supervision.robots import ManagedRobot
 from fleet_core.supervision.supervisor import Supervisor
 from fleet_core.supervision.time_to_go import UNKNOWN, TimeToGo, time_to_go
+from fleet_core.supervision.why import robot_wait
 
 
 class RobotState(IntEnum):
@@ -108,8 +108,8 @@ def _view(robot: ManagedRobot, errand: Errand, supervisor: Supervisor, now: floa
     return RobotView(robot.name, robot.type.name, state, robot.outage, robot.record.pose,
                      robot.liveness.seen, charge,
                      None if mission is None else mission.request.id, destination,
-                     _waits_for(robot, errand, supervisor, now), _to_go(
-                         robot, errand, supervisor, now))
+                     robot_wait(robot, errand, supervisor, now).text,
+                     _to_go(robot, errand, supervisor, now))
 
 
 def _to_go(robot: ManagedRobot, errand: Errand, supervisor: Supervisor, now: float) -> TimeToGo:
@@ -128,41 +128,6 @@ def _removed_view(robot: RemovedRobot) -> RobotView:
     return RobotView(robot.name, robot.type.name, RobotState.OUT_OF_SERVICE, None, pose, -math.inf,
                      math.nan, None, None, 'it is not in the fleet file any more; its places stay '
                      f'blocked until `fleet absent {robot.name}`')
-
-
-def _waits_for(robot: ManagedRobot, errand: Errand, supervisor: Supervisor, now: float) -> str:
-    """What a robot waits for, in words; empty: it drives, or has nothing to do."""
-    if robot.knowledge is Knowledge.UNKNOWN:
-        return (f'it has never reported, so no robot may drive: switch it on, or '
-                f'`fleet absent {robot.name}`')
-    if robot.outage is not None:
-        return robot.why or robot.outage.value
-    if supervisor.is_stopped:
-        return 'the fleet is stopped'
-    mission = errand.mission
-    if supervisor.trouble and errand.duty is not Duty.IDLE and (
-            robot.record.is_standing or robot.master.is_new_motion):
-        return f'the disk: {supervisor.trouble}'
-    if mission is not None and mission.state is MissionState.PAUSED:
-        return 'its mission is paused'
-    if supervisor.desk.waits_for(robot.name, mission):
-        return supervisor.desk.waits_for(robot.name, mission)
-    if robot.name in supervisor.charging.waiting:
-        return supervisor.charging.waiting[robot.name]
-    if errand.duty is Duty.IDLE:
-        return ''
-    if mission is not None and mission.dwell_until is not None:
-        if math.isinf(mission.dwell_until):
-            return 'the end of its steps' if mission.request.stops else (
-                'the release of its mission')
-        return f'the end of its stay, {max(mission.dwell_until - now, 0.0):.0f} s'
-    plan, trouble = supervisor.plan_executor.plan, supervisor.plan_executor.trouble
-    if trouble and robot.record.is_standing:
-        return f'a plan: {trouble}'
-    if plan is not None and robot.name in plan.unserved:
-        return plan.unserved[robot.name]
-    waits_for = supervisor.plan_executor.waits_for.get(robot.name, '')
-    return waits_for if robot.record.is_standing else ''
 
 
 class PlanProgress(NamedTuple):

@@ -43,6 +43,10 @@ class MissionTimes:
         self._book, self._clock = book, clock
         self._estimated = -inf
 
+    def until_earliest(self, mission: Mission) -> float:
+        """s until the earliest time of a mission; 0: it has come, or there is none."""
+        return max(mission.request.earliest - self._clock() / 1000.0, 0.0)
+
     def follow(self, needed: Callable[[Mission], float], now: float) -> Iterator[str]:
         """Lets missions begin or expire. Yields a sentence for each that becomes late.
 
@@ -62,7 +66,7 @@ class MissionTimes:
                     is_due or before is DeadlineState.NONE or
                     is_past and before is not DeadlineState.MISSED):
                 continue
-            time = 0.0 if is_past else max(request.earliest - moment, 0.0) + needed(mission)
+            time = 0.0 if is_past else self.until_earliest(mission) + needed(mission)
             state = deadline_state(request.deadline, time, moment, before)
             self._book.expect(mission, state)
             if state is DeadlineState.MISSED and not mission.has_begun:

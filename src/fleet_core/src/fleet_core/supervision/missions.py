@@ -7,6 +7,7 @@ from enum import IntEnum
 from typing import Dict, FrozenSet, Iterable, Mapping, Optional, Tuple
 
 from fleet_core.fleet import RobotType
+from fleet_core.supervision.hindrances import Hindrance
 from fleet_core.work.dependencies import Dependency
 from fleet_core.work.rules import StepDecision
 from fleet_core.work.stops import WorkStop, WrongStops, check_stops, dwells_of
@@ -358,13 +359,26 @@ class Acceptance:
 
     def robots_for(self, request: Request) -> Tuple[str, ...]:
         """The robots that may serve a request, judged by type, name and docks."""
-        vertices = self.graph.vertices
-        places = (*request.destinations, *(stop.place for stop in request.on_cancel))
-        docks = frozenset(v for v in places if v in vertices and vertices[v].dock)
+        docks = self._docks(request)
         key = request.robot, request.robot_type, docks
         if key not in self.able:
-            self.able[key] = tuple(
-                name for name, kind in self.robots.items()
-                if request.robot in ('', name) and request.robot_type in ('', kind.name)
-                and all(kind.may_dock(dock) for dock in docks))
+            self.able[key] = tuple(name for name in self.robots
+                                   if self._unfitness(request, name, docks) is Hindrance.NONE)
         return self.able[key]
+
+    def unfitness(self, request: Request, name: str) -> Hindrance:
+        """Why a robot may never serve a request; NONE: it may."""
+        return self._unfitness(request, name, self._docks(request))
+
+    def _unfitness(self, request: Request, name: str, docks: FrozenSet[int]) -> Hindrance:
+        kind = self.robots[name]
+        if request.robot not in ('', name):
+            return Hindrance.OTHER_ROBOT
+        if request.robot_type not in ('', kind.name):
+            return Hindrance.OTHER_TYPE
+        return Hindrance.NONE if all(map(kind.may_dock, docks)) else Hindrance.DOCK
+
+    def _docks(self, request: Request) -> FrozenSet[int]:
+        vertices = self.graph.vertices
+        places = (*request.destinations, *(stop.place for stop in request.on_cancel))
+        return frozenset(v for v in places if v in vertices and vertices[v].dock)

@@ -32,6 +32,7 @@ from fleet_core.supervision.charging import ChargeQueue
 from fleet_core.supervision.device_desk import DeviceDesk
 from fleet_core.supervision.duties import Errand, errand_of
 from fleet_core.supervision.fleet_stop import NOT_STOPPED, FleetStop, StopCause
+from fleet_core.supervision.hindrances import Hindrance
 from fleet_core.supervision.journal import Journal
 from fleet_core.supervision.journal_database import JournalUnavailable
 from fleet_core.supervision.liveness import SILENCE
@@ -65,6 +66,7 @@ from fleet_core.supervision.switching import OrderSwitching
 from fleet_core.supervision.time_to_go import time_over, time_to_go
 from fleet_core.supervision.timetable_runs import TimetableRuns, stored_name
 from fleet_core.supervision.waiting_missions import WaitingMissions
+from fleet_core.supervision.waits import FLEET_STOPPED, NO_WAIT, STARTING, Wait, WaitCode
 from fleet_core.supervision.work_desk import NEWEST_STEP, WorkDesk
 from fleet_core.supervision.work_requests import WorkRequests
 from fleet_core.work.site_work import SiteWork
@@ -105,6 +107,8 @@ class Supervisor:
                  work: Optional[SiteWork] = None) -> None:
         self.gate = gate or StopGate()
         self.networks = Networks(graph, fleet, rate, resources)
+        self.rate = rate
+        """The factor by which robots are faster than the clock."""
         memories, stored = journal.robots(), journal.graph()
         is_same = graph.is_same(stored)
         before = None if is_same else stored
@@ -129,10 +133,9 @@ class Supervisor:
         self._is_recovering = False
         self.desk = WorkDesk(self.book, self.robots, journal.works(), journal.loads(),
                              journal.value(NEWEST_STEP), journal.milliseconds)
-        self._rate = rate
         work = work or SiteWork()
         self._work_requests = WorkRequests(work, graph, self.book)
-        self._times = MissionTimes(self.book, journal.milliseconds)
+        self.times = MissionTimes(self.book, journal.milliseconds)
         self._timetables = TimetableRuns(work.timetables, journal.value, journal.milliseconds)
         self._waiting = WaitingMissions(self.book, self.robots, lambda: self.desk.laden)
         self._everywhere: Dict[str, InterlockedRobot] = {**self.robots, **self.removed}
@@ -190,6 +193,20 @@ class Supervisor:
     def is_stopped(self) -> bool:
         """Must each robot stand until the fleet is resumed?"""
         return self.interlocking.is_stopped
+
+    @property
+    def all_wait(self) -> Wait:
+        """Why no robot gets a mission or anything new to drive."""
+        if self.is_stopped:
+            return FLEET_STOPPED
+        if self.trouble:
+            return Wait(WaitCode.DISK, f'the disk: {self.trouble}')
+        return STARTING if self._is_starting or self._is_recovering else NO_WAIT
+
+    @property
+    def own_hindrances(self) -> Dict[str, Hindrance]:
+        """By robot, what hinders it from serving any mission now."""
+        return self._waiting.own_hindrances
 
     # -- missions ---------------------------------------------------------------------------------
 
@@ -275,7 +292,7 @@ class Supervisor:
 
     def _follow_times(self, now: float) -> None:
         """Lets missions begin, expire or be told to be late."""
-        for text in self._times.follow(lambda mission: self._needed(mission, now), now):
+        for text in self.times.follow(lambda mission: self._needed(mission, now), now):
             self._out.note(text, True)
 
     def _needed(self, mission: Mission, now: float) -> float:
@@ -283,10 +300,10 @@ class Supervisor:
         robot = self.robots.get(mission.robot)
         if robot is None:
             kinds = {self.robots[name].type for name in self.acceptance.robots_for(mission.request)}
-            return time_over(mission, kinds, self.network) / self._rate
+            return time_over(mission, kinds, self.network) / self.rate
         end = time_to_go(robot, mission, self.plan_executor.plan, self.networks.edge_times,
                          now).end
-        return (time_over(mission, (robot.type,), self.network) if isnan(end) else end) / self._rate
+        return (time_over(mission, (robot.type,), self.network) if isnan(end) else end) / self.rate
 
     def _refuse(self, request: Request, reason: str) -> None:
         self._out.put(TellStatus(mission_commands.refused(request, reason)))
@@ -695,10 +712,10 @@ class Supervisor:
             robot.liveness.is_seen or robot.outage is Outage.ABSENT
             for robot in self.robots.values()))
         if self.is_stopped:
-            self._waiting.hold('the fleet is stopped')
+            self._waiting.hold(FLEET_STOPPED.text)
         self._is_recovering &= any(robot.is_halted and robot.outage is None
                                    for robot in self.robots.values())
-        if self._is_starting or self._is_recovering or self.is_stopped or self.trouble:
+        if self.all_wait.code:
             return
         busy = set(self.book.serving)
         for name in self.charging.update(busy, self._waiting.short, self.network, now):

@@ -4,7 +4,8 @@ from __future__ import annotations
 from math import inf
 from typing import Callable, Collection, Dict, FrozenSet, List, Mapping, Optional, Tuple
 
-from fleet_core.supervision.assignment import assign
+from fleet_core.supervision.assignment import assign, own_hindrance
+from fleet_core.supervision.hindrances import Hindrance
 from fleet_core.supervision.mission_book import MissionBook
 from fleet_core.supervision.missions import Acceptance, Mission, MissionState
 from fleet_core.supervision.networks import Networks
@@ -39,6 +40,13 @@ class WaitingMissions:
         """Robots that must charge before a mission that waits for them."""
         return frozenset(self._short.values())
 
+    @property
+    def own_hindrances(self) -> Dict[str, Hindrance]:
+        """By robot, what hinders it from serving any mission now."""
+        busy, laden = self._book.serving, self._laden()
+        return {name: own_hindrance(robot, name in busy, name in laden)
+                for name, robot in self._robots.items()}
+
     def hold(self, reason: str) -> None:
         """Gives no mission to a robot now, and notes the reason."""
         self._question = None
@@ -47,13 +55,12 @@ class WaitingMissions:
 
     def assign(self, acceptance: Acceptance, networks: Networks, now: float) -> List[str]:
         """Assigns waiting missions. Returns the robots that got one."""
-        pending, busy = self._book.pending, self._book.serving
+        pending = self._book.pending
         if not pending:
             self._short = {}
             return []
-        engaged = {*busy, *self._laden()}
-        free = {name: robot for name, robot in self._robots.items()
-                if name not in engaged and _is_able(robot)}
+        own = self.own_hindrances
+        free = {name: self._robots[name] for name, one in own.items() if not one}
         question = (pending.changes, *free)
         if question != self._question or now - self._looked >= AGAIN:
             self._question, self._looked, self._left = question, now, len(pending)
@@ -62,7 +69,7 @@ class WaitingMissions:
         missions = {mission.serial: mission for mission in (
             *pending.first({name: robot.type.name for name, robot in free.items()}),
             *self._next())}
-        found = assign(list(missions.values()), free, self._robots, acceptance, networks, now)
+        found = assign(list(missions.values()), own, self._robots, acceptance, networks, now)
         for mission, name in found.assigned:
             self._book.set(mission, MissionState.ACTIVE, '', name)
         for serial, reason in found.waiting.items():
@@ -82,9 +89,3 @@ class WaitingMissions:
                   short: Mapping[int, str]) -> bool:
         """Does a mission still wait for a robot to be charged?"""
         return serial in short if serial in looked_at else self._book.is_pending(serial)
-
-
-def _is_able(robot: ManagedRobot) -> bool:
-    """Can a robot that has nothing to do begin a mission?"""
-    return robot.works and robot.is_charged and (
-        bool(robot.record.held) or robot.record.position is not None)

@@ -13,6 +13,7 @@ from fleet_core.supervision.actions import SendStep
 from fleet_core.supervision.mission_book import MissionBook
 from fleet_core.supervision.missions import Mission, MissionState, StepAnswer
 from fleet_core.supervision.robots import ManagedRobot
+from fleet_core.supervision.waits import NO_WAIT, Wait, WaitCode
 from fleet_core.work import rules
 from fleet_core.work.rules import Where, WorkPhase
 from fleet_core.work.stops import Actor, WorkStop, dwells_of
@@ -99,19 +100,23 @@ class WorkDesk:
         return [(name, self._works[mission.serial])
                 for name, mission in self._book.serving.items() if mission.serial in self._works]
 
-    def waits_for(self, name: str, mission: Optional[Mission]) -> str:
-        """What a robot waits for because of its work or its load, in words; empty: nothing."""
+    def waits_for(self, name: str, mission: Optional[Mission]) -> Wait:
+        """What a robot waits for because of its work or its load."""
         if name in self._strange:
-            return _STRANGE
+            return Wait(WaitCode.STEP, _STRANGE)
+        load = self.load(name)
         if mission is None:
-            load = self.load(name)
-            if load.state is LoadState.EMPTY:
-                return ''
-            return (f'a person: its load is {load.state.value}, and its mission has ended. Say '
-                    f'`fleet load {name} empty` when it carries nothing')
+            return NO_WAIT if load.state is LoadState.EMPTY else Wait(WaitCode.PERSON, (
+                f'a person: its load is {load.state.value}, and its mission has ended. Say '
+                f'`fleet load {name} empty` when it carries nothing'))
         work = self._works.get(mission.serial)
-        at_work = work is not None and (rules.gate_is_closed(work) or mission.is_held)
-        return mission.reason or 'the end of its work' if at_work else ''
+        if work is None or not (rules.gate_is_closed(work) or mission.is_held):
+            return NO_WAIT
+        phase = rules.phase_of(Situation(mission.serial, work, load))
+        if phase is WorkPhase.NEEDS_PERSON:
+            return Wait(WaitCode.PERSON, mission.reason)
+        return Wait(WaitCode.STEP, mission.reason or 'the end of its work',
+                    rules.time_left(work, self._clock()))
 
     # -- events -----------------------------------------------------------------------------------
 

@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from enum import Enum, IntEnum
+from math import nan
 from typing import Iterator, List, NamedTuple, Optional, Tuple
 
 from fleet_core.work.stops import (
@@ -126,6 +127,13 @@ def place_not_to_enter(work: Work) -> Optional[int]:
     waits = any(step.when is When.BEFORE_ENTRY and not own.state.is_final
                 for place, step, own in work.steps if place.stop == number)
     return work.stops[number].place if waits else None
+
+
+def time_left(work: Work, now: int) -> float:
+    """s until the timeouts of all running steps are over; NaN: none runs. `now`: ms since 1970."""
+    ends = [own.begun / 1000.0 + step.timeout for _, step, own in work.steps
+            if own.state is StepState.RUNNING]
+    return max(max(ends) - now / 1000.0, 0.0) if ends else nan
 
 
 def open_steps(work: Work) -> Iterator[StepProgress]:

@@ -162,6 +162,19 @@ def call(service: str, kind: Type[Any] = Trigger, *arguments: Any) -> str:
         raise CommandProblem(str(reason), NOT_DONE) from None
 
 
+def ask(service: str, kind: Type[Any], *arguments: Any) -> Any:
+    """Calls a service that only tells something. Returns its answer.
+
+    Raises CommandProblem if the service does not answer.
+    """
+    try:
+        rospy.wait_for_service(service, PATIENCE)
+        return rospy.ServiceProxy(service, kind)(*arguments)
+    except (rospy.ROSException, rospy.ServiceException) as error:
+        raise CommandProblem(f'The service {service} does not answer ({error}): is the fleet '
+                             'manager running?') from None
+
+
 def requested_by(command: str) -> str:
     """The user, the computer and the command that request, for the records."""
     try:

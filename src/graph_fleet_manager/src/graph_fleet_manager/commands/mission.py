@@ -1,6 +1,7 @@
 """The command `mission`: sends a mission and shows its progress; lists, changes, shows the history.
 
     mission 18 39 52 6 16 --type omron_ld90 --wait
+    mission why ID
     mission list | cancel ID | pause ID | resume ID | release ID | history [--csv]
     mission modify ID --priority 3 [VERTEX ... | --stops FILE]
     mission --stops pallet.yaml --wait
@@ -15,8 +16,10 @@ from __future__ import annotations
 
 import argparse
 import csv
+import math
 import os
 import sys
+import textwrap
 import time
 from datetime import datetime
 from typing import Any, Dict, List, Optional, Sequence
@@ -27,9 +30,11 @@ import rospy
 
 from fleet_core.files.errors import FileError
 from fleet_core.files.stops_file import StopsFile, load_stops
+from fleet_core.supervision.hindrances import Hindrance
 from fleet_core.supervision.history import HISTORY_COLUMNS, history, row_of
 from fleet_core.supervision.journal_database import JournalError
 from fleet_core.supervision.missions import CommandKind, DeadlineState, MissionState
+from fleet_core.supervision.waits import WaitCode
 from fleet_core.work.rules import StepDecision
 from fleet_core.work.stations import UnknownPlace, labelled
 from fleet_core.work.timetables import minute_of_day, next_time
@@ -38,6 +43,7 @@ from graph_fleet_manager.commands.command_line import NOT_DONE, OK, CommandProbl
 from graph_fleet_manager.commands.fleet_client import (
     PATIENCE,
     TopicListener,
+    ask,
     connect,
     connected_sender,
     first_answer,
@@ -48,6 +54,7 @@ from graph_fleet_manager.commands.fleet_client import (
 from graph_fleet_manager.commands.mission_watch import MissionWatch, ask_for
 from graph_fleet_manager.commands.progress import ProgressLine, line_of
 from graph_fleet_manager.commands.tables import (
+    WIDTH,
     as_json,
     offer_json,
     stop_values,
@@ -66,6 +73,7 @@ from itrci_nav_msgs.msg import (
     StepParameter,
 )
 from itrci_nav_msgs.msg import Graph as GraphMessage
+from itrci_nav_msgs.srv import ExplainMission, ExplainMissionResponse
 from node_program.inert_text import cell
 from trajectory_graph import Graph
 from trajectory_graph.messages import graph_from_message
@@ -94,6 +102,8 @@ def _mission(arguments: List[str]) -> int:
         return _list(options.json)
     if word == 'history':
         return _history(arguments)
+    if word == 'why':
+        return _why(arguments)
     if word in _CHANGES:
         return _change(word, arguments)
     if word == 'run':
@@ -105,9 +115,9 @@ def _mission(arguments: List[str]) -> int:
 
 def _options(name: str, what: str, arguments: List[str]) -> argparse.Namespace:
     parser = Parser(f'mission {name}', description=what)
-    if name in _CHANGES:
+    if name in _CHANGES or name == 'why':
         parser.add_argument('id', type=int, help='id of the mission')
-    if name == 'list':
+    if name in ('list', 'why'):
         offer_json(parser)
     if name == 'answer':
         parser.add_argument('answer', choices=list(_ANSWERS),
@@ -132,7 +142,7 @@ def _options(name: str, what: str, arguments: List[str]) -> argparse.Namespace:
 
 def _send(arguments: List[str]) -> int:
     parser = Parser('mission', description='Sends a robot to vertices, in order. Other uses: '
-                    'mission run TEMPLATE, mission templates, mission list, '
+                    'mission run TEMPLATE, mission templates, mission list, mission why ID, '
                     'mission cancel|pause|resume|release|modify|answer ID, mission history.')
     parser.add_argument('destinations', nargs='*', metavar='VERTEX',
                         help='id of a vertex, or a label that only one vertex has')
@@ -375,6 +385,45 @@ def _clock(seconds: float) -> str:
     moment = datetime.fromtimestamp(seconds)
     form = '%H:%M:%S' if moment.date() == datetime.now().date() else '%Y-%m-%d %H:%M:%S'
     return moment.strftime(form)
+
+
+def _why(arguments: List[str]) -> int:
+    """Says what a mission waits for, and why the robots do not serve it."""
+    options = _options('why', 'says what an open mission waits for, and until when; while no robot '
+                       'serves it, also why each robot does not', arguments)
+    connect('mission_why')
+    told = ask('/explain_mission', ExplainMission, options.id)
+    if not told.found:
+        raise CommandProblem(f'There is no open mission {options.id}; see mission list and '
+                             'mission history.', NOT_DONE)
+    print(as_json(_why_values(options.id, told)) if options.json else _why_words(options.id, told))
+    return OK
+
+
+def _why_words(id: int, told: ExplainMissionResponse) -> str:
+    robot = f', served by {told.robot}' if told.robot else ''
+    reason = told.waits_for or 'its robot drives, or sets out'
+    first = (f'Mission {id} is {MissionState(told.state).name}{robot}. Reason: {reason}'
+             f'{_for_about(told.until)}.')
+    rows = [(one.robot, f'{one.reason}{_for_about(one.until)}') for one in told.robots]
+    return '\n'.join((*textwrap.wrap(first, WIDTH), *(
+        [table((('robot', 'why it does not serve the mission'), *rows), WIDTH)] if rows else [])))
+
+
+def _for_about(seconds: float) -> str:
+    return f', for about {seconds:.0f} s' if math.isfinite(seconds) else ''
+
+
+def _why_values(id: int, told: ExplainMissionResponse) -> Dict[str, Any]:
+    def known(seconds: float) -> Optional[float]:
+        return seconds if math.isfinite(seconds) else None
+    return {'mission': id, 'state': MissionState(told.state).name, 'robot': told.robot or None,
+            'code': WaitCode(told.waits_for_code).name, 'waits_for': told.waits_for,
+            'until': known(told.until), 'robots': [
+                {'robot': one.robot, 'hindrance': Hindrance(one.hindrance).name,
+                 'reason': one.reason, 'until': known(one.until),
+                 'mission': one.request_id if one.has_mission else None}
+                for one in told.robots]}
 
 
 def _change(word: str, arguments: List[str]) -> int:

@@ -17,10 +17,11 @@ from fleet_core.supervision.missions import (
     Status,
 )
 from fleet_core.supervision.outages import Outage
+from fleet_core.supervision.why import MissionReason
 from fleet_core.work.site_work import SiteWork
 from fleet_core.work.stops import dwells_of
 from graph_fleet_manager.messages.stops import WrongStopMessage, dependencies_of, stops_of
-from itrci_nav_msgs import msg
+from itrci_nav_msgs import msg, srv
 from route_protocol import messages as route_messages
 from route_protocol.master import Order
 
@@ -124,6 +125,17 @@ def templates_message(work: SiteWork, now: genpy.Time) -> msg.MissionTemplates:
         msg.MissionTemplate(one.name, list(one.parameters)) for one in work.templates.values()])
     message.header.stamp = now
     return message
+
+
+def explanation_message(status: Status, reason: MissionReason) -> srv.ExplainMissionResponse:
+    """What an open mission waits for, as a message."""
+    return srv.ExplainMissionResponse(
+        found=True, state=int(status.state), robot=status.robot,
+        waits_for_code=int(reason.wait.code), waits_for=reason.wait.text, until=reason.wait.until,
+        robots=[msg.RobotHindrance(
+            robot=one.robot, hindrance=int(one.hindrance), has_mission=one.mission is not None,
+            request_id=one.mission or 0, until=one.until, reason=one.text)
+            for one in reason.robots])
 
 
 def report_of(message: msg.ExecutionRouteStates, now: genpy.Time) -> Report:

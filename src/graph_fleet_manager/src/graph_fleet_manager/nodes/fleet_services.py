@@ -1,12 +1,12 @@
 """The services of the fleet: stop and resume all robots, take one robot out of service and back,
-declare a robot absent, say what it carries, and get the status of a mission.
+declare a robot absent, say what it carries, get the status of a mission, and what it waits for.
 """
 from __future__ import annotations
 
 import queue
 import threading
 import time
-from typing import Callable, Iterable, List, Optional, Sequence, Tuple, Union
+from typing import Callable, Iterable, List, Optional, Sequence, Tuple, TypeVar, Union
 
 import rospy
 from std_srvs.srv import Trigger, TriggerRequest, TriggerResponse
@@ -16,12 +16,21 @@ from fleet_core.supervision.actions import Action
 from fleet_core.supervision.fleet_stop import FleetStop, StopCause
 from fleet_core.supervision.journal_database import JournalUnavailable
 from fleet_core.supervision.supervisor import Supervisor
-from graph_fleet_manager.messages.missions import caller_of, person_of, status_message
+from fleet_core.supervision.why import mission_reason
+from graph_fleet_manager.messages.missions import (
+    caller_of,
+    explanation_message,
+    person_of,
+    status_message,
+)
 from graph_fleet_manager.nodes.event_loop import SupervisorEvents
 from itrci_nav_msgs.srv import (
     DeclareAbsent,
     DeclareAbsentRequest,
     DeclareAbsentResponse,
+    ExplainMission,
+    ExplainMissionRequest,
+    ExplainMissionResponse,
     GetMissionStatus,
     GetMissionStatusRequest,
     GetMissionStatusResponse,
@@ -35,6 +44,7 @@ STOP_PATIENCE = 0.5  # s after which a stop bypasses a supervisor that does not 
 
 Act = Callable[[Supervisor, float], Tuple[str, Sequence[Action]]]
 """The work of a service. Returns the reason why it is not done (empty if done), and actions."""
+_Found = TypeVar('_Found')
 Done = Union[str, Callable[[Supervisor], str]]
 """The answer to a call that is done, or what tells it."""
 
@@ -56,7 +66,8 @@ class FleetServices:
             rospy.Service('/stop_fleet', Trigger, lambda request: _logged(
                 _requested('/stop_fleet', request), self.stop(request))),
             rospy.Service('/resume_fleet', Trigger, self._resume),
-            rospy.Service('/get_mission_status', GetMissionStatus, self._mission_status)]
+            rospy.Service('/get_mission_status', GetMissionStatus, self._mission_status),
+            rospy.Service('/explain_mission', ExplainMission, self._explanation)]
         for robot in robots:
             self._services += [
                 self._offer_absence(robot, f'{robot} is absent until it reports again.'),
@@ -126,16 +137,30 @@ class FleetServices:
 
     def _mission_status(self, request: GetMissionStatusRequest) -> GetMissionStatusResponse:
         """The stored status of a mission. Raises ServiceException if it cannot be read now."""
-        found: List[GetMissionStatusResponse] = []
+        def find(supervisor: Supervisor, _: float) -> GetMissionStatusResponse:
+            status = supervisor.stored_status(request.request_id, request.request_stamp.to_sec())
+            return GetMissionStatusResponse() if status is None else (
+                GetMissionStatusResponse(True, status_message(status, rospy.Time.now())))
+        return self._found(find)
+
+    def _explanation(self, request: ExplainMissionRequest) -> ExplainMissionResponse:
+        """What an open mission waits for. Raises ServiceException if nobody answers now."""
+        def find(supervisor: Supervisor, now: float) -> ExplainMissionResponse:
+            mission = supervisor.book.find(request.request_id)
+            if mission is None or not mission.state.is_open:
+                return ExplainMissionResponse()
+            return explanation_message(mission.status, mission_reason(mission, supervisor, now))
+        return self._found(find)
+
+    def _found(self, find: Callable[[Supervisor, float], _Found]) -> _Found:
+        """What the supervisor's thread finds. Raises ServiceException if it cannot be read now."""
+        found: List[_Found] = []
 
         def look(supervisor: Supervisor, now: float) -> Tuple[str, Sequence[Action]]:
             try:
-                status = supervisor.stored_status(request.request_id,
-                                                  request.request_stamp.to_sec())
+                found.append(find(supervisor, now))
             except JournalUnavailable as unavailable:
                 return unavailable.reason, ()
-            found.append(GetMissionStatusResponse() if status is None else
-                         GetMissionStatusResponse(True, status_message(status, rospy.Time.now())))
             return '', ()
         answer = self._answer(look, '')
         if not found:

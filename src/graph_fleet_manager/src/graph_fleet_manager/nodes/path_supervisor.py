@@ -22,6 +22,7 @@ Services (std_srvs/Trigger)
     /stop_fleet, /resume_fleet; /<robot>/leave_fleet, /<robot>/join_fleet; /<robot>/declare_absent,
     also for robots that are not in the fleet file any more
     /get_mission_status (itrci_nav_msgs/GetMissionStatus): the stored status of a mission
+    /explain_mission (itrci_nav_msgs/ExplainMission): what an open mission waits for
     /<robot>/set_load (itrci_nav_msgs/SetLoad): a person says what a robot carries
 Parameters
     ~fleet_file   string  (required)  fleet file (YAML)

@@ -1,0 +1,44 @@
+"""What a mission or a robot waits for: a code for programs, words for people, and until when."""
+from __future__ import annotations
+
+from enum import IntEnum
+from math import nan
+from typing import NamedTuple
+
+
+class WaitCode(IntEnum):
+    """The kind of what is waited for, as in itrci_nav_msgs/ExplainMission."""
+
+    NOTHING = 0      # it drives, or may set out
+    ROBOT = 1        # a robot to serve the mission
+    MISSIONS = 2     # the missions after which it comes
+    START = 3        # the fleet manager has just started, or the fleet has just been resumed
+    RESUME_FLEET = 4
+    DISK = 5
+    OUTAGE = 6       # its robot cannot work
+    UNKNOWN = 7      # its robot has never reported
+    RESUME = 8       # the mission is paused
+    PERSON = 9       # an answer to a step, or somebody who unloads the robot
+    STEP = 10
+    STAY = 11
+    CHARGING = 12    # a dock, or a report of the battery
+    PLAN = 13
+    TRAFFIC = 14     # another robot, or an edge that may not be entered yet
+    TIME = 15        # its earliest time
+
+
+class Wait(NamedTuple):
+    """What is waited for.
+
+    text  -- in words
+    until -- s until that ends at the latest, or probably; NaN: unknown
+    """
+
+    code: WaitCode = WaitCode.NOTHING
+    text: str = ''
+    until: float = nan
+
+
+NO_WAIT = Wait()
+FLEET_STOPPED = Wait(WaitCode.RESUME_FLEET, 'the fleet is stopped')
+STARTING = Wait(WaitCode.START, 'the reports of all robots: the fleet manager has just started')
