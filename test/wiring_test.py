@@ -46,6 +46,7 @@ TO_OUTSIDE: Dict[str, Tuple[str, ...]] = {
         'move_base/feedback', 'move_base/result', 'move_base/status'),
     'of the fleet, for its display and its page': (
         '/docking_points', '/fleet_plan', '/fleet_poses'),
+    'of the fleet, for the command mission': ('/mission_templates',),
     'for a fleet manager or an adapter, which need not run': (
         '/mission_request', 'battery_state', 'route_refused')}
 #: The services of our nodes by the end of their names: type, and our program that calls it.

@@ -3,6 +3,7 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
 import pytest
 import rospy
 from geometry_msgs.msg import Pose
@@ -27,7 +28,7 @@ def test_a_cloud_without_a_location_near_it_becomes_no_scan():
 
 
 def test_a_scan_says_how_its_ranges_are_to_be_read():
-    scan = scan_of([1.0] + [math.inf] * 240, rospy.Time(3), 'ld/laser_link')
+    scan = scan_of(np.array([1.0] + [math.inf] * 240), rospy.Time(3), 'ld/laser_link')
     assert (scan.header.frame_id, scan.header.stamp) == ('ld/laser_link', rospy.Time(3))
     assert math.degrees(scan.angle_min) == pytest.approx(-120.0)
     assert math.degrees(scan.angle_max) == pytest.approx(120.0)

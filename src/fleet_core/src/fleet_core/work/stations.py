@@ -6,6 +6,7 @@ from enum import Enum
 from typing import Mapping, Tuple
 
 from trajectory_graph import Graph
+from trajectory_graph.id_lists import listed
 
 
 class StationKind(Enum):
@@ -65,7 +66,7 @@ def places_of(word: str, stations: Mapping[str, Station], graph: Graph) -> Tuple
 def _places_at(station: Station) -> Tuple[int, ...]:
     if len(station.places) > 1 and station.kind is not StationKind.GROUP:
         raise UnknownPlace(f'station {station.name} is no group; give one of its places: '
-                           f'{", ".join(map(str, station.places))}')
+                           f'{listed(station.places)}')
     return station.places
 
 
@@ -75,6 +76,6 @@ def _with_label(label: str, graph: Graph) -> Tuple[int, ...]:
 
 def _only(label: str, found: Tuple[int, ...]) -> int:
     if len(found) > 1:
-        raise UnknownPlace(f'vertices {", ".join(map(str, found))} have the label {label!r}; give '
+        raise UnknownPlace(f'vertices {listed(found)} have the label {label!r}; give '
                            'the id of one')
     return found[0]

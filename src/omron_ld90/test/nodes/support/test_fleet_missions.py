@@ -106,7 +106,8 @@ def test_where_nobody_takes_missions_none_is_sent(topics, missions):
     (MissionStatus.SUCCEEDED, '', NoticeSeverity.GOOD, 'has succeeded'),
     (MissionStatus.FAILED, 'no way', NoticeSeverity.BAD, 'has failed: no way'),
     (MissionStatus.REFUSED, 'no such vertex', NoticeSeverity.BAD, 'was refused: no such vertex'),
-    (MissionStatus.CANCELLED, '', NoticeSeverity.INFO, 'was cancelled')])
+    (MissionStatus.CANCELLED, '', NoticeSeverity.INFO, 'was cancelled'),
+    (MissionStatus.EXPIRED, 'too late', NoticeSeverity.BAD, 'has expired: too late')])
 def test_the_end_of_a_mission_is_told_once(topics, missions, told, state, reason, severity, words):
     missions.send(TARGET)
     id = topics.requests[0].request_id
@@ -117,7 +118,8 @@ def test_the_end_of_a_mission_is_told_once(topics, missions, told, state, reason
 
 @pytest.mark.parametrize('state', [
     value for name, value in vars(MissionStatus).items() if name.isupper() and name not in (
-        'SUCCEEDED', 'FAILED', 'REFUSED', 'CANCELLED') and not name.startswith('COMMAND_')])
+        'SUCCEEDED', 'FAILED', 'REFUSED', 'CANCELLED', 'EXPIRED')
+    and not name.startswith(('COMMAND_', 'DEADLINE_'))])
 def test_what_comes_before_the_end_is_not_told(topics, missions, told, state):
     missions.send(TARGET)
     id = topics.requests[0].request_id

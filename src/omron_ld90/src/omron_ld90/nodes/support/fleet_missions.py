@@ -14,7 +14,8 @@ _ENDINGS = {
     MissionStatus.SUCCEEDED: (NoticeSeverity.GOOD, 'has succeeded'),
     MissionStatus.FAILED: (NoticeSeverity.BAD, 'has failed'),
     MissionStatus.REFUSED: (NoticeSeverity.BAD, 'was refused'),
-    MissionStatus.CANCELLED: (NoticeSeverity.INFO, 'was cancelled')}
+    MissionStatus.CANCELLED: (NoticeSeverity.INFO, 'was cancelled'),
+    MissionStatus.EXPIRED: (NoticeSeverity.BAD, 'has expired')}
 
 Tell = Callable[[OperatorNotice, Optional[Target]], None]
 
