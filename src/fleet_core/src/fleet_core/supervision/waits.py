@@ -18,7 +18,7 @@ class WaitCode(IntEnum):
     OUTAGE = 6       # its robot cannot work
     UNKNOWN = 7      # its robot has never reported
     RESUME = 8       # the mission is paused
-    PERSON = 9       # an answer to a step, or somebody who unloads the robot
+    PERSON = 9       # an answer to a step, or a person who unloads the robot
     STEP = 10
     STAY = 11
     CHARGING = 12    # a dock, or a report of the battery

@@ -144,7 +144,7 @@ class FleetServices:
         return self._found(find)
 
     def _explanation(self, request: ExplainMissionRequest) -> ExplainMissionResponse:
-        """What an open mission waits for. Raises ServiceException if nobody answers now."""
+        """What an open mission waits for. Raises ServiceException if it cannot be said now."""
         def find(supervisor: Supervisor, now: float) -> ExplainMissionResponse:
             mission = supervisor.book.find(request.request_id)
             if mission is None or not mission.state.is_open:
