@@ -12,7 +12,8 @@ route protocol, which finds the state that is unsafe without each of them.
 from __future__ import annotations
 
 import random
-from typing import Any, List, Sequence, Type
+from dataclasses import replace
+from typing import Any, Sequence, Type
 
 import pytest
 from proofs import LONG, is_whole
@@ -25,6 +26,8 @@ from fleet_core.supervision import questions
 from fleet_core.supervision.actions import AskPlanner
 from fleet_core.supervision.missions import MissionState
 from fleet_core.supervision.settings import RobotSettings
+from fleet_core.supervision.supervisor import Supervisor
+from route_protocol import master
 from world.chaos import (
     DOCKS,
     PARKING,
@@ -38,6 +41,7 @@ from world.chaos import (
     Event,
 )
 from world.promises import Promises
+from world.rare_events import MOVING, RARE, RareChaos
 from world.supervised_fleet import SupervisedFleet
 from world.wrong_plans import WRONG, Spoil, exchanged, with_holes, without_order
 
@@ -50,6 +54,9 @@ class CorruptedFleet(SupervisedFleet):
     """A fleet whose planner gives a wrong plan in a tenth of its answers."""
 
     kinds: Sequence[Spoil] = tuple(WRONG.values())
+    robots = AGV
+    chaos: Type[Chaos] = Chaos
+    acts: Sequence[str] = ('request',) * 12 + (*PEOPLE, *TROUBLE)
 
     def _plan(self, question: AskPlanner) -> PlanningOutcome:
         outcome = super()._plan(question)
@@ -68,6 +75,17 @@ class FleetWithResources(CorruptedFleet):
             Resource('hall', ResourceKind.ZONE, frozenset(draw.sample(edges, 3))),
             Resource('press', ResourceKind.STATION, vertices=frozenset({draw.choice(VERTICES)})))
         super().__init__(*given, seed=seed, resources=resources, **more)
+
+
+class MovedFleet(CorruptedFleet):
+    """A fleet whose robots people push and put down near others, and stray; its journal gets old.
+
+    The robots have play.
+    """
+
+    robots = replace(AGV, play=0.1)
+    chaos = RareChaos
+    acts = (*CorruptedFleet.acts, *RARE * 2, *MOVING * 3)
 
 
 class RecklessFleet(CorruptedFleet):
@@ -109,15 +127,14 @@ def live(seed: int, world: Type[CorruptedFleet] = CorruptedFleet) -> None:
     """Simulates one life; raises AssertionError if a promise is broken."""
     draw = random.Random(f'life {seed}')
     fleet = world(
-        YARD, {name: (AGV, 21 + k) for k, name in enumerate(ROBOTS)}, seed=seed,
+        YARD, {name: (world.robots, 21 + k) for k, name in enumerate(ROBOTS)}, seed=seed,
         loss=draw.choice((0.0, 0.05)), planning=draw.choice((0.05, 0.3)), parking=PARKING,
         settings=RobotSettings(release_ahead=draw.choice((0.0, 3.0, 8.0))))
-    chaos = Chaos(fleet)
+    chaos = world.chaos(fleet)
     if draw.random() < 0.25:
         chaos.hide(draw.choice(ROBOTS), draw.randrange(61))
-    acts: List[str] = ['request'] * 12 + [*PEOPLE, *TROUBLE]
     for _ in range(40):
-        chaos.happen(Event(draw.choice(acts), draw.choice(('now', 'now', 'order', 'plan')),
+        chaos.happen(Event(draw.choice(world.acts), draw.choice(('now', 'now', 'order', 'plan')),
                            draw.choice((SAME, 0, 1, 2)), draw.randrange(61),
                            draw.choice((0.3, 0.8, 2.0))))
     if not isinstance(fleet, RecklessFleet):  # it keeps wrong plans, so its missions need not end
@@ -132,6 +149,25 @@ def test_with_all_guards_every_promise_is_kept() -> None:
 def test_with_a_door_a_zone_and_a_station_every_promise_is_kept() -> None:
     for seed in range(min(LIVES, 20)):
         live(seed, FleetWithResources)
+
+
+def test_with_robots_that_people_move_and_an_older_journal_every_promise_is_kept() -> None:
+    for seed in range(LIVES):
+        live(seed, MovedFleet)
+
+
+def test_robots_that_are_too_near_and_not_stopped_are_found(
+        monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(interlocking.Interlocking, 'separate', lambda *_: [])
+    with pytest.raises(AssertionError, match='is not stopped'):
+        live(0, MovedFleet)
+
+
+def test_an_older_journal_that_is_believed_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(Supervisor, '_doubt_journal', lambda *_: None)
+    monkeypatch.setattr(master, '_is_in_gap', lambda *_: False)
+    with pytest.raises(AssertionError):
+        live(5, MovedFleet)
 
 
 @pytest.mark.parametrize('seed', [2336, 50429, 51297, 51327, 60171, 61151, 62182])

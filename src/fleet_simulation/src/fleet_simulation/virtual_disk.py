@@ -2,6 +2,7 @@
 from __future__ import annotations
 
 import os
+import sqlite3
 import tempfile
 from typing import Any, Callable
 
@@ -21,11 +22,13 @@ class _CountingJournal(Journal):
 class VirtualDisk:
     """Holds the journal of the supervisor that runs now, in a folder that ends with the world.
 
-    clock -- returns the time that the journal writes, s since 1970
+    clock    -- returns the right time, s since 1970
+    set_back -- s by which the clock of the supervisor's computer was set back
     """
 
     def __init__(self, clock: Callable[[], float]) -> None:
         self._clock = clock
+        self.set_back = 0.0
         self._folder = tempfile.TemporaryDirectory()
         self.journal_path = os.path.join(self._folder.name, 'journal.sqlite')
         self._commits_before = 0
@@ -49,12 +52,26 @@ class VirtualDisk:
         self.journal = self._open()
         self.is_full = False
 
+    def copy(self) -> sqlite3.Connection:
+        """Returns a copy of the journal as it is now."""
+        copy = sqlite3.connect(':memory:')
+        self.journal._db.backup(copy)
+        return copy
+
+    def put_back(self, copy: sqlite3.Connection) -> None:
+        """Puts a copy in the place of the journal.
+
+        The file beside the journal stays. `reopen` is to be called next.
+        """
+        self.fails(False)
+        copy.backup(self.journal._db)
+
     def end(self) -> None:
         """Closes and deletes the journal."""
         self.journal.close()
         self._folder.cleanup()
 
     def _open(self) -> _CountingJournal:
-        journal = _CountingJournal(self.journal_path, self._clock)
+        journal = _CountingJournal(self.journal_path, lambda: self._clock() - self.set_back)
         journal._db.execute('PRAGMA synchronous=OFF')  # no test here cuts the power
         return journal

@@ -97,6 +97,21 @@ def test_a_dwell_holds_the_robot_and_release_ends_one_without_end():
     assert fleet.state(1) is MissionState.SUCCEEDED
 
 
+def test_a_robot_that_is_pushed_away_while_it_stays_comes_back_and_stays_anew():
+    fleet = SupervisedFleet(corridor(6), {'a': (AGV, 1)})
+    fleet.request(1, 3, 5, dwells=(10.0, 0.0))
+    fleet.run_until(lambda: fleet.agvs['a'].visited[-1] == 3 and not fleet.agvs['a'].is_driving)
+    fleet.agvs['a'].emergency = True
+    fleet.run(1.0)
+    fleet.agvs['a'].arc -= 1.0
+    fleet.run(20.0)
+    fleet.agvs['a'].emergency = False
+    begun = fleet.now
+    fleet.run_until_done(1)
+    assert fleet.state(1) is MissionState.SUCCEEDED
+    assert fleet.now - begun > 10.0
+
+
 def test_who_stays_at_a_destination_makes_room_for_nobody():
     fleet = SupervisedFleet(corridor(6, siding_at=3), {'a': (AGV, 4), 'b': (AGV, 1)},
                             parking=(1, 6, 100))

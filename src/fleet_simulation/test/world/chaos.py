@@ -22,6 +22,7 @@ SAME = 3  # in place of a robot's rank: the robot of the previous event
 _SECONDS = (0.3, 1.0, 2.5, 6.0, 12.0)
 _DELAYS = (0.0, 0.2, 0.4, 1.5)
 _CLOCK = 3.0  # s by which a wrong clock is ahead; more than the longest delay of a report
+_FAR = 1.5  # m: farther from a robot and its route, no other robot is in its way
 _CHARGES = (0.05, 0.2, 0.5, 0.9)
 _CHARGING = 0.05  # share of the battery that is charged per second in the dock
 
@@ -91,9 +92,10 @@ class Chaos:
 
     def run(self, seconds: float) -> None:
         """Simulates the given virtual seconds; temporary faults end when their time is over."""
-        self._until(lambda: False, seconds)
+        self.run_until(lambda: False, seconds)
 
-    def _until(self, condition: Callable[[], bool], seconds: float) -> None:
+    def run_until(self, condition: Callable[[], bool], seconds: float) -> None:
+        """Simulates until the condition holds, at most the given virtual seconds."""
         end = self.fleet.now + seconds - 1e-6
         while self.fleet.now < end and not condition():
             self.fleet.step()
@@ -112,7 +114,8 @@ class Chaos:
             if not fleet.hangs and fleet.network.silent.get(name, 0.0) <= fleet.now:
                 fleet.do(fleet.supervisor.battery(name, charge, fleet.now))
 
-    def _later(self, number: int, what: Callable[[], None]) -> None:
+    def later(self, number: int, what: Callable[[], None]) -> None:
+        """Lets something happen after a time that the number determines."""
         self._ends.append((self.fleet.now + _seconds(number), what))
 
     def happen(self, event: Event) -> None:
@@ -121,11 +124,11 @@ class Chaos:
         if event.robot != SAME:
             self._robot = sorted(ROBOTS, key=lambda r: not fleet.agvs[r].is_driving)[event.robot]
         if event.moment == 'order':
-            self._until(lambda: bool(fleet.network.to_robots), 3.0)
+            self.run_until(lambda: bool(fleet.network.to_robots), 3.0)
             self._robot = next((order.robot for order in fleet.network.to_robots), self._robot)
         elif event.moment == 'plan':
-            self._until(lambda: fleet.supervisor.plan_executor.is_planning, 1.5)
-        ACTS[event.act](self, self._robot, event.number)
+            self.run_until(lambda: fleet.supervisor.plan_executor.is_planning, 1.5)
+        getattr(self, event.act)(self._robot, event.number)
         self.run(event.pause)
 
     # -- missions ---------------------------------------------------------------------------------
@@ -224,7 +227,7 @@ class Chaos:
     def emergency_stop(self, robot: str, number: int) -> None:
         """Presses the robot's emergency stop for a while."""
         self.fleet.agvs[robot].emergency = True
-        self._later(number, lambda: setattr(self.fleet.agvs[robot], 'emergency', False))
+        self.later(number, lambda: setattr(self.fleet.agvs[robot], 'emergency', False))
 
     def change_battery(self, robot: str, number: int) -> None:
         """Sets the charge of the robot's battery."""
@@ -236,7 +239,7 @@ class Chaos:
         agv = self.fleet.agvs[robot]
         agv.fail(Reason(ReasonCode.OFF_GRAPH, 'off the graph'))
         agv.off_graph = True
-        self._later(number, lambda: setattr(agv, 'off_graph', False))
+        self.later(number, lambda: setattr(agv, 'off_graph', False))
 
     def take_over(self, robot: str, _: int) -> None:
         """Lets a person take over the robot.
@@ -268,19 +271,30 @@ class Chaos:
         fleet, agv = self.fleet, self.fleet.agvs[robot]
         edges = sorted(fleet.graph.edges)
         edge, share = edges[number % len(edges)], (0.0, 0.4)[number % 2]
-        outage = fleet.supervisor.robots[robot].outage
-        is_quiet = (agv.off_graph or robot in fleet.lost or fleet.network.late.get(robot, 0.0) > 0.0
-                    or fleet.network.silent.get(robot, 0.0) > fleet.now)
-        if outage is None or not outage.needs_person or is_quiet or agv.is_driving:
-            return
+        if self.can_be_carried(robot) and self.is_far(robot, edge, share):
+            agv.be_carried(edge, share * YARD.curve(edge).length)
+            self.promises.carried.add(robot)
+
+    def tells(self, robot: str) -> bool:
+        """Returns whether the robot's reports tell at once where it is."""
+        fleet = self.fleet
+        return not (fleet.agvs[robot].off_graph or robot in fleet.lost
+                    or fleet.network.late.get(robot, 0.0) > 0.0
+                    or fleet.network.is_silent(robot, fleet.now))
+
+    def can_be_carried(self, robot: str) -> bool:
+        """Returns whether the robot stands, and is out of service."""
+        return (self.fleet.supervisor.robots[robot].needs_person and self.tells(robot)
+                and not self.fleet.agvs[robot].is_driving)
+
+    def is_far(self, robot: str, edge: int, share: float) -> bool:
+        """Returns whether a place is far from all other robots, and from their routes."""
+        fleet = self.fleet
         x, y = YARD.curve(edge).point_at(share * YARD.curve(edge).length)
-        for name, other in fleet.supervisor.robots.items():
-            if name != robot and (
-                    math.dist((x, y), fleet.agvs[name].position) < 1.5
-                    or any(YARD.curve(e).project(x, y).distance < 1.5 for e in other.record.held)):
-                return
-        agv.be_carried(edge, share * YARD.curve(edge).length)
-        self.promises.carried.add(robot)
+        return not any(
+            math.dist((x, y), fleet.agvs[name].position) < _FAR
+            or any(YARD.curve(e).project(x, y).distance < _FAR for e in other.record.held)
+            for name, other in fleet.supervisor.robots.items() if name != robot)
 
     # -- messages ---------------------------------------------------------------------------------
 
@@ -296,7 +310,7 @@ class Chaos:
     def set_clock(self, robot: str, number: int) -> None:
         """Sets the clock of the robot's computer ahead for a while."""
         self.fleet.clocks[robot] = _CLOCK
-        self._later(number, lambda: self.fleet.clocks.update({robot: 0.0}))
+        self.later(number, lambda: self.fleet.clocks.update({robot: 0.0}))
 
     def silence(self, robot: str, number: int) -> None:
         """Cuts all messages to and from the robot for a while."""
@@ -310,7 +324,7 @@ class Chaos:
         """Cuts the link between the robot and its computer for a while; the robot drives on."""
         self.promises.blamed.add(robot)
         self.fleet.lose_link(robot)
-        self._later(number, lambda: self.fleet.find_link(robot))
+        self.later(number, lambda: self.fleet.find_link(robot))
 
     # -- the fleet --------------------------------------------------------------------------------
 
@@ -412,7 +426,7 @@ class Chaos:
     def fill_disk(self, _: str, number: int) -> None:
         """Lets all writes to the disk fail for a while, or until the supervisor is restarted."""
         self.fleet.disk.fails()
-        self._later(number, lambda: self.fleet.disk.fails(False))
+        self.later(number, lambda: self.fleet.disk.fails(False))
 
     # -- the end ----------------------------------------------------------------------------------
 
@@ -445,7 +459,7 @@ class Chaos:
             for name, robot in fleet.supervisor.robots.items():
                 if robot.outage is not None and robot.outage.needs_person:
                     self.bring_in(name, 0)
-        self._until(self._all_are_done, 300.0)
+        self.run_until(self._all_are_done, 300.0)
         assert not fleet.supervisor.book.open, fleet.picture()
         for request in self.requests:
             self._check_end(request)
@@ -504,5 +518,3 @@ TROUBLE = _named(
     Chaos.deafness, Chaos.lose_link, Chaos.set_clock, Chaos.close, Chaos.change_graph, Chaos.die,
     Chaos.restart, Chaos.hang, Chaos.fill_disk)
 """The faults of robots, messages and programs, by name."""
-ACTS = {**_named(Chaos.request), **PEOPLE, **TROUBLE}
-"""All acts, by the name that an `Event` gives."""

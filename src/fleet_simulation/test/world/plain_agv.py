@@ -54,7 +54,8 @@ class Agv:
     near      -- m from a vertex within which it counts as standing there; if a test changes it, a
                  route near a vertex must begin with an edge that leads away from the vertex
     braking   -- m that it needs to stop; when it loses its route, it rolls on along it so far
-    aside     -- m in x and y by which it stands beside its edge
+    aside     -- m in x and y by which it is beside its edge, until it begins another route
+    error     -- m in x and y by which the location in its reports is wrong
     moved     -- s for which it still reports that another one moves it
     old       -- ns by which the location in its reports is old; None: they have no location
 
@@ -96,6 +97,7 @@ class Agv:
         self.near = _NEAR
         self.braking = 0.0
         self.aside = 0.0, 0.0
+        self.error = 0.0, 0.0
         self.moved = 0.0
         self.old: Optional[int] = 0
         self.travelled = 0.0
@@ -109,6 +111,12 @@ class Agv:
         """The position x, y in m, in the frame of the graph."""
         x, y = self.graph.curve(self.edge).point_at(self.arc)
         return float(x) + self.aside[0], float(y) + self.aside[1]
+
+    @property
+    def location(self) -> VehicleLocation:
+        """Where it believes to be."""
+        (x, y), error = self.position, self.error
+        return VehicleLocation(x + error[0], y + error[1], math.nan)
 
     @property
     def is_driving(self) -> bool:
@@ -276,6 +284,7 @@ class Agv:
         return NO_REASON
 
     def _place(self, edge: int, arc: float) -> None:
+        self.aside = 0.0, 0.0
         self._to_begin = 0.0 if abs(edge) == abs(self.edge) else self._from_vertex(edge)
         if not self._to_begin:
             self.edge, self.arc = edge, arc
@@ -484,7 +493,7 @@ class Agv:
     def be_carried(self, edge: int, arc: float) -> None:
         """A person switches it off, carries it to this place, and switches it on again."""
         self.forget()
-        self.edge, self.arc = edge, arc
+        self.edge, self.arc, self.aside = edge, arc, (0.0, 0.0)
 
     def restart(self) -> None:
         """Starts the AGV again with its memory: nothing changes, except that it stands."""
@@ -516,8 +525,7 @@ class Agv:
         return RouteReport(
             stamp - (self.old or 0), self.route_id, self.edges, self._states(),
             SymbolicPose(pose.edge, 100.0 * pose.fraction), self.reason,
-            None if self.old is None or self.off_graph else
-            VehicleLocation(*self.position, math.nan),
+            None if self.old is None or self.off_graph else self.location,
             knows['epoch'], knows['cause'], knows['master'] or '', knows['taken'], knows['refused'],
             knows['refusal'], knows['first'], self.motion, knows['report'],
             self.unready)
@@ -623,7 +631,7 @@ class LostLink:
         if self._commands_only:
             pose = self._agv.pose
             said = replace(said, stamp=stamp, pose=SymbolicPose(pose.edge, 100.0 * pose.fraction),
-                           location=VehicleLocation(*self._agv.position, math.nan))
+                           location=self._agv.location)
         return said
 
     def report(self, now: float) -> RouteReport:

@@ -9,7 +9,7 @@ import sqlite3
 from dataclasses import dataclass
 from typing import Dict, Iterable, List, Optional, Sequence, Set, Tuple
 
-from shapely.geometry import LineString, Point
+from shapely.geometry import LineString, MultiPoint, Point
 from shapely.geometry.base import BaseGeometry
 from shapely.ops import unary_union
 
@@ -89,13 +89,23 @@ class Promises:
 
     def rest(self, name: str) -> None:
         """The mission of a robot was cancelled or paused."""
-        if len(self._may_drive(name)) > 1:
+        if len(self.may_drive(name)) > 1:
             self.resting[name] = Rest(Word(self.fleet.now), self.fleet.refused[name])
 
     def closed(self) -> None:
         """A person closed edges; only routes that robots already have may still lead there."""
         self._given = {name: set(map(abs, robot.record.held))
                        for name, robot in self.fleet.supervisor.robots.items()}
+
+    def begins_with_older_journal(self) -> None:
+        """The supervisor starts with an older journal: what was stored after that is lost.
+
+        Each robot may need a person: its state is as old as the journal.
+        """
+        self.stopped = None
+        for known in (self.out, self.resting, self._told):
+            known.clear()
+        self.blamed.update(self.fleet.agvs)
 
     # -- observed events --------------------------------------------------------------------------
 
@@ -111,7 +121,7 @@ class Promises:
         assert name not in self.out, f'{order} though it is out of service: {fleet.picture()}'
         outage = fleet.supervisor.robots[name].outage
         assert outage is None or not outage.needs_person, f'{order}: {fleet.picture()}'
-        had = self._may_drive(name)
+        had = self.may_drive(name)
         is_ahead = fleet.ages.get(name, 0.0) < -CLOCK_ERROR
         assert is_repeated or not (is_ahead and set(self._left_of(order)) - had), (
             f'{order} though its clock is ahead: {fleet.picture()}')
@@ -132,11 +142,11 @@ class Promises:
         if more and mission is not None and mission.dwell_until is not None:
             assert fleet.now >= mission.dwell_until or mission.state is not MissionState.ACTIVE, (
                 f'{order} though it dwells at a destination: {fleet.picture()}')
-        here = self._possible(name, more)
+        here = self.possible(name, more)
         for other, agv in fleet.agvs.items():
             if other == name or other in self.carried:
                 continue
-            room = (here.distance(self._possible(other, self._may_drive(other)))
+            room = (here.distance(self.possible(other, self.may_drive(other)))
                     - agv.kind.radius - fleet.agvs[name].kind.radius - fleet.clearance)
             assert room > -1e-6, f'{order} is too near to the places of {other}: {fleet.picture()}'
 
@@ -211,7 +221,7 @@ class Promises:
     def stepped(self) -> None:
         """Checks each robot after one time step."""
         fleet = self.fleet
-        for name in [name for name in self.resting if len(self._may_drive(name)) <= 1]:
+        for name in [name for name in self.resting if len(self.may_drive(name)) <= 1]:
             del self.resting[name]
         if self.stopped is not None and fleet.supervisor.is_stopped:
             self.stopped.is_past = False
@@ -227,15 +237,18 @@ class Promises:
         fleet, agv, robot = self.fleet, self.fleet.agvs[name], self.fleet.supervisor.robots[name]
         vertices, edges = blocked(fleet, name)
         believed = {abs(edge) for edge in robot.record.held} | set(edges)
-        is_unknown = name in fleet.supervisor.unknown  # then nothing is granted to any robot
-        drives = [edge for edge in self._may_drive(name) if abs(edge) not in believed]
-        if not agv.off_graph and robot.record.pose == agv.pose:
+        is_unknown = name in fleet.supervisor.unknown  # it may be anywhere
+        drives = [edge for edge in self.may_drive(name) if abs(edge) not in believed]
+        if not agv.off_graph and robot.master.location == (agv.location.x, agv.location.y):
             self.carried.discard(name)
-        if drives or (name not in self.carried and abs(agv.edge) not in believed
-                      and not is_unknown and robot.liveness.is_seen):
+        if not is_unknown and (drives or (
+                name not in self.carried and abs(agv.edge) not in believed
+                and robot.liveness.is_seen)):
             held = unary_union([*(self._lines[edge] for edge in believed),
-                                *(self._vertices[vertex] for vertex in vertices)])
-            assert held.buffer(_EXACT).covers(self._possible(name, drives)), (
+                                *(self._vertices[vertex] for vertex in vertices),
+                                *(MultiPoint(area.line).convex_hull.buffer(area.radius or _EXACT)
+                                  for area in robot.master.allocation.areas)])
+            assert held.buffer(_EXACT + agv.kind.play).covers(self.possible(name, drives)), (
                 f'{name} may drive {drives}, but holds {believed} {vertices} only: '
                 f'{fleet.picture()}')
         if robot.needs_person and name not in self.blamed:
@@ -270,7 +283,7 @@ class Promises:
             return ()
         return sent.edges[max(agv.done - sent.first, 0) if agv.taken else 0:]
 
-    def _may_drive(self, name: str) -> Set[int]:
+    def may_drive(self, name: str) -> Set[int]:
         """Returns the signed ids of the edges that a robot drives, or may drive by an order that
         is under way to it."""
         agv = self.fleet.agvs[name]
@@ -279,7 +292,7 @@ class Promises:
             edges.update(self._left_of(order))
         return edges
 
-    def _possible(self, name: str, edges: Iterable[int]) -> BaseGeometry:
+    def possible(self, name: str, edges: Iterable[int]) -> BaseGeometry:
         """Returns the robot's position and these edges, without the driven part of its own edge."""
         agv = self.fleet.agvs[name]
         lines: List[BaseGeometry] = [Point(agv.position)]

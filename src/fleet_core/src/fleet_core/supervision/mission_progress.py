@@ -2,7 +2,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Iterator, Tuple
+from typing import Iterator, Optional, Tuple
 
 from fleet_core.supervision.mission_book import MissionBook
 from fleet_core.supervision.missions import (
@@ -27,8 +27,9 @@ def follow(book: MissionBook, robot: ManagedRobot, now: float) -> bool:
         if mission.left and mission.left[0] == vertex:
             _visit(book, mission, vertex)
     place = robot.position
-    if place is not None and place.vertex is not None:
-        _visit(book, mission, place.vertex)
+    if place is not None:
+        if place.vertex is not None:
+            _visit(book, mission, place.vertex)
         if mission.state in (MissionState.ACTIVE, MissionState.CANCELLING):
             _dwell(book, mission, place.vertex, now)
     return not mission.state.is_open
@@ -40,14 +41,20 @@ def _visit(book: MissionBook, mission: Mission, vertex: int) -> None:
         book.reach(mission, count)
 
 
-def _dwell(book: MissionBook, mission: Mission, vertex: int, now: float) -> None:
-    """Begins or ends the dwell at a destination on which the robot stands."""
+def _dwell(book: MissionBook, mission: Mission, vertex: Optional[int], now: float) -> None:
+    """Begins or ends the dwell at a destination, by the vertex on which the robot stands.
+
+    A robot that was pushed away, or that an older journal expects at the destination, comes back
+    and stays anew. Missions with steps are the desk's.
+    """
     while mission.state.is_open and mission.left and mission.left[0] == vertex:
         if mission.stays_since is None:
             book.stay(mission, now)
         if mission.dwell_until is not None and now < mission.dwell_until:
             return
         book.reach(mission)
+    if mission.stays_since is not None and not mission.request.stops:
+        book.end_stay(mission)
 
 
 def drop_out(book: MissionBook, robot: ManagedRobot) -> None:
