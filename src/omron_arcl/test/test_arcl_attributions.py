@@ -77,13 +77,13 @@ OCCASIONS: Dict[str, Occasion] = {
     'usage': Occasion('Stopped', ['goto 12'], ['usage: goto <goal>'], ['rejected']),
     # failures and interruptions
     'interrupted': Occasion('Stopped', ['goto 12'], ['Going to 12', 'Interrupted: Going to 12'],
-                            ['interrupted'], OTHERS),
+                            ['interrupted'], MotionCause.INTERRUPTED),
     'interrupted at its point': Occasion(
         'Stopped', ['goto 12'], ['Going to 12', POINT, 'Interrupted: Going to 100 200'],
-        ['interrupted'], OTHERS),
+        ['interrupted'], MotionCause.INTERRUPTED),
     'interrupted in other words': Occasion(
         'Stopped', ['goto 12'], ['Going to 12', 'Interrupted: something'], ['interrupted'],
-        OTHERS),
+        MotionCause.INTERRUPTED),
     'error: emergency stop': Occasion(
         'Stopped', ['goto 12'], ['Going to 12', 'Error: Emergency stop pressed'],
         ['emergency stop'], MotionCause.EMERGENCY_STOP),

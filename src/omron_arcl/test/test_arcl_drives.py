@@ -545,6 +545,21 @@ class TestOwedStop:
         with pytest.raises(Overruled, match='a cancellation of /rviz'):
             bench.drive(ROUTE, known_epoch=known)
 
+    @pytest.mark.parametrize('is_sent', [True, False])
+    def test_the_cancellation_by_another_is_a_stop_also_of_a_drive_that_does_not_rule(
+            self, bench, is_sent):
+        """Otherwise no epoch would tell the giver of the drive why it was cancelled."""
+        if is_sent:
+            drive = bench.drive(ROUTE)
+            bench.robot('Going to 12')
+            bench.drive(OTHER, 'goto 3')
+        else:
+            drive = bench.dispatcher.start(parse_command('goto 12'), giver=ROUTE)
+        known = bench.epoch
+        bench.dispatcher.cancel(drive, bench.now, PERSON)
+        assert (bench.memory.cause, bench.memory.stop_owed) == (MotionCause.CANCEL, True)
+        assert not bench.records.knows(ROUTE, known)
+
     def test_the_cancellation_of_an_older_drive_does_not_end_a_newer_one_of_a_person(self, bench):
         drive = bench.drive(ROUTE)
         bench.robot('Going to 12')
@@ -613,7 +628,54 @@ class TestOwedStop:
         assert bench.sent == ['goto 4']
 
 
+class TestInterruption:
+    """No source says whether the line also comes at an emergency stop, before its own."""
+
+    @pytest.mark.parametrize('then, cause', [
+        ('EStop pressed', MotionCause.EMERGENCY_STOP), ('Stopping', MotionCause.OTHER_CLIENT),
+        ('Going to 9', MotionCause.OTHER_CLIENT),
+        ('status EStop pressed', MotionCause.EMERGENCY_STOP),
+        ('status Stopped', MotionCause.OTHER_CLIENT),
+        ('status Going to 9', MotionCause.OTHER_CLIENT)])
+    def test_the_next_line_about_the_motion_tells_why_and_begins_another_epoch(
+            self, bench, then, cause):
+        drive = bench.drive(ROUTE)
+        bench.robot('Going to 12', 'Interrupted: Going to 12')
+        unexplained = bench.epoch
+        assert outcome(drive) is Outcome.INTERRUPTED
+        assert bench.memory.cause is MotionCause.INTERRUPTED
+        assert bench.dispatcher.in_doubt, 'a status would help'
+        for giver in (ROUTE, OTHER):
+            with pytest.raises(Unclear, match='why it broke off its drive'):
+                bench.drive(giver, known_epoch=unexplained)
+        if then.startswith('status'):
+            bench.status(then[len('status '):])
+        else:
+            bench.robot(then)
+        assert bench.memory.cause is cause
+        assert not bench.dispatcher.in_doubt
+        for giver in (ROUTE, OTHER):
+            with pytest.raises(Overruled):
+                bench.drive(giver, known_epoch=unexplained)
+
+
 class TestTwoGivers:
+    def test_a_drive_that_was_interrupted_before_a_refused_one_was_ended_by_another_client(
+            self, bench):
+        """The robot stands, so that its giver must not take the old epoch for its own."""
+        drive = bench.drive(ROUTE)
+        bench.robot('Going to 12')
+        known = bench.epoch
+        other = bench.drive(OTHER, 'goto 99')
+        bench.robot('Interrupted: Going to 12')
+        assert outcome(drive) is Outcome.INTERRUPTED
+        assert bench.epoch == known, 'the newer drive may have replaced it'
+        bench.robot('CommandError: goto 99', 'CommandErrorDescription: No goal')
+        assert outcome(other) is Outcome.NO_GOAL
+        assert bench.memory.cause is MotionCause.OTHER_CLIENT
+        with pytest.raises(Overruled, match='"goto 12" of /bridge was interrupted'):
+            bench.drive(ROUTE, known_epoch=known)
+
     def test_a_refused_command_takes_the_robot_from_nobody(self, bench):
         """D3: it ended the route, and the robot drove on without an owner."""
         bench.drive(ROUTE)

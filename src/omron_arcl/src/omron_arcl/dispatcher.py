@@ -102,8 +102,8 @@ class Dispatcher:
 
     @property
     def in_doubt(self) -> bool:
-        """Whether a status of the robot would show whether a drive or stop is over."""
-        return self._attribution.watch.in_doubt
+        """Whether a status of the robot would show whether a drive or stop is over, or why."""
+        return self._attribution.watch.in_doubt or self.records.is_unexplained
 
     def on_reply(self, reply: Reply, text: str, now: float) -> None:
         """Processes a line of the robot."""

@@ -8,6 +8,10 @@ for what others did. Everything else is derived from the records and from what t
 I/O and no clock. `attribution` decides whose a line of the robot is, in one table, and tells the
 events here.
 
+Since when and why the robot seems not to obey a drive (its doubt) is no part of the record, because
+it lasts only while the command is under way. `drive_watch` alone keeps it, in
+`Execution.progress.doubt`, and ends the command if it lasts. Here it only refuses drives meanwhile.
+
 The fate of a drive, and its next fate after an event (`Event`):
 
     event                        GIVEN        OBEYED       UNKNOWN      also
@@ -32,6 +36,9 @@ Derived:
   robot. While its fate is unknown, the published giver is empty.
 - An *epoch*, a random number, lasts as long as one giver drives. A new one begins when the ruling
   record becomes a stop, or comes from another giver, another client or the robot itself.
+- If the robot breaks a drive off (`Interrupted`), an epoch begins at once, and the robot's next
+  line or status about its motion begins another: an emergency stop may be the reason, or another
+  client. Until then nobody drives who must know the epoch.
 - A stop is owed while its record is not OVER.
 - The *last command* of each giver that numbers its commands, and what became of it. So a program
   whose connection broke, or which was restarted, need not guess whether the robot obeys it.
@@ -39,6 +46,8 @@ Derived:
 Invariants:
 - No drive that names an epoch passes a stop or drive that its giver does not know of.
 - A refused command changes no giver. Each drive has a giver, which can stop it.
+- Whatever interrupts, cancels or overrules the last drive of a giver begins an epoch of another, at
+  the latest when the drives are answered that the robot had not answered yet.
 - No time between two lines decides on their meaning: the order of lines does.
 
 docs/reference/omron_controller.md states the limits of what can be known.
@@ -204,6 +213,11 @@ class Drives:
         """The state to publish now."""
         return RobotMotion(self._memory, self._state())
 
+    @property
+    def is_unexplained(self) -> bool:
+        """Whether the robot broke off a drive, and has not said why yet."""
+        return self._memory.cause is MotionCause.INTERRUPTED
+
     def knows(self, giver: Giver, epoch: int) -> bool:
         """Whether only `giver`, which knows `epoch`, has given commands since that epoch."""
         return epoch == self._memory.epoch or self._others_since(giver, epoch) == ()
@@ -243,6 +257,8 @@ class Drives:
         """Why `giver` cannot drive, although it knows the present epoch; empty: it can."""
         if self._unseen:  # the first status may begin a new epoch
             return 'the robot has not said yet what it does'
+        if self.is_unexplained:
+            return 'the robot has not said yet why it broke off its drive'
         other = next((r for r in self._records if r.pending and r.giver != giver), None)
         if other:
             return f'the robot has not answered {other.words} yet'
@@ -285,9 +301,13 @@ class Drives:
         execution.progress.epoch = self._memory.epoch
 
     def cancelled(self, execution: Execution, canceller: Giver) -> None:
-        """A giver cancels a drive; cancelling a drive that was replaced stops nothing."""
+        """A giver cancels a drive. If it cancels a drive of its own that it has replaced, or that
+        was not sent, nothing is stopped."""
+        if not execution.command.spec.drives:
+            return
         newest = next((r for r in reversed(self._records) if r.kind is RecordKind.DRIVE), None)
-        if newest and execution.sent and self._executions.get(newest.number) is execution:
+        if canceller != execution.giver or (
+                newest and execution.sent and self._executions.get(newest.number) is execution):
             self._owe(canceller, MotionCause.CANCEL, f'a cancellation of {canceller.name}')
 
     def all_cancelled(self, canceller: Giver) -> None:
@@ -336,7 +356,8 @@ class Drives:
         if record.kind is RecordKind.STOP:
             self._stop_ended(record, outcome, now)
         elif outcome is Outcome.INTERRUPTED and record is self._records[-1]:
-            self._foreign(MotionCause.OTHER_CLIENT, False, words)
+            self._foreign(MotionCause.INTERRUPTED if self.heard.broke_off
+                          else MotionCause.OTHER_CLIENT, False, words)
         else:
             self._drive_ended(record, execution, outcome, words)
 
@@ -354,7 +375,7 @@ class Drives:
 
     def _drive_ended(self, record: DriveRecord, execution: Execution, outcome: Outcome,
                      words: str) -> None:
-        event, ruling = _EVENTS[outcome], self._memory.ruling
+        event, before = _EVENTS[outcome], self._memory.ruling
         if event is Event.WITHDRAWN and self.heard.unheard_stops:
             event = Event.CALLED_BACK
         elif event is Event.EMERGENCY_STOP:
@@ -362,8 +383,12 @@ class Drives:
             if execution.progress.rejected_at is not None:
                 event = Event.REFUSED
         self._happens(event, record)
+        ruling = self._memory.ruling
+        if ruling and ruling is self._records[-1] and ruling.was_broken_off:
+            # the drive that seemed to replace it was refused
+            self._foreign(MotionCause.OTHER_CLIENT, False, f'{ruling.words} was interrupted')
         if event is Event.LOST and record.pending:
-            self._rules(record, ruling)  # the robot may carry it out
+            self._rules(record, before)  # the robot may carry it out
         if outcome is Outcome.TIMED_OUT and execution.stop_on_timeout:
             self._owe(execution.giver, MotionCause.STOP, words)
         elif event is Event.EMERGENCY_STOP and record.pending and execution.sent:
@@ -434,6 +459,9 @@ class Drives:
             self.note_emergency(text)
         elif kind not in (ActivityKind.UNKNOWN, ActivityKind.MOTORS_DISABLED):
             heard.emergency = False
+        heard.broke_off = False
+        if self.is_unexplained:  # an emergency stop would have been shown
+            self._begin_epoch(None, MotionCause.OTHER_CLIENT, self._memory.reason, False)
         if self._unseen:
             self._first_shown(activity, text)
         elif self.is_idle:

@@ -56,6 +56,8 @@ class RobotWords:
         """Whether the last status showed a motion that is not ours; it may have crossed a line."""
         self.emergency = False
         """Whether the emergency stop is pressed, or the motors are still off after it."""
+        self.broke_off = False
+        """Whether the robot broke off a motion, and has not said yet what it does now."""
         self.sets_out = False
         """Whether the last line begins a motion."""
         self.acknowledged = 0
@@ -87,7 +89,10 @@ class RobotWords:
             self.emergency, self.stops_itself = False, SelfStop.MOTORS_ENABLED
         elif isinstance(reply, replies.Fault) and reply.cleared:
             self.stops_itself = SelfStop.FAULT_CLEARED
+        if isinstance(reply, replies.Interrupted):
+            self.broke_off = True
         if isinstance(reply, _TELLING):
+            self.broke_off = False
             self.activity = activity_of(reply)
             if self.activity.kind in MOVING:
                 self.stops_itself = None

@@ -18,6 +18,7 @@ class MotionCause(IntEnum):
     ROBOT = 5
     EMERGENCY_STOP = 6
     RESTART = 7
+    INTERRUPTED = 8
 
 
 class MotionState(IntEnum):
@@ -102,6 +103,12 @@ class DriveRecord:
     def pending(self) -> bool:
         """Whether it is a drive that the robot has not answered."""
         return self.kind is RecordKind.DRIVE and self.fate is Fate.GIVEN
+
+    @property
+    def was_broken_off(self) -> bool:
+        """Whether it is a drive that ended before its goal, and not because the robot gave up."""
+        return (self.kind is RecordKind.DRIVE and self.fate is Fate.OVER
+                and self.ending is CommandFate.NOT_OBEYED)
 
     @property
     def owed(self) -> bool:

@@ -7,14 +7,15 @@ from itertools import count
 from typing import Callable, Dict, List, Optional, Sequence, Tuple
 
 from omron_arcl import ActivityKind, Outcome
-from omron_arcl.records import CommandFate
+from omron_arcl.records import CommandFate, MotionCause, RobotMotion
 from omron_arcl.replies import DockingState
 from omron_ld90.bridge import events as p
 from omron_ld90.bridge.route_follower import RouteFollower
 from omron_ld90.bridge.route_strategies import STRATEGIES, RouteSettings
-from route_protocol.values import RouteOrder, RouteRefusal, RouteReport
+from route_protocol.values import EpochCause, RouteOrder, RouteRefusal, RouteReport
 from trajectory_graph import Edge, Graph, Vertex
 
+BRIDGE = '/bridge'
 DOCK_VERTEX = 90
 NANOSECONDS = 1_000_000_000
 
@@ -22,6 +23,23 @@ NANOSECONDS = 1_000_000_000
 ENDINGS = {**{outcome: outcome for outcome in Outcome}, **dict.fromkeys(
     (Outcome.REJECTED, Outcome.NO_GOAL, Outcome.UNKNOWN_COMMAND, Outcome.TIMED_OUT),
     Outcome.FAILED)}
+
+
+def told_of(motion: RobotMotion) -> p.MotionTold:
+    """The event for the bridge: what the controller tells of the robot's motion."""
+    memory = motion.memory
+    number, fate = next(((last.number, last.fate)
+                         for last in memory.last_commands if last.giver == BRIDGE),
+                        (0, CommandFate.NOT_OBEYED))
+    return p.MotionTold(
+        memory.epoch, memory.previous_epoch,
+        memory.giver.name == BRIDGE or memory.cause is MotionCause.EMERGENCY_STOP,
+        memory.cause is MotionCause.RESTART, memory.stop_owed, memory.reason,
+        EpochCause.OTHER_GIVER
+        if memory.cause in (MotionCause.STOP, MotionCause.INTERRUPTED)
+        else EpochCause(memory.cause),
+        obeys_us=memory.giver.name == BRIDGE and memory.cause is MotionCause.OTHER_GIVER,
+        number=number, fate=fate, is_unexplained=memory.cause is MotionCause.INTERRUPTED)
 
 
 def graph_of(places: Dict[int, Tuple[float, float]], ends: Dict[int, Tuple[int, int]]) -> Graph:
@@ -220,7 +238,7 @@ class Bench:
             self.robot.foreign = False
             self.epoch += 1
             self.tell(p.MotionTold(self.epoch, self.epoch - 1, reason='another client',
-                                   by_robot=True, number=self.robot.last[0],
+                                   number=self.robot.last[0],
                                    fate=CommandFate.NOT_OBEYED))
         if self._heard != (self.follower, self.robot.last):
             self.hear_motion('')

@@ -8,7 +8,14 @@ from __future__ import annotations
 from functools import partial
 from typing import Callable, List, Optional, Sequence, Tuple, Union
 
-from bridge_builders import DOCK_VERTEX, ENDINGS, NANOSECONDS, GraphRobot
+from bridge_builders import (
+    BRIDGE,
+    DOCK_VERTEX,
+    ENDINGS,
+    NANOSECONDS,
+    GraphRobot,
+    told_of,
+)
 from modelled_controller import Delays, ModelledController
 from simulated_robot import SimulatedRobot
 from speaking_robot import SpeakingRobot
@@ -24,15 +31,15 @@ from omron_arcl import (
     read_activity,
 )
 from omron_arcl.drives import Overruled
-from omron_arcl.records import CommandFate, MotionCause, RobotMotion
+from omron_arcl.records import MotionCause, RobotMotion
 from omron_arcl.replies import DockingState, DockingStatus
 from omron_ld90.bridge import events as p
 from omron_ld90.bridge.route_follower import RouteFollower
 from omron_ld90.bridge.route_strategies import STRATEGIES, RouteSettings
-from route_protocol.values import EpochCause, RouteOrder, RouteReport
+from route_protocol.values import RouteOrder, RouteReport
 from trajectory_graph import Graph
 
-BRIDGE, PERSON = '/bridge', Giver('/rviz', 'process 1')
+PERSON = Giver('/rviz', 'process 1')
 TICK = 0.1
 AnyRobot = Union[SpeakingRobot, SimulatedRobot]
 
@@ -300,20 +307,8 @@ class DelayedDrive:
             self._hear_motion(self._told, self._generation)
 
     def _hear_motion(self, motion: RobotMotion, generation: int) -> None:
-        memory = motion.memory
-        number, fate = next(((last.number, last.fate)
-                             for last in memory.last_commands if last.giver == BRIDGE),
-                            (0, CommandFate.NOT_OBEYED))
         if generation == self._generation:
-            self._tell(p.MotionTold(
-                memory.epoch, memory.previous_epoch,
-                memory.giver.name == BRIDGE or memory.cause is MotionCause.EMERGENCY_STOP,
-                memory.cause is MotionCause.RESTART, memory.stop_owed, memory.reason,
-                memory.cause in (MotionCause.OTHER_CLIENT, MotionCause.ROBOT),
-                EpochCause.OTHER_GIVER
-                if memory.cause is MotionCause.STOP else EpochCause(memory.cause),
-                obeys_us=memory.giver.name == BRIDGE and memory.cause is MotionCause.OTHER_GIVER,
-                number=number, fate=fate))
+            self._tell(told_of(motion))
 
     # --- the receiver -----------------------------------------------------------------------------
 

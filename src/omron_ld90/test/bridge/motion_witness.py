@@ -271,7 +271,8 @@ class Witness(DelayedDrive):
 
     def _on_motion(self, motion: RobotMotion) -> None:
         self.words_of_epoch.setdefault(motion.memory.epoch, len(self.words))
-        if self.is_alone and motion.memory.cause in (MotionCause.OTHER_CLIENT, MotionCause.ROBOT):
+        if self.is_alone and motion.memory.cause in (
+                MotionCause.OTHER_CLIENT, MotionCause.ROBOT, MotionCause.INTERRUPTED):
             self.broken.append(f'there is no other client: {motion.memory.reason}')
         for last in motion.memory.last_commands:
             self._judge_last_command(last)

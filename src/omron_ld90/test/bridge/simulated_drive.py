@@ -10,17 +10,19 @@ from pathlib import Path
 from typing import Callable, List, Optional, Tuple
 
 import numpy as np
-from bridge_builders import ENDINGS
+from bridge_builders import BRIDGE, ENDINGS, told_of
 from scipy.spatial import cKDTree
 
 from omron_arcl import (
     ActivityKind,
+    Giver,
     StatusAssembler,
     parse_command,
     parse_line,
     read_activity,
 )
 from omron_arcl.dispatcher import Dispatcher
+from omron_arcl.records import RobotMotion
 from omron_arcl.replies import DockingState, DockingStatus, OneLineStatus
 from omron_ld90.bridge import events as p
 from omron_ld90.bridge.route_follower import RouteFollower
@@ -71,6 +73,7 @@ class SimulatedDrive:
         self.lines: List[str] = []
         self.notes: List[str] = []
         self._dispatcher = Dispatcher()
+        self._told: Optional[RobotMotion] = None
         self._statuses = StatusAssembler()
         self._docking = DockingState.DOCKED if vertex is None else DockingState.UNDOCKED
         self._client = self.server.connect()
@@ -190,6 +193,10 @@ class SimulatedDrive:
             if line is None:
                 break
             self._client.receive(line + b'\n')
+        motion = self._dispatcher.records.motion
+        if motion != self._told:
+            self._told = motion
+            self._tell(told_of(motion))
         for call in self._dispatcher.pop_callbacks():
             call()
 
@@ -198,7 +205,8 @@ class SimulatedDrive:
         self._dispatcher.start(
             parse_command(give.command),
             on_end=lambda result: self._tell(p.CommandEnded(
-                give.number, ENDINGS[result.outcome], result.words)))
+                give.number, ENDINGS[result.outcome], result.words)),
+            giver=Giver(BRIDGE), number=give.number)
         self._send()
 
     def _tell(self, *events: p.Event) -> None:

@@ -6,7 +6,7 @@ import pytest
 from omron_arcl import ActivityKind, Outcome
 from omron_arcl.records import CommandFate
 from omron_ld90.bridge.events import CommandEnded
-from omron_ld90.bridge.goal_tracker import DOCK, STATUSES_TO_JUDGE, GoalTracker, TakenOver
+from omron_ld90.bridge.goal_tracker import DOCK, GoalTracker
 
 HERE, THERE = (0.0, 0.0), (3.0, 0.0)
 
@@ -36,56 +36,22 @@ def test_a_failure_in_its_own_words():
         'Failed going to goal')
 
 
-def shown(tracker: GoalTracker) -> None:
-    """The robot sends as many statuses as tell the reason of an interruption."""
-    for _ in range(STATUSES_TO_JUDGE):
-        tracker.shown()
+@pytest.mark.parametrize('ending, again', [
+    (Outcome.INTERRUPTED, False), (Outcome.CANCELLED, False), (Outcome.OVERRULED, True)])
+@pytest.mark.parametrize('fate', CommandFate)
+def test_a_drive_that_others_ended_waits_for_the_next_epoch_and_only_one_never_sent_is_given_again(
+        ending, again, fate):
+    tracker = ended(ending, 'replaced by "goto 3"')
+    tracker.told(1, fate, 5.1)
+    assert (tracker.reached, tracker.failure, tracker.is_doubtful) == (False, None, True)
+    tracker.goes_on(5.2)
+    assert (tracker.word.due(True, 5.2), tracker.is_doubtful) == (again, not again)
 
 
-@pytest.mark.parametrize('ending', [Outcome.INTERRUPTED, Outcome.CANCELLED])
-def test_an_interruption_is_somebody_elses_unless_the_next_statuses_show_an_emergency_stop(ending):
-    tracker = sent()
-    shown(tracker)
-    tracker.ended(CommandEnded(1, ending, 'replaced by "goto 3"'), 5.0)
-    assert tracker.is_doubtful
-    tracker.shown()
-    assert tracker.failure is None, 'this status may have been sent before'
-    tracker.shown()
-    assert isinstance(tracker.failure, TakenOver)
-
-
-def test_a_drive_that_was_overruled_waits_for_the_next_epoch_however_long_it_takes():
-    tracker = ended(Outcome.OVERRULED, 'the controller was started')
-    shown(tracker)
-    assert (tracker.failure, tracker.is_doubtful) == (None, True)
-    tracker.goes_on(5.1)
-    shown(tracker)
-    assert (tracker.failure, tracker.word.due(True, 5.1)) == (None, True)
-
-
-def test_it_is_given_again_as_well_if_a_newer_command_of_this_program_came_before_it():
+def test_an_overruled_one_is_given_again_if_a_newer_command_of_this_program_came_before_it():
     tracker = ended(Outcome.OVERRULED, 'it is not newer than the last one of /bridge')
     tracker.told(2, CommandFate.GIVEN, 5.1)
     assert tracker.word.due(True, 5.1)
-
-
-@pytest.mark.parametrize('is_known', [False, True])
-def test_it_has_failed_if_the_robot_does_something_else(is_known):
-    tracker = sent()
-    if is_known:
-        tracker.interrupted('another client')
-    tracker.ended(CommandEnded(1, Outcome.OVERRULED, 'another client'), 5.0)
-    if not is_known:
-        tracker.interrupted('another client')
-    shown(tracker)
-    assert isinstance(tracker.failure, TakenOver)
-
-
-def test_one_that_was_interrupted_is_not_given_again():
-    tracker = ended(Outcome.INTERRUPTED)
-    tracker.goes_on(5.1)
-    shown(tracker)
-    assert isinstance(tracker.failure, TakenOver)
 
 
 def test_only_the_last_command_counts():

@@ -94,6 +94,25 @@ def test_a_robot_is_not_driven_before_the_controller_has_told_who_drives_it():
     assert not robot.why_unknown(0.0)
 
 
+def test_nor_before_it_has_told_why_the_robot_broke_off_a_drive():
+    robot = monitor()
+    robot.update(MotionTold(1), 0.0)
+    robot.update(MotionTold(2, 1, is_unexplained=True), 0.0)
+    assert 'why it broke off its drive' in robot.why_unknown(0.0).text
+    robot.check(0.0)
+    assert robot.overruled is None
+    robot.update(MotionTold(3, 2, cause=EpochCause.OTHER_CLIENT), 0.0)
+    assert not robot.why_unknown(0.0)
+    assert robot.overruled is EpochCause.OTHER_CLIENT
+
+
+def test_a_drive_that_somebody_else_lost_is_none_of_ours():
+    robot = monitor()
+    robot.update(MotionTold(1), 0.0)
+    robot.update(MotionTold(2, 1, is_unexplained=True), 0.0)
+    assert not robot.tracker.is_doubtful
+
+
 def test_a_location_is_overdue_only_while_its_link_stands():
     robot = monitor()
     for time in (1.0, 2.0, 3.0, 4.0, 5.0):
@@ -187,23 +206,60 @@ def test_numbers_of_commands_grow_also_above_one_that_only_the_controller_knows(
     assert robot.due_commands(0.0)[0].number > 50
 
 
+def own(epoch: int) -> MotionTold:
+    """The robot obeys a drive of ours."""
+    return MotionTold(epoch, epoch - 1, is_ours=True, obeys_us=True)
+
+
+def others(epoch: int, cause: EpochCause, number: int) -> MotionTold:
+    """Somebody else did something, and the robot does not obey our last drive."""
+    return MotionTold(epoch, epoch - 1, reason='why', cause=cause,
+                      is_ours=cause is EpochCause.EMERGENCY_STOP, number=number,
+                      fate=CommandFate.NOT_OBEYED)
+
+
+@pytest.mark.parametrize('cause, why', [
+    (EpochCause.OTHER_GIVER, 'taken over'),   # another program drives or stops the robot
+    (EpochCause.CANCEL, 'taken over'),        # a person cancels the drive
+    (EpochCause.OTHER_CLIENT, 'taken over'),  # another client of the robot drives or stops it
+    (EpochCause.ROBOT, 'taken over'),         # the robot docks by itself
+    (EpochCause.EMERGENCY_STOP, 'emergency stop')])
+@pytest.mark.parametrize('ending, obeyed_before', [
+    *((ending, obeyed) for ending in (Outcome.INTERRUPTED, Outcome.CANCELLED, Outcome.LOST, None)
+      for obeyed in (True, False)), (Outcome.OVERRULED, False)])
+@pytest.mark.parametrize('told_first', [True, False])
+def test_the_epoch_tells_why_a_drive_ended_before_and_after_its_result(
+        cause, why, ending, obeyed_before, told_first):
+    """However late either message comes, the drive is not given again."""
+    robot = monitor()
+    robot.update(MotionTold(5), 0.0)
+    robot.tracker.send('12', 'goto 12')
+    give, = robot.due_commands(0.0)
+    events = [own(6)] * obeyed_before + [others(7 if obeyed_before else 6, cause, give.number)]
+    result = [CommandEnded(give.number, ending, 'words')] if ending else []
+    *before, last = [*events, *result] if told_first else [*result, *events]
+    for event in before:
+        robot.update(event, 1.0)
+        assert robot.due_commands(1.0) == []
+    if not told_first or not result:
+        robot.check(1.0)
+    robot.update(last, 1.0)
+    assert why_failed(robot, 1.0) == why
+
+
 @pytest.mark.parametrize('cause, again', [(EpochCause.RESTART, True), (EpochCause.STOP, False)])
-@pytest.mark.parametrize('by_robot', [False, True])
-def test_a_drive_for_an_epoch_that_ended_with_the_controller_is_given_again(
-        cause, again, by_robot):
+def test_a_drive_for_an_epoch_that_ended_with_the_controller_is_given_again(cause, again):
     """Its refusal may come after the news of the new epoch."""
     robot = monitor()
     robot.update(MotionTold(5), 0.0)
     robot.tracker.send('12', 'goto 12')
     give, = robot.due_commands(0.0)
     goes_on = cause is EpochCause.RESTART
-    robot.update(MotionTold(give.known_epoch + 1, give.known_epoch, goes_on=goes_on, cause=cause,
-                            by_robot=by_robot and not goes_on), 1.0)
+    robot.update(MotionTold(give.known_epoch + 1, give.known_epoch, goes_on=goes_on,
+                            cause=cause), 1.0)
     robot.update(CommandEnded(give.number, Outcome.OVERRULED, 'the controller was started'), 1.1)
     commands = [(one.command, one.known_epoch) for one in robot.due_commands(1.2)]
     assert commands == ([('goto 12', give.known_epoch + 1)] if again else [])
-    for stamp in (2, 3):
-        robot.update(RobotSeen(stamp, ActivityKind.STOPPED, place=(0.0, 0.0)), 2.0)
     if again:
         robot.check(3.0)
     else:

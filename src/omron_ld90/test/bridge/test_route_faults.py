@@ -7,9 +7,11 @@ import pytest
 from bridge_builders import Bench, dissertation_graph, yard
 
 from omron_arcl import ActivityKind, Outcome
+from omron_arcl.records import CommandFate
 from omron_ld90.bridge import events as p
 from omron_ld90.bridge.events import RobotLink
-from route_protocol.values import EdgeState, ReasonCode
+from omron_ld90.bridge.route_follower import RouteFollower
+from route_protocol.values import EdgeState, EpochCause, ReasonCode
 
 LINKS = (RobotLink.COMMANDS, RobotLink.OUTGOING)
 
@@ -100,12 +102,11 @@ class TestWhatSomebodyElseDoes:
 def test_a_drive_interrupted_by_nobody_of_us_is_a_take_over():
     bench = under_way()
     end_of_drive(bench, Outcome.INTERRUPTED, 'replaced by "goto 3"')
-    bench.wait(1.0)
-    bench.look()
-    assert bench.follower.running, 'this status may have been sent before'
-    bench.look()
+    bench.drive(2.0)
+    assert bench.follower.running, 'the next epoch tells whether it was the emergency stop'
+    bench.overrule('"goto 3" of /rviz')
     assert_failed(bench, 'taken over', stopped=False)
-    assert 'replaced by "goto 3"' in bench.notes[-1]
+    assert '"goto 3" of /rviz' in bench.notes[-1]
 
 def test_nothing_is_sent_to_a_robot_that_somebody_else_may_drive():
     def rolling() -> Bench:
@@ -118,6 +119,9 @@ def test_nothing_is_sent_to_a_robot_that_somebody_else_may_drive():
     bench.drive(twin.now - bench.now - 0.3)  # shortly before the next goal is due
     end_of_drive(bench, Outcome.INTERRUPTED, 'replaced by something')
     bench.drive(1.0)
+    assert 'goto 6' not in bench.commands
+    bench.overrule()
+    bench.drive(1.0)
     assert bench.follower.report().reason.text == 'taken over'
     assert 'goto 6' not in bench.commands
 
@@ -129,25 +133,42 @@ def test_an_interruption_by_the_emergency_stop_is_called_so():
     bench.look()
     assert_failed(bench, 'emergency stop')
 
-def test_so_is_one_that_the_controller_takes_for_another_clients():
+@pytest.mark.parametrize('why, reason', [
+    (EpochCause.EMERGENCY_STOP, 'emergency stop'), (EpochCause.OTHER_CLIENT, 'taken over')])
+@pytest.mark.parametrize('restarts', [False, True])
+def test_a_drive_that_the_robot_broke_off_waits_until_the_controller_knows_why(
+        why, reason, restarts):
+    """Only from an emergency stop the robot comes back to the fleet without a person."""
+    def tell(**what):
+        bench.epoch += 1
+        bench.tell(p.MotionTold(bench.epoch, bench.epoch - 1, reason='Interrupted: Going to 7',
+                                number=bench.robot.last[0], fate=CommandFate.NOT_OBEYED, **what))
     bench = under_way()
-    bench.epoch += 1
-    bench.tell(p.MotionTold(bench.epoch, bench.epoch - 1, reason='Interrupted: Going to 7',
-                            by_robot=True))
-    bench.wait(0.3)
+    given = list(bench.commands)
+    end_of_drive(bench, Outcome.INTERRUPTED, 'Interrupted: Going to 7')
+    bench.robot.halt(ActivityKind.STOPPED)
+    if restarts:
+        record = bench.follower.record
+        bench.follower = RouteFollower(bench.follower.settings, bench.follower.graph, LINKS)
+        bench.follower.restore(record, True, bench.now)
+        for link in LINKS:
+            bench.tell(p.LinkReported(link, True))
+    tell(is_unexplained=True)
+    for _ in range(5):
+        bench.look()
+        bench.wait(0.3)
     assert bench.follower.running
-    bench.epoch += 1
-    bench.tell(p.MotionTold(bench.epoch, bench.epoch - 1, is_ours=True))
-    bench.robot.emergency = True
-    bench.look()
-    assert bench.follower.report().reason.text == 'emergency stop'
-
+    assert bench.commands == given
+    tell(is_ours=why is EpochCause.EMERGENCY_STOP, cause=why)
+    assert bench.follower.report().reason.text == reason
+    assert 'goto 7' not in bench.commands[len(given):]
 
 def test_what_another_client_of_the_robot_does_ends_the_route():
     bench = under_way()
     given = list(bench.commands)
     bench.epoch += 1
-    bench.tell(p.MotionTold(bench.epoch, bench.epoch - 1, reason='Stopping', by_robot=True))
+    bench.tell(p.MotionTold(bench.epoch, bench.epoch - 1, reason='Stopping',
+                            cause=EpochCause.OTHER_CLIENT))
     bench.drive(1.0)
     assert bench.follower.report().reason.text == 'taken over'
     assert bench.commands == given
@@ -155,7 +176,8 @@ def test_what_another_client_of_the_robot_does_ends_the_route():
 
 def another_client_drives(bench):
     bench.epoch += 1
-    bench.tell(p.MotionTold(bench.epoch, bench.epoch - 1, reason='Going to 5', by_robot=True))
+    bench.tell(p.MotionTold(bench.epoch, bench.epoch - 1, reason='Going to 5',
+                            cause=EpochCause.OTHER_CLIENT))
 
 
 def the_robot_obeys_us(bench):
@@ -163,20 +185,10 @@ def the_robot_obeys_us(bench):
     bench.tell(p.MotionTold(bench.epoch, bench.epoch - 1, is_ours=True, obeys_us=True))
 
 
-def test_a_robot_that_obeys_us_after_another_client_drives_on_for_the_route():
-    bench = under_way()
-    another_client_drives(bench)
-    bench.wait(0.3)
-    the_robot_obeys_us(bench)
-    bench.wait(2.0)
-    assert bench.follower.running
-
-
-def test_one_that_obeys_us_after_the_route_was_taken_over_is_stopped():
+def test_a_robot_that_obeys_us_after_the_route_was_taken_over_is_stopped():
     """D5: otherwise it would drive without an owner."""
     bench = under_way()
     another_client_drives(bench)
-    bench.drive(1.0)
     assert bench.follower.report().reason.text == 'taken over'
     assert bench.commands[-1] != 'stop'
     the_robot_obeys_us(bench)

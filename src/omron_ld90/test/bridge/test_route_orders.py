@@ -4,8 +4,7 @@ from __future__ import annotations
 import pytest
 from bridge_builders import Bench, dissertation_graph, graph_of, yard
 
-from omron_arcl import Outcome
-from omron_ld90.bridge.events import CommandEnded, LinkReported, MotionTold, RobotLink, RobotSeen
+from omron_ld90.bridge.events import LinkReported, MotionTold, RobotLink, RobotSeen
 from omron_ld90.bridge.route_follower import RouteFollower
 from omron_ld90.bridge.route_strategies import RouteSettings
 from route_protocol.values import (
@@ -332,8 +331,7 @@ def test_an_order_that_was_on_its_way_when_somebody_took_over_is_refused(sent, r
 def test_a_sender_whose_clock_is_slow_is_heard_again_soon_after_a_take_over():
     bench = Bench(yard(), 1)
     bench.order(7, 1, 5)
-    bench.tell(CommandEnded(bench.robot.number, Outcome.INTERRUPTED, 'replaced by "goto 3"'))
-    bench.robot.number = None
+    bench.overrule('"goto 3" of /rviz', 'goto 3')
     bench.drive(1.0)
     assert bench.follower.report().reason.text == 'taken over'
     second, hour = 1_000_000_000, 3600.0

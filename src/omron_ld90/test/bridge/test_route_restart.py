@@ -138,10 +138,7 @@ def test_a_route_that_has_ended_is_not_driven_again(end):
     elif end == 'failed':
         end_of_drive(bench, Outcome.FAILED, 'Cannot find path')
     elif end == 'taken over':
-        end_of_drive(bench, Outcome.INTERRUPTED, 'replaced')
-        bench.look()
-        bench.look()
-        bench.robot.obey(None, 'goto 3')
+        bench.overrule('"goto 3" of /rviz', 'goto 3')
     else:
         bench.order(9)
     before, commands = bench.follower.report(), list(bench.commands)

@@ -74,7 +74,7 @@ def test_a_motion_is_that_of_the_bridge_or_of_somebody_else(giver, cause, is_our
     told = Motion(epoch=9, previous_epoch=8, giver=giver, cause=int(cause), stop_owed=True,
                          reason='why')
     assert motion_told(told, '/r/bridge') == MotionTold(
-        9, 8, is_ours, goes_on, True, 'why', cause is EpochCause.OTHER_CLIENT,
+        9, 8, is_ours, goes_on, True, 'why',
         EpochCause.OTHER_GIVER if cause is EpochCause.STOP else cause,
         obeys_us=giver == '/r/bridge', fate=CommandFate.NOT_OBEYED)
 

@@ -61,10 +61,10 @@ class MotionTold:
 
     is_ours -- the bridge itself began the epoch, or an emergency stop
     obeys_us -- the robot has acknowledged a drive of the bridge
-    by_robot -- the robot did something that no command of ours asked for
     goes_on -- the controller was restarted, and knows of no giver that did anything meanwhile
     reason -- why the epoch is a new one, for a person
     cause -- the same for programs
+    is_unexplained -- the robot broke off a drive, and the next epoch tells why
     drives -- the robot drives now
     number, fate -- the last command of the bridge that the controller has, and what became of it;
         0, None: nothing was told yet
@@ -78,12 +78,12 @@ class MotionTold:
     goes_on: bool = False
     stop_owed: bool = False
     reason: str = ''
-    by_robot: bool = False
     cause: EpochCause = EpochCause.OTHER_GIVER
     drives: bool = False
     obeys_us: bool = False
     number: int = 0
     fate: Optional[CommandFate] = None
+    is_unexplained: bool = False
 
 
 class RobotLink(Enum):

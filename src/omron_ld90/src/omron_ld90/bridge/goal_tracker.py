@@ -1,13 +1,14 @@
 """The goal that we last sent the robot to, and how the drive to it ends.
 
     event                                   under way      interrupted     overruled
-    SUCCEEDED, COMPLETED                    reached        reached         reached
-    INTERRUPTED, CANCELLED                  interrupted    -               interrupted
-    OVERRULED                               overruled      interrupted     interrupted
-    EMERGENCY_STOPPED, FAILED               failed         failed          failed
-    STATUSES_TO_JUDGE statuses              -              failed          -
-    the epoch is still ours                 -              -               under way, given again
-    the robot obeys the drive after all     -              under way       under way
+    SUCCEEDED, COMPLETED                    reached        -               -
+    INTERRUPTED, CANCELLED                  interrupted    -               -
+    OVERRULED                               overruled      -               -
+    EMERGENCY_STOPPED, FAILED               failed         -               -
+    a new epoch that is not another giver's -              -               under way, given again
+
+Another giver's epoch ends the route, in each state (`RobotMonitor`). It always comes: the
+controller begins one for whatever interrupts, cancels or overrules the last drive of a giver.
 
 Invariants: only the last command counts; a new one forgets how the one before ended. A drive is
 given again only if the controller did not send it, or the robot does not carry it out; see
@@ -26,7 +27,6 @@ from omron_ld90.bridge.last_word import STOP, LastWord
 from route_protocol.values import EMERGENCY_STOP, TAKEN_OVER, Reason, ReasonCode
 
 DOCK = 'dock'
-STATUSES_TO_JUDGE = 2  # after an interruption; the first may have been sent before it
 UNMOVED = 0.1       # m by which the location of a standing robot may vary
 
 _FAILED = Reason(ReasonCode.DRIVE_FAILED, 'the robot failed to reach its goal')
@@ -54,9 +54,8 @@ class TakenOver(RouteFailed):
 class GoalTracker:
     """Tracks the last goal from the command to the arrival.
 
-    An interruption does not tell its reason. The robot's next statuses do: they show an emergency
-    stop, or else another giver drives or stopped the robot. A drive that the controller refused
-    because of its epoch was not interrupted: the next epoch tells why (`goes_on`, `interrupted`).
+    The end of a drive that another giver ended, or came before, does not tell by whom. The next
+    epoch does, and until then nothing is sent.
 
     It has one method for each event of a command, and one for each of ours.
     """
@@ -75,9 +74,8 @@ class GoalTracker:
         # number and fate of our last command
         self._told: Tuple[int, Optional[CommandFate]] = (0, None)
         self._place: Optional[Tuple[float, float]] = None
-        self._interruption: Optional[str] = None  # the words about it
-        self._statuses = 0  # that the robot sent since then
-        self._was_overruled = False  # the drive was refused because of its epoch
+        # how the last drive ended, if the next epoch tells why
+        self._unexplained: Optional[Outcome] = None
 
     @property
     def has_docked(self) -> bool:
@@ -85,14 +83,9 @@ class GoalTracker:
         return self.goal == DOCK and self.reached
 
     @property
-    def is_interrupted(self) -> bool:
-        """Whether the robot does something else, and it is not known yet why."""
-        return self._interruption is not None and self.failure is None
-
-    @property
     def is_doubtful(self) -> bool:
-        """Whether it is unknown if the robot obeys the last command, or why it no longer does."""
-        return self.word.is_lost or self._interruption is not None
+        """Whether it is unknown if the robot obeys the last command, or why it does not."""
+        return self.word.is_lost or self._unexplained is not None
 
     # --- our commands ----------------------------------------------------------------------------
 
@@ -113,7 +106,7 @@ class GoalTracker:
 
     def forget(self) -> None:
         """Forgets why the last route ended, and its stop."""
-        self.failure = self._interruption = None
+        self.failure = self._unexplained = None
         if self.word.is_stop:
             self.word = LastWord()
 
@@ -123,8 +116,8 @@ class GoalTracker:
 
     def _begin(self, goal: Optional[str], word: LastWord) -> None:
         self.goal, self.word = goal, word
-        self.reached = self._was_overruled = False
-        self.failure = self._interruption = None
+        self.reached = False
+        self.failure = self._unexplained = None
 
     # --- how the command goes on -----------------------------------------------------------------
 
@@ -137,10 +130,8 @@ class GoalTracker:
             return
         if event.ending is Outcome.SUCCEEDED:
             self._arrive()
-        elif event.ending is Outcome.OVERRULED and self._interruption is None:
-            self._interruption, self._was_overruled = event.text, True
         elif event.ending in (Outcome.INTERRUPTED, Outcome.CANCELLED, Outcome.OVERRULED):
-            self.interrupted(event.text)
+            self._unexplained = event.ending
         elif event.ending is Outcome.EMERGENCY_STOPPED:
             self.failure = RouteFailed(EMERGENCY_STOP)
         elif event.ending is Outcome.FAILED:
@@ -173,31 +164,17 @@ class GoalTracker:
         if self.reached:
             self.rested_at_goal = self.rested_at_goal + 1 if stands else 0
 
-    def interrupted(self, words: str) -> None:
-        """The robot does something else; an emergency stop may be the reason."""
-        if not self.word.is_stop:
-            self.word.must_be_given = False
-        self._was_overruled = False
-        if self._interruption is None:
-            self._interruption, self._statuses = words, 0
-
-    def shown(self) -> None:
-        """The robot sent a status."""
-        self._statuses += 1
-        if (self._interruption is not None and not self._was_overruled
-                and self._statuses >= STATUSES_TO_JUDGE):
-            self.failure = TakenOver(self._interruption or 'The motion was interrupted.')
+    def interrupted(self) -> None:
+        """The robot broke off its drive, and the next epoch tells why."""
+        if self.goal is not None:
+            self._unexplained, self.word.must_be_given = Outcome.INTERRUPTED, False
 
     def goes_on(self, now: float) -> None:
         """No other giver did anything, so a drive that was refused because of its epoch may be
         given again."""
-        if self._was_overruled:
-            self._interruption, self._was_overruled = None, False
+        if self._unexplained is Outcome.OVERRULED:
+            self._unexplained = None
             self.word.give_again(now)
-
-    def obeyed(self) -> None:
-        """The robot obeys the last drive after all, although another giver came before it."""
-        self._interruption = None
 
     def _arrive(self) -> None:
         self.reached = True

@@ -39,6 +39,7 @@ class RobotMonitor:
         """Whether the present epoch began because the robot obeys a drive of ours."""
         self.overruled: Optional[EpochCause] = None
         """Why orders that were on their way must not be obeyed any more; None: they may be."""
+        self._is_unexplained = False  # the robot broke off a drive; the next epoch tells why
         self._taken_over: Optional[TakenOver] = None
         self._number = number  # of the last command
         self._handlers: Dict[Type[object], Callable[..., None]] = {
@@ -89,6 +90,9 @@ class RobotMonitor:
         if not unusable and not self.epoch and self.links.are_expected:
             return Reason(ReasonCode.NOT_READY,
                           'omron_controller has not reported the motion of the robot')
+        if not unusable and self._is_unexplained:
+            return Reason(ReasonCode.NOT_READY,
+                          'the robot has not said yet why it broke off its drive')
         if not unusable and self.is_location_overdue(now):
             return _no_location(now - self.location.heard)
         return unusable
@@ -143,7 +147,6 @@ class RobotMonitor:
     def _on_seen(self, status: p.RobotSeen, now: float) -> None:
         self.seen = status
         self.emergency = status.emergency_stop
-        self.tracker.shown()
         if status.docking is not None and status.docking is not self.docking:
             self.docking, self.docking_changed = status.docking, now
         if status.place is not None and self.location.update(
@@ -153,7 +156,7 @@ class RobotMonitor:
     def _on_ended(self, event: p.CommandEnded, now: float) -> None:
         # each other giver's epoch would have been noticed
         epoch_went_on = (self.tracker.word.given_epoch not in (0, self.epoch)
-                         and self._taken_over is None and not self.tracker.is_interrupted)
+                         and self._taken_over is None)
         self.tracker.ended(event, now)
         if epoch_went_on:
             self.tracker.goes_on(now)
@@ -170,17 +173,16 @@ class RobotMonitor:
         self._note_docked(now)
         if event.epoch == self.epoch:
             return
-        self.drives_for_us = event.obeys_us
-        if event.obeys_us:
-            self.tracker.obeyed()
+        self.drives_for_us, self._is_unexplained = event.obeys_us, event.is_unexplained
         goes_on = event.is_ours or event.goes_on and event.previous_epoch == self.epoch
         if goes_on:
             self.tracker.goes_on(now)
-        elif self.epoch and event.by_robot:
-            self.tracker.interrupted(event.reason)
+        elif event.is_unexplained:
+            self.tracker.interrupted()
         elif self.epoch:
-            self._taken_over = TakenOver(f'{event.reason or "Another command"} came first.')
-        if self.epoch and (not goes_on or event.cause is EpochCause.EMERGENCY_STOP):
+            self._taken_over = TakenOver(f'Another giver came first: {event.reason}.')
+        if self.epoch and not event.is_unexplained and (
+                not goes_on or event.cause is EpochCause.EMERGENCY_STOP):
             self.overruled = event.cause
         self.epoch = event.epoch
 

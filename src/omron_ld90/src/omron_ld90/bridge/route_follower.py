@@ -370,7 +370,7 @@ class RouteFollower:
             return
         record, give_up = self._restored
         unknown = self._why_unknown(now) or (NO_REASON if seen else _SILENT)
-        if (unknown or self.robot.tracker.is_interrupted) and now <= give_up:
+        if unknown and now <= give_up:
             return
         self._restored = None
         if seen and not unknown:

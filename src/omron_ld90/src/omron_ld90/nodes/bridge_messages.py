@@ -64,10 +64,10 @@ def motion_told(message: Motion, own_name: str) -> MotionTold:
                          if last.giver == own_name), (0, LastCommand.NOT_OBEYED))
     return MotionTold(message.epoch, message.previous_epoch, is_ours,
                       message.cause == Motion.RESTART, message.stop_owed, message.reason,
-                      message.cause in (Motion.OTHER_CLIENT, Motion.ROBOT),
                       _CAUSES.get(message.cause, EpochCause.OTHER_GIVER), drives,
                       message.giver == own_name and message.cause == Motion.OTHER_GIVER,
-                      number, _FATES.get(fate, CommandFate.UNKNOWN))
+                      number, _FATES.get(fate, CommandFate.UNKNOWN),
+                      message.cause == Motion.INTERRUPTED)
 
 
 def link_reported(message: LinkState) -> Optional[LinkReported]:
