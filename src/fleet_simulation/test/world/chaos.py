@@ -260,7 +260,7 @@ class Chaos:
         agv = self.fleet.agvs[robot]
         if agv.is_driving and robot not in self.fleet.lost:
             self.promises.blamed.add(robot)
-            agv.obey_another((agv.edges[agv.current],))
+            agv.obey_another(agv.ahead[:1])
 
     def carry(self, robot: str, number: int) -> None:
         """Lets a person carry a robot that is out of service to a place far from all others.
