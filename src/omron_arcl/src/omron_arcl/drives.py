@@ -38,7 +38,7 @@ Derived:
   record becomes a stop, or comes from another giver, another client or the robot itself.
 - If the robot breaks a drive off (`Interrupted`), an epoch begins at once, and the robot's next
   line or status about its motion begins another: an emergency stop may be the reason, or another
-  client. Until then nobody drives who must know the epoch.
+  client. Until then no drive that names an epoch is sent.
 - A stop is owed while its record is not OVER.
 - The *last command* of each giver that numbers its commands, and what became of it. So a program
   whose connection broke, or which was restarted, need not guess whether the robot obeys it.
@@ -46,8 +46,8 @@ Derived:
 Invariants:
 - No drive that names an epoch passes a stop or drive that its giver does not know of.
 - A refused command changes no giver. Each drive has a giver, which can stop it.
-- Whatever interrupts, cancels or overrules the last drive of a giver begins an epoch of another, at
-  the latest when the drives are answered that the robot had not answered yet.
+- Each event that interrupts, cancels or overrules the last drive of a giver begins an epoch of
+  another, at the latest when the drives are answered that the robot had not answered yet.
 - No time between two lines decides on their meaning: the order of lines does.
 
 docs/reference/omron_controller.md states the limits of what can be known.

@@ -8,7 +8,8 @@
     a new epoch that is not another giver's -              -               under way, given again
 
 Another giver's epoch ends the route, in each state (`RobotMonitor`). It always comes: the
-controller begins one for whatever interrupts, cancels or overrules the last drive of a giver.
+controller begins one for each event that interrupts, cancels or overrules the last drive of a
+giver.
 
 Invariants: only the last command counts; a new one forgets how the one before ended. A drive is
 given again only if the controller did not send it, or the robot does not carry it out; see
@@ -54,8 +55,8 @@ class TakenOver(RouteFailed):
 class GoalTracker:
     """Tracks the last goal from the command to the arrival.
 
-    The end of a drive that another giver ended, or came before, does not tell by whom. The next
-    epoch does, and until then nothing is sent.
+    The end of a drive that another giver ended, or came before, does not tell which one it was. The
+    next epoch does, and until then nothing is sent.
 
     It has one method for each event of a command, and one for each of ours.
     """
