@@ -3,12 +3,11 @@
 
 Each row has one task at three sizes. The exponent is the slope of the costs over the sizes, both as
 logarithms: 1 is proportional, 0 is no growth, 2 is square. All costs are CPU times, the lowest of
-several runs. The whole takes about six minutes.
+several runs. The whole takes about four minutes.
 """
 from __future__ import annotations
 
 import io
-import math
 import os
 import tempfile
 import time
@@ -18,7 +17,7 @@ from typing import Callable, Iterator, NamedTuple, Sequence
 import numpy as np
 import page
 import rospy
-from fleet_bench.operation import AGV, at_work
+from fleet_bench.operation import AGV, PARKING, ROOT, STATIONS, at_work
 from load_bench.site import grid, starts
 from measuring.ros_master import own_ros_master
 from measuring.sections import print_sections
@@ -34,9 +33,10 @@ from ports import free_port
 from route_protocol.messages import fill_report
 from route_protocol.values import Motion, RouteOrder, SymbolicPose
 from route_protocol.vehicle import Vehicle
-from trajectory_graph import Graph
+from trajectory_graph import Graph, load_graph
 
 RUNS = 5
+LABORATORY = load_graph(ROOT / 'maps/lab_graph.yaml')
 FLEET = Fleet((AGV,), (), 0.1, DOCK_APPROACH)
 
 
@@ -74,22 +74,20 @@ def lowest(run: Callable[[], object], runs: int = RUNS) -> float:
 
 def missions() -> Iterator[Row]:
     """A fleet at work in virtual time, while other missions wait for a robot."""
-    yield row('missions that wait, 9 robots at work: 60 s of virtual time', [
-        Cost(waiting, at_work_costs(9, waiting)) for waiting in (500, 1500, 4500)], 'at most 0.5')
+    yield row('missions that wait, 8 robots at work in the laboratory: 300 s of virtual time', [
+        Cost(waiting, at_work_costs(8, waiting)) for waiting in (500, 1500, 4500)], 'at most 0.5')
 
 
 def robots() -> Iterator[Row]:
-    """A fleet at work in virtual time; its site has the same number of vertices per robot."""
-    yield row('robots, 25 vertices each, all on missions: 60 s of virtual time', [
-        Cost(count, at_work_costs(count, 0)) for count in (9, 16, 36)], 'at most 1.5')
+    """A fleet at work in virtual time."""
+    yield row('robots at work in the laboratory: 300 s of virtual time', [
+        Cost(count, at_work_costs(count, 0)) for count in (2, 4, 8)], 'at most 1.5')
 
 
 def at_work_costs(count: int, waiting: int) -> float:
-    """The CPU time, in ms, of a fleet that works for 60 virtual s."""
-    graph = grid(5 * math.isqrt(count))
-    places = list(starts(graph, count).values())
-    return lowest(lambda: at_work(graph, AGV, places, list(graph.vertices), 0, 60.0, 20, waiting),
-                  2)
+    """The CPU time, in ms, of a fleet that works for 300 virtual s."""
+    return lowest(lambda: at_work(LABORATORY, AGV, PARKING[:count], STATIONS, 0, 300.0, 20,
+                                  waiting), 2)
 
 
 def vertices() -> Iterator[Row]:
