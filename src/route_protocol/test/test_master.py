@@ -237,3 +237,18 @@ def test_a_master_that_draws_a_number_again_is_found():
             return master.state.number + 1
 
     assert flaw_of(DrawsAgain(), 'an older journal')
+
+
+def test_edges_are_held_while_the_vehicle_drives_a_route_that_is_not_open():
+    """After a reload of the graph only a stop is open: the route led over an edge that is gone."""
+    state = real.MasterState(epoch=1, number=3, order=2, done=1, commands=True,
+                             open=(real.Order(3, 0, 1, ()),),
+                             held=(real.Step(1, 12), real.Step(3, 14)))
+    states = (values.EdgeState.COMPLETE, *3 * (values.EdgeState.PROCESSING,))
+    drives = values.RouteReport(
+        0, 0, (11, 12, 13, 14), states, values.SymbolicPose(0, 0.0), epoch=1, master=ME, order=2,
+        first=0, motion=values.Motion.ON_ROUTE, number=1)
+    after, _ = real.hear(state, drives, ME, 4)
+    assert after.held == state.held
+    stands, _ = real.hear(after, replace(drives, motion=values.Motion.STANDING, number=2), ME, 4)
+    assert not stands.held

@@ -257,6 +257,25 @@ def test_edges_that_the_disk_does_not_know_to_be_driven_may_be_gone_from_the_gra
     assert set(fleet.agvs['a'].edges[2:]) <= set(held)
 
 
+@pytest.mark.parametrize('gone', [2, 3])
+def test_a_robot_on_its_route_behind_an_edge_that_the_graph_lost_serves_its_mission(gone):
+    """The disk does not know that the robot has left this edge, so the robot is stopped once."""
+    fleet = SupervisedFleet(corridor(7), {'a': (AGV, 1)},
+                            settings=RobotSettings(release_ahead=8.0))
+    fleet.run(2.0)
+    fleet.request(1, 7)
+    fleet.run_until(lambda: fleet.agvs['a'].edge == 2)
+    fleet.disk.fails()
+    fleet.run_until(lambda: fleet.agvs['a'].edge == 4 and fleet.agvs['a'].arc > 0.6)
+    fleet.restart(Graph(fleet.graph.vertices.values(),
+                        [e for e in fleet.graph.edges.values() if e.id != gone]))
+    fleet.run_until(lambda: fleet.supervisor.robots['a'].master.is_heard)
+    assert {4, 5, 6} <= set(blocked(fleet, 'a')[1])
+    fleet.run_until_done(1)
+    assert fleet.state(1) is MissionState.SUCCEEDED
+    assert not any('cannot work' in note for note in fleet.notes)
+
+
 def test_a_robot_that_is_off_the_graph_keeps_its_place_though_it_has_an_unknown_route():
     """A person stopped it beside a fleet manager that hung and was then ended."""
     fleet = SupervisedFleet(corridor(6), {'a': (AGV, 3)})

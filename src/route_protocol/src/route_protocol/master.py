@@ -284,8 +284,8 @@ def _is_still_open(one: Order, said: RouteReport, read: _Reading) -> bool:
 
 def _is_on_open_route(said: RouteReport, read: _Reading, still: Tuple[Order, ...]) -> bool:
     """Is the vehicle on the route of an open order, in the same epoch?"""
-    return bool(read.order and still) and not read.is_new and not read.failed and (
-        said.motion in (Motion.ON_ROUTE, Motion.STANDING))
+    return read.shown in still and not read.is_new and said.motion in (
+        Motion.ON_ROUTE, Motion.STANDING)
 
 
 def _is_moved_otherwise(said: RouteReport, is_mine: bool) -> bool:

@@ -220,8 +220,13 @@ class RouteMaster:
 
         If it stands elsewhere than expected, the next location must confirm that.
         """
-        return self.protocol.is_ready and not self._lost.areas and not (
+        return self.protocol.is_ready and not self.has_lost_places and not (
             self._strays and self.record.is_standing)
+
+    @property
+    def has_lost_places(self) -> bool:
+        """May the robot be at places that the graph does not have any more?"""
+        return bool(self._lost.areas)
 
     @property
     def is_heard(self) -> bool:

@@ -126,7 +126,8 @@ def assumption_of(robot: ManagedRobot, errand: Errand) -> Assumption:
     stands = errand.duty is Duty.STAND
     if allocation.knowledge is not Knowledge.KNOWN:
         role = PlanRole.ABSENT
-    elif not robot.works or stands or (record.position is None and not record.held):
+    elif not robot.works or stands or robot.master.has_lost_places or (
+            record.position is None and not record.held):
         role = PlanRole.OBSTACLE
     else:
         role = PlanRole.DRIVING if record.ahead else PlanRole.STANDING
