@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import subprocess
 import threading
 import unittest
 
@@ -283,6 +284,9 @@ class FleetManager:
         self._lock = threading.Lock()
         self._manages = True
         self._periodic = Periodic('fleet state', 0.5, self._publish)
+        self._listener = subprocess.Popen(  # goal_sender sends only if path_supervisor listens
+            ['rostopic', 'echo', '/mission_request', '__name:=path_supervisor'],
+            stdout=subprocess.DEVNULL)
 
     def end(self) -> None:
         """From the next message on, it manages no robot."""
@@ -290,6 +294,8 @@ class FleetManager:
         with self._lock:
             self._manages = False
             self._publisher.publish(FleetState())
+        self._listener.terminate()
+        self._listener.wait(20)
 
     def _publish(self) -> None:
         with self._lock:

@@ -3,7 +3,7 @@ from __future__ import annotations
 
 import json
 import math
-from typing import Any, List
+from typing import Any, List, Tuple
 
 import pytest
 import rospy
@@ -72,9 +72,9 @@ def test_a_grid_that_is_too_large_is_refused_before_its_cells_are_read():
 
 
 class Topic:
-    """A publisher that records the messages it sends."""
+    """A publisher that records the messages it sends, with its connections to these nodes."""
 
-    listeners = 1
+    listeners: Tuple[str, ...] = ('/fleet_page', '/path_supervisor', '/graph_server')
 
     def __init__(self, *_: Any, **__: Any) -> None:
         self.sent: List[Any] = []
@@ -82,8 +82,12 @@ class Topic:
     def publish(self, message: Any) -> None:
         self.sent.append(message)
 
-    def get_num_connections(self) -> int:
-        return self.listeners
+    @property
+    def impl(self) -> Topic:
+        return self
+
+    def get_stats_info(self) -> List[Tuple[int, str]]:
+        return list(enumerate(self.listeners))
 
 
 @pytest.fixture
@@ -136,7 +140,7 @@ def test_edges_are_closed_and_opened_by_a_command(commands, kind, command):
     Act(ActKind.SEND, destinations=(2,)), Act(ActKind.CANCEL, mission=1),
     Act(ActKind.CLOSE, edges=(1,))])
 def test_what_no_program_takes_is_told_as_not_done(commands, monkeypatch, act):
-    monkeypatch.setattr(Topic, 'listeners', 0)
+    monkeypatch.setattr(Topic, 'listeners', ('/fleet_page',))  # it records what others send
     assert not commands.do(act, ANNA).ok
 
 

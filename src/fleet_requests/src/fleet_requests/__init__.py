@@ -3,7 +3,7 @@ from __future__ import annotations
 
 import random
 import time
-from typing import Any, Dict, List, Optional, Sequence, Tuple, Type
+from typing import Any, Dict, List, Mapping, NamedTuple, Optional, Sequence, Type
 
 import rospy
 from std_srvs.srv import Trigger
@@ -14,17 +14,33 @@ from itrci_nav_msgs.srv import GetMissionStatus, GetMissionStatusResponse
 SILENCE = 10.0  # s without news of a mission after which its sender asks for the stored status
 WAIT = 1.0      # s to wait for a service that may not exist
 _NEW_ID = random.SystemRandom()
-_TOPICS: Dict[Type[Any], Tuple[str, str]] = {
-    MissionRequest: ('/mission_request', 'No program takes missions: is path_supervisor running?'),
-    MissionCommand: ('/mission_command', 'No program takes commands: is path_supervisor running?'),
-    EdgeCommand: ('/edge_command',
-                  'No program takes commands for edges: is graph_server running?'),
-    DeviceRequest: ('/device_request',
-                    'No program takes requests for devices: is fleet_devices running?')}
+
+
+class _Channel(NamedTuple):
+    """Where a kind of message is sent.
+
+    receiver  -- the name of the node that carries it out
+    complaint -- what to say if that node does not listen
+    """
+
+    topic: str
+    receiver: str
+    complaint: str
+
+
+_CHANNELS: Mapping[Type[Any], _Channel] = {
+    MissionRequest: _Channel('/mission_request', 'path_supervisor',
+                             'No program takes missions: is path_supervisor running?'),
+    MissionCommand: _Channel('/mission_command', 'path_supervisor',
+                             'No program takes commands: is path_supervisor running?'),
+    EdgeCommand: _Channel('/edge_command', 'graph_server',
+                          'No program takes commands for edges: is graph_server running?'),
+    DeviceRequest: _Channel('/device_request', 'fleet_devices',
+                            'No program takes requests for devices: is fleet_devices running?')}
 
 
 class NotSent(Exception):
-    """No program takes a message. The text says which one is missing."""
+    """The receiver of a message does not listen. The text says which one is missing."""
 
 
 class ServiceSilent(Exception):
@@ -36,16 +52,17 @@ class ServiceRefused(Exception):
 
 
 class Sender:
-    """The topic for one kind of message: one of those in `_TOPICS`."""
+    """The topic for one kind of message: one of those in `_CHANNELS`."""
 
     def __init__(self, kind: Type[Any]) -> None:
-        self.topic, self.complaint = _TOPICS[kind]
+        self.topic, self._receiver, self.complaint = _CHANNELS[kind]
         self._publisher = rospy.Publisher(self.topic, kind, queue_size=100)
 
     @property
     def is_heard(self) -> bool:
-        """Whether a program receives what is sent."""
-        return bool(self._publisher.get_num_connections())
+        """Whether the receiver gets what is sent. Others also listen, such as the fleet page."""
+        return any(name.rpartition('/')[2] == self._receiver
+                   for _, name, *_ in self._publisher.impl.get_stats_info())
 
     def send(self, message: Any) -> None:
         """Stamps a message with the present time, and sends it. Raises NotSent."""

@@ -2,7 +2,7 @@
 from __future__ import annotations
 
 import time
-from typing import Any, List
+from typing import Any, List, Tuple
 
 import pytest
 import rospy
@@ -19,14 +19,14 @@ from fleet_requests import (
     mission_request,
     stored_status,
 )
-from itrci_nav_msgs.msg import EdgeCommand, MissionCommand, MissionRequest
+from itrci_nav_msgs.msg import DeviceRequest, EdgeCommand, MissionCommand, MissionRequest
 from itrci_nav_msgs.srv import GetMissionStatusResponse
 
 
 class Topic:
-    """A publisher that keeps the stamps of its messages."""
+    """A publisher that keeps the stamps of its messages, with its connections to these nodes."""
 
-    listeners = 1
+    listeners: Tuple[str, ...] = ('/path_supervisor', '/graph_server', '/fleet_page')
 
     def __init__(self, *_: Any, **__: Any) -> None:
         self.stamps: List[rospy.Time] = []
@@ -34,8 +34,12 @@ class Topic:
     def publish(self, message: Any) -> None:
         self.stamps.append(message.header.stamp)
 
-    def get_num_connections(self) -> int:
-        return self.listeners
+    @property
+    def impl(self) -> Topic:
+        return self
+
+    def get_stats_info(self) -> List[Tuple[int, str]]:
+        return list(enumerate(self.listeners))
 
 
 @pytest.fixture(autouse=True)
@@ -60,15 +64,27 @@ def test_a_repeated_request_keeps_its_stamp_by_which_it_is_known():
     assert requests._publisher.stamps == [rospy.Time(5)] * 2
 
 
-@pytest.mark.parametrize('kind, node', [
-    (MissionRequest, 'path_supervisor'), (MissionCommand, 'path_supervisor'),
-    (EdgeCommand, 'graph_server')])
-def test_what_no_program_takes_is_not_sent(monkeypatch, kind, node):
-    monkeypatch.setattr(Topic, 'listeners', 0)
+RECEIVERS = {MissionRequest: 'path_supervisor', MissionCommand: 'path_supervisor',
+             EdgeCommand: 'graph_server', DeviceRequest: 'fleet_devices'}
+
+
+@pytest.mark.parametrize('kind, node', RECEIVERS.items())
+@pytest.mark.parametrize('others', [(), ('/fleet_page', '/record_1'), ('/not_path_supervisor',)])
+def test_what_its_receiver_does_not_hear_is_not_sent_whoever_else_listens(
+        monkeypatch, kind, node, others):
+    monkeypatch.setattr(Topic, 'listeners', (*others, *(
+        f'/{other}' for other in RECEIVERS.values() if other != node)))
     sender = Sender(kind)
     with pytest.raises(NotSent, match=node):
         sender.send(kind())
     assert sender._publisher.stamps == [] and not sender.is_heard
+
+
+@pytest.mark.parametrize('kind, node', RECEIVERS.items())
+@pytest.mark.parametrize('namespace', ['/', '/site/'])
+def test_a_receiver_that_listens_is_known_by_its_name(monkeypatch, kind, node, namespace):
+    monkeypatch.setattr(Topic, 'listeners', ('/fleet_page', namespace + node))
+    assert Sender(kind).is_heard
 
 
 def test_each_request_has_an_id_of_its_own_unless_one_is_given():

@@ -2,7 +2,7 @@
 from __future__ import annotations
 
 import queue
-from typing import Any, List
+from typing import Any, List, Tuple
 
 import pytest
 import rospy
@@ -47,17 +47,21 @@ def test_only_what_is_not_done_is_told_as_not_done(monkeypatch, answer, expected
 
 
 class Publisher:
-    """Keeps the published messages; it has the given number of subscribers."""
+    """Keeps the published messages; these nodes subscribe to it."""
 
-    def __init__(self, subscribers: int = 1) -> None:
+    def __init__(self, *subscribers: str) -> None:
         self.sent: List[Any] = []
         self.subscribers = subscribers
 
     def publish(self, message: Any) -> None:
         self.sent.append(message)
 
-    def get_num_connections(self) -> int:
-        return self.subscribers
+    @property
+    def impl(self) -> Publisher:
+        return self
+
+    def get_stats_info(self) -> List[Tuple[int, str]]:
+        return list(enumerate(self.subscribers))
 
 
 def menu(monkeypatch, publisher: Publisher, said: List[str], *closed: int) -> fleet_acts.FleetActs:
@@ -72,7 +76,7 @@ def menu(monkeypatch, publisher: Publisher, said: List[str], *closed: int) -> fl
     (MenuAct.CLOSE, EdgeCommand.CLOSE, [3]), (MenuAct.OPEN, EdgeCommand.OPEN, [3]),
     (MenuAct.OPEN_ALL, EdgeCommand.OPEN, [3, 4])])
 def test_a_choice_in_the_menu_of_an_edge_is_an_operation_on_edges(monkeypatch, act, code, edges):
-    publisher, said = Publisher(), []
+    publisher, said = Publisher('/graph_server'), []
     menu(monkeypatch, publisher, said, 3, 4).act(act, Subject(edge=3))
     sent, = publisher.sent
     assert (sent.command, list(sent.edges), sent.header.stamp) == (code, edges, rospy.Time(5))
@@ -81,7 +85,7 @@ def test_a_choice_in_the_menu_of_an_edge_is_an_operation_on_edges(monkeypatch, a
 
 def test_without_closed_edges_or_graph_server_the_menu_says_so(monkeypatch):
     said = []
-    menu(monkeypatch, Publisher(), said).act(MenuAct.OPEN_ALL, Subject(edge=3))
-    menu(monkeypatch, Publisher(0), said).act(MenuAct.CLOSE, Subject(edge=3))
+    menu(monkeypatch, Publisher('/graph_server'), said).act(MenuAct.OPEN_ALL, Subject(edge=3))
+    menu(monkeypatch, Publisher('/fleet_page'), said).act(MenuAct.CLOSE, Subject(edge=3))
     assert said == ['No edge is closed',
                     'No program takes commands for edges: is graph_server running?']

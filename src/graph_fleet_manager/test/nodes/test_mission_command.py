@@ -11,8 +11,9 @@ import rospy
 
 from fleet_core.supervision.mission_commands import not_done, not_stored
 from fleet_core.supervision.missions import CommandKind, MissionState, RequestRefused, Status
+from fleet_requests import NotSent
 from graph_fleet_manager.commands import fleet_client, mission
-from graph_fleet_manager.commands.command_line import NOT_DONE, OK, CommandProblem
+from graph_fleet_manager.commands.command_line import NOT_DONE, OK, WRONG, CommandProblem
 from graph_fleet_manager.messages.missions import request_of, status_message
 from itrci_nav_msgs.msg import (
     MissionCommand,
@@ -339,3 +340,11 @@ def test_why_of_a_mission_that_is_not_open_is_not_done(explained, capsys):
     explained.found = False
     assert mission.main(['why', '7']) == NOT_DONE
     assert 'There is no open mission 7' in capsys.readouterr().err
+
+
+def test_a_fleet_manager_that_ends_before_it_is_told_is_named_in_one_line(capsys):
+    def command(_: object) -> int:
+        raise NotSent('No program takes commands: is path_supervisor running?')
+    assert fleet_client.run('mission', command, []) == WRONG
+    assert capsys.readouterr().err == (
+        'mission: No program takes commands: is path_supervisor running?\n')

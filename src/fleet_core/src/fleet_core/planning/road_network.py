@@ -159,6 +159,12 @@ class RoadNetwork:
                 known[dock] = self._paths_to_dock(known, dock, roads)
         return [known[target] for target in targets]
 
+    def seconds_over(self, kind: RobotType, vertices: Sequence[int]) -> float:
+        """Seconds from the first of these vertices (by id) over all others in order; inf: no path.
+        """
+        return sum(float(self.paths_to(kind, (self.index[other],))[0][self.index[one]])
+                   for one, other in zip(vertices, vertices[1:]))
+
     def paths_to_nearest(self, kind: RobotType, targets: FrozenSet[int],
                          common: FrozenSet[int] = frozenset()) -> np.ndarray:
         """Seconds (V,) from each vertex to the nearest of some targets; inf: none is reachable.

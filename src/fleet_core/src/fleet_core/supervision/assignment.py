@@ -96,7 +96,8 @@ def own_hindrance(robot: ManagedRobot, is_busy: bool, is_laden: bool) -> Hindran
 
 def _on_the_way(mission: Mission, robot: ManagedRobot, network: RoadNetwork) -> Hindrance:
     """Why a free robot cannot drive to all destinations of a mission."""
-    seconds = time_over(mission.left, robot, network)
+    left = mission.left
+    seconds = time_to(left[0], robot, network) + network.seconds_over(robot.type, left)
     if seconds == inf:
         return Hindrance.NO_WAY
     lasts = seconds * robot.type.speed <= robot.battery.range_left()
@@ -178,15 +179,6 @@ def time_to(vertex: int, robot: ManagedRobot, network: RoadNetwork) -> float:
         return inf
     return min(seconds + float(times[network.index[end]])
                for end, seconds in _times_off(place, robot, network))
-
-
-def time_over(vertices: Sequence[int], robot: ManagedRobot, network: RoadNetwork) -> float:
-    """Seconds over all these vertices in order, without traffic."""
-    seconds = time_to(vertices[0], robot, network)
-    for one, other in zip(vertices, vertices[1:]):
-        times = network.paths_to(robot.type, (network.index[other],))[0]
-        seconds += float(times[network.index[one]])
-    return seconds
 
 
 def _times_off(place: GraphPosition, robot: ManagedRobot,

@@ -58,22 +58,26 @@ class MissionTimes:
         if is_due:
             self._estimated = now
         for mission in list(self._book.timed.values()):
-            request = mission.request
+            request, before = mission.request, mission.deadline_state
             if mission.state is MissionState.PLANNED and moment >= request.earliest:
                 self._book.set(mission, *waits_as(request, is_early=False))
-            before, is_past = mission.deadline_state, moment > request.deadline
-            if not request.deadline or not mission.state.is_open or not (
-                    is_due or before is DeadlineState.NONE or
-                    is_past and before is not DeadlineState.MISSED):
-                continue
-            time = 0.0 if is_past else self.until_earliest(mission) + needed(mission)
-            state = deadline_state(request.deadline, time, moment, before)
-            self._book.expect(mission, state)
-            if state is DeadlineState.MISSED and not mission.has_begun:
-                self._book.set(mission, MissionState.EXPIRED,
-                               'its deadline passed before it began')
-            if state is not before and state > DeadlineState.AHEAD:
-                yield _WORDS[state].format(request.id)
+            is_missed_now = moment > request.deadline and before is not DeadlineState.MISSED
+            if request.deadline and mission.state.is_open and (
+                    is_due or is_missed_now or before is DeadlineState.NONE):
+                state = self._expect(mission, needed, moment)
+                if state is not before and state > DeadlineState.AHEAD:
+                    yield _WORDS[state].format(request.id)
+
+    def _expect(self, mission: Mission, needed: Callable[[Mission], float], moment: float,
+                ) -> DeadlineState:
+        """Notes what is expected of the deadline of a mission. `moment`: s since 1970."""
+        deadline = mission.request.deadline
+        time = 0.0 if moment > deadline else self.until_earliest(mission) + needed(mission)
+        state = deadline_state(deadline, time, moment, mission.deadline_state)
+        self._book.expect(mission, state)
+        if state is DeadlineState.MISSED and not mission.has_begun:
+            self._book.set(mission, MissionState.EXPIRED, 'its deadline passed before it began')
+        return state
 
 
 _WORDS = {

@@ -288,6 +288,17 @@ class Acceptance:
 
     def check(self, request: Request) -> None:
         """Raises RequestRefused for a request that no robot of the fleet can carry out."""
+        self._check_destinations(request)
+        _check_times(request)
+        self._check_robot(request)
+        self._check_stops(request)
+        robots = self.robots_for(request)
+        if not robots:
+            raise RequestRefused('no such robot may be sent to its dock')
+        self._check_part(request, robots)
+
+    def _check_destinations(self, request: Request) -> None:
+        """Raises RequestRefused for destinations that no mission may have."""
         if not request.destinations:
             raise RequestRefused('it has no destinations')
         if len(request.destinations) > MOST_DESTINATIONS:
@@ -295,16 +306,9 @@ class Acceptance:
         for vertex in request.destinations:
             if vertex not in self.graph.vertices:
                 raise RequestRefused(f'the graph has no vertex {vertex}')
-        if request.dwells and len(request.dwells) != len(request.destinations):
-            raise RequestRefused(f'it has {len(request.destinations)} destinations but '
-                                 f'{len(request.dwells)} dwells; give one for each, or none')
-        if not all(math.isfinite(d) and d <= LONGEST_DWELL for d in request.dwells):
-            raise RequestRefused(f'a dwell must be a number up to {LONGEST_DWELL:.0f} s')
-        if not all(math.isfinite(time) and time >= 0.0
-                   for time in (request.earliest, request.deadline)):
-            raise RequestRefused('its earliest time or its deadline is no time')
-        if request.deadline and request.deadline <= request.earliest:
-            raise RequestRefused('its deadline is not after its earliest time')
+
+    def _check_robot(self, request: Request) -> None:
+        """Raises RequestRefused for a robot or a type that the fleet does not have."""
         types = {kind.name for kind in self.robots.values()}
         if request.robot_type and request.robot_type not in types:
             raise RequestRefused(f'there is no robot of type {request.robot_type!r}; there are: '
@@ -315,11 +319,6 @@ class Acceptance:
         if request.robot and request.robot_type not in ('', self.robots[request.robot].name):
             raise RequestRefused(f'robot {request.robot} is of type '
                                  f'{self.robots[request.robot].name}, not {request.robot_type}')
-        self._check_stops(request)
-        robots = self.robots_for(request)
-        if not robots:
-            raise RequestRefused('no such robot may be sent to its dock')
-        self._check_part(request, robots)
 
     def _check_stops(self, request: Request) -> None:
         """Raises RequestRefused for steps, or stops after a cancellation, that cannot be made."""
@@ -382,3 +381,17 @@ class Acceptance:
         vertices = self.graph.vertices
         places = (*request.destinations, *(stop.place for stop in request.on_cancel))
         return frozenset(v for v in places if v in vertices and vertices[v].dock)
+
+
+def _check_times(request: Request) -> None:
+    """Raises RequestRefused for dwells, an earliest time or a deadline that make no sense."""
+    if request.dwells and len(request.dwells) != len(request.destinations):
+        raise RequestRefused(f'it has {len(request.destinations)} destinations but '
+                             f'{len(request.dwells)} dwells; give one for each, or none')
+    if not all(math.isfinite(d) and d <= LONGEST_DWELL for d in request.dwells):
+        raise RequestRefused(f'a dwell must be a number up to {LONGEST_DWELL:.0f} s')
+    if not all(math.isfinite(time) and time >= 0.0
+               for time in (request.earliest, request.deadline)):
+        raise RequestRefused('its earliest time or its deadline is no time')
+    if request.deadline and request.deadline <= request.earliest:
+        raise RequestRefused('its deadline is not after its earliest time')

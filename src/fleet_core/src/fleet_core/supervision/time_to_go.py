@@ -110,8 +110,4 @@ def time_over(mission: Mission, kinds: Iterable[RobotType], network: RoadNetwork
     left = mission.left
     stays = sum(max(mission.request.dwell(index), 0.0)
                 for index, _ in zip(count(mission.reached), left[:-1]))
-
-    def seconds(kind: RobotType) -> float:
-        return sum(float(network.paths_to(kind, (network.index[other],))[0][network.index[one]])
-                   for one, other in zip(left, left[1:]))
-    return stays + min(map(seconds, kinds), default=inf)
+    return stays + min((network.seconds_over(kind, left) for kind in kinds), default=inf)

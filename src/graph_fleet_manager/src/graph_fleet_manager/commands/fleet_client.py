@@ -15,8 +15,8 @@ import rospy
 from std_srvs.srv import Trigger
 
 import fleet_requests
-from fleet_requests import Sender, ServiceRefused, ServiceSilent
-from graph_fleet_manager.commands.command_line import NOT_DONE, CommandProblem
+from fleet_requests import NotSent, Sender, ServiceRefused, ServiceSilent
+from graph_fleet_manager.commands.command_line import NOT_DONE, WRONG, CommandProblem
 from node_lifecycle.log_file import init_node
 
 PATIENCE = 10.0  # s to wait for the fleet manager
@@ -32,6 +32,9 @@ def run(name: str, command: Callable[[List[str]], int],
     except CommandProblem as error:
         print(f'{name}: {error}', file=sys.stderr)
         return error.status
+    except NotSent as reason:  # the receiver has ended since it was found
+        print(f'{name}: {reason}', file=sys.stderr)
+        return WRONG
     except rospy.ROSInterruptException:
         return 130
 
@@ -112,8 +115,8 @@ def first_message(source: MessageSource, is_wanted: Callable[[Any], bool], secon
 def first_answer(message: Any, source: MessageSource, is_answer: Callable[[Any], bool]) -> Any:
     """Sends a message, and again until its answer comes. None: no answer comes.
 
-    The first one is lost if only another program listens by then, such as the fleet page. So it
-    must do no harm if it comes twice.
+    It is lost if its receiver ends before it has handled it. So it must do no harm if it comes
+    twice.
     """
     sender = connected_sender(type(message))
     sender.send(message)

@@ -41,21 +41,8 @@ _LONGEST_REASON = 500  # characters of a robot's reason that are kept
 
 def request_of(message: msg.MissionRequest) -> Request:
     """The request in a message. Raises RequestRefused for values that no status could repeat."""
-    for name, time, what in (
-            ('header.stamp', message.header.stamp, 'the time at which it was sent'),
-            ('earliest', message.earliest, 'a time'), ('deadline', message.deadline, 'a time')):
-        if time.to_sec() >= _END_OF_TIME.to_sec():
-            raise RequestRefused(f'its {name} is later than any time that a message can carry: '
-                                 f'give {what}, or 0')
-    texts = [('robot_type', message.robot_type), ('robot', message.robot),
-             ('template', message.template)]
-    for argument in message.arguments:
-        texts += [('arguments', argument.name), ('arguments', argument.value)]
-    for name, value in texts:
-        if value and not value.isprintable():
-            raise RequestRefused(f'its {name} has characters that cannot be printed')
-        if len(value) > _LONGEST_NAME:
-            raise RequestRefused(f'its {name} has more than {_LONGEST_NAME} letters')
+    _check_times(message)
+    _check_texts(message)
     try:
         stops, on_cancel = stops_of(message.stops), stops_of(message.on_cancel)
         after = dependencies_of(message.after)
@@ -75,6 +62,28 @@ def request_of(message: msg.MissionRequest) -> Request:
                    person_of(message.requested_by), stops, on_cancel, after, message.template,
                    tuple((one.name, one.value) for one in message.arguments),
                    message.earliest.to_sec(), message.deadline.to_sec())
+
+
+def _check_times(message: msg.MissionRequest) -> None:
+    """Raises RequestRefused for a time that a status cannot carry."""
+    for name, time, what in (
+            ('header.stamp', message.header.stamp, 'the time at which it was sent'),
+            ('earliest', message.earliest, 'a time'), ('deadline', message.deadline, 'a time')):
+        if time.to_sec() >= _END_OF_TIME.to_sec():
+            raise RequestRefused(f'its {name} is later than any time that a message can carry: '
+                                 f'give {what}, or 0')
+
+
+def _check_texts(message: msg.MissionRequest) -> None:
+    """Raises RequestRefused for a text that people could not read in a status."""
+    for name, value in (
+            ('robot_type', message.robot_type), ('robot', message.robot),
+            ('template', message.template),
+            *(('arguments', text) for one in message.arguments for text in (one.name, one.value))):
+        if value and not value.isprintable():
+            raise RequestRefused(f'its {name} has characters that cannot be printed')
+        if len(value) > _LONGEST_NAME:
+            raise RequestRefused(f'its {name} has more than {_LONGEST_NAME} letters')
 
 
 def person_of(text: str) -> str:

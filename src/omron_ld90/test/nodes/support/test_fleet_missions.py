@@ -19,7 +19,7 @@ class Topics:
     """Replaces ROS: published messages, and the topics that have subscribers."""
 
     def __init__(self) -> None:
-        self.supervisors = 1
+        self.listeners = ['/fleet_page', '/path_supervisor']
         self.requests: List[MissionRequest] = []
         self.heard: Dict[str, Any] = {}
 
@@ -40,8 +40,12 @@ class Topics:
         assert (topic, kind) == ('/mission_request', MissionRequest)
         return self
 
-    def get_num_connections(self) -> int:
-        return self.supervisors
+    @property
+    def impl(self) -> Topics:
+        return self
+
+    def get_stats_info(self) -> List[Tuple[int, str]]:
+        return list(enumerate(self.listeners))
 
     def publish(self, request: MissionRequest) -> None:
         self.requests.append(request)
@@ -95,7 +99,7 @@ def test_each_click_is_a_mission_of_its_own(topics, missions):
 
 
 def test_where_nobody_takes_missions_none_is_sent(topics, missions):
-    topics.supervisors = 0
+    topics.listeners = ['/fleet_page']
     notice = missions.send(TARGET)
     assert topics.requests == []
     assert notice == OperatorNotice(
