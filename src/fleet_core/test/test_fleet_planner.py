@@ -363,6 +363,34 @@ def test_the_largest_set_of_a_ladder_with_dead_ends_is_found():
     assert {network.vertex_ids[v] for v in found} == {11, 12, 13, 14, 15}
 
 
+def _grid(size, spacing=3.0):
+    """Square grid of size x size vertices."""
+    places = {1 + k: (spacing * (k % size), spacing * (k // size)) for k in range(size ** 2)}
+    edges = [(id, id + 1) for id in places if id % size]
+    edges += [(id, id + size) for id in places if id + size in places]
+    return graph_of(places, dict(enumerate(edges, 1)))
+
+
+@pytest.mark.parametrize('size', [5, 15])
+def test_a_search_for_parking_ends_after_a_fixed_amount_of_work(size, monkeypatch):
+    """On a grid of 225 vertices it did not end within minutes."""
+    work = []
+    network = RoadNetwork(_grid(size))
+    parking = WellFormedSets(network, AGV, 0.1)
+    places = network.vertices + len(network.edge_ids)
+    is_well_formed = parking.is_well_formed
+
+    def check(parked):
+        work.append(places)
+        return is_well_formed(parked)
+    monkeypatch.setattr(parking, 'is_well_formed', check)
+    monkeypatch.setattr('fleet_core.planning.parking._WORK', 500_000)
+    found = parking.largest()
+    one_set = 2 * network.vertices * places  # the most that a set needs once it has begun
+    assert sum(work) <= 500_000 + 2 * one_set
+    assert len(found) > network.vertices / 2 and is_well_formed(found)
+
+
 @pytest.fixture
 def lab_graph():
     return load_graph(Path(__file__).parents[3] / 'maps/lab_graph.yaml')
