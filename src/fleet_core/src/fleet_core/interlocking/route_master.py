@@ -22,13 +22,11 @@ import math
 from dataclasses import dataclass, field, replace
 from typing import Callable, List, NamedTuple, Optional, Sequence, Tuple
 
-from fleet_core.fleet import RobotType
+from fleet_core.fleet import AT_VERTEX, NEAR, RobotType
 from fleet_core.geometry.areas import Area, Point
 from fleet_core.interlocking.allocation import Allocation, Hold, Knowledge
 from fleet_core.interlocking.reports import (
-    AT_VERTEX,
     CLOCK_ERROR,
-    NEAR,
     TREMBLE,
     GraphPosition,
     Pose,

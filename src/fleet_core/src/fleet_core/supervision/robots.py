@@ -5,14 +5,9 @@ import math
 from dataclasses import dataclass, field
 from typing import Collection, List, Optional
 
-from fleet_core.fleet import RobotType
+from fleet_core.fleet import NEAR, RobotType
 from fleet_core.interlocking.allocation import Knowledge
-from fleet_core.interlocking.reports import (
-    NEAR,
-    GraphPosition,
-    Report,
-    position_of,
-)
+from fleet_core.interlocking.reports import GraphPosition, Report, position_of
 from fleet_core.interlocking.route_master import Heard, RouteMaster, is_dock
 from fleet_core.interlocking.route_record import RouteRecord
 from fleet_core.supervision.battery import Battery
