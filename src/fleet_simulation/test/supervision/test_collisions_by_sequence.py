@@ -5,6 +5,7 @@ The virtual world checks the distances of all discs in each step, and fails if t
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import List
 
 import pytest
@@ -78,6 +79,48 @@ def test_a_person_is_told_of_all_robots_that_a_robot_is_too_near_to():
     fleet.run(5.0)
     problem = fleet.bring_in('a')
     assert 'b' in problem and 'c' in problem, problem
+
+
+@pytest.mark.parametrize('beside', [(0.08, 0.12), (0.0, 0.16), (0.0, 0.0)])
+def test_a_grant_to_a_robot_beside_its_edge_stops_no_robot_that_it_is_not_too_near_to(beside):
+    """Its location was on no place of its route, and excluded b, but only while it had the route.
+
+    So both were stopped, nobody was told why, and each `fleet in` did the same again.
+    """
+    graph = graph_of({1: (0, 0), 2: (2, 0), 3: (2, 1.2), 4: (2.9, 1.1), 5: (6, 1.1)},
+                     {1: (1, 2), 2: (2, 3), 3: (4, 5)})
+    fleet = SupervisedFleet(graph, {'a': (replace(AGV, play=0.1), 1),
+                                    'b': (replace(AGV, play=0.1), 4)}, planning=0.05)
+    fleet.run(2.0)
+    fleet.do(fleet.supervisor.take_out('a', fleet.now))
+    a = fleet.agvs['a']
+    a.edge, a.arc, a.aside = 2, 0.4, beside  # a person pushes it there
+    fleet.run(4.0)
+    assert not fleet.bring_in('a')
+    if outages(fleet)['b'] is not None:  # while a was moved, it could be nearer
+        assert not fleet.bring_in('b')
+    fleet.request(1, 1, robot='a')
+    fleet.run_until_done(1)
+    assert outages(fleet) == {'a': None, 'b': None}
+
+
+@pytest.mark.parametrize('beside', [0.3, 0.45])
+def test_a_person_is_told_that_a_robot_is_too_far_beside_the_graph_to_come_back(beside):
+    fleet = SupervisedFleet(corridor(4), {'a': (replace(AGV, play=0.1), 1)}, planning=0.05)
+    fleet.run(2.0)
+    a = fleet.agvs['a']
+    a.arc, a.aside = 1.0, (0.0, beside)
+    fleet.run(4.0)
+    problem = fleet.bring_in('a')
+    assert bool(problem) is (beside == 0.45), problem
+    fleet.run(4.0)
+    if problem:
+        assert '0.45 m beside' in problem
+        a.aside = 0.0, 0.0
+        fleet.run(4.0)
+        assert not fleet.bring_in('a')
+        fleet.run(4.0)
+    assert outages(fleet) == {'a': None}
 
 
 # -- places of robots that go on -------------------------------------------------------------------
