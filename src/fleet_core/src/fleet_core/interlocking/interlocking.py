@@ -192,9 +192,11 @@ class Interlocking:
             granted.append(asked.edge)
             self._to_store.update(self._stored.excluding(robot.name, robot.type, asked.place))
         if granted:
+            before = robot.master.allocation
             robot.master.extend(granted, renew)
             if self._conformance is not None:
-                self._conformance.granted(robot.name, granted, self.claims)
+                self._conformance.granted(robot.name, granted, self.claims, before,
+                                          robot.master.allocation)
         return Grant(tuple(granted), refusal)
 
     def _lacking_claims(self, robot: InterlockedRobot, edges: Sequence[int]) -> List[int]:

@@ -10,12 +10,7 @@ from typing import Deque, List, Optional, Tuple
 
 from fleet_core.fleet import RobotType
 from fleet_core.interlocking.allocation import Hold
-from fleet_core.interlocking.reports import (
-    CLOCK_ERROR,
-    GraphPosition,
-    Pose,
-    nearness,
-)
+from fleet_core.interlocking.reports import CLOCK_ERROR, GraphPosition, Pose
 from route_protocol.master import MasterState, Step, left
 from trajectory_graph import Graph
 
@@ -100,7 +95,7 @@ class RouteRecord:
     @property
     def near(self) -> float:
         """Distance (m) from a vertex within which the robot counts as standing on it."""
-        return nearness(self.kind)
+        return self.kind.nearness
 
     def part(self, begin: int, end: int) -> Tuple[int, ...]:
         """The edges from number `begin` to before `end`, as far as the record has them.

@@ -145,7 +145,8 @@ class ReservationTable:
             blocked = [block for place in places for block in blocking.wait(place)]
             for area in areas:
                 distance = kind.reach + observer.reach + self.clearance + area.radius
-                blocked += blocking.beside(self.network.exclusions.near(area.line, distance))
+                blocked += blocking.beside(self.network.exclusions.kept_free(
+                    area.line, distance, area.radius + kind.nearness))
             for slot, _ in blocked:
                 slots.add(slot, -inf, inf, robot, touched)
             self._touched[robot].append((slots, touched))
@@ -282,8 +283,8 @@ class ReservationTable:
 
         With each edge goes the part of it that is too near to the robot's point.
         """
-        return self.network.exclusions.near(((mid_edge.x, mid_edge.y),),
-                                            self.apart(kind, other))
+        return self.network.exclusions.kept_free(((mid_edge.x, mid_edge.y),),
+                                                 self.apart(kind, other), kind.nearness)
 
     def apart(self, kind: RobotType, other: RobotType) -> float:
         """Distance (m) that the curves of two robots must keep from each other."""
