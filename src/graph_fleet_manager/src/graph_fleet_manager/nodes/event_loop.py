@@ -167,6 +167,11 @@ class SupervisorEvents:
             for _ in early:
                 self._room.acquire(blocking=False)
 
+    def end(self) -> None:
+        """Lets requests and commands wait: there is no supervisor any more."""
+        with self._changed:
+            self._is_ready = False
+
     def hurry(self, due: Optional[float]) -> None:
         """Moves the next tick forward to `due` if it is earlier; None changes nothing."""
         self._turns.hurry(due)
