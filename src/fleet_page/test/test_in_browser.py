@@ -173,6 +173,59 @@ def test_the_labels_of_robots_that_meet_do_not_cover_each_other(window, served):
     window.picture('labels')
 
 
+COVERED = '''
+const robots = [...document.querySelectorAll('#moving .robot')];
+const cover = (one, other) => one.left + 1 < other.right && other.left + 1 < one.right &&
+    one.top + 5 < other.bottom && other.top + 5 < one.bottom; // texts are as high as a line
+const box = (robot, part) => robot.querySelector(part).getBoundingClientRect();
+const named = robots.filter(robot => box(robot, 'text').width);
+return [named.map(robot => robot.dataset.name), named.filter(robot => robots.some(other =>
+    other !== robot && (cover(box(robot, 'text'), box(other, '.body')) ||
+        (named.includes(other) && cover(box(robot, 'text'), box(other, 'text')))))).length];'''
+
+
+def test_a_robot_in_a_crowd_has_its_name_where_that_covers_no_other_robot(window, served):
+    names = [f'ld90_{k}' for k in range(24)]
+    window.resize(390, 844)
+    served.do(lambda: (
+        served.page.model.take_robots([robot(name, battery=None) for name in names], time.time()),
+        served.page.model.take_places({name: ShownPose(1.6 * (k % 6), 1.6 * (k // 6), 0.0)
+                                       for k, name in enumerate(names)})))
+
+    def shown():
+        named, covering = window.script(COVERED)
+        return 0 if covering else len(named)
+    window.wait(lambda: len(window.driver.find_elements(
+        'css selector', '#moving .robot')) == 24 and 12 <= shown() < 24, 'the names')
+    left_out = next(name for name in names if name not in window.script(COVERED)[0])
+    served.do(lambda: served.page.model.take_robots([robot(name, battery=None, **(
+        {'state': 'FAILED', 'outage': 'FAILED'} if name == left_out else {}))
+        for name in names], time.time()))
+    window.wait(lambda: left_out in window.script(COVERED)[0], 'the name of one in trouble')
+
+
+BESIDE = '''
+const done = arguments[0];
+import('/page/map.js').then(map => {
+    const buttons = document.getElementById('zoom_in').parentElement.getBoundingClientRect();
+    const around = document.getElementById('map').getBoundingClientRect();
+    const [[x, y], [right, high]] = [map.screenPlace(1), map.screenPlace(12)]; // 9 m, 6 m
+    const metre = (right - x) / 9, wall = { right: right + 2 * metre, low: y + 2 * metre };
+    done(x - 2 * metre > around.left && high - 2 * metre > around.top &&
+         (wall.right < buttons.left || wall.low < buttons.top) && buttons.top > around.top);
+});'''
+
+
+def test_the_buttons_of_the_map_do_not_cover_the_site(window, served):
+    def build():
+        served.page.site.walls = walls(4, 3)  # 2 m around the graph
+        served.page.model.site_changed()
+    served.do(build)
+    for width, height in ((390, 844), (820, 1180), (1440, 900), (844, 390)):
+        window.resize(width, height)
+        window.wait(lambda: window.driver.execute_async_script(BESIDE), f'{width} x {height}')  # noqa: B023
+
+
 CROWDS = '''
 const done = arguments[0];
 import('/page/placing.js').then(({ Places, boxOf, BELOW_RIGHT_FIRST }) => {
