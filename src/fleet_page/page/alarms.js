@@ -1,9 +1,9 @@
 // Alarms: each robot and mission that needs a person, until the cause is gone, with the remedy.
 import { $, make, showRows, withCode } from './dom.js';
 import { all, entries } from './server.js';
-import { language, momentOf, said, store, stored, t } from './texts.js';
+import { language, momentOf, store, stored, t } from './texts.js';
 import { outageWords } from './map.js';
-import { answerButtons } from './missions.js';
+import { answerButtons, reasonWords } from './missions.js';
 
 const PERIOD = 3000; // ms between two tones
 let me = { role: null }, act = null, unseen = 0, audio = null;
@@ -38,7 +38,7 @@ function wordsOf(key, { cause }) {
     return { name, why: outageWords(entries.get(key) || {}), todo: `→ ${t(`todo_${cause}`)}` };
   }
   const mission = entries.get(key) || {};
-  return { name: `${t('mission')} ${mission.id}`, why: [mission.robot, said(mission.reason || '')].filter(Boolean).join(': '), todo: '', mission };
+  return { name: `${t('mission')} ${mission.id}`, why: [mission.robot, reasonWords(mission, me)].filter(Boolean).join(': '), todo: '', mission };
 }
 
 function alarmRow(alarm) {

@@ -1,6 +1,6 @@
 // The list of robots. The chosen one shows its acts and its last missions, and the map can follow it.
-import { $, make, showRows } from './dom.js';
-import { all, entries } from './server.js';
+import { $, make, showRows, withCode } from './dom.js';
+import { all } from './server.js';
 import { language, said, t } from './texts.js';
 import { chooseRobot, followRobot, hueOf, robotWords } from './map.js';
 
@@ -50,7 +50,7 @@ function robotRow(robot) {
   const isChosen = robot.name === chosen, charge = robot.battery === null ? null : Math.round(100 * robot.battery);
   const row = make('li', { class: [isChosen ? 'chosen' : '', robot.alarm ? 'trouble' : ''].filter(Boolean).join(' ') || null },
     make('button', { class: 'line', 'data-act': 'choose', 'aria-expanded': String(isChosen), onclick: () => choose(robot.name) },
-      colourDot(robot.name), make('b', {}, robot.name), make('span', { class: 'words' }, robotWords(robot)),
+      colourDot(robot.name), make('b', {}, robot.name), make('span', { class: 'words' }, ...withCode(robotWords(robot))),
       make('span', { class: charge !== null && charge <= 20 ? 'charge bad' : 'charge' }, charge === null ? '' : `${charge} %`)));
   if (isChosen) row.append(...details(robot));
   return row;
@@ -63,7 +63,7 @@ function details(robot) {
     robot.alarm ? make('p', { class: 'bad' }, `→ ${t(`todo_${robot.alarm}`)}`) : '',
     make('p', { class: 'row' }, make('button', { 'data-act': 'follow', 'aria-pressed': String(Boolean(robot.isFollowed)), onclick: () => followRobot(followed === robot.name ? '' : robot.name) }, t('follow')), ...acts),
     robot.missions.length ? make('h3', {}, t('last_missions')) : '',
-    make('ul', {}, ...robot.missions.map(mission => make('li', {}, `${mission.id} · ${t(`mission_${mission.state}`)}${mission.reason ? ` · ${said(mission.reason)}` : ''}`)))];
+    make('ul', {}, ...robot.missions.map(mission => make('li', {}, `${mission.id} · ${t(`mission_${mission.state}`)}`, ...mission.reason ? withCode(` · ${said(mission.reason)}`) : [])))];
 }
 
 function robotAct(kind, robot) {

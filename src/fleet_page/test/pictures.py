@@ -28,6 +28,8 @@ TROUBLES = {3: ('FAILED', 'FAILED', 'wheel blocked'), 4: ('STOPPED', 'STOPPED', 
             6: ('OUT_OF_SERVICE', 'OUT_OF_SERVICE', 'it was taken out of service')}
 ASKS = ('step 1 (pick) of stop 2 needs an answer: no pallet under the fork. Say `mission answer '
         '1840021807 retry|skip|fail|done`')
+TABS = ('missions', 'robots', 'edges', 'history', 'replay', 'audit')
+VIEWS = (*TABS, 'alarms', 'folded', 'dark', 'german')
 CELL = 0.05  # m
 AT_REST = '''
     const done = arguments[0], frame = () => new Promise(requestAnimationFrame);
@@ -106,8 +108,7 @@ def make(folder: Path, wanted: Callable[[str], bool]) -> None:
     for count, in_trouble, is_stopped in itertools.product(
             FLEETS, (False, True), (False, True)):
         mood = ('stopped_' if is_stopped else '') + ('trouble' if in_trouble else 'calm')
-        names = [f'{count}_{mood}_{size}_{view}' for size in SIZES for view in (
-            'missions', 'robots', 'folded', 'dark')]
+        names = [f'{count}_{mood}_{size}_{view}' for size in SIZES for view in VIEWS]
         if not any(map(wanted, names)):
             continue
         with tempfile.TemporaryDirectory() as own:
@@ -118,12 +119,20 @@ def make(folder: Path, wanted: Callable[[str], bool]) -> None:
                 window.resize(*SIZES[size])
                 window.open(served.url)
                 window.one('.robot')
-                window.script('''localStorage.clear();
-                    document.documentElement.dataset.theme = arguments[0] ? 'dark' : 'light';
-                    dispatchEvent(new Event('resize'));''', view == 'dark')
-                if view == 'robots':
+                window.script('''document.documentElement.dataset.theme = arguments[0];
+                    const language = document.getElementById('language');
+                    language.value = arguments[1]; language.dispatchEvent(new Event('change'));
+                    dispatchEvent(new Event('resize'));''',
+                              'dark' if view == 'dark' else 'light',
+                              'de' if view == 'german' else 'en')
+                if view in TABS:
+                    window.click(f'#tab_button_{view}')
+                if view in ('robots', 'german'):
                     window.click('#tab_button_robots')
                     window.click('#robots [data-act=choose]')
+                if view == 'alarms' and window.one('#alarms').is_displayed():
+                    window.script("""const list = document.getElementById('alarm_list');
+                        if (list.hidden) document.getElementById('fold_alarms').click();""")
                 if view == 'folded':
                     window.click('#fold')
                 if view == 'dark':
@@ -132,6 +141,7 @@ def make(folder: Path, wanted: Callable[[str], bool]) -> None:
                 window.wait(lambda: window.text('#open_count'), 'the missions')
                 window.driver.execute_async_script(AT_REST)
                 window.driver.save_screenshot(str(folder / f'{name}.png'))
+                window.script('localStorage.clear()')
                 print(name, window.problems() or '', flush=True)
             served.close()
     window.close()
