@@ -203,8 +203,8 @@ class Conformance:
                     (Invariant.GRANTED, self._unclaimed.pop(name, NOTHING)),
                     (Invariant.CAPACITY, over),
                     (Invariant.ASKED, frozenset(
-                        request.resource for request in claims.requests.values()
-                        if name in request.robots) - claims.stored_of(name))):
+                        resource for resource in claims.requests
+                        if name in claims.asked_for(resource)) - claims.stored_of(name))):
                 if resources:
                     yield Violation(invariant, name, resources=resources)
 

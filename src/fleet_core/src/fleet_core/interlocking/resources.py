@@ -11,7 +11,6 @@ from typing import Dict, FrozenSet, Iterable, Mapping, Tuple
 
 from fleet_core.geometry.site_geometry import SiteGeometry
 from fleet_core.interlocking.allocation import Allocation
-from route_protocol.devices import DeviceMode
 
 NOTHING: FrozenSet[str] = frozenset()
 
@@ -46,32 +45,6 @@ class Resource:
 
     def __str__(self) -> str:
         return f'{self.kind.value} {self.name}'
-
-
-@dataclass(frozen=True)
-class DeviceDemand:
-    """What the claims want of a device: open for these robots, or given back if there are none.
-
-    number -- a later demand has a higher number, also after a restart
-    """
-
-    resource: str
-    number: int
-    robots: Tuple[str, ...] = ()
-
-
-@dataclass(frozen=True)
-class DeviceReading:
-    """What a report of a device means for the claims.
-
-    request -- number of the newest demand that it obeys; 0: none
-    age     -- s since the device was read, at the arrival of the report
-    """
-
-    resource: str
-    mode: DeviceMode
-    request: int = 0
-    age: float = 0.0
 
 
 class Needs:

@@ -10,13 +10,14 @@ Subscribes
     /<robot>/execution_route_states, of every robot in the fleet file
     /<robot>/battery_state (sensor_msgs/BatteryState), if the robot has that topic
     /<robot>/step_states (itrci_nav_msgs/StepStates), if the robot carries out steps
+    /device_states (itrci_nav_msgs/DeviceState), of fleet_devices
 Publishes
     /mission_status (itrci_nav_msgs/MissionStatus); a new subscriber gets those of open missions
     /fleet_state (itrci_nav_msgs/FleetState), /fleet_plan (FleetPlan), both latched
     /mission_templates (itrci_nav_msgs/MissionTemplates), latched: the templates of the work file
     /fleet_poses (itrci_nav_msgs/FleetPoses), 5 Hz
     /plan_request (itrci_nav_msgs/PlanRequest), /<robot>/target_route (TargetRoute),
-    /<robot>/step_command (StepCommand)
+    /<robot>/step_command (StepCommand), /device_request (DeviceRequest)
     /diagnostics
 Services (std_srvs/Trigger)
     /stop_fleet, /resume_fleet; /<robot>/leave_fleet, /<robot>/join_fleet; /<robot>/declare_absent,
@@ -77,6 +78,7 @@ from graph_fleet_manager.nodes.work_file import WorkFile
 from graph_topic import FollowedGraph
 from itrci_nav_msgs.msg import (
     ClosedEdges,
+    DeviceState,
     ExecutionRouteStates,
     MissionCommand,
     MissionRequest,
@@ -85,6 +87,7 @@ from itrci_nav_msgs.msg import (
 )
 from node_lifecycle import ConfigurationError, number, parameter, publish_diagnostics, run
 from node_lifecycle.measurements import measured
+from route_protocol.device_messages import WrongDeviceMessage, device_report_of
 from route_protocol.messages import WrongReport
 from route_protocol.step_messages import WrongStepMessage, step_report_of
 from trajectory_graph import Graph
@@ -144,7 +147,8 @@ class PathSupervisor:
             listen('/closed_edges_in_force', ClosedEdges, self._on_closed, 1),
             listen('/mission_request', MissionRequest, self._on_request, None),
             listen('/mission_command', MissionCommand, self._on_command, None),
-            listen('/plan_answer', PlanAnswer, self._on_answer)]
+            listen('/plan_answer', PlanAnswer, self._on_answer),
+            listen('/device_states', DeviceState, self._on_device, 1000)]
         for robot in robots:
             subscribers += [
                 listen(f'/{robot}/execution_route_states', ExecutionRouteStates,
@@ -308,6 +312,19 @@ class PathSupervisor:
         self._events.put_report(
             lambda supervisor, now, _: supervisor.step_report(robot, report, now),
             f'/{robot}/step_states')
+
+    def _on_device(self, message: DeviceState) -> None:
+        try:
+            report = device_report_of(message)
+        except WrongDeviceMessage as wrong:
+            rospy.logwarn_throttle(10.0, f'A report of a device is ignored: {wrong}.')
+            return
+        ahead = time.monotonic() - rospy.get_time()  # of the supervisor's clock
+        report = report.at(report.since + ahead,
+                           None if report.read_at is None else report.read_at + ahead)
+        self._events.put_report(
+            lambda supervisor, now, _: supervisor.device_report(report, now),
+            f'/device_states/{report.device}')
 
     def _on_battery(self, robot: str, message: BatteryState) -> None:
         charge = measured(message.percentage, 0.0, 1.0, f'The charge in battery_state of {robot}')
