@@ -247,7 +247,8 @@ export function chooseRobot(name) { chosenRobot = name; drawMoving(null); }
 export function showPast(moment) { past = moment; drawMoving(null); }
 
 // The hue of a robot is that of RViz, which counts the robots in the same order.
-export const hueOf = name => 360 * ((0.55 + ((entries.get(`robot:${name}`) || {}).number || 0) * GOLDEN) % 1);
+const hueOf = name => 360 * ((0.55 + ((entries.get(`robot:${name}`) || {}).number || 0) * GOLDEN) % 1);
+export const colourOf = name => `hsl(${hueOf(name)} 60% 42%)`;
 
 export function followRobot(name) {
   if (followed === name) return;
@@ -283,10 +284,10 @@ export function drawMoving(keys) {
 
 function drawPast() {
   const wanted = new Set();
-  for (const [name, [x, y, theta, state, waits]] of Object.entries(past.r)) {
+  for (const [name, [x, y, theta, state, waits, works]] of Object.entries(past.r)) {
     wanted.add(name);
     const known = entries.get(`robot:${name}`) || {};
-    placeRobot(name, [x, y, theta], { ...known, state, waits_for: waits, battery: null, destination: 0 });
+    placeRobot(name, [x, y, theta], { ...known, state, waits_for: waits, works: Boolean(works), battery: null, destination: 0 });
   }
   dropRobots(wanted);
   placeLabels();
@@ -308,11 +309,12 @@ function placeLabels() {
   for (const shapes of [...robots.values()].sort((a, b) => b.isFirst - a.isFirst)) {
     const text = { x: shapes.x, y: shapes.y, away: shapes.reach + 1, width: widthOf(shapes.label), height: 0.95 * rem, may: shapes.isFirst ? 'all' : 'soft' };
     shapes.side = places.place(text, ABOVE_FIRST, shapes.side);
-    shapes.text.style.display = shapes.side < 0 ? 'none' : '';
+    shapes.text.style.display = shapes.card.style.display = shapes.side < 0 ? 'none' : '';
     if (shapes.side < 0) continue;
     const [left, top, right, bottom] = boxOf(text, ABOVE_FIRST[shapes.side]);
     shapes.text.setAttribute('x', ((left + right) / 2 - shapes.x).toFixed(1));
     shapes.text.setAttribute('y', ((top + bottom) / 2 - shapes.y).toFixed(1));
+    for (const [name, value] of [['x', left - shapes.x], ['y', top - shapes.y], ['width', right - left], ['height', bottom - top]]) shapes.card.setAttribute(name, value.toFixed(1));
   }
 }
 
@@ -346,8 +348,10 @@ function placeRobot(name, [x, y, theta], robot) {
 }
 
 export function robotWords(robot) {
-  const doing = robot.state === 'BUSY' && robot.destination ? t('drives_to', { vertex: vertexName(robot.destination) }) : t(`robot_${robot.state}`);
+  const vertex = robot.destination && vertexName(robot.destination), isBusy = robot.state === 'BUSY';
+  const doing = robot.works ? (vertex ? t('works_at', { vertex }) : t('robot_working')) : isBusy && vertex ? t('drives_to', { vertex }) : t(`robot_${robot.state}`);
   if (!robot.waits_for) return doing;
+  if (robot.works) return `${doing}: ${said(robot.waits_for)}`;
   const why = outageWords(robot);
   if (why.toLowerCase() === doing.toLowerCase()) return doing;
   return [...TROUBLE, ...GONE].includes(robot.state) ? `${doing}: ${why}` : `${doing} (${t('waits_for')}: ${why})`;
@@ -361,16 +365,17 @@ export function outageWords(robot) {
 }
 
 function newRobot(name) {
-  const group = makeSvg('g', { class: 'robot', role: 'button', tabindex: 0, 'data-name': name }), hue = hueOf(name);
+  const group = makeSvg('g', { class: 'robot', role: 'button', tabindex: 0, 'data-name': name });
   const ring = makeSvg('circle', { class: 'ring', r: 14 }), body = makeSvg('g');
   const nose = makeSvg('path', { d: 'M1,-4 L8,0 L1,4 z', fill: '#fff' }), text = makeSvg('text', { 'text-anchor': 'middle', 'dominant-baseline': 'central' }), title = makeSvg('title');
-  body.append(makeSvg('rect', { class: 'body', x: -10, y: -7, width: 20, height: 14, rx: 3, fill: `hsl(${hue} 60% 42%)` }), nose);
-  group.append(title, ring, body, text);
+  body.append(makeSvg('rect', { class: 'body', x: -10, y: -7, width: 20, height: 14, rx: 3, fill: colourOf(name) }), nose);
+  const card = makeSvg('rect', { class: 'card', rx: 3 });
+  group.append(title, card, ring, body, text);
   group.addEventListener('keydown', event => {
     if (event.key === 'Enter' || event.key === ' ') { event.preventDefault(); handlers.robot(name); }
   });
   robotLayer.append(group);
-  const shapes = { group, ring, body, nose, text, title, words: '', side: -1 };
+  const shapes = { group, card, ring, body, nose, text, title, words: '', side: -1 };
   robots.set(name, shapes);
   return shapes;
 }

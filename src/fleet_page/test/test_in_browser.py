@@ -255,6 +255,35 @@ def test_no_name_of_a_crowd_covers_another_and_most_are_shown(window, served):
     assert covered == 0 and shown > 0.8 * 99 * 60
 
 
+def test_a_chosen_robot_shows_its_battery_its_missions_and_what_happened_to_it(window, served):
+    begun = time.time() - 3600.0
+
+    def fill():
+        for k in range(12):
+            served.page.records.keep_charges(begun + 300 * k, {'a': 0.9 - 0.01 * k})
+    served.do(fill)
+    window.click('#tab_button_robots')
+    window.click('#robots li[data-key=a] [data-act=choose]')
+    window.one('#robots .curve .line')
+    assert '75 % now, lowest 75 %' in window.text('#robots')
+    assert '9 · done' in window.text('#robots') and 'Nothing has happened' in window.text('#robots')
+    served.do(lambda: served.page.model.take_robots([robot(
+        'a', state='STOPPED', outage='STOPPED', waits_for='emergency stop')], time.time()))
+    window.wait(lambda: 'emergency stop · Mission 7' in window.text('#robots .lines .bad'))
+    window.picture('robot')
+
+
+def test_a_robot_at_a_step_works_in_words_and_in_the_counts(window, served):
+    served.do(lambda: served.page.model.take_robots([
+        robot('a', waits_for='step 1 (pick) of stop 2', wait='STEP'),
+        robot('b', waits_for='a', wait='TRAFFIC')], time.time()))
+    window.click('#tab_button_robots')
+    window.wait(lambda: 'works at 2: step 1 (pick) of stop 2' in window.text('#robots'))
+    assert 'drives to 2 (waits for: a)' in window.text('#robots')
+    window.wait(lambda: [window.text(f'#counts [data-act={name}] b') for name in (
+        'working', 'waiting', 'driving')] == ['1', '1', '0'])
+
+
 def test_the_map_follows_a_robot_until_the_user_moves_it(window, served):
     window.click('#tab_button_robots')
     window.click('#robots li[data-key=a] [data-act=choose]')

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from page_builders import PAGE_FOLDER
 
-from fleet_core.supervision.fleet_view import RobotState
+from fleet_core.supervision.fleet_view import WORKING, RobotState
 from fleet_core.supervision.outages import Outage
 from fleet_page.core.acts import ANSWERS, ActKind
 from fleet_page.core.fleet import (
@@ -162,3 +162,4 @@ def test_every_outage_is_told_in_every_language(outage):
 @pytest.mark.parametrize('state', RobotState)
 def test_a_robots_state_has_the_same_words_everywhere(state):
     assert TABLES['en'][f'robot_{state.name}'] == state.words
+    assert TABLES['en']['robot_working'] == WORKING

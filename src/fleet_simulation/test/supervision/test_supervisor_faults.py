@@ -143,7 +143,7 @@ def test_a_planner_that_does_not_answer_is_told_of_where_robots_wait():
     fleet.request(1, 8)
     fleet.run(25.0)
     view, = robot_views(fleet.supervisor, fleet.now)
-    assert view.waits_for == 'a plan: the planner does not answer'
+    assert view.waits_for.text == 'a plan: the planner does not answer'
     fleet.planner.latency = 0.1
     fleet.run_until_done(1)
     assert fleet.supervisor.plan_executor.trouble == ''

@@ -51,7 +51,7 @@ def _of_robots(model: FleetModel) -> Iterable[str]:
     yield from _by('state', 'fleet_robots', 'gauge', 'Robots by state.',
                    ((state, states[state]) for state in ROBOT_STATES))
     yield from _by('robot', 'fleet_robot_waiting', 'gauge', '1 while a robot with a mission waits.',
-                   ((robot.name, int(robot.mission is not None and bool(robot.waits_for)))
+                   ((robot.name, int(robot.is_waiting))
                     for robot in robots))
     yield from _by('robot', 'fleet_robot_battery_ratio', 'gauge', 'State of charge, 0 to 1.',
                    ((robot.name, f'{robot.battery:g}') for robot in robots
