@@ -34,6 +34,8 @@ class ShownRobot:
     battery  -- charge, 0..1; None: unknown
     mission  -- request id; None: it has no mission
     to_end   -- s until its mission ends, as the fleet manager expects; None: unknown
+
+    Each attribute is a value that the page shows.
     """
 
     name: str
@@ -107,6 +109,8 @@ class MissionStatus:
     told     -- when the fleet manager told it, s since 1970
     deadline -- one of DEADLINE_STATES
     template -- the template and its arguments, for people; empty: none
+
+    Each attribute is a value that the page shows.
     """
 
     id: int
