@@ -131,6 +131,8 @@ class Interlocking:
     news        -- returns the names of the robots that changed since it was last called; None: any
                    robot may have changed at any time
     claims      -- the claims of the robots to the resources of the site; None: it has none
+
+    Its attributes are what a grant rests on, and what must be stored before an order is sent.
     """
 
     def __init__(self, geometry: SiteGeometry, clearance: float,

@@ -154,6 +154,9 @@ class RouteMaster:
     Only the interlocking gives it routes.
 
     tell -- is called after each change, so that the interlocking reads the allocation again
+
+    It has one method for each event of the route, and one property for each answer about it. All
+    read or change the same record: what is ordered, and where the robot may be.
     """
 
     def __init__(self, record: RouteRecord, clock: Clock,

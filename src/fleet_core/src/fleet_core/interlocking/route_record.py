@@ -24,6 +24,9 @@ class RouteRecord:
 
     kind  -- the robot's type; its speed bounds how far it may have moved since a location
     slack -- m by which the robot may be behind its reported place
+
+    It has many methods because all that is asked about the driven and the ordered edges is asked
+    here.
     """
 
     def __init__(self, graph: Graph, kind: RobotType, slack: float = 0.0) -> None:

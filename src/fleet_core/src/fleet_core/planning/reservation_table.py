@@ -29,6 +29,8 @@ class ReservationTable:
     """Bookings of many robots. Each robot is booked by name and can be taken out again.
 
     It answers for each robot type at which times a slot is blocked. All searches for paths use it.
+
+    It has many methods because a booking is made, found and taken back in one place.
     """
 
     def __init__(self, network: RoadNetwork, clearance: float, kinds: Iterable[RobotType]) -> None:
@@ -220,7 +222,7 @@ class ReservationTable:
             starts, ends = merge(self.against_rest(kind, mid_edge, drive))
             gap, begin = bisect_right(ends, ready), ready
             while begin <= leave:
-                if gap == len(ends) or begin <= starts[gap]:
+                if begin <= starts[gap]:
                     found.append((drive, begin, vertex, begin + seconds))
                 if gap == len(ends):
                     break

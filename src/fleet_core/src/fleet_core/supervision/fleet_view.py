@@ -65,6 +65,8 @@ class RobotView:
     mission     -- request id of the mission that it serves
     destination -- vertex to which it drives; None: none
     to_go       -- time until it is there, and until its mission ends, in s of the robot's clock
+
+    Each attribute is a field of the published state.
     """
 
     name: str

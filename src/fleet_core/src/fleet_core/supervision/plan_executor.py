@@ -49,6 +49,9 @@ class PlanExecutor:
 
     switching -- looks for a better order while robots are late; None: the order stays
     rate      -- the factor by which robots are faster than the clock
+
+    Its attributes are the plan, the open questions and what became of the last ones, which each
+    step of the plan reads together.
     """
 
     def __init__(self, robots: Mapping[str, ManagedRobot], interlocking: Interlocking,

@@ -34,6 +34,8 @@ class ManagedRobot:
 
     It judges reports, refusals and silence, and keeps the robot's outage. `master` keeps its route
     record and its allocation.
+
+    It has one method for each event of a robot and one for each question about it.
     """
 
     name: str

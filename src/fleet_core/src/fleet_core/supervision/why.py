@@ -105,6 +105,12 @@ def robot_wait(robot: ManagedRobot, errand: Errand, supervisor: Supervisor, now:
         return supervisor.all_wait
     if mission is not None and mission.state is MissionState.PAUSED:
         return _PAUSED
+    return _errand_wait(robot, errand, supervisor, now)
+
+
+def _errand_wait(robot: ManagedRobot, errand: Errand, supervisor: Supervisor, now: float) -> Wait:
+    """What a robot that may drive waits for on its errand."""
+    mission = errand.mission
     work = supervisor.desk.waits_for(robot.name, mission)
     if work.code:
         return work

@@ -37,6 +37,8 @@ class ShownRobot:
     mission  -- request id; None: it has no mission
     to_end   -- s until its mission ends, as the fleet manager expects; None: unknown
     wait     -- name of the code of what it waits for (WaitCode)
+
+    Each attribute is a value that the page shows.
     """
 
     name: str
@@ -127,6 +129,8 @@ class MissionStatus:
     told     -- when the fleet manager told it, s since 1970
     deadline -- one of DEADLINE_STATES
     template -- the template and its arguments, for people; empty: none
+
+    Each attribute is a value that the page shows.
     """
 
     id: int

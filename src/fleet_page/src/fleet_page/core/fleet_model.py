@@ -44,7 +44,10 @@ Key = Tuple[int, int]
 
 
 class FleetModel:
-    """Takes the messages of the fleet, writes the state to `live`, and sums up for the history."""
+    """Takes the messages of the fleet, writes the state to `live`, and sums up for the history.
+
+    It has one method for each kind of message, because the page shows one state of them all.
+    """
 
     def __init__(self) -> None:
         self.live = LiveState()

@@ -54,6 +54,8 @@ class SupervisorEvents:
     """Callbacks put events, one thread takes them. Times are those of `clock` (s, monotonic).
 
     trouble -- a clause that says why requests cannot wait for a supervisor; empty if they can
+
+    Its attributes are the queues and what orders their turns.
     """
 
     def __init__(self, clock: Callable[[], float] = time.monotonic,

@@ -97,6 +97,8 @@ VIEW_PERIOD = 0.5  # s between two /fleet_state, and the least time between two 
 
 class PathSupervisor:
     """The node; see the docstring of the module. One thread decides; callbacks only queue events.
+
+    It has many attributes because it puts the parts of the node together.
     """
 
     def __init__(self) -> None:
