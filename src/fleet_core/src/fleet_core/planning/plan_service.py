@@ -65,7 +65,8 @@ class PlanService:
         planner = self._planner(_Roadmap(request.closed, frozenset(request.edge_times.items())))
         planner.parking = tuple(sorted(request.parking))
         return planner.plan(request.tasks, request.obstacles, begun + request.time_limit,
-                            improve_until=begun + request.improvement, seed=request.seed)
+                            improve_until=begun + request.improvement, seed=request.seed,
+                            reserved=request.reserved)
 
     def _check(self, request: PlanRequest) -> None:
         robots: List[Union[Task, Obstacle]] = [*request.tasks, *request.obstacles]
@@ -79,7 +80,7 @@ class PlanService:
                                  'describe it in the fleet file.')
         for obstacle in request.obstacles:
             self._check_ids(f'Robot {obstacle.name}', obstacle.vertices, obstacle.edges)
-        self._check_ids('Parking', tuple(request.parking), ())
+        self._check_ids('Parking', (*request.parking, *request.reserved), ())
         for (kind, edge), seconds in request.edge_times.items():
             if not 0.0 < seconds < 1e6:
                 raise CannotPlan(f'The learned time of {kind} on edge {edge} is {seconds} s, but '

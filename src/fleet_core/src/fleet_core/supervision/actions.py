@@ -56,6 +56,7 @@ class AskPlanner:
     """Ask the planner for a plan. Its answer returns this number.
 
     edge_times -- learned driving times, in place of length / speed
+    reserved   -- places of stations and queues, where no robot is parked that has no business there
     seed       -- of the planner's random choices; it changes if a plan did not serve all robots
     """
 
@@ -64,6 +65,7 @@ class AskPlanner:
     obstacles: Tuple[Obstacle, ...]
     closed: FrozenSet[int]
     edge_times: Times
+    reserved: FrozenSet[int] = frozenset()
     seed: int = 0
 
 

@@ -107,7 +107,8 @@ class FleetTopics:
         stamp = rospy.Time.now()
         message = request_message(
             PlanRequest(question.tasks, question.obstacles, question.closed, time_limit=0.0,
-                        improvement=self._improvement, seed=question.seed),
+                        improvement=self._improvement, seed=question.seed,
+                        reserved=question.reserved),
             question.number, stamp, self.graph_stamp, self._rate)
         self._times.fill(message, question.edge_times, self._rate)
         self._asked = message, question.edge_times
