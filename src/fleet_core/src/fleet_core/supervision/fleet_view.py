@@ -109,8 +109,8 @@ def _view(robot: ManagedRobot, errand: Errand, supervisor: Supervisor, now: floa
         state = RobotState.CHARGING
     else:
         state = RobotState.IDLE if errand.duty is Duty.IDLE else RobotState.BUSY
-    destination = errand.dock
-    if mission is not None and mission.left:
+    destination = errand.place
+    if destination is None and mission is not None and mission.left:
         destination = mission.left[0]
     charge = math.nan if robot.battery.is_mute(robot.liveness, now) else robot.battery.charge
     return RobotView(robot.name, robot.type.name, state, robot.outage, robot.record.pose,
