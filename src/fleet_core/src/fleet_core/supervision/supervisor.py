@@ -469,6 +469,9 @@ class Supervisor:
             self._is_recovering = True
             self._halt(self.robots.values())
             self._out.send()
+        elif not robot.master.is_stopping:
+            self._halt([robot])  # to it, the stop from before this report was not a new one
+            self._out.send()
 
     def _doubt_journal(self, why: str, reporting: str = '') -> None:
         """Counts the place of each robot as unknown until it has stopped once.
