@@ -50,7 +50,7 @@ class DeviceDesk:
         if before is None or at >= before.at:
             self._read[report.resource] = _Read(report, at)
 
-    def look(self, now: float) -> None:
+    def update_open(self, now: float) -> None:
         """Tells the interlocking which devices are open now, by fresh reports."""
         self._claims.open_for = {
             name: read.report.request for name, read in self._read.items()
