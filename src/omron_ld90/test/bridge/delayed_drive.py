@@ -287,7 +287,7 @@ class DelayedDrive:
         if self._stopped_at_robot and line not in ('stop', 'oneLineStatus') and not self.passed:
             self.crossed = True
             self._note(f'crossed: {line}')
-        self.robot.take(line)
+        self.robot.receive(line)
 
     def _say(self, line: str) -> None:
         if not line.startswith('Status'):

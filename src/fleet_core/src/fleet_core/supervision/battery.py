@@ -21,7 +21,7 @@ class Battery:
         self._settings = settings
         self._told = -math.inf
 
-    def tell(self, charge: float, now: float) -> None:
+    def report(self, charge: float, now: float) -> None:
         """The robot has reported its state of charge, from 0 to 1."""
         self.charge, self._told = charge, now
 

@@ -198,7 +198,7 @@ class ManagedRobot:
 
     # -- time -------------------------------------------------------------------------------------
 
-    def look(self, now: float, heard: float) -> None:
+    def tick(self, now: float, heard: float) -> None:
         """Detects that the robot is silent or deaf, and that its last location gets old.
 
         heard -- time until which all arrived reports were evaluated

@@ -245,7 +245,7 @@ class Supervisor:
             self.book.withdraw(mission, before)
             self.desk.withdrawn(mission.serial)
             self._refuse(mission.request, self.trouble)
-        return [*actions, *self._out.take(now)]
+        return [*actions, *self._out.actions(now)]
 
     def _acceptance_now(self) -> Acceptance:
         """The data by which requests are checked, with the places of the robots."""
@@ -352,7 +352,7 @@ class Supervisor:
             self._out.note(problem, change is not None)
         if mission.robot:
             self._out.robot_changed(mission.robot)
-        self._go_on(now)
+        self._advance(now)
         actions = self._actions(now)
         if self.trouble:
             told = mission_commands.not_stored(before, command, self.trouble)
@@ -402,8 +402,8 @@ class Supervisor:
             self._out.robot_changed(name)
             mission_progress.follow(self.book, robot, now)
         self._separate()
-        self._outages.look_at(robot)
-        return self._checked(self._out.take_unless_due_later(now), now)
+        self._outages.compare_robot(robot)
+        return self._checked(self._out.actions_unless_due_later(now), now)
 
     def step_report(self, name: str, report: StepReport, now: float) -> List[Action]:
         """Handles a robot's report of its steps."""
@@ -420,18 +420,18 @@ class Supervisor:
         if self.trouble:
             return f'{self.trouble}.', self._actions(now)
         problem = self.desk.set_load(name, request_id)
-        self._go_on(now)
+        self._advance(now)
         return problem, self._actions(now)
 
     def device_report(self, report: DeviceReport, now: float) -> List[Action]:
         """Handles the report of a device. Its times are those of the supervisor's clock."""
         self.devices.report(report, now)
-        return self._out.take_unless_due_later(now)
+        return self._out.actions_unless_due_later(now)
 
     def _look_at_devices(self, now: float) -> None:
         """Tells the interlocking which devices are open, and people where one is not for a robot.
         """
-        self.devices.look(now)
+        self.devices.update_open(now)
         lost = set() if self._is_starting else set(self._claims.lost())
         for claim in sorted(self._lost | lost):
             name, what = claim[0], self._claims.needs.resources[claim[1]]
@@ -444,7 +444,8 @@ class Supervisor:
 
     def _work(self, now: float) -> None:
         """Lets the work at stops go on, and closes the gates of the robots that must stand."""
-        for name in self.desk.go_on(not (self.is_stopped or self.trouble or self._is_starting)):
+        may_begin = not (self.is_stopped or self.trouble or self._is_starting)
+        for name in self.desk.follow_all(may_begin):
             self._out.robot_changed(name)
             self._out.send()
         self.interlocking.at_work = self.desk.at_work
@@ -505,7 +506,7 @@ class Supervisor:
             robot = self.robots[name]
             robot.notice(Sign.EXCLUDED, self._too_near('it', robot))
             self._out.robot_changed(name)
-            self._outages.look_at(robot)
+            self._outages.compare_robot(robot)
             self._out.send()
 
     def _too_near(self, subject: str, robot: ManagedRobot) -> str:
@@ -516,7 +517,7 @@ class Supervisor:
     def _actions(self, now: float) -> List[Action]:
         """All actions that follow an event. Robots that exclude each other now are stopped."""
         self._separate()
-        return self._checked(self._out.take(now), now)
+        return self._checked(self._out.actions(now), now)
 
     def _checked(self, actions: List[Action], now: float) -> List[Action]:
         """Stops the fleet if the event did what the model of allocations does not allow."""
@@ -529,12 +530,12 @@ class Supervisor:
         if not self.is_stopped:
             self._stop(self._stop_now(StopCause.DEFECT, f'an error of the fleet manager: '
                                       f'{violations[0]}'))
-        return [*actions, *self._out.take(now)]
+        return [*actions, *self._out.actions(now)]
 
     def battery(self, name: str, charge: float, now: float) -> List[Action]:
         """Handles a report of the state of charge, 0..1."""
-        self.robots[name].battery.tell(charge, now)
-        return self._out.take_unless_due_later(now)
+        self.robots[name].battery.report(charge, now)
+        return self._out.actions_unless_due_later(now)
 
     # -- commands of people -----------------------------------------------------------------------
 
@@ -544,8 +545,8 @@ class Supervisor:
         robot.master.halt()
         robot.notice(Sign.TAKEN_OUT, 'it was taken out of service')
         self._out.robot_changed(name)
-        self._outages.look()
-        self._go_on(now)
+        self._outages.compare()
+        self._advance(now)
         return self._actions(now)
 
     def bring_in(self, name: str, now: float) -> Tuple[str, List[Action]]:
@@ -560,8 +561,8 @@ class Supervisor:
         if not problem and not robot.works:
             problem = robot.come_back() or self._still_too_near(robot)
             self._out.robot_changed(name)
-            self._outages.look()
-            self._go_on(now)
+            self._outages.compare()
+            self._advance(now)
         return problem, self._actions(now)
 
     def _stop_first(self, robot: ManagedRobot) -> str:
@@ -587,8 +588,8 @@ class Supervisor:
             self.interlocking.forget(name)
         if not problem:
             self._out.robot_changed(name)
-            self._outages.look()
-            self._go_on(now)
+            self._outages.compare()
+            self._advance(now)
         return problem, self._actions(now)
 
     @property
@@ -641,7 +642,7 @@ class Supervisor:
         self.interlocking.is_stopped = False
         self.stop = NOT_STOPPED
         self._out.stop_changed(NOT_STOPPED)
-        self._go_on(now)
+        self._advance(now)
         return '', self._actions(now)
 
     @property
@@ -668,13 +669,13 @@ class Supervisor:
         """Sets the closed edges. Edges that are granted already are driven to their end."""
         if self.networks.close(edges):
             self.interlocking.closed = self.network.closed
-            self._go_on(now)
+            self._advance(now)
         return self._actions(now)
 
     def plan_made(self, number: int, outcome: PlanningOutcome, now: float) -> List[Action]:
         """Handles the planner's answer. An answer that does not fit any more is ignored."""
         if self.plan_executor.plan_made(number, outcome, self._world(), now):
-            self._go_on(now)
+            self._advance(now)
         return self._actions(now)
 
     def plan_failed(self, number: int, reason: str, now: float) -> List[Action]:
@@ -696,7 +697,7 @@ class Supervisor:
         heard -- time until which all arrived reports were handled; silence is judged by it
         """
         self._heard = now if heard is None else heard
-        self._go_on(now)
+        self._advance(now)
         return self._actions(now)
 
     def errands(self) -> Dict[str, Errand]:
@@ -709,7 +710,7 @@ class Supervisor:
     def _world(self) -> World:
         return self._view.world(self.book.serving, self.network, self.stations.ways)
 
-    def _go_on(self, now: float) -> None:
+    def _advance(self, now: float) -> None:
         for robot in self.robots.values():
             self._follow(robot, now)
         self._look_at_devices(now)
@@ -718,7 +719,7 @@ class Supervisor:
         self._follow_times(now)
         self._work(now)
         self._shorten()
-        self._outages.look()
+        self._outages.compare()
         self._believe_journal()
         self._out.send()
         self._is_starting &= (self._heard - self._began < SILENCE and not all(
@@ -736,11 +737,11 @@ class Supervisor:
         for name in self._waiting.assign(self.acceptance, self.networks, now):
             mission_progress.follow(self.book, self.robots[name], now)
         self.stations.go_on()
-        self.plan_executor.go_on(self._world(), now)
+        self.plan_executor.advance(self._world(), now)
 
     def _follow(self, robot: ManagedRobot, now: float) -> None:
         """Judges what is known of a robot now, and lets it go on or stop."""
-        robot.look(now, self._heard)
+        robot.tick(now, self._heard)
         mission_progress.follow(self.book, robot, now)
         if not self.is_stopped and robot.goes_on(now):
             self._out.robot_changed(robot.name)

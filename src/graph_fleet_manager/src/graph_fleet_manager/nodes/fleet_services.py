@@ -156,13 +156,13 @@ class FleetServices:
         """What the supervisor's thread finds. Raises ServiceException if it cannot be read now."""
         found: List[_Found] = []
 
-        def look(supervisor: Supervisor, now: float) -> Tuple[str, Sequence[Action]]:
+        def read(supervisor: Supervisor, now: float) -> Tuple[str, Sequence[Action]]:
             try:
                 found.append(find(supervisor, now))
             except JournalUnavailable as unavailable:
                 return unavailable.reason, ()
             return '', ()
-        answer = self._answer(look, '')
+        answer = self._answer(read, '')
         if not found:
             raise rospy.ServiceException(
                 answer.message if answer else f'no answer within {PATIENCE:.0f} s')
