@@ -143,7 +143,7 @@ class Witness(DelayedDrive):
         self._given: List[Execution] = []  # drives and stops that have not reached the robot
         # the drive that the robot carries out; None: none of ours
         self._obeyed: Optional[Execution] = None
-        # time since when something else is told of that drive than what the robot does
+        # time since when something else is told of it than what the robot does
         self._untrue_since: Optional[float] = None
         super().__init__(YARD, 1, strategy, delays, interruption, braking)
         self._time.every(TICK, self._watch_owed_stop)
@@ -339,21 +339,26 @@ class Witness(DelayedDrive):
                 or self.robot.status.startswith((f'Arrived at {goal}', 'DockingState: Docked')))
 
     def _watch_what_is_told(self) -> None:
-        """Checks the giver on `motion` and the answer to the drive that the robot carries out."""
-        memory, drive = self._controller.motion.memory, self._obeyed
-        untrue = ''
-        if drive and self.robot.goal is not None and self._can_be_reached and not memory.stop_owed:
-            if memory.giver not in (NO_GIVER, drive.giver):
-                untrue = f'{memory.giver.name} is told as the giver'
-            elif drive.result and drive.result.outcome not in OPEN_OUTCOMES:
-                untrue = f'{drive.result} is told'
+        """Checks what `motion` tells, and the answer to the drive that the robot carries out."""
+        untrue = self._what_is_told_wrongly() if self._can_be_reached else ''
         if not untrue:
             self._untrue_since = None
         elif self._untrue_since is None:
             self._untrue_since = self.now
-        elif drive and self.now > self._untrue_since + TRUE_WITHIN:
-            self.broken.append(f'{self.now:.1f} {untrue}, but the robot carries out '
-                               f'{drive.command.text} of {drive.giver.name}')
+        elif self.now > self._untrue_since + TRUE_WITHIN:
+            self.broken.append(f'{self.now:.1f} {untrue}')
+
+    def _what_is_told_wrongly(self) -> str:
+        (memory, _, emergency_stop), drive = self._controller.motion, self._obeyed
+        if emergency_stop is not self.robot.status.startswith('EStop'):
+            return f'{emergency_stop} is told of the emergency stop at "{self.robot.status}"'
+        told = ''
+        if drive and self.robot.goal is not None and not memory.stop_owed:
+            if memory.giver not in (NO_GIVER, drive.giver):
+                told = f'{memory.giver.name} is told as the giver'
+            elif drive.result and drive.result.outcome not in OPEN_OUTCOMES:
+                told = f'{drive.result} is told'
+        return told and f'{told}, but the robot carries out {drive}'
 
     def _say(self, line: str) -> None:
         """A command of another client counts from the time at which the controller learns of it.
@@ -384,7 +389,7 @@ class Witness(DelayedDrive):
         stopped -- as `self._stopped` was when the robot took that command; the robot obeys after it
         all later stops that have reached it meanwhile, or are on their way
         """
-        memory, state = self._controller.motion
+        memory, state, _ = self._controller.motion
         if line == 'Stopping':
             is_clear = (self.now > max(self.given_at + AT_ONCE, self._powered_at + LATE)
                         and state is not MotionState.STOPPING)
