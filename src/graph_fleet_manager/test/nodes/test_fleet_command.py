@@ -136,6 +136,35 @@ def test_a_person_says_what_a_robot_carries(called, load, said):
     assert called == [('/b/set_load', *said)]
 
 
+@pytest.mark.parametrize(('robot', 'told'), [
+    (FleetRobot(name='b', state=FleetRobot.BUSY, has_mission=True, request_id=7, until=12.4,
+                waits_for='its turn at station press, after a', waits_for_code=16),
+     'b is busy, and serves mission 7. It waits for: its turn at station press, after a, for about '
+     '12 s.'),
+    (FleetRobot(name='b', until=math.nan),
+     'b is idle. It waits for nothing: it has nothing to do.'),
+    (FleetRobot(name='b', state=FleetRobot.BUSY, has_mission=True, request_id=7, until=math.nan),
+     'b is busy, and serves mission 7. It waits for nothing: it drives, or may set out.')])
+def test_it_says_what_a_robot_waits_for_and_until_when(called, monkeypatch, capsys, robot, told):
+    monkeypatch.setattr(fleet, '_robots', lambda: [robot])
+    assert fleet._fleet(['why', 'b']) == OK
+    assert ' '.join(capsys.readouterr().out.split()) == told
+
+
+def test_programs_get_what_a_robot_waits_for_as_json(called, monkeypatch, capsys):
+    robot = FleetRobot(name='b', waits_for='a free dock', waits_for_code=12, until=math.nan)
+    monkeypatch.setattr(fleet, '_robots', lambda: [robot])
+    assert fleet._fleet(['why', 'b', '--json']) == OK
+    assert json.loads(capsys.readouterr().out) == {
+        'robot': 'b', 'state': 'IDLE', 'mission': None, 'code': 'CHARGING',
+        'waits_for': 'a free dock', 'until': None}
+
+
+def test_why_a_robot_waits_is_asked_of_robots_that_there_are(called):
+    with pytest.raises(CommandProblem, match="There is no robot 'x'"):
+        fleet._fleet(['why', 'x'])
+
+
 @pytest.mark.parametrize('words', [['b'], ['b', 'full'], ['b', '-1']])
 def test_a_load_is_nothing_or_that_of_a_mission(called, words):
     with pytest.raises(SystemExit) as end:

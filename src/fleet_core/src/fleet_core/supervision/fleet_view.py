@@ -15,6 +15,7 @@ from fleet_core.supervision.restoring import RemovedRobot
 from fleet_core.supervision.robots import ManagedRobot
 from fleet_core.supervision.supervisor import Supervisor
 from fleet_core.supervision.time_to_go import UNKNOWN, TimeToGo, time_to_go
+from fleet_core.supervision.waits import NO_WAIT, Wait, WaitCode
 from fleet_core.supervision.why import robot_wait
 
 
@@ -58,6 +59,7 @@ class RobotView:
     battery     -- state of charge; NaN: unknown
     mission     -- request id of the mission that it serves
     destination -- vertex to which it drives; None: none
+    wait        -- what it waits for
     to_go       -- time until it is there, and until its mission ends, in s of the robot's clock
     """
 
@@ -70,8 +72,13 @@ class RobotView:
     battery: float
     mission: Optional[int]
     destination: Optional[int]
-    waits_for: str
+    wait: Wait = NO_WAIT
     to_go: TimeToGo = UNKNOWN
+
+    @property
+    def waits_for(self) -> str:
+        """What it waits for, in words; empty: nothing."""
+        return self.wait.text
 
 
 class DriveView(NamedTuple):
@@ -108,7 +115,7 @@ def _view(robot: ManagedRobot, errand: Errand, supervisor: Supervisor, now: floa
     return RobotView(robot.name, robot.type.name, state, robot.outage, robot.record.pose,
                      robot.liveness.seen, charge,
                      None if mission is None else mission.request.id, destination,
-                     robot_wait(robot, errand, supervisor, now).text,
+                     robot_wait(robot, errand, supervisor, now),
                      _to_go(robot, errand, supervisor, now))
 
 
@@ -126,8 +133,9 @@ def _removed_view(robot: RemovedRobot) -> RobotView:
         pose = Pose(position.edge, position.fraction) if position.vertex is None else (
             Pose(record.graph.edges_from(position.vertex)[0]))
     return RobotView(robot.name, robot.type.name, RobotState.OUT_OF_SERVICE, None, pose, -math.inf,
-                     math.nan, None, None, 'it is not in the fleet file any more; its places stay '
-                     f'blocked until `fleet absent {robot.name}`')
+                     math.nan, None, None, Wait(
+                         WaitCode.OUTAGE, 'it is not in the fleet file any more; its places stay '
+                         f'blocked until `fleet absent {robot.name}`'))
 
 
 class PlanProgress(NamedTuple):

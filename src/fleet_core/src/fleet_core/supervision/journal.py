@@ -243,7 +243,7 @@ class Journal:
 
     def works(self) -> Dict[int, Work]:
         """By serial, the progress of the steps of each open mission that has steps."""
-        return {int(serial): from_json(Work, json.loads(text))
+        return {int(serial): from_json(Work, json.loads(text), added=('group',))
                 for serial, text in self._run('SELECT serial, work FROM work')}
 
     def loads(self) -> Dict[str, RobotLoad]:
@@ -308,7 +308,7 @@ def read_request(text: str) -> Request:
         ('id', 'destinations', 'robot_type', 'robot', 'priority', 'dwells', 'stamp'), stored))
     return from_json(Request, values, added=(
         'requested_by', 'stops', 'on_cancel', 'after', 'template', 'arguments', 'earliest',
-        'deadline'))
+        'deadline', 'group'))
 
 
 def _graph_text(graph: Graph) -> str:

@@ -146,7 +146,8 @@ class Supervisor:
         self.interlocking = Interlocking(self.networks.geometry, fleet.clearance,
                                          self._everywhere, conformance, changes.follow(),
                                          self._claims)
-        self.stations = StationDesk(work.stations, self._claims, self.book, self.robots)
+        self.stations = StationDesk(work.stations, self._claims, self.book, self.robots,
+                                    self.desk)
         self.desk.may_enter = self.stations.may_go_to
         self.devices = DeviceDesk(self._claims, lambda: self.interlocking.unknown_robots)
         self._out = Outbox(journal, self.book, self.robots, self._everywhere, self.interlocking,
@@ -727,7 +728,7 @@ class Supervisor:
             self._out.robot_changed(name)
         for name in self._waiting.assign(self.acceptance, self.networks, now):
             mission_progress.follow(self.book, self.robots[name], now)
-        self.stations.go_on()
+        self.stations.go_on(self.network)
         self.plan_executor.go_on(self._world(), now)
 
     def _follow(self, robot: ManagedRobot, now: float) -> None:

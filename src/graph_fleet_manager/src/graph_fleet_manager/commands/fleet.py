@@ -1,5 +1,5 @@
-"""The command `fleet`: lists all robots; stops and resumes them; takes a robot out of service, puts
-it back, declares it absent, and says what it carries.
+"""The command `fleet`: lists all robots, and says what one of them waits for; stops and resumes
+them; takes a robot out of service, puts it back, declares it absent, and says what it carries.
 
 Exit status 0: done; 1: wrong input, or no fleet manager; 2: not done, with the reason.
 """
@@ -15,6 +15,7 @@ from typing import Any, Dict, List, Optional, Sequence
 import rospy
 
 from fleet_core.supervision.fleet_view import RobotState
+from fleet_core.supervision.waits import WaitCode
 from graph_fleet_manager.commands.command_line import OK, CommandProblem, Parser
 from graph_fleet_manager.commands.fleet_client import (
     TopicListener,
@@ -27,6 +28,7 @@ from graph_fleet_manager.commands.stop import stop
 from graph_fleet_manager.commands.tables import (
     WIDTH,
     as_json,
+    for_about,
     offer_json,
     stop_values,
     table_with_notes,
@@ -57,6 +59,9 @@ def _options(arguments: List[str]) -> Namespace:
     commands.required = True
     offer_json(commands.add_parser(
         'list', help='every robot: state, place, battery, mission, reason to wait'))
+    why = commands.add_parser('why', help='what a robot waits for, and until when')
+    why.add_argument('robot', metavar='ROBOT')
+    offer_json(why)
     commands.add_parser('stop', help='stops every robot at once')
     commands.add_parser('resume', help='releases the stop: every robot may drive again')
     for name, what in (('out', 'stops a robot and takes it out of service'),
@@ -89,6 +94,9 @@ def _fleet(arguments: List[str]) -> int:
         graphs = TopicListener('/graph', GraphMessage)
         state, graph = TopicListener('/fleet_state', FleetState).last(), _graph(graphs)
         print(as_json(_values(state, graph)) if options.json else _listed(state, graph))
+    elif options.command == 'why':
+        robot = _robot(options.robot)
+        print(as_json(_why_values(robot)) if options.json else _why_words(robot))
     elif options.command == 'resume':
         print(call('/resume_fleet'))
     elif options.command == 'absent':
@@ -109,9 +117,35 @@ def _robots() -> List[FleetRobot]:
 
 
 def _check(robot: str) -> None:
-    names = [one.name for one in _robots()]
-    if robot not in names:
-        raise CommandProblem(f'There is no robot {robot!r}; there are: {", ".join(names)}.')
+    _robot(robot)
+
+
+def _robot(name: str) -> FleetRobot:
+    """The state of a robot. Raises CommandProblem."""
+    robots = {one.name: one for one in _robots()}
+    if name not in robots:
+        raise CommandProblem(f'There is no robot {name!r}; there are: {", ".join(robots)}.')
+    return robots[name]
+
+
+def _why_words(robot: FleetRobot) -> str:
+    """One sentence: what a robot does, what it waits for, and until when."""
+    mission = f', and serves mission {robot.request_id}' if robot.has_mission else ''
+    told = f'{robot.name} is {_STATES.get(robot.state, str(robot.state))}{mission}. '
+    if robot.waits_for:
+        told += f'It waits for: {robot.waits_for}{for_about(robot.until)}.'
+    elif robot.has_mission or robot.state == FleetRobot.CHARGING:
+        told += 'It waits for nothing: it drives, or may set out.'
+    else:
+        told += 'It waits for nothing: it has nothing to do.'
+    return textwrap.fill(told, WIDTH)
+
+
+def _why_values(robot: FleetRobot) -> Dict[str, Any]:
+    return {'robot': robot.name, 'state': _NAMES.get(robot.state, str(robot.state)),
+            'mission': robot.request_id if robot.has_mission else None,
+            'code': WaitCode(robot.waits_for_code).name, 'waits_for': robot.waits_for,
+            'until': robot.until if math.isfinite(robot.until) else None}
 
 
 def _unseen() -> List[str]:
