@@ -271,6 +271,21 @@ def test_two_robots_that_want_each_others_stations_make_room() -> None:
     fleet.run_until_done(1, 2)
 
 
+# The press at the end of a dead end, so that its only way out leads through its queue.
+DEAD_END = graph_of({vertex.id: vertex.position for vertex in LANE.vertices.values()},
+                    {edge.id: (edge.origin, edge.destination) for edge in LANE.edges.values()
+                     if edge.id != 6})
+
+
+def test_robots_in_a_queue_make_room_where_it_is_the_only_way_out() -> None:
+    fleet = FleetAtStations(DEAD_END, {'a': 1, 'b': 2, 'c': 11, 'd': 12}, PRESS, parking=PARKING)
+    fleet.run(2.0)
+    for id in range(1, 7):
+        fleet.visit(id, 18, 11)
+    fleet.run_until_done(*range(1, 7), limit=900.0)
+    assert len(fleet.arrived) == 6
+
+
 @pytest.mark.parametrize('seed', range(12))
 def test_all_missions_end_and_the_queue_is_served_in_order(seed: int) -> None:
     draw = Random(seed)

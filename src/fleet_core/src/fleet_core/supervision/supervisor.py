@@ -28,7 +28,7 @@ from fleet_core.planning.tasks import PlanningOutcome
 from fleet_core.supervision import mission_commands, mission_progress
 from fleet_core.supervision.actions import Action, TellStatus
 from fleet_core.supervision.assumptions import World, WorldView
-from fleet_core.supervision.charging import ChargeQueue
+from fleet_core.supervision.charging import ChargeQueue, docks_of
 from fleet_core.supervision.device_desk import DeviceDesk
 from fleet_core.supervision.duties import FREE_WAY, Errand, errand_of
 from fleet_core.supervision.fleet_stop import NOT_STOPPED, FleetStop, StopCause
@@ -554,6 +554,25 @@ class Supervisor:
             problem = robot.come_back() or self._still_too_near(robot)
             self._out.robot_changed(name)
             self._outages.look()
+            self._go_on(now)
+        return problem, self._actions(now)
+
+    def charge(self, name: str, until: float, now: float) -> Tuple[str, List[Action]]:
+        """Asks a robot to charge until `until` (0..1) after its mission; 0: not any more.
+
+        Also returns why not, as a clause; empty: done.
+        """
+        robot = self.robots[name]
+        problem = self.trouble
+        if until and not docks_of(robot, self.network):
+            problem = problem or 'the fleet file and the graph have no dock for its type'
+        elif not 0.0 <= until <= 1.0:
+            problem = problem or f'it cannot charge until {100.0 * until:.0f} %'
+        elif until and robot.battery.charge >= until:
+            problem = problem or f'its charge is {100.0 * robot.battery.charge:.0f} % already'
+        if not problem:
+            robot.charge_until = until
+            self._out.robot_changed(name)
             self._go_on(now)
         return problem, self._actions(now)
 

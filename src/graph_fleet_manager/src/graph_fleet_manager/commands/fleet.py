@@ -1,5 +1,6 @@
 """The command `fleet`: lists all robots, and says what one of them waits for; stops and resumes
-them; takes a robot out of service, puts it back, declares it absent, and says what it carries.
+them; takes a robot out of service, puts it back, lets it charge, declares it absent, and says what
+it carries.
 
 Exit status 0: done; 1: wrong input, or no fleet manager; 2: not done, with the reason.
 """
@@ -36,7 +37,7 @@ from graph_fleet_manager.commands.tables import (
 from graph_fleet_manager.messages.missions import OUTAGE_OF_CODE, stop_of
 from itrci_nav_msgs.msg import FleetRobot, FleetState
 from itrci_nav_msgs.msg import Graph as GraphMessage
-from itrci_nav_msgs.srv import DeclareAbsent, SetLoad
+from itrci_nav_msgs.srv import ChargeRobot, DeclareAbsent, SetLoad
 from trajectory_graph import Graph
 from trajectory_graph.drawn_names import place_name, vertex_name
 from trajectory_graph.messages import graph_from_message
@@ -76,7 +77,14 @@ def _options(arguments: List[str]) -> Namespace:
     load.add_argument('robot', metavar='ROBOT')
     load.add_argument('load', metavar='empty|MISSION',
                       help='nothing, or the load of the mission with this id, which it serves')
+    charge = commands.add_parser('charge', help='asks a robot to charge when it has no mission')
+    charge.add_argument('robot', metavar='ROBOT')
+    charge.add_argument('--until', type=float, default=80.0, metavar='PERCENT',
+                        help='the charge until which it gets no missions (80)')
+    charge.add_argument('--end', action='store_true', help='it is not asked to any more')
     options = parser.parse_args(arguments)
+    if options.command == 'charge' and not 0.0 < options.until <= 100.0:
+        charge.error('--until is above 0 and up to 100 %')
     if options.command == 'load' and not (options.load == 'empty' or options.load.isdecimal()):
         load.error('say empty, or give the id of a mission')
     if options.command == 'absent' and bool(options.robots) == options.unseen:
@@ -106,6 +114,10 @@ def _fleet(arguments: List[str]) -> int:
         mission = 0 if options.load == 'empty' else int(options.load)
         print(call(f'/{options.robot}/set_load', SetLoad, options.load != 'empty', mission,
                    requested_by('fleet')))
+    elif options.command == 'charge':
+        _check(options.robot)
+        print(call(f'/{options.robot}/charge', ChargeRobot,
+                   0.0 if options.end else options.until / 100.0, requested_by('fleet')))
     else:
         _check(options.robot)
         print(call(f'/{options.robot}/{"leave" if options.command == "out" else "join"}_fleet'))
@@ -130,8 +142,10 @@ def _robot(name: str) -> FleetRobot:
 
 def _why_words(robot: FleetRobot) -> str:
     """One sentence: what a robot does, what it waits for, and until when."""
-    mission = f', and serves mission {robot.request_id}' if robot.has_mission else ''
-    told = f'{robot.name} is {_STATES.get(robot.state, str(robot.state))}{mission}. '
+    does = [] if robot.has_mission and robot.state == FleetRobot.BUSY else [
+        f'is {_STATES.get(robot.state, str(robot.state))}']
+    does += [f'serves mission {robot.request_id}'] if robot.has_mission else []
+    told = f'{robot.name} {" and ".join(does)}. '
     if robot.waits_for:
         told += f'It waits for: {robot.waits_for}{for_about(robot.until)}.'
     elif robot.has_mission or robot.state == FleetRobot.CHARGING:
