@@ -96,8 +96,9 @@ def test_the_log_tells_who_was_stopped_and_who_goes_on(services, monkeypatch):
                       f'/resume_fleet: {fleet.supervisor.who_goes_on}']
     del logged[:]
     services.call('/resume_fleet')
-    assert logged == ['/resume_fleet: not done: the fleet manager has no graph yet, or its disk '
-                      'cannot be written: see /diagnostics']
+    assert logged == ['/resume_fleet: not done: the fleet manager has no graph yet, its work '
+                      'file does not fit the graph, or its disk cannot be written: see '
+                      '/diagnostics']
 
 
 def request_from(**header):
@@ -116,10 +117,10 @@ def test_who_stops_the_fleet_is_recorded_by_the_header_of_the_call(services, hea
     stop = fleet.supervisor.stop
     assert (stop.cause, stop.by) == (StopCause.PERSON, by)
     assert abs(stop.since - time.time()) < 60.0
-    message = state_message((), stop, None, genpy.Time(1))
+    message = state_message((), (), stop, None, genpy.Time(1))
     told = stop_of(message.stop)
     assert (told.by, told.since) == (by, pytest.approx(stop.since))
-    assert stop_of(state_message((), NOT_STOPPED, None, genpy.Time(1)).stop) == NOT_STOPPED
+    assert stop_of(state_message((), (), NOT_STOPPED, None, genpy.Time(1)).stop) == NOT_STOPPED
 
 
 def test_a_cause_of_a_later_version_is_a_stop():

@@ -4,6 +4,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import FrozenSet, Mapping, Tuple
 
+from fleet_core.geometry.site_geometry import Alone
 from fleet_core.planning.tasks import Obstacle, Task
 
 Times = Mapping[Tuple[str, int], float]
@@ -18,6 +19,7 @@ class PlanRequest:
     obstacles   -- robots that cannot be planned for
     closed      -- ids of the edges that no robot may use
     edge_times  -- learned seconds by robot type's name and signed edge; they replace length / speed
+    alone       -- places on which one robot may be at once, however far apart they are
     parking     -- ids of the vertices at which robots may be parked
     time_limit  -- s for the search, from the beginning of planning
     improvement -- s until which the plan is improved, from the beginning of planning
@@ -29,6 +31,7 @@ class PlanRequest:
     obstacles: Tuple[Obstacle, ...] = ()
     closed: FrozenSet[int] = frozenset()
     edge_times: Times = field(default_factory=dict)
+    alone: Tuple[Alone, ...] = ()
     parking: FrozenSet[int] = frozenset()
     time_limit: float = 2.0
     improvement: float = 0.0

@@ -39,7 +39,12 @@ class RobotState(IntEnum):
         """The state as people read it, on the page, in RViz and in `fleet list`."""
         return _WORDS.get(self, self.name.lower().replace('_', ' '))
 
+    def words_with(self, waits_for: int) -> str:
+        """The same of a robot that waits for something (WaitCode): one at a step works."""
+        return WORKING if self is self.BUSY and waits_for == WaitCode.STEP else self.words
 
+
+WORKING = 'working'
 _WORDS = {RobotState.BUSY: 'driving', RobotState.STOPPED: 'emergency stop',
           RobotState.OFF_GRAPH: 'off the graph', RobotState.UNKNOWN: 'place unknown'}
 _OF_OUTAGE = {
@@ -59,8 +64,9 @@ class RobotView:
     battery     -- state of charge; NaN: unknown
     mission     -- request id of the mission that it serves
     destination -- vertex to which it drives; None: none
-    wait        -- what it waits for
     to_go       -- time until it is there, and until its mission ends, in s of the robot's clock
+
+    Each attribute is a field of the published state.
     """
 
     name: str
@@ -72,13 +78,8 @@ class RobotView:
     battery: float
     mission: Optional[int]
     destination: Optional[int]
-    wait: Wait = NO_WAIT
+    waits_for: Wait = NO_WAIT
     to_go: TimeToGo = UNKNOWN
-
-    @property
-    def waits_for(self) -> str:
-        """What it waits for, in words; empty: nothing."""
-        return self.wait.text
 
 
 class DriveView(NamedTuple):
@@ -132,10 +133,10 @@ def _removed_view(robot: RemovedRobot) -> RobotView:
     if position is not None:
         pose = Pose(position.edge, position.fraction) if position.vertex is None else (
             Pose(record.graph.edges_from(position.vertex)[0]))
+    wait = Wait(WaitCode.OUTAGE, 'it is not in the fleet file any more; its places stay blocked '
+                                 f'until `fleet absent {robot.name}`')
     return RobotView(robot.name, robot.type.name, RobotState.OUT_OF_SERVICE, None, pose, -math.inf,
-                     math.nan, None, None, Wait(
-                         WaitCode.OUTAGE, 'it is not in the fleet file any more; its places stay '
-                         f'blocked until `fleet absent {robot.name}`'))
+                     math.nan, None, None, wait)
 
 
 class PlanProgress(NamedTuple):

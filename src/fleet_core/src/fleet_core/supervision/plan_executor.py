@@ -6,6 +6,7 @@ from math import inf
 from typing import AbstractSet, Deque, Dict, FrozenSet, Mapping, NamedTuple, Optional, Tuple
 
 from fleet_core.interlocking.interlocking import Gate, Interlocking, Refusal
+from fleet_core.interlocking.resources import Resource
 from fleet_core.planning.tasks import PlanningOutcome
 from fleet_core.supervision.actions import AskPlanner
 from fleet_core.supervision.assumptions import World
@@ -49,6 +50,9 @@ class PlanExecutor:
     switching -- looks for a better order while robots are late; None: the order stays
     rate      -- the factor by which robots are faster than the clock
     reserved  -- places of stations and queues
+
+    Its attributes are the plan, the open questions and what became of the last ones, which each
+    step of the plan reads together.
     """
 
     def __init__(self, robots: Mapping[str, ManagedRobot], interlocking: Interlocking,
@@ -57,6 +61,8 @@ class PlanExecutor:
         self.plan: Optional[PlanInForce] = None
         self.waits_for: Dict[str, str] = {}
         """What each robot waits for, in words; empty: nothing."""
+        self.lacks: Dict[str, Resource] = {}
+        """The resource for which a robot waits."""
         self.trouble = ''
         """Why the planner has not given the requested plan, in words; empty: it has."""
         self._robots, self._interlocking, self._outbox = robots, interlocking, outbox
@@ -188,6 +194,7 @@ class PlanExecutor:
             due = Due([]) if has_enough(robot.record, goal.ahead) else due_edges(
                 name, plan, self._records, goal)
             self.waits_for[name] = due.waits_for
+            self.lacks.pop(name, None)
             if not due.edges:
                 self._delays.pop(name, None)
                 if ends is None:
@@ -238,6 +245,8 @@ class PlanExecutor:
     def _note_refusal(self, name: str, refusal: Optional[Refusal], now: float) -> None:
         if refusal is not None:
             self.waits_for[name] = _words(refusal, self._robots[name].record.graph)
+            if refusal.resource is not None:
+                self.lacks[name] = refusal.resource
         if refusal is None or refusal.gate not in _DELAYS:
             if self._delays.pop(name, None) is not None or refusal is None:
                 self._useless = 0 if not self._delays else self._useless
@@ -266,7 +275,8 @@ class PlanExecutor:
                       if number > self._number - _OPEN}
         self._open[self._number] = question
         self._outbox.put(AskPlanner(self._number, question.tasks, question.obstacles,
-                                    world.network.closed, world.network.learned, self._reserved,
+                                    world.network.closed, world.network.learned,
+                                    world.network.geometry.alone, self._reserved,
                                     question.assumptions.seed))
 
     def _is_to_ask(self, is_useful: bool, since: float) -> bool:

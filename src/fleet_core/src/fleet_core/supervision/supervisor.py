@@ -21,7 +21,7 @@ from fleet_core.interlocking.reports import (
     check_report,
     old_location,
 )
-from fleet_core.interlocking.resources import DeviceReading, Needs, Resource
+from fleet_core.interlocking.resources import Needs, Resource
 from fleet_core.interlocking.stop_gate import StopGate
 from fleet_core.planning.road_network import RoadNetwork
 from fleet_core.planning.tasks import PlanningOutcome
@@ -62,6 +62,7 @@ from fleet_core.supervision.restoring import (
 from fleet_core.supervision.robots import ManagedRobot
 from fleet_core.supervision.run_number import RUN_NUMBER, RunNumber
 from fleet_core.supervision.settings import RobotSettings
+from fleet_core.supervision.site_resources import resources_of
 from fleet_core.supervision.station_desk import StationDesk
 from fleet_core.supervision.switching import OrderSwitching
 from fleet_core.supervision.time_to_go import time_over, time_to_go
@@ -72,6 +73,7 @@ from fleet_core.supervision.work_desk import NEWEST_STEP, WorkDesk
 from fleet_core.supervision.work_requests import WorkRequests
 from fleet_core.work.site_work import SiteWork
 from fleet_core.work.timetables import shown_at
+from route_protocol.devices import DeviceReport
 from route_protocol.messages import WrongReport
 from route_protocol.steps import StepReport
 from route_protocol.values import EpochCause
@@ -96,7 +98,8 @@ class Supervisor:
     rate     -- the factor by which simulated robots are faster than the clock
     switching -- looks for a better order while robots are late; None: the order stays
     conformance -- checks each event against the model of allocations; None: nothing does
-    resources   -- doors, zones, stations and the like, which robots must claim
+    resources   -- zones and the like, which robots must claim, besides the devices and stations
+                   of `work`
     work        -- what the site says about work; None: nothing
     """
 
@@ -108,6 +111,8 @@ class Supervisor:
                  resources: Sequence[Resource] = (),
                  work: Optional[SiteWork] = None) -> None:
         self.gate = gate or StopGate()
+        work = work or SiteWork()
+        resources = (*resources_of(work), *resources)
         self.networks = Networks(graph, fleet, rate, resources)
         self.rate = rate
         """The factor by which robots are faster than the clock."""
@@ -135,7 +140,6 @@ class Supervisor:
         self._is_recovering = False
         self.desk = WorkDesk(self.book, self.robots, journal.works(), journal.loads(),
                              journal.value(NEWEST_STEP), journal.milliseconds)
-        work = work or SiteWork()
         self._work_requests = WorkRequests(work, graph, self.book)
         self.times = MissionTimes(self.book, journal.milliseconds)
         self._timetables = TimetableRuns(work.timetables, journal.value, journal.milliseconds)
@@ -420,8 +424,8 @@ class Supervisor:
         self._go_on(now)
         return problem, self._actions(now)
 
-    def device_report(self, report: DeviceReading, now: float) -> List[Action]:
-        """Handles the report of a device."""
+    def device_report(self, report: DeviceReport, now: float) -> List[Action]:
+        """Handles the report of a device. Its times are those of the supervisor's clock."""
         self.devices.report(report, now)
         return self._out.take_unless_due_later(now)
 
@@ -432,8 +436,9 @@ class Supervisor:
         lost = set() if self._is_starting else set(self._claims.lost())
         for claim in sorted(self._lost | lost):
             name, what = claim[0], self._claims.needs.resources[claim[1]]
-            wrong = (f'{name} is where it needs the {what}, which does not report that it is open. '
-                     'No other robot is sent there. Look at both.')
+            why = self.devices.view(claim[1], now).why
+            wrong = (f'{name} is where it needs the {what}, which does not report that it is open'
+                     f'{why and f" ({why})"}. No other robot is sent there. Look at both.')
             self._out.note_state(f'{name}/{what}', wrong if claim in lost else '',
                                  f'The {what} is open for {name} again, or {name} has left it.')
         self._lost = lost

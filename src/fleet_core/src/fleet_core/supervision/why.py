@@ -9,6 +9,7 @@ from math import isfinite, isinf, nan
 from typing import Optional, Sequence, Tuple
 
 from fleet_core.interlocking.allocation import Knowledge
+from fleet_core.interlocking.resources import Resource
 from fleet_core.supervision.assignment import hindrances, why_nobody
 from fleet_core.supervision.duties import Duty, Errand
 from fleet_core.supervision.hindrances import WORDS, Hindrance
@@ -104,6 +105,12 @@ def robot_wait(robot: ManagedRobot, errand: Errand, supervisor: Supervisor, now:
         return supervisor.all_wait
     if mission is not None and mission.state is MissionState.PAUSED:
         return _PAUSED
+    return _errand_wait(robot, errand, supervisor, now)
+
+
+def _errand_wait(robot: ManagedRobot, errand: Errand, supervisor: Supervisor, now: float) -> Wait:
+    """What a robot that may drive waits for on its errand."""
+    mission = errand.mission
     work = supervisor.desk.waits_for(robot.name, mission)
     if work.code:
         return work
@@ -115,7 +122,7 @@ def robot_wait(robot: ManagedRobot, errand: Errand, supervisor: Supervisor, now:
         return _turn(robot, supervisor, now)
     if mission is not None and mission.dwell_until is not None:
         return _stay(mission, mission.dwell_until - now)
-    return _traffic(robot, mission, supervisor)
+    return _traffic(robot, mission, supervisor, now)
 
 
 def _stay(mission: Mission, seconds: float) -> Wait:
@@ -125,6 +132,14 @@ def _stay(mission: Mission, seconds: float) -> Wait:
     if mission.request.stops:
         return Wait(WaitCode.STEP, 'the end of its steps')
     return Wait(WaitCode.STAY, 'the release of its mission')
+
+
+def _of_device(resource: Resource, supervisor: Supervisor, now: float) -> str:
+    """What the device of a resource shows, in words that follow its name; empty without one."""
+    if not resource.has_device:
+        return ''
+    mode, why = supervisor.devices.view(resource.name, now)
+    return f' ({mode.name}{why and f": {why}"})'
 
 
 def _turn(robot: ManagedRobot, supervisor: Supervisor, now: float) -> Wait:
@@ -153,7 +168,8 @@ def _until_free(before: Sequence[str], supervisor: Supervisor, now: float) -> fl
     return max(min((end for end in ends if isfinite(end)), default=nan), 0.0)
 
 
-def _traffic(robot: ManagedRobot, mission: Optional[Mission], supervisor: Supervisor) -> Wait:
+def _traffic(robot: ManagedRobot, mission: Optional[Mission], supervisor: Supervisor,
+             now: float) -> Wait:
     """What keeps a robot with an errand from driving on."""
     executor, stands = supervisor.plan_executor, robot.record.is_standing
     if executor.trouble and stands:
@@ -163,6 +179,9 @@ def _traffic(robot: ManagedRobot, mission: Optional[Mission], supervisor: Superv
     if not stands:
         return NO_WAIT
     waits_for = executor.waits_for.get(robot.name, '')
+    lacks = executor.lacks.get(robot.name)
+    if lacks is not None:
+        return Wait(WaitCode.RESOURCE, waits_for + _of_device(lacks, supervisor, now))
     if waits_for:
         return Wait(WaitCode.TRAFFIC, waits_for)
     if mission is None or robot.record.ahead:

@@ -45,6 +45,9 @@ class WorkDesk:
     loads -- as stored, by the robot's name
     newest -- the highest key of a step that is known, as stored
     clock -- returns ms since 1970
+
+    It has one method for each event of a mission with steps, because all of them change the works
+    and the loads that are stored together.
     """
 
     def __init__(self, book: MissionBook, robots: Mapping[str, ManagedRobot],

@@ -44,8 +44,8 @@ from trajectory_graph.messages import graph_from_message
 
 GRAPH_PATIENCE = 2.0  # s to wait for the graph, which only gives edges their drawn names
 _NAMES = {int(state): state.name for state in RobotState}
+_WAITS = {int(code): code.name for code in WaitCode}
 _AT_VERTEX = 0.01     # share of an edge at its ends that counts as the vertex
-_STATES = {int(state): state.words for state in RobotState}
 
 
 def main(arguments: Optional[Sequence[str]] = None) -> int:
@@ -143,7 +143,7 @@ def _robot(name: str) -> FleetRobot:
 def _why_words(robot: FleetRobot) -> str:
     """One sentence: what a robot does, what it waits for, and until when."""
     does = [] if robot.has_mission and robot.state == FleetRobot.BUSY else [
-        f'is {_STATES.get(robot.state, str(robot.state))}']
+        f'is {_state(robot)}']
     does += [f'serves mission {robot.request_id}'] if robot.has_mission else []
     told = f'{robot.name} {" and ".join(does)}. '
     if robot.waits_for:
@@ -194,7 +194,7 @@ def _listed(state: FleetState, graph: Optional[Graph]) -> str:
     rows, notes = [], []
     for robot in state.robots:
         place = _place(robot, graph) if robot.pose.edge_id else 'off the graph'
-        name = _STATES.get(robot.state, str(robot.state))
+        name = _state(robot)
         if robot.state == FleetRobot.OFFLINE:
             place = f'last: {place}' if robot.seen else 'never seen'
             if robot.seen:
@@ -209,6 +209,12 @@ def _listed(state: FleetState, graph: Optional[Graph]) -> str:
     if not told:
         return listed
     return '\n'.join((*textwrap.wrap(f'{told} `fleet resume` lets it go on.', WIDTH), listed))
+
+
+def _state(robot: FleetRobot) -> str:
+    """The state of a robot as people read it."""
+    return (RobotState(robot.state).words_with(robot.waits_for_code)
+            if robot.state in _NAMES else str(robot.state))
 
 
 def _note(robot: FleetRobot) -> str:
@@ -236,6 +242,7 @@ def _values(state: FleetState, graph: Optional[Graph]) -> Dict[str, Any]:
                 'mission': robot.request_id if robot.has_mission else None,
                 'destination': robot.destination or None,
                 'to_destination': known(robot.to_destination), 'to_end': known(robot.to_end),
+                'waits_for_code': _WAITS.get(robot.waits_for_code, str(robot.waits_for_code)),
                 'waits_for': robot.waits_for}
     return {'stop': stop_values(stop_of(state.stop)), 'robots': list(map(one, state.robots))}
 

@@ -10,13 +10,14 @@ Subscribes
     /<robot>/execution_route_states, of every robot in the fleet file
     /<robot>/battery_state (sensor_msgs/BatteryState), if the robot has that topic
     /<robot>/step_states (itrci_nav_msgs/StepStates), if the robot carries out steps
+    /device_states (itrci_nav_msgs/DeviceState), of fleet_devices
 Publishes
     /mission_status (itrci_nav_msgs/MissionStatus); a new subscriber gets those of open missions
     /fleet_state (itrci_nav_msgs/FleetState), /fleet_plan (FleetPlan), both latched
     /mission_templates (itrci_nav_msgs/MissionTemplates), latched: the templates of the work file
     /fleet_poses (itrci_nav_msgs/FleetPoses), 5 Hz
     /plan_request (itrci_nav_msgs/PlanRequest), /<robot>/target_route (TargetRoute),
-    /<robot>/step_command (StepCommand)
+    /<robot>/step_command (StepCommand), /device_request (DeviceRequest)
     /diagnostics
 Services (std_srvs/Trigger)
     /stop_fleet, /resume_fleet; /<robot>/leave_fleet, /<robot>/join_fleet; /<robot>/declare_absent,
@@ -78,6 +79,7 @@ from graph_fleet_manager.nodes.work_file import WorkFile
 from graph_topic import FollowedGraph
 from itrci_nav_msgs.msg import (
     ClosedEdges,
+    DeviceState,
     ExecutionRouteStates,
     MissionCommand,
     MissionRequest,
@@ -86,6 +88,7 @@ from itrci_nav_msgs.msg import (
 )
 from node_lifecycle import ConfigurationError, number, parameter, publish_diagnostics, run
 from node_lifecycle.measurements import measured
+from route_protocol.device_messages import WrongDeviceMessage, device_report_of
 from route_protocol.messages import WrongReport
 from route_protocol.step_messages import WrongStepMessage, step_report_of
 from trajectory_graph import Graph
@@ -95,6 +98,8 @@ VIEW_PERIOD = 0.5  # s between two /fleet_state, and the least time between two 
 
 class PathSupervisor:
     """The node; see the docstring of the module. One thread decides; callbacks only queue events.
+
+    It has many attributes because it puts the parts of the node together.
     """
 
     def __init__(self) -> None:
@@ -145,7 +150,8 @@ class PathSupervisor:
             listen('/closed_edges_in_force', ClosedEdges, self._on_closed, 1),
             listen('/mission_request', MissionRequest, self._on_request, None),
             listen('/mission_command', MissionCommand, self._on_command, None),
-            listen('/plan_answer', PlanAnswer, self._on_answer)]
+            listen('/plan_answer', PlanAnswer, self._on_answer),
+            listen('/device_states', DeviceState, self._on_device, 1000)]
         for robot in robots:
             subscribers += [
                 listen(f'/{robot}/execution_route_states', ExecutionRouteStates,
@@ -224,8 +230,9 @@ class PathSupervisor:
         """Begins to supervise if that is due and the graph, the closed edges and the journal are
         there.
 
-        A new graph has the same effect as a restart: the supervisor begins from the journal.
-        graph_server has made sure that the new graph has the routes of all robots.
+        A new graph has the same effect as a restart: the former supervisor ends, so that nothing
+        is granted by the former graph, and another one begins from the journal. graph_server has
+        made sure that the new graph has the routes of all robots.
         """
         self._file.open(now)
         journal = self._file.journal
@@ -233,7 +240,8 @@ class PathSupervisor:
         if self._graph is None or self._closed is None or journal is None or (
                 now < self._begin_at or (self._supervisor and self._supervisor.trouble)):
             return waiting
-        self._begin_at = now + AGAIN
+        self._supervisor, self._begin_at = None, now + AGAIN
+        self._events.end()
         work = self._work_file.read(self._graph)
         if work is None:
             return waiting
@@ -307,6 +315,19 @@ class PathSupervisor:
         self._events.put_report(
             lambda supervisor, now, _: supervisor.step_report(robot, report, now),
             f'/{robot}/step_states')
+
+    def _on_device(self, message: DeviceState) -> None:
+        try:
+            report = device_report_of(message)
+        except WrongDeviceMessage as wrong:
+            rospy.logwarn_throttle(10.0, f'A report of a device is ignored: {wrong}.')
+            return
+        ahead = time.monotonic() - rospy.get_time()  # of the supervisor's clock
+        report = report.at(report.since + ahead,
+                           None if report.read_at is None else report.read_at + ahead)
+        self._events.put_report(
+            lambda supervisor, now, _: supervisor.device_report(report, now),
+            f'/device_states/{report.device}')
 
     def _on_battery(self, robot: str, message: BatteryState) -> None:
         charge = measured(message.percentage, 0.0, 1.0, f'The charge in battery_state of {robot}')
