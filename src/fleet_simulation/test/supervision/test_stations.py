@@ -9,7 +9,6 @@ from typing import Any, Dict, List, Mapping, Optional
 import pytest
 from fleet_builders import AGV, graph_of
 
-from fleet_core.interlocking.resources import Resource, ResourceKind
 from fleet_core.supervision.missions import CommandKind, Request
 from fleet_core.supervision.settings import RobotSettings
 from fleet_core.supervision.waits import WaitCode
@@ -41,9 +40,7 @@ class FleetAtStations(SupervisedFleet):
         more.setdefault('settings', RobotSettings(release_ahead=3.0))
         super().__init__(
             graph, {name: (AGV, vertex) for name, vertex in robots.items()},
-            work=SiteWork(self.stations, templates=templates), resources=[
-                Resource(one.name, ResourceKind.STATION, vertices=frozenset(one.places),
-                         capacity=one.capacity) for one in stations], **more)
+            work=SiteWork(self.stations, templates=templates), **more)
 
     def step(self) -> None:
         super().step()
