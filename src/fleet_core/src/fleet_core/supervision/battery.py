@@ -44,6 +44,11 @@ class Battery:
         """Is the charge known, and too low to leave the dock?"""
         return self.charge < self._settings.leave_above
 
+    @property
+    def is_below_idle(self) -> bool:
+        """Is the charge known, and so low that the robot charges while it has nothing to do?"""
+        return self.charge < self._settings.idle_below
+
     def range_left(self) -> float:
         """Distance (m) that the robot may drive before it needs its reserve."""
         if math.isnan(self.charge):

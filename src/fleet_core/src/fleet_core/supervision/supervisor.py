@@ -28,7 +28,7 @@ from fleet_core.planning.tasks import PlanningOutcome
 from fleet_core.supervision import mission_commands, mission_progress
 from fleet_core.supervision.actions import Action, TellStatus
 from fleet_core.supervision.assumptions import World, WorldView
-from fleet_core.supervision.charging import ChargeQueue
+from fleet_core.supervision.charging import ChargeQueue, docks_of
 from fleet_core.supervision.device_desk import DeviceDesk
 from fleet_core.supervision.duties import FREE_WAY, Errand, errand_of
 from fleet_core.supervision.fleet_stop import NOT_STOPPED, FleetStop, StopCause
@@ -150,7 +150,8 @@ class Supervisor:
         self.interlocking = Interlocking(self.networks.geometry, fleet.clearance,
                                          self._everywhere, conformance, changes.follow(),
                                          self._claims)
-        self.stations = StationDesk(work.stations, self._claims, self.book, self.robots)
+        self.stations = StationDesk(work.stations, self._claims, self.book, self.robots,
+                                    self.desk)
         self.desk.may_enter = self.stations.may_go_to
         self.devices = DeviceDesk(self._claims, lambda: self.interlocking.unknown_robots)
         self._out = Outbox(journal, self.book, self.robots, self._everywhere, self.interlocking,
@@ -565,6 +566,25 @@ class Supervisor:
             self._advance(now)
         return problem, self._actions(now)
 
+    def charge(self, name: str, until: float, now: float) -> Tuple[str, List[Action]]:
+        """Asks a robot to charge until `until` (0..1) after its mission; 0: not any more.
+
+        Also returns why not, as a clause; empty: done.
+        """
+        robot = self.robots[name]
+        problem = self.trouble
+        if until and not docks_of(robot, self.network):
+            problem = problem or 'the fleet file and the graph have no dock for its type'
+        elif not 0.0 <= until <= 1.0:
+            problem = problem or f'it cannot charge until {100.0 * until:.0f} %'
+        elif until and robot.battery.charge >= until:
+            problem = problem or f'its charge is {100.0 * robot.battery.charge:.0f} % already'
+        if not problem:
+            robot.charge_until = until
+            self._out.robot_changed(name)
+            self._advance(now)
+        return problem, self._actions(now)
+
     def _stop_first(self, robot: ManagedRobot) -> str:
         robot.master.halt()
         self._out.robot_changed(robot.name)
@@ -736,7 +756,7 @@ class Supervisor:
             self._out.robot_changed(name)
         for name in self._waiting.assign(self.acceptance, self.networks, now):
             mission_progress.follow(self.book, self.robots[name], now)
-        self.stations.go_on()
+        self.stations.advance(self.network)
         self.plan_executor.advance(self._world(), now)
 
     def _follow(self, robot: ManagedRobot, now: float) -> None:

@@ -266,6 +266,18 @@ class WorkDesk:
             self._use(mission, changed)
         return problem
 
+    def choices(self, mission: Mission) -> str:
+        """The group of which any place would do for the next stop of a mission; empty: none."""
+        work = self._works.get(mission.serial)
+        if work is None or work.current == len(work.stops) or (
+                rules.has_begun(work.progress[work.current])):
+            return ''
+        return work.stops[work.current].group
+
+    def choose(self, mission: Mission, place: int) -> None:
+        """Another one of the equal places is the next stop of a mission."""
+        self._use(mission, rules.chosen(self._situation(mission), place))
+
     def answer(self, mission: Mission, answer: StepAnswer) -> str:
         """Handles an answer to a step. Returns why not, as a clause; empty: done."""
         if mission.serial not in self._works or not mission.robot:

@@ -60,6 +60,7 @@ from graph_fleet_manager.commands.progress import ProgressLine, line_of
 from graph_fleet_manager.commands.tables import (
     WIDTH,
     as_json,
+    for_about,
     offer_json,
     stop_values,
     table,
@@ -413,14 +414,10 @@ def _why_words(id: int, told: ExplainMissionResponse) -> str:
     robot = f', served by {told.robot}' if told.robot else ''
     reason = told.waits_for or 'its robot drives, or sets out'
     first = (f'Mission {id} is {MissionState(told.state).name}{robot}. Reason: {reason}'
-             f'{_for_about(told.until)}.')
-    rows = [(one.robot, f'{one.reason}{_for_about(one.until)}') for one in told.robots]
+             f'{for_about(told.until)}.')
+    rows = [(one.robot, f'{one.reason}{for_about(one.until)}') for one in told.robots]
     return '\n'.join((*textwrap.wrap(first, WIDTH), *(
         [table((('robot', 'why it does not serve the mission'), *rows), WIDTH)] if rows else [])))
-
-
-def _for_about(seconds: float) -> str:
-    return f', for about {seconds:.0f} s' if math.isfinite(seconds) else ''
 
 
 def _why_values(id: int, told: ExplainMissionResponse) -> Dict[str, Any]:

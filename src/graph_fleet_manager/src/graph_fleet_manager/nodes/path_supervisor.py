@@ -25,6 +25,7 @@ Services (std_srvs/Trigger)
     /get_mission_status (itrci_nav_msgs/GetMissionStatus): the stored status of a mission
     /explain_mission (itrci_nav_msgs/ExplainMission): what an open mission waits for
     /<robot>/set_load (itrci_nav_msgs/SetLoad): a person says what a robot carries
+    /<robot>/charge (itrci_nav_msgs/ChargeRobot): a robot is asked to charge
 Parameters
     ~fleet_file   string  (required)  fleet file (YAML)
     ~work_file    string  (none)     work file (YAML) of stations, devices, templates, timetables
