@@ -35,7 +35,8 @@ function wordsOf(key, { cause }) {
   const [kind, ...rest] = key.split(':');
   if (kind === 'robot') {
     const name = rest.join(':');
-    return { name, why: outageWords(entries.get(key) || {}), todo: `→ ${t(`todo_${cause}`)}` };
+    const robot = entries.get(key) || {}, why = cause === 'NOT_OPEN' ? t('not_open', { name: robot.not_open }) : outageWords(robot);
+    return { name, why, todo: `→ ${t(`todo_${cause}`)}` };
   }
   const mission = entries.get(key) || {};
   return { name: `${t('mission')} ${mission.id}`, why: [mission.robot, said(mission.reason || '')].filter(Boolean).join(': '), todo: '', mission };

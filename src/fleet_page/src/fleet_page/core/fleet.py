@@ -34,6 +34,7 @@ class ShownRobot:
     battery  -- charge, 0..1; None: unknown
     mission  -- request id; None: it has no mission
     to_end   -- s until its mission ends, as the fleet manager expects; None: unknown
+    not_open -- the device in which it is, and which does not report that it is open; empty: none
     """
 
     name: str
@@ -48,12 +49,14 @@ class ShownRobot:
     destination: int
     waits_for: str
     to_end: Optional[float] = None
+    not_open: str = ''
 
 
 ALARMING = ('STOPPED', 'TAKEN_OVER', 'FAILED', 'OFF_GRAPH', 'TOO_NEAR', 'CLOCK', 'DEAF')
 NEVER_HEARD = 'NEVER_HEARD'
 _SILENT = 'SILENT'
-ALARMS = (*ALARMING, _SILENT, NEVER_HEARD)
+NOT_OPEN = 'NOT_OPEN'  # it is in a door that does not report that it is open
+ALARMS = (*ALARMING, _SILENT, NEVER_HEARD, NOT_OPEN)
 
 
 def alarm_of(robot: ShownRobot) -> str:
@@ -61,7 +64,9 @@ def alarm_of(robot: ShownRobot) -> str:
     if robot.state == 'UNKNOWN':
         return NEVER_HEARD
     is_missed = robot.outage == _SILENT and robot.mission is not None
-    return robot.outage if is_missed or robot.outage in ALARMING else ''
+    if is_missed or robot.outage in ALARMING:
+        return robot.outage
+    return NOT_OPEN if robot.not_open else ''
 
 
 class RobotGroup(Enum):
