@@ -14,6 +14,7 @@ from fleet_builders import AGV, corridor, graph_of, ladder
 
 from fleet_core.fleet import RobotType
 from fleet_core.geometry.areas import Area
+from fleet_core.geometry.site_geometry import Alone, SiteGeometry
 from fleet_core.planning.lacam import search_lacam
 from fleet_core.planning.parking import WellFormedSets
 from fleet_core.planning.planner import FleetPlanner
@@ -97,6 +98,32 @@ def test_a_robot_between_two_vertices_may_go_either_way():
                                       stays=True))
         assert _edges(outcome, 'a')[0] == first
         assert outcome.drives['a'][-1].end == pytest.approx(seconds)
+
+
+def _planner_with_a_zone():
+    """For two corridors apart: edges 2 and 4 are a zone for one robot."""
+    graph = graph_of({1: (0.0, 0.0), 2: (2.0, 0.0), 3: (4.0, 0.0),
+                      4: (0.0, 9.0), 5: (2.0, 9.0), 6: (4.0, 9.0)},
+                     {1: (1, 2), 2: (2, 3), 3: (4, 5), 4: (5, 6)})
+    zone = SiteGeometry(graph, alone=[Alone(frozenset({2, 4}))])
+    return FleetPlanner(RoadNetwork(graph, geometry=zone), 0.1, (AGV,), tuple(graph.vertices))
+
+
+@pytest.mark.parametrize('rounds', [0, 2])
+def test_a_robot_between_two_vertices_leaves_its_zone_before_another_one_enters(rounds):
+    outcome = _plan(_planner_with_a_zone(),
+                    Task('a', AGV, mid_edge=(2, 0.25), destinations=(1,), stays=True),
+                    Task('b', AGV, 5, destinations=(6,), stays=True, priority=5), rounds=rounds)
+    assert not outcome.unserved
+    assert outcome.drives['b'][0].start >= outcome.drives['a'][0].end
+    assert any((c.first, c.then) == ('a', 'b') for c in outcome.precedence)
+
+
+def test_nobody_is_planned_into_a_zone_in_which_a_robot_stands_for_ever():
+    obstacle = Obstacle('a', AGV, areas=(Area(((2.5, 0.0),)),))
+    outcome = _plan(_planner_with_a_zone(), Task('b', AGV, 5, destinations=(6,), stays=True),
+                    obstacles=[obstacle])
+    assert set(outcome.unserved) == {'b'}
 
 
 def test_several_destinations_with_dwells_are_one_search():
@@ -361,6 +388,34 @@ def test_the_largest_set_of_a_ladder_with_dead_ends_is_found():
     network = RoadNetwork(graph)
     found = WellFormedSets(network, AGV, 0.1).largest()
     assert {network.vertex_ids[v] for v in found} == {11, 12, 13, 14, 15}
+
+
+def _grid(size, spacing=3.0):
+    """Square grid of size x size vertices."""
+    places = {1 + k: (spacing * (k % size), spacing * (k // size)) for k in range(size ** 2)}
+    edges = [(id, id + 1) for id in places if id % size]
+    edges += [(id, id + size) for id in places if id + size in places]
+    return graph_of(places, dict(enumerate(edges, 1)))
+
+
+@pytest.mark.parametrize('size', [5, 15])
+def test_a_search_for_parking_ends_after_a_fixed_amount_of_work(size, monkeypatch):
+    """On a grid of 225 vertices it did not end within minutes."""
+    work = []
+    network = RoadNetwork(_grid(size))
+    parking = WellFormedSets(network, AGV, 0.1)
+    places = network.vertices + len(network.edge_ids)
+    is_well_formed = parking.is_well_formed
+
+    def check(parked):
+        work.append(places)
+        return is_well_formed(parked)
+    monkeypatch.setattr(parking, 'is_well_formed', check)
+    monkeypatch.setattr('fleet_core.planning.parking._WORK', 500_000)
+    found = parking.largest()
+    one_set = 2 * network.vertices * places  # the most that a set needs once it has begun
+    assert sum(work) <= 500_000 + 2 * one_set
+    assert len(found) > network.vertices / 2 and is_well_formed(found)
 
 
 @pytest.fixture

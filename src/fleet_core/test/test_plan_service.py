@@ -71,6 +71,16 @@ def test_places_for_one_robot_because_of_a_resource_are_used_one_after_the_other
         planner.answer(PlanRequest(tasks, alone=(Alone(frozenset((9,))),)))
 
 
+def test_no_robot_is_parked_at_a_reserved_vertex():
+    request = PlanRequest((Task('r', AGV, 1),), parking=frozenset({1, 2}), reserved=frozenset({1}))
+    assert edges(service(square()).answer(request), 'r') == [1]
+
+
+def test_reserved_vertices_are_used_if_there_is_no_other_parking():
+    request = PlanRequest((Task('r', AGV, 1),), parking=frozenset({1}), reserved=frozenset({1}))
+    assert edges(service(square()).answer(request), 'r') == []
+
+
 def test_robots_are_parked_where_the_request_says():
     planner = service(square())
     task = Task('r', AGV, 1, destinations=(2,))

@@ -171,7 +171,7 @@ function missionRow(mission) {
     make('td', { class: 'state' }, make('span', { class: BAD.includes(mission.state) ? 'bad' : null }, t(mission.stands ? 'mission_STANDS' : `mission_${mission.state}`)), ' '),
     make('td', { class: 'id' }, String(mission.id)),
     make('td', { class: 'robot_name' }, mission.robot ? colourDot(mission.robot) : '', robot),
-    make('td', { class: 'way' }, mission.template ? `${mission.template} · ` : '', way, progress, mission.alarm ? make('span', { class: 'bad' }, ` ${t(`deadline_${mission.alarm}`)}`) : '', mission.reason ? make('p', { class: 'soft' }, ...withCode(said(mission.reason))) : '', answerButtons(mission, me)),
+    make('td', { class: 'way' }, mission.template ? `${mission.template} · ` : '', way, progress, mission.alarm ? make('span', { class: 'bad' }, ` ${t(`deadline_${mission.alarm}`)}`) : '', mission.reason ? make('p', { class: 'soft' }, ...withCode(reasonWords(mission, me))) : '', answerButtons(mission, me)),
     make('td', { class: 'to_end' }, mission.left ? t('to_go', { time: mission.left }) : '', ...mission.ended ? at('ended', mission.ended) : []),
     make('td', { class: 'asked' }, ...at('asked', mission.stamp)),
     make('td', { class: 'by' }, ...mission.by ? [word('by'), mission.by] : []),
@@ -202,9 +202,14 @@ function edit(id) {
   if (form) form.querySelector('input').focus();
 }
 
+const canAnswer = (mission, person) => Boolean(mission.asks) && person.role !== 'see';
+
+// The reason of a mission's state. For a person with buttons to answer, it names no command that does the same.
+export const reasonWords = (mission, person) => said(mission.reason || '', canAnswer(mission, person));
+
 // The answers that a step takes: one that only waits for a person to do it cannot be tried again.
 export function answerButtons(mission, person) {
-  if (!mission.asks || person.role === 'see') return '';
+  if (!canAnswer(mission, person)) return '';
   const answers = mission.state === 'NEEDS_PERSON' ? ['retry', 'skip', 'fail', 'done'] : ['skip', 'fail', 'done'];
   return make('p', { class: 'row', role: 'group', 'aria-label': t('answer_to', { mission: mission.id }) }, ...answers.map(answer => make('button',
     { 'data-act': `answer_${answer}`, onclick: () => act({ act: 'answer', mission: mission.id, answer, step: mission.asks }) }, t(`answer_${answer}`))));

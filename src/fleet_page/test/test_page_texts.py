@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from page_builders import PAGE_FOLDER
 
-from fleet_core.supervision.fleet_view import RobotState
+from fleet_core.supervision.fleet_view import WORKING, RobotState
 from fleet_core.supervision.outages import Outage
 from fleet_page.core.acts import ANSWERS, ActKind
 from fleet_page.core.fleet import (
@@ -78,6 +78,7 @@ def said_by_the_fleet_manager():
              *packages.glob('fleet_core/src/*/work/*.py'),
              *packages.glob('graph_fleet_manager/src/*/nodes/fleet_services.py'),
              *packages.glob('fleet_page/src/*/nodes/fleet_commands.py'),
+             *packages.glob('fleet_page/src/*/core/page.py'),
              *packages.glob('fleet_requests/src/*/*.py')]
     return '\n'.join(text for path in paths for text in texts_in(ast.parse(path.read_text())))
 
@@ -120,6 +121,28 @@ def test_every_reason_to_wait_or_to_end_is_translated(file, name):
     assert strange == set()
 
 
+@pytest.mark.parametrize('path', ['core/page.py', 'nodes/fleet_commands.py'])
+def test_every_outcome_of_an_act_is_translated(path):
+    known = [re.sub(r'\{\w+\}', '{}', text) for key, text in TABLES['en'].items()
+             if key.startswith('words_')]
+    module = ast.parse((Path(__file__).parents[1] / 'src/fleet_page' / path).read_text())
+    outcomes = [text for call in ast.walk(module)
+                if isinstance(call, ast.Call) and getattr(call.func, 'id', '') == 'ActOutcome'
+                for text in whole_texts_in(call) if ' ' in text]
+    assert outcomes and set(outcomes) - set(known) == set()
+
+
+def whole_texts_in(tree):
+    """The texts in Python code, with {} for inserted values, without the parts of others."""
+    if isinstance(tree, ast.JoinedStr):
+        yield next(texts_in(tree))
+    elif isinstance(tree, ast.Constant) and isinstance(tree.value, str):
+        yield tree.value
+    else:
+        for node in ast.iter_child_nodes(tree):
+            yield from whole_texts_in(node)
+
+
 def said_by(module, name):
     """A function without its docstring; without a name: the constants of the module."""
     if not name:
@@ -139,3 +162,4 @@ def test_every_outage_is_told_in_every_language(outage):
 @pytest.mark.parametrize('state', RobotState)
 def test_a_robots_state_has_the_same_words_everywhere(state):
     assert TABLES['en'][f'robot_{state.name}'] == state.words
+    assert TABLES['en']['robot_working'] == WORKING

@@ -910,6 +910,34 @@ class TestWhoseStopping:
                     'Stopped')
         assert (bench.epoch, bench.memory.giver, bench.memory.stop_owed) == (known, PERSON, False)
 
+    def test_a_drive_that_an_emergency_stop_ended_is_answered_before_a_newer_one_to_its_goal(
+            self, bench):
+        """A robot that seemed to break off the newer drive was said to be another client's."""
+        bench.status('Stopped')
+        bench.drive(PERSON, 'goto 3')
+        bench.robot('EStop pressed')  # sent before `goto 3` reached the robot
+        newer = bench.drive(PERSON, 'goto 3')
+        assert bench.sent == ['goto 3', 'stop', 'goto 3']
+        bench.robot('EStop relieved but motors still disabled', 'Motors enabled', 'Stopping',
+                    'Stopped', 'Going to 3', 'Interrupted: Going to 3', 'Stopping', 'Stopped')
+        assert (newer.result, bench.memory.stop_owed) == (None, False)
+        bench.robot('Going to 3')
+        assert (bench.memory.giver, bench.memory.ruling.fate) == (PERSON, Fate.OBEYED)
+        bench.robot('Arrived at 3')
+        assert outcome(newer) is Outcome.SUCCEEDED
+        assert bench.sent == ['goto 3', 'stop', 'goto 3']
+
+    def test_the_pair_of_the_motors_is_none_of_a_stop_behind_a_drive_that_timed_out(self, bench):
+        bench.status('Stopped')
+        bench.drive(PERSON, 'goto 3')
+        bench.pass_time(61.0)
+        stop = bench.stop(PERSON)
+        bench.robot('Motors enabled', 'Stopping', 'Stopped')
+        assert stop.result is None
+        bench.robot('Going to 3', 'Stopping', 'Stopped')
+        assert outcome(stop) is Outcome.SUCCEEDED
+        assert bench.memory.cause is MotionCause.STOP
+
     def test_so_is_one_between_two_stops_before_and_two_after(self, bench):
         bench.status('Stopped')
         commands = [bench.give(text, giver=PERSON)

@@ -15,7 +15,10 @@ def _option(default: Any, doc: str) -> Any:
 
 @dataclass(frozen=True)
 class Options:
-    """The options of a start. An empty file name stands for the file of the laboratory."""
+    """The options of a start. An empty file name stands for the file of the laboratory.
+
+    Each attribute is an option.
+    """
 
     fleet: str = _option('', 'N: N simulated LD-90s and N simulated AGVs; FILE: a fleet file')
     graph_file: str = _option('', 'trajectory graph (YAML); empty: the laboratory')

@@ -349,9 +349,9 @@ def test_who_waits_for_a_robot_that_answers_no_order_is_told_so_and_goes_on_once
     fleet.request(1, 5, robot='a')
     fleet.run(30.0)
     views = {view.name: view for view in robot_views(fleet.supervisor, fleet.now)}
-    assert 'blocked by b, which cannot move' in views['a'].waits_for
+    assert 'blocked by b, which cannot move' in views['a'].waits_for.text
     assert views['b'].state is RobotState.OFFLINE
-    assert 'reports, but has not answered an order for' in views['b'].waits_for
+    assert 'reports, but has not answered an order for' in views['b'].waits_for.text
     assert any('b cannot work' in note for note in fleet.notes)
     fleet.network.deaf.clear()
     fleet.run_until_done(1)
@@ -452,7 +452,7 @@ def test_the_view_of_the_fleet_says_what_each_robot_is_about():
     assert drives[0].released and not drives[3].released
     fleet.do(fleet.supervisor.stop_fleet(fleet.now))
     view, = robot_views(fleet.supervisor, fleet.now)
-    assert view.waits_for == 'the fleet is stopped'
+    assert view.waits_for.text == 'the fleet is stopped'
 
 
 @pytest.mark.parametrize('seconds', [0.0, 0.1, 3.0])

@@ -8,6 +8,7 @@ import genpy
 import pytest
 
 from fleet_core.supervision.fleet_view import RobotState
+from fleet_core.supervision.waits import WaitCode
 from graph_fleet_manager.commands import fleet
 from graph_fleet_manager.commands.command_line import NOT_DONE, OK, WRONG, CommandProblem
 from graph_fleet_manager.commands.fleet_client import name_problem
@@ -23,6 +24,14 @@ def test_every_state_has_its_word(state):
                        outage_code=FleetRobot.OUTAGE_SILENT)
     line = fleet._listed(FleetState(robots=[robot]), None).splitlines()[1]
     assert line.split('agv')[1].strip().startswith(state.words)
+
+
+@pytest.mark.parametrize('waits_for, word', [
+    (WaitCode.NOTHING, 'driving'), (WaitCode.TRAFFIC, 'driving'), (WaitCode.STEP, 'working')])
+def test_a_robot_at_a_step_works(waits_for, word):
+    robot = FleetRobot(name='a', type='agv', state=FleetRobot.BUSY, waits_for_code=waits_for)
+    line = fleet._listed(FleetState(robots=[robot]), None).splitlines()[1]
+    assert line.split('agv')[1].strip().startswith(word)
 
 
 def test_below_its_row_it_says_how_each_robot_without_work_comes_back():
@@ -78,14 +87,15 @@ def test_the_table_fits_a_terminal(robot, monkeypatch):
 def test_programs_get_all_fields_as_json():
     robot = FleetRobot(name=LONG, type='agv', state=FleetRobot.BUSY, has_mission=True, request_id=7,
                        pose=SymbolicPose(-7, 25.0), seen=genpy.Time(5), battery=math.nan,
-                       destination=3, to_destination=12.0, to_end=math.nan, waits_for='b')
+                       destination=3, to_destination=12.0, to_end=math.nan,
+                       waits_for_code=WaitCode.TRAFFIC, waits_for='b')
     told = json.loads(as_json(fleet._values(FleetState(robots=[robot], stop=STOP), None)))
     assert told == {
         'stop': {'cause': 'PERSON', 'by': 'anna@desk (fleet)', 'since': 1000.0, 'why': ''},
         'robots': [{'robot': LONG, 'type': 'agv', 'state': 'BUSY', 'outage': None, 'edge': -7,
                     'fraction': 0.25, 'place': 'edge -7 at 25 %', 'seen': 5.0, 'battery': None,
                     'mission': 7, 'destination': 3, 'to_destination': 12.0, 'to_end': None,
-                    'waits_for': 'b'}]}
+                    'waits_for_code': 'TRAFFIC', 'waits_for': 'b'}]}
     assert fleet._values(FleetState(), None) == {'stop': None, 'robots': []}
 
 

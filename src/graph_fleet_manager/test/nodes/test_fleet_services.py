@@ -96,8 +96,9 @@ def test_the_log_tells_who_was_stopped_and_who_goes_on(services, monkeypatch):
                       f'/resume_fleet: {fleet.supervisor.who_goes_on}']
     del logged[:]
     services.call('/resume_fleet')
-    assert logged == ['/resume_fleet: not done: the fleet manager has no graph yet, or its disk '
-                      'cannot be written: see /diagnostics']
+    assert logged == ['/resume_fleet: not done: the fleet manager has no graph yet, its work '
+                      'file does not fit the graph, or its disk cannot be written: see '
+                      '/diagnostics']
 
 
 def request_from(**header):

@@ -58,7 +58,7 @@ requests = st.builds(
     st.frozensets(ids, max_size=3), st.dictionaries(st.tuples(st.just('agv'), signed), seconds),
     st.lists(st.builds(Alone, st.frozensets(ids), st.frozensets(ids)), max_size=2).map(tuple),
     st.frozensets(ids, max_size=3), st.floats(0.001, 10.0), st.floats(0.0, 10.0),
-    st.integers(0, 2 ** 32 - 1))
+    st.integers(0, 2 ** 32 - 1), st.frozensets(ids, max_size=3))
 
 
 def outlined(x, y, radius=0.0):

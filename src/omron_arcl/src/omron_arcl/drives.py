@@ -439,6 +439,22 @@ class Drives:
                    or e.progress.set_out and not self.has_begun(e)
                    for e in self._executions.values())
 
+    def waits_for_a_drive(self, stop: Execution) -> bool:
+        """Whether the robot may still have to answer a drive that was sent before this stop."""
+        return any(record.pending and self._was_sent(record)
+                   or record.kind is RecordKind.DRIVE and record.fate is Fate.UNKNOWN
+                   for record in self._before(stop))
+
+    def comes_earlier(self, goal: str, drive: Execution) -> bool:
+        """Whether the robot may still have to answer an earlier drive to this goal whose command
+        has ended, because it has not answered a stop that was sent between the two."""
+        before = self._before(drive)
+        stop = next((r for r in reversed(before) if r.owed and self._was_sent(r)
+                     and not self.has_begun(self._executions[r.number])), None)
+        return stop is not None and any(
+            r.fate is Fate.UNKNOWN and goal.casefold() in r.names
+            for r in before[:before.index(stop)])
+
     def begins_late(self, goal: str) -> None:
         """The robot sets out for a drive of ours whose command has ended for its giver."""
         record = next((r for r in reversed(self._records) if r.fate is Fate.UNKNOWN
@@ -532,6 +548,11 @@ class Drives:
         if shown is ruling:
             self._happens(Event.COMPLETED, ruling)
         return shown is None and activity.kind in STANDING
+
+    def _before(self, execution: Execution) -> Tuple[DriveRecord, ...]:
+        """The records of what was given before a command."""
+        record = self._record_of(execution)
+        return self._records[:self._records.index(record)] if record else ()
 
     def _was_sent(self, record: DriveRecord) -> bool:
         execution = self._executions.get(record.number)

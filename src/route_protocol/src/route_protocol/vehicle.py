@@ -91,7 +91,10 @@ def milliseconds() -> int:
 
 @dataclass(frozen=True)
 class VehicleState:
-    """All that the vehicle's end knows; the head of the module says what it means."""
+    """All that the vehicle's end knows; the head of the module says what it means.
+
+    It is one value, so that it is stored as one.
+    """
 
     epoch: int
     cause: EpochCause = EpochCause.RESTART

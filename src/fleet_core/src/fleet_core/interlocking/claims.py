@@ -105,6 +105,8 @@ class Claims:
     stored -- as they are in the journal
     number -- the highest number of a request in the journal
     clock  -- returns ms since 1970: requests by an older journal must not draw a number again
+
+    It has one method for each event of a claim, and one for each question about claims.
     """
 
     def __init__(self, needs: Needs, stored: Optional[ClaimsOf] = None, number: int = 0,

@@ -11,7 +11,6 @@ from typing import Dict, FrozenSet, Iterable, Mapping, Tuple
 
 from fleet_core.geometry.site_geometry import SiteGeometry
 from fleet_core.interlocking.allocation import Allocation
-from fleet_core.interlocking.reports import nearness
 
 NOTHING: FrozenSet[str] = frozenset()
 
@@ -90,7 +89,7 @@ class Needs:
             needs |= self.of_vertex(allocation.vertex)
         for area in allocation.areas:
             near = self._geometry.exclusions.near(
-                area.line, area.radius + nearness(allocation.kind))
+                area.line, area.radius + allocation.kind.nearness)
             needs = needs.union(*(self._at.get(place, NOTHING) for place in near))
         return needs
 

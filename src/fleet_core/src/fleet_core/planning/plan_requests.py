@@ -24,6 +24,7 @@ class PlanRequest:
     time_limit  -- s for the search, from the beginning of planning
     improvement -- s until which the plan is improved, from the beginning of planning
     seed        -- of all random choices; 0: the planner's own
+    reserved    -- ids of the vertices at which no robot is parked if there is enough other parking
     """
 
     tasks: Tuple[Task, ...]
@@ -35,3 +36,4 @@ class PlanRequest:
     time_limit: float = 2.0
     improvement: float = 0.0
     seed: int = 0
+    reserved: FrozenSet[int] = frozenset()

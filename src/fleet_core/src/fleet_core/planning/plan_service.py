@@ -77,7 +77,8 @@ class PlanService:
         planner = self._planner(_Roadmap(request.closed, frozenset(request.edge_times.items())))
         planner.parking = tuple(sorted(request.parking))
         return planner.plan(request.tasks, request.obstacles, begun + request.time_limit,
-                            improve_until=begun + request.improvement, seed=request.seed)
+                            improve_until=begun + request.improvement, seed=request.seed,
+                            reserved=request.reserved)
 
     def _check(self, request: PlanRequest) -> None:
         robots: List[Union[Task, Obstacle]] = [*request.tasks, *request.obstacles]
@@ -91,7 +92,7 @@ class PlanService:
                                  'describe it in the fleet file.')
         for obstacle in request.obstacles:
             self._check_ids(f'Robot {obstacle.name}', obstacle.vertices, obstacle.edges)
-        self._check_ids('Parking', tuple(request.parking), ())
+        self._check_ids('Parking', (*request.parking, *request.reserved), ())
         for alone in request.alone:
             self._check_ids('A resource', tuple(alone.vertices), tuple(alone.edges))
         for (kind, edge), seconds in request.edge_times.items():

@@ -58,6 +58,7 @@ class AskPlanner:
 
     edge_times -- learned driving times, in place of length / speed
     alone      -- places on which one robot may be at once, because of resources
+    reserved   -- places of stations and queues, where no robot is parked that has no business there
     seed       -- of the planner's random choices; it changes if a plan did not serve all robots
     """
 
@@ -67,6 +68,7 @@ class AskPlanner:
     closed: FrozenSet[int]
     edge_times: Times
     alone: Tuple[Alone, ...] = ()
+    reserved: FrozenSet[int] = frozenset()
     seed: int = 0
 
 

@@ -77,7 +77,10 @@ _NOTHING: Mapping[Any, Any] = MappingProxyType({})
 
 
 class Journal:
-    """The journal file, open for one supervisor. `clock` returns s since 1970."""
+    """The journal file, open for one supervisor. `clock` returns s since 1970.
+
+    It has a method for each kind of record: no other class reads or writes the file.
+    """
 
     def __init__(self, path: str, clock: Callable[[], float] = time.time) -> None:
         """Raises JournalUnavailable, or JournalError if the file can never be used."""

@@ -85,6 +85,8 @@ class Request:
     arguments  -- of the template, by parameter
     earliest   -- s since 1970 before which it does not begin; 0: it begins at once
     deadline   -- s since 1970 by which it is to be done; 0: there is none
+
+    Each attribute is a part of the request, as it is stored.
     """
 
     id: int
@@ -158,6 +160,8 @@ class Status:
     command      -- the command to which `reason` and `command_code` refer; None: none
     asks         -- key of the step that waits for an answer; 0: none does
     template, arguments, earliest, deadline -- as in the request
+
+    Each attribute is a field of the published status.
     """
 
     request_id: int
@@ -192,6 +196,8 @@ class Mission:
     is_bound    -- its robot may carry its load, so no other robot may serve it
     has_worked  -- a step of it was ordered, so it has begun
     asks        -- key of the step that waits for an answer; 0: none does
+
+    Each attribute is one fact of its progress, as it is stored.
     """
 
     serial: int

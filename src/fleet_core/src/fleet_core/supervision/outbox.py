@@ -31,6 +31,8 @@ class Outbox:
     """Collects the actions that follow an event. `take` first stores what has changed.
 
     trouble -- why nothing can be stored, as a clause; empty: it can be stored
+
+    Its attributes are the changes and actions that wait for one commit.
     """
 
     def __init__(self, journal: Journal, book: MissionBook, robots: Mapping[str, ManagedRobot],

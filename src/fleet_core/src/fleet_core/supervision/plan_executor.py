@@ -3,14 +3,14 @@ from __future__ import annotations
 
 from collections import deque
 from math import inf
-from typing import AbstractSet, Deque, Dict, Mapping, NamedTuple, Optional, Tuple
+from typing import AbstractSet, Deque, Dict, FrozenSet, Mapping, NamedTuple, Optional, Tuple
 
 from fleet_core.interlocking.interlocking import Gate, Interlocking, Refusal
 from fleet_core.interlocking.resources import Resource
 from fleet_core.planning.tasks import PlanningOutcome
 from fleet_core.supervision.actions import AskPlanner
 from fleet_core.supervision.assumptions import World
-from fleet_core.supervision.duties import Duty, goes_until
+from fleet_core.supervision.duties import goes_until
 from fleet_core.supervision.outbox import Outbox
 from fleet_core.supervision.plan_in_force import PlanInForce
 from fleet_core.supervision.questions import Question, question_of
@@ -49,11 +49,15 @@ class PlanExecutor:
 
     switching -- looks for a better order while robots are late; None: the order stays
     rate      -- the factor by which robots are faster than the clock
+    reserved  -- places of stations and queues
+
+    Its attributes are the plan, the open questions and what became of the last ones, which each
+    step of the plan reads together.
     """
 
     def __init__(self, robots: Mapping[str, ManagedRobot], interlocking: Interlocking,
                  outbox: Outbox, switching: Optional[OrderSwitching] = None,
-                 rate: float = 1.0) -> None:
+                 rate: float = 1.0, reserved: FrozenSet[int] = frozenset()) -> None:
         self.plan: Optional[PlanInForce] = None
         self.waits_for: Dict[str, str] = {}
         """What each robot waits for, in words; empty: nothing."""
@@ -63,7 +67,7 @@ class PlanExecutor:
         """Why the planner has not given the requested plan, in words; empty: it has."""
         self._robots, self._interlocking, self._outbox = robots, interlocking, outbox
         self._records = {name: robot.record for name, robot in robots.items()}
-        self._switching, self._rate = switching, rate
+        self._switching, self._rate, self._reserved = switching, rate, reserved
         self._open: Dict[int, Question] = {}
         self._number = 0
         self._asked_at = -inf
@@ -207,10 +211,11 @@ class PlanExecutor:
             self._note_refusal(name, given.refusal, now)
 
     def _asked(self, plan: PlanInForce, world: World) -> AbstractSet[str]:
-        """Robots that must make room for those with an errand."""
-        return plan.asked_to_move(
+        """Robots that must make room for those with an errand, or leave a station."""
+        leave = {name for name, errand in world.errands.items() if errand.way.leaves}
+        return leave | plan.asked_to_move(
             [name for name, errand in world.errands.items()
-             if errand.duty in (Duty.MISSION, Duty.CHARGE) and name not in plan.unserved],
+             if errand.is_to_drive and name not in plan.unserved],
             self._records)
 
     @staticmethod
@@ -271,7 +276,8 @@ class PlanExecutor:
         self._open[self._number] = question
         self._outbox.put(AskPlanner(self._number, question.tasks, question.obstacles,
                                     world.network.closed, world.network.learned,
-                                    world.network.geometry.alone, question.assumptions.seed))
+                                    world.network.geometry.alone, self._reserved,
+                                    question.assumptions.seed))
 
     def _is_to_ask(self, is_useful: bool, since: float) -> bool:
         """Is another plan due, `since` s after the last question?"""

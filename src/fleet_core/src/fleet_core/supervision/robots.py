@@ -5,15 +5,10 @@ import math
 from dataclasses import dataclass, field
 from typing import Collection, List, Optional
 
-from fleet_core.fleet import RobotType
+from fleet_core.fleet import NEAR, RobotType
 from fleet_core.interlocking.allocation import Knowledge
-from fleet_core.interlocking.reports import (
-    NEAR,
-    GraphPosition,
-    Report,
-    position_of,
-)
-from fleet_core.interlocking.route_master import Heard, RouteMaster, is_dock
+from fleet_core.interlocking.reports import GraphPosition, Report, position_of
+from fleet_core.interlocking.route_master import BESIDE, Heard, RouteMaster, is_dock
 from fleet_core.interlocking.route_record import RouteRecord
 from fleet_core.supervision.battery import Battery
 from fleet_core.supervision.edge_times import Driven, EdgeTimer
@@ -39,6 +34,8 @@ class ManagedRobot:
 
     It judges reports, refusals and silence, and keeps the robot's outage. `master` keeps its route
     record and its allocation.
+
+    It has one method for each event of a robot and one for each question about it.
     """
 
     name: str
@@ -271,6 +268,10 @@ class ManagedRobot:
         position = self.master.position_at(self.record.pose)
         if position is None:
             return f'{self.name} is off the graph: bring it onto an edge'
+        beside = self.master.beside(position)
+        if beside > BESIDE:  # by its next reports it would have left that place
+            return (f'{self.name} is {beside:.2f} m beside the graph '
+                    f'({position.told(self.record.graph)}): bring it onto an edge')
         self.master.settle(position)
         self.notice(Sign.BROUGHT_IN)
         self.is_halted = False

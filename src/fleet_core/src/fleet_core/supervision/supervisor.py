@@ -30,7 +30,7 @@ from fleet_core.supervision.actions import Action, TellStatus
 from fleet_core.supervision.assumptions import World, WorldView
 from fleet_core.supervision.charging import ChargeQueue
 from fleet_core.supervision.device_desk import DeviceDesk
-from fleet_core.supervision.duties import Errand, errand_of
+from fleet_core.supervision.duties import FREE_WAY, Errand, errand_of
 from fleet_core.supervision.fleet_stop import NOT_STOPPED, FleetStop, StopCause
 from fleet_core.supervision.hindrances import Hindrance
 from fleet_core.supervision.journal import Journal
@@ -63,6 +63,7 @@ from fleet_core.supervision.robots import ManagedRobot
 from fleet_core.supervision.run_number import RUN_NUMBER, RunNumber
 from fleet_core.supervision.settings import RobotSettings
 from fleet_core.supervision.site_resources import resources_of
+from fleet_core.supervision.station_desk import StationDesk
 from fleet_core.supervision.switching import OrderSwitching
 from fleet_core.supervision.time_to_go import time_over, time_to_go
 from fleet_core.supervision.timetable_runs import TimetableRuns, stored_name
@@ -88,6 +89,7 @@ class Supervisor:
 
     - `book` keeps the missions, and `charging` gives docks to robots.
     - `desk` leads missions with steps, and keeps the loads of robots.
+    - `stations` says which robots may go to stations, and where the others wait.
     - `plan_executor` asks the planner, and requests grants by the plan's order.
     - `interlocking` grants edges, and lets orders out.
     - `devices` keeps what doors and other devices report.
@@ -148,12 +150,14 @@ class Supervisor:
         self.interlocking = Interlocking(self.networks.geometry, fleet.clearance,
                                          self._everywhere, conformance, changes.follow(),
                                          self._claims)
+        self.stations = StationDesk(work.stations, self._claims, self.book, self.robots)
+        self.desk.may_enter = self.stations.may_go_to
         self.devices = DeviceDesk(self._claims, lambda: self.interlocking.unknown_robots)
         self._out = Outbox(journal, self.book, self.robots, self._everywhere, self.interlocking,
                            self.desk, self.devices)
         self._view = WorldView(self.robots, changes)
         self.plan_executor = PlanExecutor(self.robots, self.interlocking, self._out,
-                                          switching, rate)
+                                          switching, rate, self.stations.reserved)
         self.interlocking.stored(self._everywhere)
         self._declared_absent = {robot.name for robot in fleet.robots if robot.absent}
         self._run = RunNumber(journal)
@@ -695,11 +699,12 @@ class Supervisor:
     def errands(self) -> Dict[str, Errand]:
         """The errand of each robot."""
         missions = self.book.serving
-        return {name: errand_of(missions.get(name), robot.dock)
+        return {name: errand_of(missions.get(name), robot.dock,
+                                self.stations.ways.get(name, FREE_WAY))
                 for name, robot in self.robots.items()}
 
     def _world(self) -> World:
-        return self._view.world(self.book.serving, self.network)
+        return self._view.world(self.book.serving, self.network, self.stations.ways)
 
     def _go_on(self, now: float) -> None:
         for robot in self.robots.values():
@@ -727,6 +732,7 @@ class Supervisor:
             self._out.robot_changed(name)
         for name in self._waiting.assign(self.acceptance, self.networks, now):
             mission_progress.follow(self.book, self.robots[name], now)
+        self.stations.go_on()
         self.plan_executor.go_on(self._world(), now)
 
     def _follow(self, robot: ManagedRobot, now: float) -> None:

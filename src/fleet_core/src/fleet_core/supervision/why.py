@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import isfinite, isinf, nan
-from typing import Optional, Tuple
+from typing import Optional, Sequence, Tuple
 
 from fleet_core.interlocking.allocation import Knowledge
 from fleet_core.interlocking.resources import Resource
@@ -105,6 +105,12 @@ def robot_wait(robot: ManagedRobot, errand: Errand, supervisor: Supervisor, now:
         return supervisor.all_wait
     if mission is not None and mission.state is MissionState.PAUSED:
         return _PAUSED
+    return _errand_wait(robot, errand, supervisor, now)
+
+
+def _errand_wait(robot: ManagedRobot, errand: Errand, supervisor: Supervisor, now: float) -> Wait:
+    """What a robot that may drive waits for on its errand."""
+    mission = errand.mission
     work = supervisor.desk.waits_for(robot.name, mission)
     if work.code:
         return work
@@ -112,6 +118,8 @@ def robot_wait(robot: ManagedRobot, errand: Errand, supervisor: Supervisor, now:
         return Wait(WaitCode.CHARGING, supervisor.charging.waiting[robot.name])
     if errand.duty is Duty.IDLE:
         return NO_WAIT
+    if errand.duty is Duty.QUEUE:
+        return _turn(robot, supervisor, now)
     if mission is not None and mission.dwell_until is not None:
         return _stay(mission, mission.dwell_until - now)
     return _traffic(robot, mission, supervisor, now)
@@ -132,6 +140,33 @@ def _of_device(resource: Resource, supervisor: Supervisor, now: float) -> str:
         return ''
     mode, why = supervisor.devices.view(resource.name, now)
     return f' ({mode.name}{why and f": {why}"})'
+
+
+def _turn(robot: ManagedRobot, supervisor: Supervisor, now: float) -> Wait:
+    """What a robot waits for in the queue of a station, and until the first robots leave it."""
+    standing = supervisor.stations.standing_of(robot.name)
+    if standing is None:
+        return NO_WAIT
+    station = standing.station.name
+    before = standing.ahead or supervisor.stations.inside(station)
+    told = f'its turn at station {station}'
+    if before:
+        told += f', after {", ".join(before)}'
+    if standing.place is None:
+        told += '; no queue place is free, so it waits where it is'
+    return Wait(WaitCode.RESOURCE, told, _until_free(before, supervisor, now))
+
+
+def _until_free(before: Sequence[str], supervisor: Supervisor, now: float) -> float:
+    """s until the first of the robots at a station ends its work there, at the latest."""
+    ends = [nan]
+    for name in before:
+        mission = supervisor.book.of_robot(name)
+        if mission is None or mission.dwell_until is None:
+            continue
+        work = supervisor.desk.waits_for(name, mission)
+        ends.append(work.until if work.code else mission.dwell_until - now)
+    return max(min((end for end in ends if isfinite(end)), default=nan), 0.0)
 
 
 def _traffic(robot: ManagedRobot, mission: Optional[Mission], supervisor: Supervisor,

@@ -83,6 +83,8 @@ class WorkStep:
     retries    -- for RETRY: how many times it is repeated
     harmless   -- it may be carried out twice, so that an unknown outcome may be followed by a retry
     breakable  -- it is broken off when its mission is cancelled or its time is over
+
+    Each attribute is a part of the step, as it is stored.
     """
 
     type: str

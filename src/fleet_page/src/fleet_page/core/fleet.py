@@ -5,6 +5,8 @@ from dataclasses import dataclass
 from enum import Enum
 from typing import Optional, Tuple
 
+from fleet_core.supervision.waits import WaitCode
+
 ROBOT_STATES = ('IDLE', 'BUSY', 'CHARGING', 'OFFLINE', 'STOPPED', 'TAKEN_OVER', 'FAILED',
                 'OFF_GRAPH', 'OUT_OF_SERVICE', 'ABSENT', 'UNKNOWN')
 MISSION_STATES = ('PENDING', 'ACTIVE', 'SUCCEEDED', 'FAILED', 'REFUSED', 'CANCELLED', 'PAUSED',
@@ -35,6 +37,9 @@ class ShownRobot:
     mission  -- request id; None: it has no mission
     to_end   -- s until its mission ends, as the fleet manager expects; None: unknown
     not_open -- the device in which it is, and which does not report that it is open; empty: none
+    wait     -- name of the code of what it waits for (WaitCode)
+
+    Each attribute is a value that the page shows.
     """
 
     name: str
@@ -49,7 +54,19 @@ class ShownRobot:
     destination: int
     waits_for: str
     to_end: Optional[float] = None
+    wait: str = WaitCode.NOTHING.name
     not_open: str = ''
+
+    @property
+    def is_working(self) -> bool:
+        """Does it carry out a step at a stop?"""
+        return self.state == 'BUSY' and self.wait == WaitCode.STEP.name
+
+    @property
+    def is_waiting(self) -> bool:
+        """Has it a mission, and waits?"""
+        return self.mission is not None and not self.is_working and (
+            self.wait != WaitCode.NOTHING.name)
 
 
 ALARMING = ('STOPPED', 'TAKEN_OVER', 'FAILED', 'OFF_GRAPH', 'TOO_NEAR', 'CLOCK', 'DEAF')
@@ -74,8 +91,10 @@ class RobotGroup(Enum):
 
     IDLE = 'idle'
     DRIVING = 'driving'
-    STANDING = 'standing'
-    """It has something to do, and stands: it waits, or works at a stop."""
+    WORKING = 'working'
+    """It carries out a step at a stop."""
+    WAITING = 'waiting'
+    """It has something to do, and waits."""
     CHARGING = 'charging'
     TROUBLE = 'trouble'
     """It needs a person."""
@@ -90,8 +109,11 @@ def group_of(robot: ShownRobot) -> RobotGroup:
     """The group of a robot."""
     if alarm_of(robot):
         return RobotGroup.TROUBLE
+    if robot.is_working:
+        return RobotGroup.WORKING
     group = _WITH_WORK.get(robot.state, RobotGroup.AWAY)
-    return RobotGroup.STANDING if group is RobotGroup.DRIVING and robot.waits_for else group
+    waits = group is RobotGroup.DRIVING and robot.wait != WaitCode.NOTHING.name
+    return RobotGroup.WAITING if waits else group
 
 
 @dataclass(frozen=True)
@@ -112,6 +134,8 @@ class MissionStatus:
     told     -- when the fleet manager told it, s since 1970
     deadline -- one of DEADLINE_STATES
     template -- the template and its arguments, for people; empty: none
+
+    Each attribute is a value that the page shows.
     """
 
     id: int

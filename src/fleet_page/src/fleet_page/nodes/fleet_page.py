@@ -83,7 +83,10 @@ START_WITHIN = 5.0  # s within which the page must listen
 
 
 class FleetPageNode:
-    """The node. Callbacks pass messages to the thread of the event loop, which owns the page."""
+    """The node. Callbacks pass messages to the thread of the event loop, which owns the page.
+
+    It has many attributes because it puts the parts of the node together.
+    """
 
     def __init__(self, door: DoorProcess) -> None:
         self._door, self._is_ending = door, threading.Event()

@@ -4,6 +4,7 @@ from __future__ import annotations
 import math
 from typing import Any, Dict, Iterable, List, Optional
 
+from fleet_core.supervision.waits import WaitCode
 from fleet_page.core.acts import ANSWERS, Act, ActKind
 from fleet_page.core.fleet import (
     DEADLINE_STATES,
@@ -24,7 +25,7 @@ _OUTAGES: Dict[int, str] = {
     value: name[len('OUTAGE_'):] for name, value in vars(msg.FleetRobot).items()
     if name.startswith('OUTAGE_')}
 
-
+_WAITS: Dict[int, str] = {int(code): code.name for code in WaitCode}
 _COMMANDS: Dict[int, ActKind] = {number: kind for kind, number in COMMANDS.items()}
 _ANSWERS: Dict[int, str] = {int(decision): word for word, decision in ANSWERS.items()}
 _EDGES: Dict[int, ActKind] = {number: kind for kind, number in EDGES.items()}
@@ -44,7 +45,8 @@ def _robot_of(message: msg.FleetRobot, not_open: str) -> ShownRobot:
         _finite(message.pose.percentage, 0.0) / 100.0, message.seen.to_sec(),
         message.battery if math.isfinite(message.battery) else None,
         message.request_id if message.has_mission else None, message.destination,
-        message.waits_for, message.to_end if math.isfinite(message.to_end) else None, not_open)
+        message.waits_for, message.to_end if math.isfinite(message.to_end) else None,
+        _WAITS.get(message.waits_for_code, 'UNKNOWN'), not_open)
 
 
 def places_of(message: msg.FleetPoses) -> Dict[str, ShownPose]:

@@ -15,6 +15,7 @@ from typing import Any, Dict, List, Optional, Sequence
 import rospy
 
 from fleet_core.supervision.fleet_view import RobotState
+from fleet_core.supervision.waits import WaitCode
 from graph_fleet_manager.commands.command_line import OK, CommandProblem, Parser
 from graph_fleet_manager.commands.fleet_client import (
     TopicListener,
@@ -41,8 +42,8 @@ from trajectory_graph.messages import graph_from_message
 
 GRAPH_PATIENCE = 2.0  # s to wait for the graph, which only gives edges their drawn names
 _NAMES = {int(state): state.name for state in RobotState}
+_WAITS = {int(code): code.name for code in WaitCode}
 _AT_VERTEX = 0.01     # share of an edge at its ends that counts as the vertex
-_STATES = {int(state): state.words for state in RobotState}
 
 
 def main(arguments: Optional[Sequence[str]] = None) -> int:
@@ -146,7 +147,8 @@ def _listed(state: FleetState, graph: Optional[Graph]) -> str:
     rows, notes = [], []
     for robot in state.robots:
         place = _place(robot, graph) if robot.pose.edge_id else 'off the graph'
-        name = _STATES.get(robot.state, str(robot.state))
+        name = (RobotState(robot.state).words_with(robot.waits_for_code)
+                if robot.state in _NAMES else str(robot.state))
         if robot.state == FleetRobot.OFFLINE:
             place = f'last: {place}' if robot.seen else 'never seen'
             if robot.seen:
@@ -188,6 +190,7 @@ def _values(state: FleetState, graph: Optional[Graph]) -> Dict[str, Any]:
                 'mission': robot.request_id if robot.has_mission else None,
                 'destination': robot.destination or None,
                 'to_destination': known(robot.to_destination), 'to_end': known(robot.to_end),
+                'waits_for_code': _WAITS.get(robot.waits_for_code, str(robot.waits_for_code)),
                 'waits_for': robot.waits_for}
     return {'stop': stop_values(stop_of(state.stop)), 'robots': list(map(one, state.robots))}
 

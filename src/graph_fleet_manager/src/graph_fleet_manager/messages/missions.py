@@ -202,7 +202,7 @@ def state_message(robots: Iterable[RobotView], resources: Iterable[ResourceView]
             battery=robot.battery, has_mission=robot.mission is not None,
             request_id=robot.mission or 0, destination=robot.destination or 0,
             to_destination=robot.to_go.destination / rate, to_end=robot.to_go.end / rate,
-            waits_for=robot.waits_for)
+            waits_for_code=int(robot.waits_for.code), waits_for=robot.waits_for.text)
         for robot in robots])
     message.header.stamp = now
     return message

@@ -74,7 +74,7 @@ def request_of(message: msg.PlanRequest, types: Mapping[str, RobotType], edge_ti
         tuple(Alone(frozenset(one.edges), frozenset(one.vertices)) for one in message.alone),
         frozenset(message.parking),
         min(message.time_limit or time_limit, longest), min(message.improvement, longest),
-        message.seed)
+        message.seed, frozenset(message.reserved))
 
 
 def request_message(request: PlanRequest, plan_id: int, stamp: genpy.Time,
@@ -87,6 +87,7 @@ def request_message(request: PlanRequest, plan_id: int, stamp: genpy.Time,
     message = msg.PlanRequest(
         plan_id=plan_id, graph_stamp=graph_stamp, time_limit=request.time_limit,
         improvement=request.improvement, seed=request.seed, parking=sorted(request.parking),
+        reserved=sorted(request.reserved),
         closed_edges=sorted(request.closed),
         alone=[msg.AlonePlaces(sorted(one.edges), sorted(one.vertices)) for one in request.alone],
         tasks=[_task_message(task, clock) for task in request.tasks],

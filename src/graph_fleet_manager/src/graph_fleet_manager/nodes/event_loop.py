@@ -54,6 +54,8 @@ class SupervisorEvents:
     """Callbacks put events, one thread takes them. Times are those of `clock` (s, monotonic).
 
     trouble -- a clause that says why requests cannot wait for a supervisor; empty if they can
+
+    Its attributes are the queues and what orders their turns.
     """
 
     def __init__(self, clock: Callable[[], float] = time.monotonic,
@@ -166,6 +168,11 @@ class SupervisorEvents:
             self._commands.extendleft(reversed(early))
             for _ in early:
                 self._room.acquire(blocking=False)
+
+    def end(self) -> None:
+        """Lets requests and commands wait: there is no supervisor any more."""
+        with self._changed:
+            self._is_ready = False
 
     def hurry(self, due: Optional[float]) -> None:
         """Moves the next tick forward to `due` if it is earlier; None changes nothing."""

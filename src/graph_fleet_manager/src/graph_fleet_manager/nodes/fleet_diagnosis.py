@@ -32,7 +32,7 @@ def report_fleet(supervisor: Optional[Supervisor], trouble: str,
     views = robot_views(supervisor, time.monotonic())
     status.summary(*_summary(supervisor, views))
     for view in views:
-        waits = f': {view.waits_for}' if view.waits_for else ''
+        waits = f': {view.waits_for.text}' if view.waits_for.text else ''
         status.add(view.name, f'{view.state.name}{waits}')
 
 

@@ -191,8 +191,9 @@ class FleetServices:
                 return ()
             if supervisor is None:
                 response, actions = early(now) if early is not None else (
-                    TriggerResponse(False, 'the fleet manager has no graph yet, or its disk cannot '
-                                           'be written: see /diagnostics'), ())
+                    TriggerResponse(False, 'the fleet manager has no graph yet, its work file '
+                                           'does not fit the graph, or its disk cannot be '
+                                           'written: see /diagnostics'), ())
                 answer.put(response)
                 return actions
             problem, actions = act(supervisor, now)

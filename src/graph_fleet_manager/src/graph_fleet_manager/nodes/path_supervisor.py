@@ -97,6 +97,8 @@ VIEW_PERIOD = 0.5  # s between two /fleet_state, and the least time between two 
 
 class PathSupervisor:
     """The node; see the docstring of the module. One thread decides; callbacks only queue events.
+
+    It has many attributes because it puts the parts of the node together.
     """
 
     def __init__(self) -> None:
@@ -227,8 +229,9 @@ class PathSupervisor:
         """Begins to supervise if that is due and the graph, the closed edges and the journal are
         there.
 
-        A new graph has the same effect as a restart: the supervisor begins from the journal.
-        graph_server has made sure that the new graph has the routes of all robots.
+        A new graph has the same effect as a restart: the former supervisor ends, so that nothing
+        is granted by the former graph, and another one begins from the journal. graph_server has
+        made sure that the new graph has the routes of all robots.
         """
         self._file.open(now)
         journal = self._file.journal
@@ -236,7 +239,8 @@ class PathSupervisor:
         if self._graph is None or self._closed is None or journal is None or (
                 now < self._begin_at or (self._supervisor and self._supervisor.trouble)):
             return waiting
-        self._begin_at = now + AGAIN
+        self._supervisor, self._begin_at = None, now + AGAIN
+        self._events.end()
         work = self._work_file.read(self._graph)
         if work is None:
             return waiting
