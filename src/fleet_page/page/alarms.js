@@ -36,7 +36,8 @@ function wordsOf(key, { cause }) {
   const [kind, ...rest] = key.split(':');
   if (kind === 'robot') {
     const name = rest.join(':');
-    return { name, robot: name, why: outageWords(entries.get(key) || {}), todo: `→ ${t(`todo_${cause}`)}` };
+    const robot = entries.get(key) || {}, why = cause === 'NOT_OPEN' ? t('not_open', { name: robot.not_open }) : outageWords(robot);
+    return { name, robot: name, why, todo: `→ ${t(`todo_${cause}`)}` };
   }
   const mission = entries.get(key) || {};
   return { name: `${t('mission')} ${fullName(mission)}`, why: [mission.robot, reasonWords(mission, me)].filter(Boolean).join(': '), todo: '', mission, robot: mission.robot };

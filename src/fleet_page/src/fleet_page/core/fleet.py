@@ -36,6 +36,7 @@ class ShownRobot:
     battery  -- charge, 0..1; None: unknown
     mission  -- request id; None: it has no mission
     to_end   -- s until its mission ends, as the fleet manager expects; None: unknown
+    not_open -- the device in which it is, and which does not report that it is open; empty: none
     wait     -- name of the code of what it waits for (WaitCode)
 
     Each attribute is a value that the page shows.
@@ -54,6 +55,7 @@ class ShownRobot:
     waits_for: str
     to_end: Optional[float] = None
     wait: str = WaitCode.NOTHING.name
+    not_open: str = ''
 
     @property
     def is_working(self) -> bool:
@@ -70,7 +72,8 @@ class ShownRobot:
 ALARMING = ('STOPPED', 'TAKEN_OVER', 'FAILED', 'OFF_GRAPH', 'TOO_NEAR', 'CLOCK', 'DEAF')
 NEVER_HEARD = 'NEVER_HEARD'
 _SILENT = 'SILENT'
-ALARMS = (*ALARMING, _SILENT, NEVER_HEARD)
+NOT_OPEN = 'NOT_OPEN'  # it is in a door that does not report that it is open
+ALARMS = (*ALARMING, _SILENT, NEVER_HEARD, NOT_OPEN)
 
 
 def alarm_of(robot: ShownRobot) -> str:
@@ -78,7 +81,9 @@ def alarm_of(robot: ShownRobot) -> str:
     if robot.state == 'UNKNOWN':
         return NEVER_HEARD
     is_missed = robot.outage == _SILENT and robot.mission is not None
-    return robot.outage if is_missed or robot.outage in ALARMING else ''
+    if is_missed or robot.outage in ALARMING:
+        return robot.outage
+    return NOT_OPEN if robot.not_open else ''
 
 
 class RobotGroup(Enum):
