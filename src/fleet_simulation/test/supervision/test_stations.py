@@ -284,7 +284,7 @@ def test_robots_in_a_queue_make_room_where_it_is_the_only_way_out() -> None:
 
 
 @pytest.mark.parametrize('seed', range(12))
-def test_all_missions_end_and_the_queue_is_served_in_order(seed: int) -> None:
+def test_many_missions_at_one_station_all_end_and_each_is_served_once(seed: int) -> None:
     draw = Random(seed)
     fleet = lane(5, seed=seed)
     ids = range(1, 13)
