@@ -6,7 +6,7 @@ from typing import Dict, List, Optional, Set, Tuple
 
 import pytest
 
-from fleet_core.work.queues import NOBODY, Others, Queue, Waiter, advanced
+from fleet_core.work.queues import EMPTY_QUEUE, Others, Queue, Waiter, advanced
 from fleet_core.work.stations import Station, StationKind
 
 PRESS = Station('press', (18,), (20, 22))
@@ -20,7 +20,7 @@ def waiter(robot: str, places: Tuple[int, ...] = (18,), rank: int = 0,
 
 
 def after(*steps: Tuple[Tuple[Waiter, ...], Others], station: Station = PRESS) -> Queue:
-    queue = NOBODY
+    queue = EMPTY_QUEUE
     for waiters, others in steps:
         queue = advanced(queue, station, waiters, others)
     return queue
@@ -123,7 +123,7 @@ class Yard:
         self.inside: Set[str] = set()
         self.working: Set[str] = set()
         self.broken: Set[str] = set()
-        self.queue = NOBODY
+        self.queue = EMPTY_QUEUE
         self.served: List[str] = []
         self.count = 0
 
@@ -201,7 +201,7 @@ class Yard:
 
     def restart(self, _: str) -> None:
         if self.draw.random() < 0.2:
-            self.queue = NOBODY
+            self.queue = EMPTY_QUEUE
 
     def cancel(self, name: str) -> None:
         if name not in self.working:

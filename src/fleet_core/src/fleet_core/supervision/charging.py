@@ -59,7 +59,7 @@ class ChargeQueue:
                 if before[name] != (robot.dock, robot.charge_until)]
 
     def _top_up(self, robot: ManagedRobot, network: RoadNetwork, now: float) -> None:
-        """Gives a robot that has nothing to do a dock that nobody else has."""
+        """Gives a robot that has nothing to do a dock that no other robot has."""
         if robot.dock is not None or not robot.battery.is_below_idle or (
                 robot.battery.is_mute(robot.liveness, now)):
             return

@@ -29,7 +29,7 @@ class Duty(Enum):
 ErrandKey = Tuple[Duty, int, int, int, int]
 
 
-class Way(NamedTuple):
+class StationLimit(NamedTuple):
     """How far the stations let a robot go.
 
     reach  -- number of its mission's destinations up to the next station for which it has no turn;
@@ -47,7 +47,7 @@ class Way(NamedTuple):
     leaves: bool = False
 
 
-FREE_WAY = Way()
+NO_LIMIT = StationLimit()
 
 
 @dataclass(frozen=True)
@@ -56,13 +56,13 @@ class Errand:
 
     mission -- the mission that it serves, paused or not
     place   -- the dock at which it is to charge, or the queue place at which it waits
-    way     -- how far it may go, and whether it must
+    limit   -- how far it may go, and whether it must
     """
 
     duty: Duty = Duty.IDLE
     mission: Optional[Mission] = None
     place: Optional[int] = None
-    way: Way = FREE_WAY
+    limit: StationLimit = NO_LIMIT
 
     @property
     def key(self) -> ErrandKey:
@@ -72,10 +72,10 @@ class Errand:
         robot that had to leave its queue place is to be planned back.
         """
         if self.mission is None or self.duty is Duty.QUEUE:
-            return self.duty, self.place or 0, int(self.way.is_there), 0, 0
+            return self.duty, self.place or 0, int(self.limit.is_there), 0, 0
         stays = self.mission.dwell_until == math.inf
         return (self.duty, self.mission.serial, self.mission.reached if stays else -1,
-                self.mission.changes, -1 if self.way.reach is None else self.way.reach)
+                self.mission.changes, -1 if self.limit.reach is None else self.limit.reach)
 
     @property
     def stays(self) -> bool:
@@ -86,17 +86,18 @@ class Errand:
     def is_to_drive(self) -> bool:
         """Is the robot to be somewhere else than where it is, so that others make room for it?"""
         if self.duty is Duty.QUEUE:
-            return self.way.leaves or self.place is not None and not self.way.is_there
-        return self.way.leaves or self.duty in (Duty.MISSION, Duty.CHARGE)
+            return self.limit.leaves or self.place is not None and not self.limit.is_there
+        return self.limit.leaves or self.duty in (Duty.MISSION, Duty.CHARGE)
 
 
-def errand_of(mission: Optional[Mission], dock: Optional[int], way: Way = FREE_WAY) -> Errand:
+def errand_of(mission: Optional[Mission], dock: Optional[int],
+              limit: StationLimit = NO_LIMIT) -> Errand:
     """The errand of a robot. A mission comes before charging, unless it is paused."""
     if mission is not None and follows(mission):
-        return Errand(Duty.QUEUE if way.waits else Duty.MISSION, mission, way.place, way)
+        return Errand(Duty.QUEUE if limit.waits else Duty.MISSION, mission, limit.place, limit)
     if mission is not None:
         return Errand(Duty.STAND, mission)
-    return Errand(Duty.CHARGE, None, dock) if dock is not None else Errand(way=way)
+    return Errand(Duty.CHARGE, None, dock) if dock is not None else Errand(limit=limit)
 
 
 def follows(mission: Mission) -> bool:
@@ -156,7 +157,7 @@ def goes_until(robot: ManagedRobot, errand: Errand, own: RobotPlan, asked: bool,
     if errand.duty is Duty.QUEUE:
         return end if asked else _end_at(errand, own, robot)
     if errand.mission is not None:
-        ends = [number for number in (reach, errand.way.reach) if number is not None]
+        ends = [number for number in (reach, errand.limit.reach) if number is not None]
         stop = _next_stop(record.graph, own.behind(record.done), errand.mission,
                           min(ends, default=None))
         if stop is not None:
@@ -167,7 +168,7 @@ def goes_until(robot: ManagedRobot, errand: Errand, own: RobotPlan, asked: bool,
 def _end_at(errand: Errand, own: RobotPlan, robot: ManagedRobot) -> int:
     """Number of the edge behind the one that leads to the queue place; else where it is."""
     record = robot.record
-    if errand.way.is_there:
+    if errand.limit.is_there:
         return record.end
     ends = (number for number, drive in enumerate(own.drives, own.base + 1)
             if number > record.end and record.graph.end_vertex(drive.edge).id == errand.place)

@@ -212,7 +212,7 @@ class PlanExecutor:
 
     def _asked(self, plan: PlanInForce, world: World) -> AbstractSet[str]:
         """Robots that must make room for those with an errand, or leave a station."""
-        leave = {name for name, errand in world.errands.items() if errand.way.leaves}
+        leave = {name for name, errand in world.errands.items() if errand.limit.leaves}
         return leave | plan.asked_to_move(
             [name for name, errand in world.errands.items()
              if errand.is_to_drive and name not in plan.unserved],

@@ -120,7 +120,7 @@ def _task(robot: ManagedRobot, errand: Errand, own: Optional[RobotPlan], now: fl
     reach: Optional[int] = None
     if errand.duty is Duty.MISSION and mission is not None:
         destinations, dwells, reach = to_visit((*record.ahead, *further), record.graph, mission,
-                                               now, errand.way.reach)
+                                               now, errand.limit.reach)
         priority = mission.request.priority
     elif errand.place is not None:
         destinations = (errand.place,)

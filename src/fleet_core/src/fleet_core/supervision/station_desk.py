@@ -10,16 +10,16 @@ from typing import AbstractSet, Dict, FrozenSet, List, Mapping, NamedTuple, Opti
 from fleet_core.interlocking.claims import Claims
 from fleet_core.planning.road_network import RoadNetwork
 from fleet_core.supervision.assignment import time_to
-from fleet_core.supervision.duties import FREE_WAY, WINDOW, Way, follows
+from fleet_core.supervision.duties import NO_LIMIT, WINDOW, StationLimit, follows
 from fleet_core.supervision.mission_book import MissionBook
 from fleet_core.supervision.missions import Mission
 from fleet_core.supervision.robots import ManagedRobot
 from fleet_core.supervision.work_desk import WorkDesk
-from fleet_core.work.queues import NOBODY, Others, Queue, Waiter, advanced
+from fleet_core.work.queues import EMPTY_QUEUE, Others, Queue, Waiter, advanced
 from fleet_core.work.stations import Station
 
 
-class Standing(NamedTuple):
+class QueueStanding(NamedTuple):
     """How a robot stands in the queue of a station.
 
     ahead -- robots that go before it
@@ -45,7 +45,7 @@ class StationDesk:
                           if name in claims.needs.resources}
         self._at = {place: one for one in self._stations.values() for place in one.places}
         self._queues: Dict[str, Queue] = {}
-        self.ways: Dict[str, Way] = {}
+        self.limits: Dict[str, StationLimit] = {}
         """By robot, how far it may go; robots without an entry may go as far as they want."""
 
     @property
@@ -59,13 +59,13 @@ class StationDesk:
         station = self._at.get(place)
         return station is None or self._queue_of(station).turns.get(name) == place
 
-    def standing_of(self, name: str) -> Optional[Standing]:
+    def standing_of(self, name: str) -> Optional[QueueStanding]:
         """How a robot stands in the queue in which it waits; None: it waits in none."""
         for station in self._stations.values():
             queue = self._queue_of(station)
             if name in queue.waits:
                 before = [*queue.turns, *queue.waits]
-                return Standing(station, before[:before.index(name)], queue.waits[name])
+                return QueueStanding(station, before[:before.index(name)], queue.waits[name])
         return None
 
     def inside(self, station: str) -> List[str]:
@@ -73,7 +73,7 @@ class StationDesk:
         return self._claims.holders(station)
 
     def _queue_of(self, station: Station) -> Queue:
-        return self._queues.get(station.name, NOBODY)
+        return self._queues.get(station.name, EMPTY_QUEUE)
 
     # -- changes ----------------------------------------------------------------------------------
 
@@ -100,9 +100,9 @@ class StationDesk:
             if queue.waits:
                 leaving.update(name for name in self._claims.holders(station.name)
                                if name not in queue.turns)
-        self.ways = {name: way for name in self._robots
-                     for way in (self._way(name, going.get(name), name in leaving),)
-                     if way != FREE_WAY}
+        self.limits = {name: limit for name in self._robots
+                       for limit in (self._limit(name, going.get(name), name in leaving),)
+                       if limit != NO_LIMIT}
 
     def _waiter(self, name: str, mission: Mission, station: Station,
                 network: RoadNetwork) -> Waiter:
@@ -135,17 +135,17 @@ class StationDesk:
             return mission.dwell_until is None
         return self._book.of_robot(robot.name) is None and robot.dock is None
 
-    def _way(self, name: str, mission: Optional[Mission], is_in_the_way: bool) -> Way:
+    def _limit(self, name: str, mission: Optional[Mission], is_in_the_way: bool) -> StationLimit:
         robot = self._robots[name]
         is_free = robot.outage is None and self._book.of_robot(name) is None and robot.dock is None
         if mission is None:
-            return Way(leaves=is_in_the_way and is_free)
+            return StationLimit(leaves=is_in_the_way and is_free)
         reach = self._reach(name, mission)
         if reach != mission.reached:
-            return Way(reach)
+            return StationLimit(reach)
         place = self._queue_of(self._at[mission.left[0]]).waits.get(name)
-        return Way(reach, True, place, place is not None and robot.record.last_vertex == place,
-                   is_in_the_way and place is None)
+        is_there = place is not None and robot.record.last_vertex == place
+        return StationLimit(reach, True, place, is_there, is_in_the_way and place is None)
 
     def _reach(self, name: str, mission: Mission) -> Optional[int]:
         """Number of its destinations up to the next station for which a robot has no turn."""

@@ -30,7 +30,7 @@ from fleet_core.supervision.actions import Action, TellStatus
 from fleet_core.supervision.assumptions import World, WorldView
 from fleet_core.supervision.charging import ChargeQueue, docks_of
 from fleet_core.supervision.device_desk import DeviceDesk
-from fleet_core.supervision.duties import FREE_WAY, Errand, errand_of
+from fleet_core.supervision.duties import NO_LIMIT, Errand, errand_of
 from fleet_core.supervision.fleet_stop import NOT_STOPPED, FleetStop, StopCause
 from fleet_core.supervision.hindrances import Hindrance
 from fleet_core.supervision.journal import Journal
@@ -724,11 +724,11 @@ class Supervisor:
         """The errand of each robot."""
         missions = self.book.serving
         return {name: errand_of(missions.get(name), robot.dock,
-                                self.stations.ways.get(name, FREE_WAY))
+                                self.stations.limits.get(name, NO_LIMIT))
                 for name, robot in self.robots.items()}
 
     def _world(self) -> World:
-        return self._view.world(self.book.serving, self.network, self.stations.ways)
+        return self._view.world(self.book.serving, self.network, self.stations.limits)
 
     def _advance(self, now: float) -> None:
         for robot in self.robots.values():

@@ -149,11 +149,11 @@ def _turn(robot: ManagedRobot, supervisor: Supervisor, now: float) -> Wait:
         return NO_WAIT
     station = standing.station.name
     before = standing.ahead or supervisor.stations.inside(station)
-    who, until = ', '.join(before), _until_free(before, supervisor, now)
+    names, until = ', '.join(before), _until_free(before, supervisor, now)
     if standing.place is None:
         return Wait(WaitCode.RESOURCE, f'its turn at station {station}, which is full with its '
-                                       f'queue: {who}', until)
-    return Wait(WaitCode.RESOURCE, f'its turn at station {station}, after {who}', until)
+                                       f'queue: {names}', until)
+    return Wait(WaitCode.RESOURCE, f'its turn at station {station}, after {names}', until)
 
 
 def _until_free(before: Sequence[str], supervisor: Supervisor, now: float) -> float:

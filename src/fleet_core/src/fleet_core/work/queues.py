@@ -84,7 +84,7 @@ class Queue:
     waits: Mapping[str, Optional[int]] = field(default_factory=dict)
 
 
-NOBODY = Queue()
+EMPTY_QUEUE = Queue()
 
 
 def advanced(before: Queue, station: Station, waiters: Iterable[Waiter], others: Others) -> Queue:

@@ -24,7 +24,8 @@ def _station(arguments: List[str]) -> int:
                     'the robots that claim them.')
     commands = parser.add_subparsers(dest='command', metavar='COMMAND')
     commands.required = True
-    offer_json(commands.add_parser('list', help='each station and device, and who claims it'))
+    offer_json(commands.add_parser(
+        'list', help='each station and device, and the robots that claim it'))
     options = parser.parse_args(arguments)
     connect('station_command')
     resources = TopicListener('/fleet_state', FleetState).last().resources

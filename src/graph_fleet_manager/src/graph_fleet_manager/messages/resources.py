@@ -1,4 +1,4 @@
-"""Messages about doors, stations and other resources, and who claims them."""
+"""Messages about doors, stations and other resources, and the robots that claim them."""
 from __future__ import annotations
 
 from typing import Iterable, List, Mapping, Optional

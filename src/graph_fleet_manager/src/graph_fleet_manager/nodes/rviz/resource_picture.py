@@ -1,4 +1,4 @@
-"""Doors and stations in RViz: what they show, and who claims them."""
+"""Doors and stations in RViz: what they show, and the robots that claim them."""
 from __future__ import annotations
 
 from typing import Iterable, List
