@@ -8,6 +8,7 @@
 #                                                     (settings for masters: docs/how-to/vda5050_masters.md)
 #   scripts/run.sh sim:=false ... multimaster:=true peer:=10.0.0.9    the fleet manager is on another computer
 #   scripts/run.sh fleet:=4 longest_edge:=1.5 demo:=true    4 simulated LD-90s, 4 AGVs, and their fleet manager
+#   scripts/run.sh fleet:=4 work:=true                they pass doors, and hand pallets over at stations
 #   scripts/run.sh fleet:=fleet.yaml                  the robots of a fleet file, real and simulated; --print prints all files
 #
 # Instead of password_file:=, you can put the real robot's password into the environment variable OMRON_LD90_PASSWORD.
@@ -15,7 +16,7 @@ set -euo pipefail
 . "$(dirname "${BASH_SOURCE[0]}")/common.sh"
 
 if [ "${1:-}" = -h ] || [ "${1:-}" = --help ]; then
-  sed -n '2,13s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"
+  sed -n '2,14s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"
   echo
   echo 'Arguments of launch/full_stack.launch:'
   sed -n 's/.*<arg name="\([^"]*\)".*doc="\([^"]*\)".*/  \1:=  \2/p' "$root/launch/full_stack.launch"

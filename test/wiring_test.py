@@ -58,6 +58,7 @@ SERVICES: Dict[str, Tuple[str, str]] = {
     'declare_absent': ('itrci_nav_msgs/DeclareAbsent', 'graph_fleet_manager/nodes/fleet_acts.py'),
     'explain_mission': ('itrci_nav_msgs/ExplainMission',
                         'graph_fleet_manager/commands/mission.py'),
+    'charge': ('itrci_nav_msgs/ChargeRobot', 'graph_fleet_manager/commands/fleet.py'),
     'set_load': ('itrci_nav_msgs/SetLoad', 'graph_fleet_manager/commands/fleet.py'),
     'get_mission_status': ('itrci_nav_msgs/GetMissionStatus',
                            'fleet_requests/__init__.py'),

@@ -12,7 +12,7 @@ from plan_checker import World
 
 from fleet_core.files.plan_file import solved_plan
 from fleet_core.fleet import RobotType
-from fleet_core.planning import layers, safe_intervals
+from fleet_core.planning import safe_intervals
 from fleet_core.planning.planner import FleetPlanner
 from fleet_core.planning.road_network import RoadNetwork
 from fleet_core.planning.safe_intervals import find_path
@@ -24,7 +24,6 @@ GIVE_UP = 0.3  # s of CPU time after which an instance counts as one without a s
 def plan_in_time(planner, tasks, rounds):
     """Plans with a limit on CPU time, so that other load on the machine does not matter."""
     with patch('time.monotonic', time.process_time), \
-            patch.object(layers, 'time_now', time.process_time), \
             patch.object(safe_intervals, 'time_now', time.process_time):
         return planner.plan(tasks, (), time.process_time() + GIVE_UP, rounds)
 

@@ -14,6 +14,7 @@ from fleet_builders import AGV, corridor, graph_of, ladder
 
 from fleet_core.fleet import RobotType
 from fleet_core.geometry.areas import Area
+from fleet_core.geometry.site_geometry import Alone, SiteGeometry
 from fleet_core.planning.lacam import search_lacam
 from fleet_core.planning.parking import WellFormedSets
 from fleet_core.planning.planner import FleetPlanner
@@ -97,6 +98,32 @@ def test_a_robot_between_two_vertices_may_go_either_way():
                                       stays=True))
         assert _edges(outcome, 'a')[0] == first
         assert outcome.drives['a'][-1].end == pytest.approx(seconds)
+
+
+def _planner_with_a_zone():
+    """For two corridors apart: edges 2 and 4 are a zone for one robot."""
+    graph = graph_of({1: (0.0, 0.0), 2: (2.0, 0.0), 3: (4.0, 0.0),
+                      4: (0.0, 9.0), 5: (2.0, 9.0), 6: (4.0, 9.0)},
+                     {1: (1, 2), 2: (2, 3), 3: (4, 5), 4: (5, 6)})
+    zone = SiteGeometry(graph, alone=[Alone(frozenset({2, 4}))])
+    return FleetPlanner(RoadNetwork(graph, geometry=zone), 0.1, (AGV,), tuple(graph.vertices))
+
+
+@pytest.mark.parametrize('rounds', [0, 2])
+def test_a_robot_between_two_vertices_leaves_its_zone_before_another_one_enters(rounds):
+    outcome = _plan(_planner_with_a_zone(),
+                    Task('a', AGV, mid_edge=(2, 0.25), destinations=(1,), stays=True),
+                    Task('b', AGV, 5, destinations=(6,), stays=True, priority=5), rounds=rounds)
+    assert not outcome.unserved
+    assert outcome.drives['b'][0].start >= outcome.drives['a'][0].end
+    assert any((c.first, c.then) == ('a', 'b') for c in outcome.precedence)
+
+
+def test_nobody_is_planned_into_a_zone_in_which_a_robot_stands_for_ever():
+    obstacle = Obstacle('a', AGV, areas=(Area(((2.5, 0.0),)),))
+    outcome = _plan(_planner_with_a_zone(), Task('b', AGV, 5, destinations=(6,), stays=True),
+                    obstacles=[obstacle])
+    assert set(outcome.unserved) == {'b'}
 
 
 def test_several_destinations_with_dwells_are_one_search():

@@ -13,6 +13,7 @@ from fleet_builders import AGV, corridor, graph_of, ladder
 
 from fleet_core.fleet import Fleet, RobotType
 from fleet_core.geometry.areas import Area
+from fleet_core.geometry.site_geometry import Alone
 from fleet_core.planning import planner as planner_module
 from fleet_core.planning.layers import layered
 from fleet_core.planning.plan_requests import PlanRequest
@@ -55,6 +56,29 @@ def test_learned_times_replace_those_of_the_graph():
     assert edges(planner.answer(request), 'r') == [2, 3, 4]
     slow_truck = PlanRequest(request.tasks, edge_times={('truck', 1): 20.0})
     assert edges(planner.answer(slow_truck), 'r') == [1], 'the times of another type must not count'
+
+
+def test_places_for_one_robot_because_of_a_resource_are_used_one_after_the_other():
+    apart = graph_of({1: (0, 0), 2: (4, 0), 3: (0, 20), 4: (4, 20)}, {1: (1, 2), 2: (3, 4)})
+    planner = service(apart)
+    tasks = (Task('a', AGV, 1, destinations=(2,), stays=True),
+             Task('b', AGV, 3, destinations=(4,), stays=True))
+    hall = Alone(frozenset((1, 2)))
+    orders = [planner.answer(PlanRequest(tasks, alone=alone)).precedence
+              for alone in ((), (hall,), ())]
+    assert [len(order) for order in orders] == [0, 1, 0]
+    with pytest.raises(CannotPlan, match='A resource: the graph has no edge 9'):
+        planner.answer(PlanRequest(tasks, alone=(Alone(frozenset((9,))),)))
+
+
+def test_no_robot_is_parked_at_a_reserved_vertex():
+    request = PlanRequest((Task('r', AGV, 1),), parking=frozenset({1, 2}), reserved=frozenset({1}))
+    assert edges(service(square()).answer(request), 'r') == [1]
+
+
+def test_reserved_vertices_are_used_if_there_is_no_other_parking():
+    request = PlanRequest((Task('r', AGV, 1),), parking=frozenset({1}), reserved=frozenset({1}))
+    assert edges(service(square()).answer(request), 'r') == []
 
 
 def test_robots_are_parked_where_the_request_says():

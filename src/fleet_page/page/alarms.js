@@ -1,9 +1,10 @@
 // Alarms: each robot and mission that needs a person, until the cause is gone, with the remedy.
 import { $, make, showRows, withCode } from './dom.js';
 import { all, entries } from './server.js';
-import { language, momentOf, said, store, stored, t } from './texts.js';
+import { language, momentOf, store, stored, t } from './texts.js';
 import { outageWords } from './map.js';
-import { answerButtons } from './missions.js';
+import { answerButtons, reasonWords } from './missions.js';
+import { colourDot, fullName } from './robots.js';
 
 const PERIOD = 3000; // ms between two tones
 let me = { role: null }, act = null, unseen = 0, audio = null;
@@ -35,14 +36,15 @@ function wordsOf(key, { cause }) {
   const [kind, ...rest] = key.split(':');
   if (kind === 'robot') {
     const name = rest.join(':');
-    return { name, why: outageWords(entries.get(key) || {}), todo: `→ ${t(`todo_${cause}`)}` };
+    const robot = entries.get(key) || {}, why = cause === 'NOT_OPEN' ? t('not_open', { name: robot.not_open }) : outageWords(robot);
+    return { name, robot: name, why, todo: `→ ${t(`todo_${cause}`)}` };
   }
   const mission = entries.get(key) || {};
-  return { name: `${t('mission')} ${mission.id}`, why: [mission.robot, said(mission.reason || '')].filter(Boolean).join(': '), todo: '', mission };
+  return { name: `${t('mission')} ${fullName(mission)}`, why: [mission.robot, reasonWords(mission, me)].filter(Boolean).join(': '), todo: '', mission, robot: mission.robot };
 }
 
 function alarmRow(alarm) {
-  const row = make('li', { class: alarm.seen_by ? 'seen' : null }, make('p', {}, make('b', {}, alarm.name), ' ', ...withCode(alarm.why), ' ', alarm.todo),
+  const row = make('li', { class: alarm.seen_by ? 'seen' : null }, make('p', {}, alarm.robot ? colourDot(alarm.robot) : '', make('b', {}, alarm.name), ' ', ...withCode(alarm.why), ' ', alarm.todo),
     make('p', { class: 'since' }, t('since', { time: momentOf(alarm.since) }), alarm.seen_by ? ` · ${t('seen_by', { person: alarm.seen_by })}` : ''),
     alarm.mission ? answerButtons(alarm.mission, me) : '');
   if (!alarm.seen_by && me.role !== 'see') row.append(make('button', { 'data-act': 'acknowledge', 'aria-label': `${t('act_acknowledge')}: ${alarm.name}`, onclick: () => act({ act: 'acknowledge', name: alarm.key }) }, t('act_acknowledge')));

@@ -2,7 +2,7 @@
 import { $, showTable } from './dom.js';
 import { get } from './server.js';
 import { t, dateOf, duration } from './texts.js';
-import { drawnEdge, showHeat } from './map.js';
+import { colourOf, drawnEdge, showHeat } from './map.js';
 
 let charts = [], library = null;
 
@@ -55,14 +55,14 @@ function drawCharts(Chart, values) {
   Chart.defaults.color = ink;
   Chart.defaults.animation = false;
   const bars = (id, labels, datasets, title) => charts.push(new Chart($(id), {
-    type: 'bar', data: { labels, datasets }, options: { plugins: { title: { display: true, text: title } } } }));
+    type: 'bar', data: { labels, datasets }, options: { plugins: { title: { display: true, text: title }, legend: { display: datasets.length > 1 } }, scales: { y: { beginAtZero: true, ticks: { precision: 0 } } } } }));
   bars('hours_chart', values.hours.map(hour => new Date(hour.begin * 1000).getHours()), [
     { label: t('mission_SUCCEEDED'), data: values.hours.map(hour => hour.SUCCEEDED), backgroundColor: '#2f8f4e', stack: 'a' },
     { label: t('mission_FAILED'), data: values.hours.map(hour => hour.FAILED), backgroundColor: '#c0392b', stack: 'a' },
     { label: t('mission_CANCELLED'), data: values.hours.map(hour => hour.CANCELLED), backgroundColor: '#8a8f98', stack: 'a' },
     { label: t('mission_EXPIRED'), data: values.hours.map(hour => hour.EXPIRED), backgroundColor: '#d08a1d', stack: 'a' }], t('missions_per_hour'));
   bars('robots_chart', values.robots.map(one => one.robot), [
-    { label: t('utilisation_percent'), data: values.robots.map(one => Math.round(100 * one.utilisation)), backgroundColor: '#2a6fdb' }], t('per_robot'));
+    { label: t('utilisation_percent'), data: values.robots.map(one => Math.round(100 * one.utilisation)), backgroundColor: values.robots.map(one => colourOf(one.robot)) }], t('per_robot'));
 }
 
 export function leaveHistory() { showHeat(null); }

@@ -7,6 +7,7 @@ import { Walls } from './walls.js';
 
 const REACH = 16; // pixels around a vertex within which a click selects it
 const NAMES_FROM = 12, BATTERY_FROM = 20; // px per m from which all vertices have their names, and robots their charge
+const MARGIN = { x: 45, y: 35 }; // px around the site
 const GOLDEN = 0.618034; // as in rviz_drawing: each new hue is far from all earlier ones
 const TROUBLE = ['STOPPED', 'TAKEN_OVER', 'FAILED', 'OFF_GRAPH', 'UNKNOWN'];
 const GONE = ['OFFLINE', 'OUT_OF_SERVICE', 'ABSENT'];
@@ -18,6 +19,7 @@ let walls = null, handlers = {}, heat = null, chosen = [], chosenRobot = '', pas
 let isFree = false; // the user has moved the view: it stays when the window changes
 let rem = 16; // px; larger on a wall screen
 let followed = '', fixed = []; // the robot in the middle of the view; the boxes of vertices and of their names
+let buttons = [0, 0, 0, 0]; // the box of the buttons in the map
 
 const planLayer = makeSvg('g', { 'aria-hidden': 'true' }), robotLayer = makeSvg('g');
 svg.append(planLayer, robotLayer);
@@ -115,13 +117,21 @@ export const knowsEdge = id => edgesById.has(id) || drawnEdges.has(id);
 export const drawnEdge = id => edgesById.has(id) ? edgesById.get(id)[4] : id;
 
 function fit() {
-  const box = $('map').getBoundingClientRect();
+  const box = $('map').getBoundingClientRect(), own = $('zoom').getBoundingClientRect();
   const xs = site.vertices.map(v => v[1]), ys = site.vertices.map(v => v[2]);
   if (walls && walls.bounds) { xs.push(walls.bounds[0], walls.bounds[2]); ys.push(walls.bounds[1], walls.bounds[3]); }
   if (!xs.length || !box.width) return;
   const [left, right, low, high] = [Math.min(...xs), Math.max(...xs), Math.min(...ys), Math.max(...ys)];
-  view.x = (left + right) / 2; view.y = (low + high) / 2;
-  view.scale = Math.min((box.width - 90) / (right - left + 1), (box.height - 70) / (high - low + 1), 200);
+  // The site is beside or above the buttons, wherever there is more room.
+  const margins = [
+    { right: Math.max(MARGIN.x, box.right - own.left + 8), low: MARGIN.y },
+    { right: MARGIN.x, low: Math.max(MARGIN.y, box.bottom - own.top + 8) }];
+  const [beside, above] = margins.map(margin => Math.min(
+    (box.width - MARGIN.x - margin.right) / (right - left + 1), (box.height - MARGIN.y - margin.low) / (high - low + 1), 200));
+  const margin = margins[beside > above ? 0 : 1];
+  view.scale = Math.max(beside, above);
+  view.x = (left + right) / 2 + (margin.right - MARGIN.x) / 2 / view.scale;
+  view.y = (low + high) / 2 - (margin.low - MARGIN.y) / 2 / view.scale;
 }
 
 function zoom(factor, event) {
@@ -156,8 +166,9 @@ export function redraw() {
 export const framesDrawn = () => drawn;
 
 function drawSite() {
-  const box = $('map').getBoundingClientRect(), ratio = devicePixelRatio || 1;
+  const box = $('map').getBoundingClientRect(), ratio = devicePixelRatio || 1, own = $('zoom').getBoundingClientRect();
   size.width = box.width; size.height = box.height;
+  buttons = [own.left - box.left, own.top - box.top, own.right - box.left, own.bottom - box.top];
   if (canvas.width !== Math.round(box.width * ratio) || canvas.height !== Math.round(box.height * ratio)) {
     canvas.width = Math.round(box.width * ratio); canvas.height = Math.round(box.height * ratio);
   }
@@ -219,6 +230,7 @@ function drawNames(paint, radius) {
     fixed.push([px - radius, py - radius, px + radius, py + radius]);
     if (isPlace || view.scale > NAMES_FROM * rem / 16) texts.push({ name, isPlace, x: px, y: py, away: 1.4 * radius + 2, width: paint.measureText(name).width, height: 0.85 * rem });
   }
+  places.cover(buttons);
   for (const box of fixed) places.cover(box);
   for (const text of texts.sort((a, b) => b.isPlace - a.isPlace)) {
     const side = places.place(text, BELOW_RIGHT_FIRST);
@@ -235,7 +247,8 @@ export function chooseRobot(name) { chosenRobot = name; drawMoving(null); }
 export function showPast(moment) { past = moment; drawMoving(null); }
 
 // The hue of a robot is that of RViz, which counts the robots in the same order.
-export const hueOf = name => 360 * ((0.55 + ((entries.get(`robot:${name}`) || {}).number || 0) * GOLDEN) % 1);
+const hueOf = name => 360 * ((0.55 + ((entries.get(`robot:${name}`) || {}).number || 0) * GOLDEN) % 1);
+export const colourOf = name => `hsl(${hueOf(name)} 60% 42%)`;
 
 export function followRobot(name) {
   if (followed === name) return;
@@ -271,10 +284,10 @@ export function drawMoving(keys) {
 
 function drawPast() {
   const wanted = new Set();
-  for (const [name, [x, y, theta, state, waits]] of Object.entries(past.r)) {
+  for (const [name, [x, y, theta, state, waits, works]] of Object.entries(past.r)) {
     wanted.add(name);
     const known = entries.get(`robot:${name}`) || {};
-    placeRobot(name, [x, y, theta], { ...known, state, waits_for: waits, battery: null, destination: 0 });
+    placeRobot(name, [x, y, theta], { ...known, state, waits_for: waits, works: Boolean(works), battery: null, destination: 0 });
   }
   dropRobots(wanted);
   placeLabels();
@@ -285,17 +298,23 @@ function dropRobots(wanted) {
   for (const [name, shapes] of robots) if (!wanted.has(name)) { shapes.group.remove(); robots.delete(name); }
 }
 
-// A robot's label keeps its side while that is free; robots in trouble choose first.
+// A robot's label keeps its side while that is free. It may cover vertices and their names, but no other robot: if
+// there is no such place, it is left out until the view is nearer. Labels of the chosen robot and of those in trouble
+// choose first, and are always shown.
 function placeLabels() {
   const places = new Places(size.width, size.height);
-  for (const box of fixed) places.cover(box);
-  for (const { x, y, radius } of robots.values()) places.cover([x - radius - 4, y - radius - 4, x + radius + 4, y + radius + 4]);
-  for (const shapes of [...robots.values()].sort((a, b) => b.isInTrouble - a.isInTrouble)) {
-    const text = { x: shapes.x, y: shapes.y, away: shapes.radius + 6, width: widthOf(shapes.label), height: 1.05 * rem, must: true };
+  places.cover(buttons);
+  for (const box of fixed) places.cover(box, true);
+  for (const { x, y, reach } of robots.values()) places.cover([x - reach, y - reach, x + reach, y + reach]);
+  for (const shapes of [...robots.values()].sort((a, b) => b.isFirst - a.isFirst)) {
+    const text = { x: shapes.x, y: shapes.y, away: shapes.reach + 1, width: widthOf(shapes.label), height: 0.95 * rem, may: shapes.isFirst ? 'all' : 'soft' };
     shapes.side = places.place(text, ABOVE_FIRST, shapes.side);
+    shapes.text.style.display = shapes.card.style.display = shapes.side < 0 ? 'none' : '';
+    if (shapes.side < 0) continue;
     const [left, top, right, bottom] = boxOf(text, ABOVE_FIRST[shapes.side]);
     shapes.text.setAttribute('x', ((left + right) / 2 - shapes.x).toFixed(1));
     shapes.text.setAttribute('y', ((top + bottom) / 2 - shapes.y).toFixed(1));
+    for (const [name, value] of [['x', left - shapes.x], ['y', top - shapes.y], ['width', right - left], ['height', bottom - top]]) shapes.card.setAttribute(name, value.toFixed(1));
   }
 }
 
@@ -318,9 +337,9 @@ function placeRobot(name, [x, y, theta], robot) {
   shapes.body.setAttribute('transform', `rotate(${turn.toFixed(1)}) scale(${(radius / 10).toFixed(3)})`);
   shapes.nose.style.display = theta === null ? 'none' : '';
   shapes.ring.setAttribute('r', radius + 4);
-  const isInTrouble = Boolean(robot.alarm) || TROUBLE.includes(robot.state);
+  const isInTrouble = Boolean(robot.alarm) || TROUBLE.includes(robot.state), isFirst = isInTrouble || name === chosenRobot;
   const label = robot.battery === null || robot.battery === undefined ? name : `${name} ${Math.round(100 * robot.battery)} %`;
-  Object.assign(shapes, { x: px, y: py, radius, isInTrouble, label: view.scale < BATTERY_FROM * rem / 16 ? name : label });
+  Object.assign(shapes, { x: px, y: py, isFirst, reach: radius + (isFirst ? 5 : 1), label: view.scale < BATTERY_FROM * rem / 16 ? name : label });
   if (shapes.text.textContent !== shapes.label) shapes.text.textContent = shapes.label;
   const kind = ['robot', isInTrouble ? 'trouble' : '', GONE.includes(robot.state) ? 'gone' : '', name === chosenRobot ? 'chosen' : ''].filter(Boolean).join(' ');
   if (shapes.group.getAttribute('class') !== kind) shapes.group.setAttribute('class', kind);
@@ -329,8 +348,10 @@ function placeRobot(name, [x, y, theta], robot) {
 }
 
 export function robotWords(robot) {
-  const doing = robot.state === 'BUSY' && robot.destination ? t('drives_to', { vertex: vertexName(robot.destination) }) : t(`robot_${robot.state}`);
+  const vertex = robot.destination && vertexName(robot.destination), isBusy = robot.state === 'BUSY';
+  const doing = robot.works ? (vertex ? t('works_at', { vertex }) : t('robot_working')) : isBusy && vertex ? t('drives_to', { vertex }) : t(`robot_${robot.state}`);
   if (!robot.waits_for) return doing;
+  if (robot.works) return `${doing}: ${said(robot.waits_for)}`;
   const why = outageWords(robot);
   if (why.toLowerCase() === doing.toLowerCase()) return doing;
   return [...TROUBLE, ...GONE].includes(robot.state) ? `${doing}: ${why}` : `${doing} (${t('waits_for')}: ${why})`;
@@ -344,16 +365,17 @@ export function outageWords(robot) {
 }
 
 function newRobot(name) {
-  const group = makeSvg('g', { class: 'robot', role: 'button', tabindex: 0, 'data-name': name }), hue = hueOf(name);
+  const group = makeSvg('g', { class: 'robot', role: 'button', tabindex: 0, 'data-name': name });
   const ring = makeSvg('circle', { class: 'ring', r: 14 }), body = makeSvg('g');
   const nose = makeSvg('path', { d: 'M1,-4 L8,0 L1,4 z', fill: '#fff' }), text = makeSvg('text', { 'text-anchor': 'middle', 'dominant-baseline': 'central' }), title = makeSvg('title');
-  body.append(makeSvg('rect', { class: 'body', x: -10, y: -7, width: 20, height: 14, rx: 3, fill: `hsl(${hue} 60% 42%)` }), nose);
-  group.append(title, ring, body, text);
+  body.append(makeSvg('rect', { class: 'body', x: -10, y: -7, width: 20, height: 14, rx: 3, fill: colourOf(name) }), nose);
+  const card = makeSvg('rect', { class: 'card', rx: 3 });
+  group.append(title, card, ring, body, text);
   group.addEventListener('keydown', event => {
     if (event.key === 'Enter' || event.key === ' ') { event.preventDefault(); handlers.robot(name); }
   });
   robotLayer.append(group);
-  const shapes = { group, ring, body, nose, text, title, words: '', side: -1 };
+  const shapes = { group, card, ring, body, nose, text, title, words: '', side: -1 };
   robots.set(name, shapes);
   return shapes;
 }

@@ -1,7 +1,7 @@
 // Finds places for texts beside their points, so that no text covers another.
 //
-// A text is at the first of its places that is free. A text that must be shown, and finds no free place, covers as
-// little as it can. This is the rule of rviz_drawing, which places the texts of RViz and of the editor.
+// A text is at the first of its places that is free, as in rviz_drawing, which places the texts of RViz and of the
+// editor. If none is free, `text.may` says what it may cover to be shown: soft boxes, or all. It covers as little as it can.
 export const ABOVE_FIRST = [[0, -1], [0, 1], [1, 0], [-1, 0], [1, -1], [-1, -1], [1, 1], [-1, 1]];
 export const BELOW_RIGHT_FIRST = [[1, 1], [-1, 1], [1, -1], [-1, -1], [0, 1], [0, -1], [1, 0], [-1, 0]];
 const CELL = 64; // px of the grid in which neighbours are found
@@ -13,36 +13,38 @@ export class Places {
   }
 
   // Marks a box as covered: [left, top, right, bottom].
-  cover(box) {
+  cover(box, isSoft = false) {
+    const covered = { box, isSoft };
     for (const key of cellsOf(box)) {
       if (!this.cells.has(key)) this.cells.set(key, []);
-      this.cells.get(key).push(box);
+      this.cells.get(key).push(covered);
     }
   }
 
-  // The side of a text, as an index in `sides`; -1: there is no free place for it.
-  // text: x, y of its point, `away` of the text from it, width and height; `before`: the side where it was.
+  // The side of a text, as an index in `sides`; -1: there is no place for it.
+  // text: x, y of its point, `away` of the text from it, width, height, and what it `may` cover ('soft', 'all'; nothing
+  // without it); before: the side where it was.
   place(text, sides, before = -1) {
     const order = before < 0 ? sides.keys() : [before, ...[...sides.keys()].filter(side => side !== before)];
-    let best = -1, least = Infinity;
+    let best = -1, least = { firm: Infinity, soft: Infinity };
     for (const side of order) {
       const covered = this.covered(boxOf(text, sides[side]));
-      if (covered < least) { least = covered; best = side; }
-      if (!covered) break;
+      if (covered.firm < least.firm || (covered.firm === least.firm && covered.soft < least.soft)) { least = covered; best = side; }
+      if (!covered.firm && !covered.soft) break;
     }
-    if (least > 0 && !text.must) return -1;
+    if ((least.firm && text.may !== 'all') || (least.soft && !text.may)) return -1;
     this.cover(boxOf(text, sides[best]));
     return best;
   }
 
-  // How much of a box is covered, in px²; what lies outside the window counts as covered.
+  // How much of a box is covered, in px²; what lies outside the window counts as covered and firm.
   covered(box) {
     const size = (box[2] - box[0]) * (box[3] - box[1]);
-    let sum = size - shared(box, [0, 0, this.width, this.height]);
+    const sum = { firm: size - shared(box, [0, 0, this.width, this.height]), soft: 0 };
     const seen = new Set();
     for (const key of cellsOf(box)) {
       for (const other of this.cells.get(key) || []) {
-        if (!seen.has(other)) { seen.add(other); sum += shared(box, other); }
+        if (!seen.has(other)) { seen.add(other); sum[other.isSoft ? 'soft' : 'firm'] += shared(box, other.box); }
       }
     }
     return sum;

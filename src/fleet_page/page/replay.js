@@ -3,6 +3,7 @@ import { $, make, showRows } from './dom.js';
 import { get } from './server.js';
 import { t, dateOf, timeOf } from './texts.js';
 import { robotWords, showPast } from './map.js';
+import { colourDot } from './robots.js';
 
 let wanted = null, busy = false, playing = null;
 
@@ -36,7 +37,7 @@ async function show(time) {
       showPast(moment);
       $('past').hidden = false;
       $('past').textContent = t('past', { time: timeOf(asked) });
-      showRows($('past_robots'), Object.entries(moment.r), ([name]) => name, ([name, [, , , state, waits]]) => make('li', {}, make('b', {}, name), ` ${robotWords({ state, waits_for: waits })}`));
+      showRows($('past_robots'), Object.entries(moment.r), ([name]) => name, ([name, [, , , state, waits, works]]) => make('li', {}, colourDot(name), make('b', {}, name), ` ${robotWords({ state, waits_for: waits, works: Boolean(works) })}`));
     }
     if (wanted === asked) break;
   }

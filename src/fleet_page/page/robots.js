@@ -1,12 +1,16 @@
-// The list of robots. The chosen one shows its acts and its last missions, and the map can follow it.
-import { $, make, showRows } from './dom.js';
-import { all, entries } from './server.js';
-import { language, said, t } from './texts.js';
-import { chooseRobot, followRobot, hueOf, robotWords } from './map.js';
+// The list of robots. The chosen one shows its acts, its battery, its last missions and events; the map can follow it.
+import { $, make, makeSvg, showRows, withCode } from './dom.js';
+import { all, get } from './server.js';
+import { clockOf, dateOf, language, said, t } from './texts.js';
+import { chooseRobot, colourOf, followRobot, robotWords } from './map.js';
 
-export const GROUPS = ['idle', 'driving', 'standing', 'charging', 'trouble', 'away'];
-const MOST_MISSIONS = 5;
+export const GROUPS = ['idle', 'driving', 'working', 'waiting', 'charging', 'trouble', 'away'];
+const MOST_MISSIONS = 5, MOST_EVENTS = 8;
+const FRESH = 60000; // ms after which battery and events are asked for again
+const GAP = 900; // s without a value of the battery after which its curve is interrupted
+const CURVE = { width: 300, height: 60 };
 let me = { role: null }, act = null, chosen = '', followed = '';
+let log = { robot: '', of: '', at: 0, number: 0, charges: [], events: [] }; // of the chosen robot
 
 export function startRobots(given) {
   act = given;
@@ -21,10 +25,11 @@ export function showGroup(group) {
 export function showRobots(person) {
   me = person;
   showGroups();
+  askForLog();
   const group = $('robot_group').value;
   const robots = all('robot:').map(([name, robot]) => ({ name, ...robot })).filter(robot => !group || robot.group === group || robot.name === chosen)
     .sort((a, b) => a.name.localeCompare(b.name, undefined, { numeric: true }))
-    .map(robot => robot.name === chosen ? { ...robot, isFollowed: robot.name === followed, missions: missionsOf(robot.name) } : robot);
+    .map(robot => robot.name === chosen ? { ...robot, isFollowed: robot.name === followed, missions: missionsOf(robot.name), missionName: robot.mission === null ? '' : nameOf(robot.mission), log: log.number } : robot);
   showRows($('robots'), robots, robot => robot.name, robotRow, language + me.role + chosen);
 }
 
@@ -37,12 +42,33 @@ function showGroups() {
   select.value = before;
 }
 
+// Asks for battery and events of the chosen robot: when it was chosen, when it changed, and after a while.
+async function askForLog() {
+  const robot = chosen && all(`robot:${chosen}`).find(([rest]) => !rest), of = robot && JSON.stringify([robot[1].state, robot[1].alarm, robot[1].works, robot[1].mission]);
+  if (!robot || (log.robot === chosen && log.of === of && Date.now() - log.at < FRESH)) return;
+  const number = log.number + 1;
+  log = { ...log, ...log.robot === chosen ? {} : { charges: [], events: [] }, robot: chosen, of, at: Date.now(), number };
+  const found = await get(`/api/robot?name=${encodeURIComponent(chosen)}`).catch(() => null);
+  if (!found || log.number !== number) return;
+  log = { ...log, ...found, number: number + 1 };
+  showRobots(me);
+}
+
 const missionsOf = name => all('mission:').map(([, mission]) => mission).filter(mission => mission.robot === name).reverse().slice(0, MOST_MISSIONS)
-  .map(({ id, state, reason }) => ({ id, state, reason }));
+  .map(({ id, serial, state, reason, ended, stamp }) => ({ id, serial, state, reason, at: ended || stamp }));
+
+// A mission as people say it, and the id of its request.
+export const shortName = mission => mission.serial ? `M${mission.serial}` : String(mission.id);
+export const fullName = mission => mission.serial ? `${shortName(mission)} (${mission.id})` : String(mission.id);
+
+function nameOf(id) {
+  const known = all('mission:').map(([, mission]) => mission).filter(mission => mission.id === id);
+  return known.length ? shortName(known[known.length - 1]) : String(id);
+}
 
 export function colourDot(name) {
   const dot = make('span', { class: 'dot', 'aria-hidden': 'true' });
-  dot.style.background = `hsl(${hueOf(name)} 60% 42%)`;
+  dot.style.background = colourOf(name);
   return dot;
 }
 
@@ -50,7 +76,7 @@ function robotRow(robot) {
   const isChosen = robot.name === chosen, charge = robot.battery === null ? null : Math.round(100 * robot.battery);
   const row = make('li', { class: [isChosen ? 'chosen' : '', robot.alarm ? 'trouble' : ''].filter(Boolean).join(' ') || null },
     make('button', { class: 'line', 'data-act': 'choose', 'aria-expanded': String(isChosen), onclick: () => choose(robot.name) },
-      colourDot(robot.name), make('b', {}, robot.name), make('span', { class: 'words' }, robotWords(robot)),
+      colourDot(robot.name), make('b', {}, robot.name), make('span', { class: 'words' }, ...withCode(robotWords(robot))),
       make('span', { class: charge !== null && charge <= 20 ? 'charge bad' : 'charge' }, charge === null ? '' : `${charge} %`)));
   if (isChosen) row.append(...details(robot));
   return row;
@@ -59,11 +85,29 @@ function robotRow(robot) {
 function details(robot) {
   const button = kind => make('button', { 'data-act': kind, onclick: () => robotAct(kind, robot.name) }, t(`act_${kind}`));
   const acts = me.role === 'see' ? [] : [robot.state === 'OUT_OF_SERVICE' ? '' : button('out'), button('in'), me.role === 'admin' ? button('absent') : ''];
-  return [make('p', { class: 'soft' }, [robot.type, robot.mission ? `${t('mission')} ${robot.mission}` : ''].filter(Boolean).join(' · ')),
+  return [make('p', { class: 'soft' }, [robot.type, robot.mission ? `${t('mission')} ${robot.missionName}` : ''].filter(Boolean).join(' · ')),
     robot.alarm ? make('p', { class: 'bad' }, `→ ${t(`todo_${robot.alarm}`)}`) : '',
     make('p', { class: 'row' }, make('button', { 'data-act': 'follow', 'aria-pressed': String(Boolean(robot.isFollowed)), onclick: () => followRobot(followed === robot.name ? '' : robot.name) }, t('follow')), ...acts),
+    ...log.charges.length ? [make('h3', {}, t('battery_curve')), curveOf(log.charges, robot)] : [],
     robot.missions.length ? make('h3', {}, t('last_missions')) : '',
-    make('ul', {}, ...robot.missions.map(mission => make('li', {}, `${mission.id} · ${t(`mission_${mission.state}`)}${mission.reason ? ` · ${said(mission.reason)}` : ''}`)))];
+    lines(robot.missions, mission => [make('span', { title: String(mission.id) }, shortName(mission)), ` · ${t(`mission_${mission.state}`)}`, ...mission.reason ? withCode(` · ${said(mission.reason)}`) : []]),
+    make('h3', {}, t('latest_events')),
+    log.events.length ? lines(log.events.slice(0, MOST_EVENTS).map(event => ({ ...event, at: event.time, isBad: Boolean(event.alarm) })),
+      event => [...withCode(robotWords(event)), event.mission === null ? '' : ` · ${t('mission')} ${nameOf(event.mission)}`]) : make('p', { class: 'soft' }, t('no_events'))];
+}
+
+const lines = (items, words) => make('ul', { class: 'lines' }, ...items.map(item => make('li', { class: item.isBad ? 'bad' : null },
+  make('time', { title: dateOf(item.at) }, clockOf(item.at)), make('span', {}, ...words(item)))));
+
+function curveOf(charges, robot) {
+  const begin = charges[0][0], end = Math.max(Date.now() / 1000, begin + 3600);
+  const place = ([time, charge]) => `${((time - begin) / (end - begin) * CURVE.width).toFixed(1)} ${((1 - charge) * CURVE.height).toFixed(1)}`;
+  const known = [...charges, ...robot.battery === null ? [] : [[Date.now() / 1000, robot.battery]]], least = Math.round(100 * Math.min(...known.map(([, charge]) => charge)));
+  const way = known.map((one, k) => `${k && one[0] - known[k - 1][0] < GAP ? 'L' : 'M'}${place(one)}`).join('');
+  const now = robot.battery === null ? '-' : Math.round(100 * robot.battery);
+  const curve = makeSvg('svg', { class: 'curve', viewBox: `0 0 ${CURVE.width} ${CURVE.height}`, preserveAspectRatio: 'none', role: 'img', 'aria-label': t('battery_words', { now, least }) });
+  curve.append(...[0.2, 0.5, 1].map(level => makeSvg('path', { class: 'grid', d: `M0 ${(1 - level) * CURVE.height}H${CURVE.width}` })), makeSvg('path', { class: 'line', d: way }));
+  return make('figure', {}, curve, make('figcaption', {}, make('time', { title: dateOf(begin) }, clockOf(begin)), make('span', {}, t('battery_words', { now, least })), make('span', {}, t('now'))));
 }
 
 function robotAct(kind, robot) {

@@ -7,7 +7,7 @@ export async function useLanguage(wanted) {
   language = LANGUAGES.includes(wanted) ? wanted : 'en';
   const texts = async name => (await fetch(`/page/${name}.json`)).json();
   table = await texts(language);
-  patterns = language === 'en' ? [] : patternsOf(await texts('en'));
+  patterns = patternsOf(language === 'en' ? table : await texts('en'));
   document.documentElement.lang = language;
   for (const element of document.querySelectorAll('[data-t]')) element.textContent = t(element.dataset.t);
   for (const element of document.querySelectorAll('[data-label]')) element.setAttribute('aria-label', t(element.dataset.label));
@@ -28,14 +28,17 @@ function patternsOf(english) {
     form: new RegExp(`^${text.replace(/[.*+?^$()|[\]\\]/g, '\\$&').replace(/\{why\}/g, '(.+)').replace(/\{\w+\}/g, '([^:]+?)')}$`, 's') }));
 }
 
+// Sentences that end with a command to type, and their texts beside the buttons that do the same.
+const BESIDE_BUTTONS = { words_ask: 'step_asks', words_step_person: 'step_of_person', words_step_program: 'step_of_program' };
+
 // A text of the fleet manager in the language of the page; texts that come from robots stay as they are.
-export function said(words) {
+export function said(words, isBesideButtons = false) {
   for (const { key, names, form } of patterns) {
     const found = form.exec(words);
-    if (found) return t(key, Object.fromEntries(names.map((name, k) => [name, name === 'why' ? said(found[k + 1]) : found[k + 1]])));
+    if (found) return t((isBesideButtons && BESIDE_BUTTONS[key]) || key, Object.fromEntries(names.map((name, k) => [name, name === 'why' ? said(found[k + 1]) : found[k + 1]])));
   }
   const [, subject, rest] = /^([^\s:]+): (.+)$/s.exec(words) || [];
-  return subject && patterns.length ? `${subject}: ${said(rest)}` : words;
+  return subject ? `${subject}: ${said(rest)}` : words;
 }
 
 export function stored(name) {

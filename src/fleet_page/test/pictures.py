@@ -17,8 +17,9 @@ from browser import Browser, ServedPage
 from page_builders import graph, request, robot, status
 
 from fleet_core.supervision.fleet_stop import FleetStop, StopCause
-from fleet_page.core.fleet import ShownPlan, ShownPose, ShownRobot
+from fleet_page.core.fleet import ShownPlan, ShownPose, ShownRobot, alarm_of
 from fleet_page.core.page import Page
+from fleet_page.core.robot_events import RobotEvent
 from fleet_page.core.site import WallMap, wall_map
 
 SIZES = {'phone': (390, 844), 'tablet': (820, 1180), 'desktop': (1440, 900), 'wall': (2560, 1440)}
@@ -28,6 +29,10 @@ TROUBLES = {3: ('FAILED', 'FAILED', 'wheel blocked'), 4: ('STOPPED', 'STOPPED', 
             6: ('OUT_OF_SERVICE', 'OUT_OF_SERVICE', 'it was taken out of service')}
 ASKS = ('step 1 (pick) of stop 2 needs an answer: no pallet under the fork. Say `mission answer '
         '1840021807 retry|skip|fail|done`')
+WAITS = {2: {'waits_for': 'ld90_1', 'wait': 'TRAFFIC'},
+         4: {'waits_for': 'step 1 (pick) of stop 2', 'wait': 'STEP'}}
+TABS = ('missions', 'robots', 'edges', 'history', 'replay', 'audit')
+VIEWS = (*TABS, 'alarms', 'folded', 'dark', 'german')
 CELL = 0.05  # m
 AT_REST = '''
     const done = arguments[0], frame = () => new Promise(requestAnimationFrame);
@@ -62,7 +67,7 @@ def robots(count: int, in_trouble: bool) -> Dict[str, ShownRobot]:
             state=state or ('IDLE' if kind == 3 else 'CHARGING' if k % 7 == 5 else 'BUSY'),
             battery=0.15 + 0.8 * ((k * 7) % 11) / 11, mission=None if kind == 3 else 1840021800 + k,
             destination=0 if kind == 3 else 2 + k, to_end=None if kind == 3 else 60.0 + 17 * k,
-            waits_for=waits_for or ('ld90_1' if kind == 2 else ''))
+            **{'waits_for': waits_for, **(WAITS.get(k % 8, {}) if not state else {})})
     return found
 
 
@@ -88,14 +93,24 @@ def show(page: Page, count: int, in_trouble: bool, is_stopped: bool) -> None:
             model.take_request(type(made)(id, stamp, made.destinations, '', '', k % 3, 'anna'))
             for became in ('PENDING', state):
                 page.take_status(status(
-                    id, became, stamp=stamp, robot='' if became == 'PENDING' else name,
+                    id, became, stamp=stamp, serial=4000 + 2 * k + (state != 'ACTIVE'),
+                    robot='' if became == 'PENDING' else name,
                     reached=k % 2, reason='wheel blocked' if became == 'FAILED' else ''))
         if in_trouble and k == 7 % count:
             page.take_status(status(1840021800 + k, 'NEEDS_PERSON', stamp=stamp, robot=name,
-                                    reason=ASKS, asks=5))
+                                    serial=4000 + 2 * k, reason=ASKS, asks=5))
     page.take_plans({name: ShownPlan((edges[(3 * k) % len(edges)], ), 1)
                      for k, name in enumerate(fleet)}, now)
     model.take_robots(fleet.values(), now)
+    for k in range(200):
+        if not 90 < k < 110:
+            page.records.keep_charges(now - 300 * k, {
+                name: abs((0.2 + 0.005 * k) % 1.6 - 0.8) + 0.15 for name in fleet})
+    page.records.note_events(
+        RobotEvent(now - 4000 + 37 * k, name, one.state, one.outage, one.is_working,
+                   alarm_of(one), one.waits_for, one.mission)
+        for k, (name, one) in enumerate(itertools.product(fleet, [
+            *robots(8, in_trouble).values()][-6:])))
     if is_stopped:
         model.show_stop(FleetStop(StopCause.PERSON, 'anna (page)', now - 65))
 
@@ -106,8 +121,7 @@ def make(folder: Path, wanted: Callable[[str], bool]) -> None:
     for count, in_trouble, is_stopped in itertools.product(
             FLEETS, (False, True), (False, True)):
         mood = ('stopped_' if is_stopped else '') + ('trouble' if in_trouble else 'calm')
-        names = [f'{count}_{mood}_{size}_{view}' for size in SIZES for view in (
-            'missions', 'robots', 'folded', 'dark')]
+        names = [f'{count}_{mood}_{size}_{view}' for size in SIZES for view in VIEWS]
         if not any(map(wanted, names)):
             continue
         with tempfile.TemporaryDirectory() as own:
@@ -118,12 +132,21 @@ def make(folder: Path, wanted: Callable[[str], bool]) -> None:
                 window.resize(*SIZES[size])
                 window.open(served.url)
                 window.one('.robot')
-                window.script('''localStorage.clear();
-                    document.documentElement.dataset.theme = arguments[0] ? 'dark' : 'light';
-                    dispatchEvent(new Event('resize'));''', view == 'dark')
-                if view == 'robots':
+                window.script('''document.documentElement.dataset.theme = arguments[0];
+                    const language = document.getElementById('language');
+                    language.value = arguments[1]; language.dispatchEvent(new Event('change'));
+                    dispatchEvent(new Event('resize'));''',
+                              'dark' if view == 'dark' else 'light',
+                              'de' if view == 'german' else 'en')
+                if view in TABS:
+                    window.click(f'#tab_button_{view}')
+                if view in ('robots', 'german'):
                     window.click('#tab_button_robots')
                     window.click('#robots [data-act=choose]')
+                    window.one('#robots .curve')
+                if view == 'alarms' and window.one('#alarms').is_displayed():
+                    window.script("""const list = document.getElementById('alarm_list');
+                        if (list.hidden) document.getElementById('fold_alarms').click();""")
                 if view == 'folded':
                     window.click('#fold')
                 if view == 'dark':
@@ -132,6 +155,7 @@ def make(folder: Path, wanted: Callable[[str], bool]) -> None:
                 window.wait(lambda: window.text('#open_count'), 'the missions')
                 window.driver.execute_async_script(AT_REST)
                 window.driver.save_screenshot(str(folder / f'{name}.png'))
+                window.script('localStorage.clear()')
                 print(name, window.problems() or '', flush=True)
             served.close()
     window.close()

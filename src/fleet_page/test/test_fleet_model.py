@@ -11,6 +11,7 @@ from fleet_page.core.acts import Act, ActKind
 from fleet_page.core.fleet import NEVER_HEARD, RobotGroup, ShownPose, alarm_of
 from fleet_page.core.fleet_model import FleetModel
 from fleet_page.core.readiness import LIMIT, Readiness
+from fleet_page.core.robot_events import RobotEvent, event_between
 
 STOP = FleetStop(StopCause.PERSON, 'anna (page)', 90.0)
 
@@ -38,7 +39,9 @@ def test_a_stop_is_shown_until_the_fleet_goes_on_also_if_the_fleet_manager_dies(
 
 @pytest.mark.parametrize('values, group, alarm', [
     ({'state': 'IDLE', 'mission': None}, RobotGroup.IDLE, ''), ({}, RobotGroup.DRIVING, ''),
-    ({'waits_for': 'b'}, RobotGroup.STANDING, ''), ({'state': 'CHARGING'}, RobotGroup.CHARGING, ''),
+    ({'waits_for': 'b', 'wait': 'TRAFFIC'}, RobotGroup.WAITING, ''),
+    ({'waits_for': 'step 1', 'wait': 'STEP'}, RobotGroup.WORKING, ''),
+    ({'state': 'CHARGING'}, RobotGroup.CHARGING, ''),
     ({'state': 'OFFLINE', 'outage': 'SILENT'}, RobotGroup.TROUBLE, 'SILENT'),
     ({'state': 'OFFLINE', 'outage': 'SILENT', 'mission': None}, RobotGroup.AWAY, ''),
     ({'state': 'OFFLINE', 'outage': 'CLOCK'}, RobotGroup.TROUBLE, 'CLOCK'),
@@ -192,10 +195,37 @@ def test_only_the_last_ended_missions_stay(monkeypatch):
     assert model.ended == {'SUCCEEDED': 5}
 
 
+def test_a_robot_at_a_step_does_not_wait():
+    model = FleetModel()
+    for now in (0.0, 0.5):
+        model.take_robots([robot(waits_for='step 1', wait='STEP')], now)
+    sums, edges = model.take_sums()
+    assert (sums['a'].busy, sums['a'].waiting, edges) == (0.5, 0.0, {})
+
+
+def test_what_happened_to_a_robot_is_told_once_and_not_at_the_first_report():
+    model = FleetModel()
+    fails = robot(state='FAILED', outage='FAILED', waits_for='wheel blocked')
+    for now, one in ((1.0, robot()), (2.0, robot(edge=2, battery=0.5)), (3.0, fails), (4.0, fails)):
+        model.take_robots([one], now)
+    assert model.take_events() == [
+        RobotEvent(3.0, 'a', 'FAILED', 'FAILED', False, 'FAILED', 'wheel blocked', 7)]
+    assert model.take_events() == []
+
+
+@pytest.mark.parametrize('values', [
+    {'state': 'IDLE'}, {'wait': 'STEP'}, {'mission': 8}, {'mission': None},
+    {'state': 'OFFLINE', 'outage': 'SILENT'}])
+def test_each_change_of_what_a_robot_does_is_an_event(values):
+    assert event_between(robot(), robot(**values), 1.0) is not None
+    assert event_between(robot(**values), robot(**values), 1.0) is None
+
+
 def test_waiting_distance_and_work_are_summed_up():
     model = FleetModel()
-    model.take_robots([robot(waits_for='b')], 0.0)
-    model.take_robots([robot(waits_for='b')], 0.5)
+    waits = robot(waits_for='b', wait='TRAFFIC')
+    model.take_robots([waits], 0.0)
+    model.take_robots([waits], 0.5)
     model.take_places({'a': ShownPose(0.0, 0.0, 0.0)})
     model.take_places({'a': ShownPose(1.5, 0.0, 0.0)})
     model.take_places({'a': ShownPose(99.0, 0.0, 0.0)})  # carried, not driven

@@ -173,6 +173,59 @@ def test_the_labels_of_robots_that_meet_do_not_cover_each_other(window, served):
     window.picture('labels')
 
 
+COVERED = '''
+const robots = [...document.querySelectorAll('#moving .robot')];
+const cover = (one, other) => one.left + 1 < other.right && other.left + 1 < one.right &&
+    one.top + 5 < other.bottom && other.top + 5 < one.bottom; // texts are as high as a line
+const box = (robot, part) => robot.querySelector(part).getBoundingClientRect();
+const named = robots.filter(robot => box(robot, 'text').width);
+return [named.map(robot => robot.dataset.name), named.filter(robot => robots.some(other =>
+    other !== robot && (cover(box(robot, 'text'), box(other, '.body')) ||
+        (named.includes(other) && cover(box(robot, 'text'), box(other, 'text')))))).length];'''
+
+
+def test_a_robot_in_a_crowd_has_its_name_where_that_covers_no_other_robot(window, served):
+    names = [f'ld90_{k}' for k in range(24)]
+    window.resize(390, 844)
+    served.do(lambda: (
+        served.page.model.take_robots([robot(name, battery=None) for name in names], time.time()),
+        served.page.model.take_places({name: ShownPose(1.6 * (k % 6), 1.6 * (k // 6), 0.0)
+                                       for k, name in enumerate(names)})))
+
+    def shown():
+        named, covering = window.script(COVERED)
+        return 0 if covering else len(named)
+    window.wait(lambda: len(window.driver.find_elements(
+        'css selector', '#moving .robot')) == 24 and 12 <= shown() < 24, 'the names')
+    left_out = next(name for name in names if name not in window.script(COVERED)[0])
+    served.do(lambda: served.page.model.take_robots([robot(name, battery=None, **(
+        {'state': 'FAILED', 'outage': 'FAILED'} if name == left_out else {}))
+        for name in names], time.time()))
+    window.wait(lambda: left_out in window.script(COVERED)[0], 'the name of one in trouble')
+
+
+BESIDE = '''
+const done = arguments[0];
+import('/page/map.js').then(map => {
+    const buttons = document.getElementById('zoom_in').parentElement.getBoundingClientRect();
+    const around = document.getElementById('map').getBoundingClientRect();
+    const [[x, y], [right, high]] = [map.screenPlace(1), map.screenPlace(12)]; // 9 m, 6 m
+    const metre = (right - x) / 9, wall = { right: right + 2 * metre, low: y + 2 * metre };
+    done(x - 2 * metre > around.left && high - 2 * metre > around.top &&
+         (wall.right < buttons.left || wall.low < buttons.top) && buttons.top > around.top);
+});'''
+
+
+def test_the_buttons_of_the_map_do_not_cover_the_site(window, served):
+    def build():
+        served.page.site.walls = walls(4, 3)  # 2 m around the graph
+        served.page.model.site_changed()
+    served.do(build)
+    for width, height in ((390, 844), (820, 1180), (1440, 900), (844, 390)):
+        window.resize(width, height)
+        window.wait(lambda: window.driver.execute_async_script(BESIDE), f'{width} x {height}')  # noqa: B023
+
+
 CROWDS = '''
 const done = arguments[0];
 import('/page/placing.js').then(({ Places, boxOf, BELOW_RIGHT_FIRST }) => {
@@ -200,6 +253,49 @@ import('/page/placing.js').then(({ Places, boxOf, BELOW_RIGHT_FIRST }) => {
 def test_no_name_of_a_crowd_covers_another_and_most_are_shown(window, served):
     covered, shown = window.driver.execute_async_script(CROWDS)
     assert covered == 0 and shown > 0.8 * 99 * 60
+
+
+def test_people_say_a_short_name_and_see_the_id_of_the_request_beside_it(window, served):
+    served.do(lambda: served.page.take_status(
+        status(7, 'NEEDS_PERSON', serial=42, reason=ASKS, asks=STEP)))
+    window.wait(lambda: 'Mission M42 (7) a: step 1' in window.text('#alarms'))
+    name = f'{MISSION} .id'
+    assert (window.text(f'{name} span'), window.text(f'{name} small')) == ('M42', '7')
+    window.one('#mission_search').send_keys('m42')
+    window.wait(lambda: shown_missions(window) == ['7'])
+    window.click('#tab_button_robots')
+    window.click('#robots li[data-key=a] [data-act=choose]')
+    window.wait(lambda: 'M42 · needs a person' in window.text('#robots'))
+    assert 'agv · Mission M42' in window.text('#robots')
+
+
+def test_a_chosen_robot_shows_its_battery_its_missions_and_what_happened_to_it(window, served):
+    begun = time.time() - 3600.0
+
+    def fill():
+        for k in range(12):
+            served.page.records.keep_charges(begun + 300 * k, {'a': 0.9 - 0.01 * k})
+    served.do(fill)
+    window.click('#tab_button_robots')
+    window.click('#robots li[data-key=a] [data-act=choose]')
+    window.one('#robots .curve .line')
+    assert '75 % now, lowest 75 %' in window.text('#robots')
+    assert '9 · done' in window.text('#robots') and 'Nothing has happened' in window.text('#robots')
+    served.do(lambda: served.page.model.take_robots([robot(
+        'a', state='STOPPED', outage='STOPPED', waits_for='emergency stop')], time.time()))
+    window.wait(lambda: 'emergency stop · Mission 7' in window.text('#robots .lines .bad'))
+    window.picture('robot')
+
+
+def test_a_robot_at_a_step_works_in_words_and_in_the_counts(window, served):
+    served.do(lambda: served.page.model.take_robots([
+        robot('a', waits_for='step 1 (pick) of stop 2', wait='STEP'),
+        robot('b', waits_for='a', wait='TRAFFIC')], time.time()))
+    window.click('#tab_button_robots')
+    window.wait(lambda: 'works at 2: step 1 (pick) of stop 2' in window.text('#robots'))
+    assert 'drives to 2 (waits for: a)' in window.text('#robots')
+    window.wait(lambda: [window.text(f'#counts [data-act={name}] b') for name in (
+        'working', 'waiting', 'driving')] == ['1', '1', '0'])
 
 
 def test_the_map_follows_a_robot_until_the_user_moves_it(window, served):
@@ -326,17 +422,18 @@ def test_a_stopped_fleet_says_so_until_it_goes_on(window, served):
     window.wait(lambda: 'under way 7' in window.text('#open'))
 
 
-ASKS = 'needs an answer: no pallet. Say `mission answer 7 retry|skip|fail|done`'
+ASKS = ('step 1 (pick) of stop 2 needs an answer: no pallet. '
+        'Say `mission answer 7 retry|skip|fail|done`')
 STEP = 2 ** 63 + 1
 
 
-def ask(served, state='NEEDS_PERSON', reason=f'step 1 (pick) of stop 2 {ASKS}'):
+def ask(served, state='NEEDS_PERSON', reason=ASKS):
     served.do(lambda: served.page.take_status(status(7, state, reason=reason, asks=STEP)))
 
 
 def test_a_mission_that_needs_a_person_is_told_above_the_lists_until_it_goes_on(window, served):
     ask(served)
-    window.wait(lambda: f'Mission 7 a: step 1 (pick) of stop 2 {ASKS}'.replace('`', '')
+    window.wait(lambda: 'Mission 7 a: step 1 (pick) of stop 2 needs an answer: no pallet'
                 in window.text('#alarms'))
     stop_the_fleet(window, served)
     window.wait(lambda: 'needs a person 7' in window.text('#open'))
@@ -344,7 +441,7 @@ def test_a_mission_that_needs_a_person_is_told_above_the_lists_until_it_goes_on(
     window.script("document.getElementById('language').value = 'de';"
                   "document.getElementById('language').dispatchEvent(new Event('change'))")
     window.wait(lambda: 'Auftrag 7 a: Schritt 1 (pick) der Station 2 braucht eine Antwort: no '
-                        'pallet.' in window.text('#alarms'))
+                        'pallet' in window.text('#alarms'))
     window.script('localStorage.clear()')
     served.do(lambda: served.page.take_status(status(7)))
     window.wait(lambda: 'Auftrag 7' not in window.text('#alarms'))
@@ -357,6 +454,40 @@ def test_a_step_that_asks_is_answered_by_a_button(window, served, place, answer)
     ask(served)
     window.click(f'{place} [data-act=answer_{answer}]')
     asked(window, served, ActKind.ANSWER, mission=7, answer=answer, step=STEP)
+
+
+@pytest.mark.parametrize('language', ['en', 'de'])
+@pytest.mark.parametrize('state, reason', [
+    ('NEEDS_PERSON', ASKS),
+    ('ACTIVE', 'step 1 (pick) of stop 2 by a person: say `mission answer 7 done`'),
+    ('ACTIVE', 'step 1 (pick) of stop 2 by a program: it says `mission answer 7 done`')])
+def test_beside_the_buttons_of_a_step_stands_no_command_that_does_the_same(
+        window, served, state, reason, language):
+    window.script("""const language = document.getElementById('language');
+        language.value = arguments[0]; language.dispatchEvent(new Event('change'));""", language)
+    ask(served, state, reason)
+    asks = {'en': 'step 1 (pick) of stop 2', 'de': 'Schritt 1 (pick) der Station 2'}[language]
+    window.wait(lambda: asks in window.text(MISSION))
+    window.script('localStorage.clear()')
+    assert 'mission answer' not in window.text(MISSION) + window.text('#alarms')
+
+
+@pytest.mark.parametrize('width, height', [(390, 844), (820, 1180), (1440, 900), (2560, 1440)])
+def test_each_button_of_two_alarms_is_in_view(window, served, width, height):
+    ask(served, reason=ASKS.replace('no pallet', 'the fork saw no pallet where one should be')
+        .replace('answer 7', 'answer 1840021807'))
+    window.resize(width, height)
+    window.script("localStorage.setItem('alarms', 'open')")
+    window.driver.refresh()
+    window.one('#alarms [data-act=answer_done]')
+    hidden = window.script("""
+        const list = document.getElementById('alarm_list').getBoundingClientRect();
+        return [...document.querySelectorAll('#alarm_list button')].filter(button =>
+            button.getBoundingClientRect().bottom > list.bottom).map(button => button.textContent);
+        """)
+    window.script('localStorage.clear()')
+    window.picture(f'alarms_{width}')
+    assert hidden == []
 
 
 def test_a_step_that_a_person_does_is_ended_by_a_button_and_cannot_be_tried_again(window, served):

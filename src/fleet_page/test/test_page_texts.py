@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from page_builders import PAGE_FOLDER
 
-from fleet_core.supervision.fleet_view import RobotState
+from fleet_core.supervision.fleet_view import WORKING, RobotState
 from fleet_core.supervision.outages import Outage
 from fleet_page.core.acts import ANSWERS, ActKind
 from fleet_page.core.fleet import (
@@ -78,6 +78,7 @@ def said_by_the_fleet_manager():
              *packages.glob('fleet_core/src/*/work/*.py'),
              *packages.glob('graph_fleet_manager/src/*/nodes/fleet_services.py'),
              *packages.glob('fleet_page/src/*/nodes/fleet_commands.py'),
+             *packages.glob('fleet_page/src/*/core/page.py'),
              *packages.glob('fleet_requests/src/*/*.py')]
     return '\n'.join(text for path in paths for text in texts_in(ast.parse(path.read_text())))
 
@@ -107,7 +108,8 @@ def test_every_text_that_is_translated_is_still_said_by_the_fleet_manager():
 
 @pytest.mark.parametrize('file, name', [
     ('why', ''), ('why', 'mission_reason'), ('why', 'robot_wait'), ('why', '_stay'),
-    ('why', '_traffic'), ('waits', ''), ('work_desk', ''), ('work_desk', 'waits_for'),
+    ('why', '_traffic'), ('why', '_turn'), ('waits', ''), ('work_desk', ''),
+    ('work_desk', 'waits_for'),
     ('work_desk', '_words'), ('work_desk', '_show'), ('mission_book', 'waits_as'),
     ('mission_book', '_is_over')])
 def test_every_reason_to_wait_or_to_end_is_translated(file, name):
@@ -118,6 +120,28 @@ def test_every_reason_to_wait_or_to_end_is_translated(file, name):
                if ' ' in text.strip() and text.strip().replace('){}', ')') not in known
                and re.sub(r'\{\}$', '', text) not in known}
     assert strange == set()
+
+
+@pytest.mark.parametrize('path', ['core/page.py', 'nodes/fleet_commands.py'])
+def test_every_outcome_of_an_act_is_translated(path):
+    known = [re.sub(r'\{\w+\}', '{}', text) for key, text in TABLES['en'].items()
+             if key.startswith('words_')]
+    module = ast.parse((Path(__file__).parents[1] / 'src/fleet_page' / path).read_text())
+    outcomes = [text for call in ast.walk(module)
+                if isinstance(call, ast.Call) and getattr(call.func, 'id', '') == 'ActOutcome'
+                for text in whole_texts_in(call) if ' ' in text]
+    assert outcomes and set(outcomes) - set(known) == set()
+
+
+def whole_texts_in(tree):
+    """The texts in Python code, with {} for inserted values, without the parts of others."""
+    if isinstance(tree, ast.JoinedStr):
+        yield next(texts_in(tree))
+    elif isinstance(tree, ast.Constant) and isinstance(tree.value, str):
+        yield tree.value
+    else:
+        for node in ast.iter_child_nodes(tree):
+            yield from whole_texts_in(node)
 
 
 def said_by(module, name):
@@ -139,3 +163,4 @@ def test_every_outage_is_told_in_every_language(outage):
 @pytest.mark.parametrize('state', RobotState)
 def test_a_robots_state_has_the_same_words_everywhere(state):
     assert TABLES['en'][f'robot_{state.name}'] == state.words
+    assert TABLES['en']['robot_working'] == WORKING

@@ -11,6 +11,7 @@ from fleet_page.core.acts import Act, ActKind, ActOutcome
 from fleet_page.core.history import history_csv, history_values
 from fleet_page.core.records import Records, Sums, TooManyFavourites
 from fleet_page.core.replay import KEY_PERIOD, SEGMENTS, ReplayRing
+from fleet_page.core.robot_events import RobotEvent
 
 
 def test_the_audit_list_keeps_the_newest_rows(monkeypatch):
@@ -40,6 +41,25 @@ def test_sums_of_an_hour_add_up():
         records.add(3600.0 * 5, {'a': Sums(1.5, 10.0, 5.0, 20.0)}, {3: 5.0})
     assert records.robot_sums(3600.0 * 5) == {'a': Sums(3.0, 20.0, 10.0, 40.0)}
     assert records.edge_waiting(0.0) == [(3, 10.0)] and records.robot_sums(3600.0 * 6) == {}
+
+
+def test_a_battery_has_one_value_in_each_period_of_the_last_day():
+    records, period = Records(':memory:'), records_module.CHARGE_PERIOD
+    for now, charge in ((0.0, 0.9), (10.0, 0.8), (period, 0.7)):
+        records.keep_charges(now, {'a': charge, 'b': 0.5})
+    assert records.charges('a') == [(0, 0.9), (period, 0.7)] and records.charges('c') == []
+    records.keep_charges(records_module.KEPT_CHARGE + period, {'a': 0.2})
+    assert records.charges('a')[0] == (period, 0.7)
+
+
+def test_a_robots_newest_events_come_first_and_the_oldest_are_deleted(monkeypatch):
+    monkeypatch.setattr(records_module, 'KEPT_EVENTS', 3)
+    records = Records(':memory:')
+    events = [RobotEvent(float(k), 'ab'[k % 2], 'IDLE', 'NONE', False, '', '', k or None)
+              for k in range(6)]
+    records.note_events(events)
+    assert records.events('a', 9) == [events[4]]
+    assert records.events('b', 9) == [events[5], events[3]] and len(records.events('b', 1)) == 1
 
 
 def line(**values):

@@ -27,7 +27,8 @@ from fleet_page.door import door as door_module  # noqa: E402
 from fleet_page.door import worker as worker_module  # noqa: E402
 
 ROUTES = ('/', '/page/main.js', '/chart.js', '/api/me', '/api/events', '/api/site', '/api/map.png',
-          '/api/history', '/api/history.csv', '/api/replay', '/api/audit', '/metrics')
+          '/api/history', '/api/history.csv', '/api/replay', '/api/robot?name=a', '/api/audit',
+          '/metrics')
 NEED_LOGIN = ROUTES[4:]
 CONTENT = {'destinations': [2], 'mission': 7, 'priority': 1, 'edges': [1], 'robot': 'a',
            'name': 'tour', 'answer': 'retry', 'step': '5'}
@@ -181,7 +182,7 @@ def test_a_role_may_do_what_the_table_says(tmp_path, role):
             status, answer = await client.act(body_of(kind))
             assert (status == 200) is allowed, (kind, answer)
             assert status in (200, 403)
-        for path in ('/api/site', '/api/history', '/api/replay', '/metrics'):
+        for path in ('/api/site', '/api/history', '/api/replay', '/api/robot?name=a', '/metrics'):
             async with client.get(path) as answer:
                 assert answer.status == 200
         async with client.get('/api/audit') as answer:
@@ -388,7 +389,7 @@ def test_a_body_that_is_too_large_or_no_json_is_refused(tmp_path):
     '/page/../package.xml', '/page/..%2f..%2fetc%2fpasswd', '/page/%2e%2e/package.xml', '/page/',
     '/page/main.js%00', '/page//etc/passwd', '/nothing', '/api/replay?time=nan',
     '/api/replay?time=-1', '/api/history?hours=x', '/api/history?hours=1e99',
-    '/api/history.csv?hours=0', '/api/map.png'])
+    '/api/history.csv?hours=0', '/api/map.png', '/api/robot', '/api/robot?name=nobody'])
 def test_a_path_or_value_that_is_not_there_is_refused(tmp_path, path):
     async def test(_site, client, _new):
         url = URL(client.origin + path, encoded=True)

@@ -147,7 +147,7 @@ def test_with_all_guards_every_promise_is_kept() -> None:
 
 
 def test_with_a_door_a_zone_and_a_station_every_promise_is_kept() -> None:
-    for seed in range(min(LIVES, 20)):
+    for seed in range(LIVES):
         live(seed, FleetWithResources)
 
 
@@ -173,6 +173,11 @@ def test_an_older_journal_that_is_believed_is_found(monkeypatch: pytest.MonkeyPa
 @pytest.mark.parametrize('seed', [2336, 50429, 51297, 51327, 60171, 61151, 62182])
 def test_lives_that_found_a_fault_once_find_none(seed: int) -> None:
     live(seed)
+
+
+@pytest.mark.parametrize('seed', [90850, 90915, 90917, 90924])
+def test_lives_of_moved_robots_that_found_a_fault_once_find_none(seed: int) -> None:
+    live(seed, MovedFleet)
 
 
 @pytest.mark.parametrize(('table', 'guard', 'seed'), [

@@ -910,6 +910,34 @@ class TestWhoseStopping:
                     'Stopped')
         assert (bench.epoch, bench.memory.giver, bench.memory.stop_owed) == (known, PERSON, False)
 
+    def test_a_drive_that_an_emergency_stop_ended_is_answered_before_a_newer_one_to_its_goal(
+            self, bench):
+        """A robot that seemed to break off the newer drive was said to be another client's."""
+        bench.status('Stopped')
+        bench.drive(PERSON, 'goto 3')
+        bench.robot('EStop pressed')  # sent before `goto 3` reached the robot
+        newer = bench.drive(PERSON, 'goto 3')
+        assert bench.sent == ['goto 3', 'stop', 'goto 3']
+        bench.robot('EStop relieved but motors still disabled', 'Motors enabled', 'Stopping',
+                    'Stopped', 'Going to 3', 'Interrupted: Going to 3', 'Stopping', 'Stopped')
+        assert (newer.result, bench.memory.stop_owed) == (None, False)
+        bench.robot('Going to 3')
+        assert (bench.memory.giver, bench.memory.ruling.fate) == (PERSON, Fate.OBEYED)
+        bench.robot('Arrived at 3')
+        assert outcome(newer) is Outcome.SUCCEEDED
+        assert bench.sent == ['goto 3', 'stop', 'goto 3']
+
+    def test_the_pair_of_the_motors_is_none_of_a_stop_behind_a_drive_that_timed_out(self, bench):
+        bench.status('Stopped')
+        bench.drive(PERSON, 'goto 3')
+        bench.pass_time(61.0)
+        stop = bench.stop(PERSON)
+        bench.robot('Motors enabled', 'Stopping', 'Stopped')
+        assert stop.result is None
+        bench.robot('Going to 3', 'Stopping', 'Stopped')
+        assert outcome(stop) is Outcome.SUCCEEDED
+        assert bench.memory.cause is MotionCause.STOP
+
     def test_so_is_one_between_two_stops_before_and_two_after(self, bench):
         bench.status('Stopped')
         commands = [bench.give(text, giver=PERSON)
@@ -1142,3 +1170,36 @@ class TestState:
         assert bench.state is MotionState.DRIVING
         bench.stop(ROUTE)
         assert bench.state is MotionState.STOPPING
+
+
+class TestEmergencyStop:
+    @pytest.mark.parametrize('lines, told', [
+        (['EStop pressed'], True), (['Status: EStop pressed'], True),
+        (['EStop pressed', 'EStop relieved but motors still disabled'], True),
+        (['EStop pressed', 'Status: Motors disabled'], True),
+        (['EStop pressed', 'Motors enabled'], False), (['EStop pressed', 'Status: Stopped'], False),
+        (['Motors disabled', 'Status: Motors disabled'], False)])
+    def test_it_lasts_until_the_robot_can_drive(self, bench, lines, told):
+        bench.status('Stopped')
+        bench.robot(*lines)
+        assert bench.records.motion.emergency_stop is told
+
+    @pytest.mark.parametrize('line, told', [
+        ('Status: EStop pressed', True), ('Status: Stopped', False), ('Going to 9', False)])
+    def test_without_a_link_the_last_one_stays_until_the_robot_says_what_it_does(
+            self, bench, line, told):
+        bench.robot('EStop pressed')
+        for _ in range(2):
+            bench.lose()
+            assert (bench.records.motion.emergency_stop, bench.state) == (True, MotionState.UNKNOWN)
+            bench.connect()
+        known = bench.epoch
+        assert (bench.records.motion.emergency_stop, bench.state) == (True, MotionState.UNKNOWN)
+        bench.robot(line)
+        assert bench.records.motion.emergency_stop is told
+        assert bench.epoch != known, 'somebody may have driven it meanwhile'
+
+    def test_a_controller_that_starts_does_not_know_of_it(self, bench):
+        bench.robot('EStop pressed')
+        motion = Bench(bench.memory).records.motion
+        assert (motion.emergency_stop, motion.state) == (False, MotionState.UNKNOWN)

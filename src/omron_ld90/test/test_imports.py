@@ -186,3 +186,15 @@ def test_each_imported_module_has_an_owner():
 def test_a_package_declares_each_dependency_once(file: Path):
     declared = re.findall(r'<(\w*depend)[^>]*>([\w-]+)<', file.read_text())
     assert sorted(set(declared)) == sorted(declared)
+
+
+def test_some_package_declares_each_library_that_the_scripts_install():
+    """Debian's packages of this workspace, and rosdep, bring only what is declared."""
+    table = re.search(r'^run_packages=\(\n(.*?)^\)', (
+        SOURCES.parent / 'scripts/common.sh').read_text(), re.DOTALL | re.MULTILINE)
+    assert table is not None
+    libraries = {name for name in re.findall(r'\s([\w.-]+)"$', table.group(1), re.MULTILINE)
+                 if not name.startswith('ros-noetic-')}
+    declared_here = {name for folder in FOLDERS for name in re.findall(
+        r'depend[^>]*>([\w.-]+)<', (folder / 'package.xml').read_text())}
+    assert libraries - declared_here == {'build-essential'}  # for catkin itself

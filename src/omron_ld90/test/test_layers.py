@@ -79,8 +79,8 @@ LAYERS: Dict[str, Layer] = {
         ros=True),
     'graph_fleet_manager.multimaster': layer(sockets='*'),
     'graph_fleet_manager.commands': layer(
-        'fleet_core fleet_core.files fleet_core.geometry fleet_core.planning '
-        'fleet_core.supervision fleet_core.work graph_fleet_manager.messages '
+        'fleet_core fleet_core.files fleet_core.geometry fleet_core.interlocking '
+        'fleet_core.planning fleet_core.supervision fleet_core.work graph_fleet_manager.messages '
         'graph_fleet_manager.multimaster file_replacement fleet_requests node_lifecycle '
         'node_program trajectory_graph', ros=True, sockets='*'),
     'graph_fleet_manager.nodes': layer(

@@ -12,7 +12,7 @@ import os
 import shutil
 import sys
 import tempfile
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Dict, List, Optional, Sequence, Tuple
 
 import rospkg
@@ -27,6 +27,7 @@ from fleet_bringup.robot_entries import LD90, RobotEntry, check_count, read_entr
 from fleet_bringup.rviz_file import rviz_text
 from fleet_core.files.errors import FileError
 from fleet_core.files.fleet_file import load_fleet
+from fleet_core.files.work_file import load_work
 from fleet_core.fleet import Fleet
 from trajectory_graph import Graph, GraphError, load_graph, split_edges
 
@@ -76,6 +77,7 @@ def prepare(options: Options, folder: str, check: bool = True) -> Dict[str, str]
         files['closed_edges'] = os.path.join(folder, 'closed_edges.json')
         files['journal'] = os.path.join(folder, 'fleet.sqlite')
         files['page'] = os.path.join(folder, 'page')
+        files['device_memory'] = os.path.join(folder, 'devices.json')
     files['rviz'] = write_file(folder, 'fleet.rviz', rviz_text(gathered.entries, options))
     files['launch'] = write_file(folder, 'fleet.launch', launch_text(
         gathered.entries, gathered.site, options, files))
@@ -103,7 +105,7 @@ def gather(options: Options, folder: str, check: bool = True) -> Gathered:
     entries = read_entries(files['fleet'], fleet, options)
     if check:
         check_ports(needed_ports(entries, options))
-    site = _site(options, folder, graph, entries, laboratory)
+    site = _with_work(_site(options, folder, graph, entries, laboratory), options, laboratory)
     if any(entry.robot.driver == LD90 and entry.is_simulated for entry in entries):
         files['robots'] = write_file(folder, 'robots.yaml', simulated_robots(entries, graph))
     return Gathered(entries, site, files)
@@ -154,6 +156,14 @@ def _site(options: Options, folder: str, graph: Graph, entries: List[RobotEntry]
                               'theirs is made, or map_file:=FILE, a finished .map file.')
         base_map = os.path.join(laboratory, 'lab_base.map')
     return make_site(folder, graph, base_map, map_file)
+
+
+def _with_work(site: StartedSite, options: Options, laboratory: str) -> StartedSite:
+    """The site with its work file. Raises FileError if that is wrong."""
+    path = os.path.join(laboratory, 'lab_work.yaml') if options.work else options.work_file
+    if not path:
+        return site
+    return replace(site, work_file=path, has_devices=bool(load_work(path, site.graph).devices))
 
 
 def write_file(folder: str, name: str, text: str) -> str:

@@ -23,11 +23,18 @@ from trajectory_graph import Graph, save_graph
 
 @dataclass(frozen=True)
 class StartedSite:
-    """The graph and the map of the fleet, as files. `map_file` is empty without LD-90s."""
+    """The graph, the map and the work of the fleet, as files.
+
+    map_file    -- empty without LD-90s
+    work_file   -- empty: none
+    has_devices -- the work file has devices
+    """
 
     graph: Graph
     graph_file: str
     map_file: str
+    work_file: str = ''
+    has_devices: bool = False
 
     @property
     def dock(self) -> int:

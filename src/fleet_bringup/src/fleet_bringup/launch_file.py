@@ -21,6 +21,8 @@ ROUTE_FILE = 'omron_ld90/{}_route.json'
 #: The format of log lines: with the name of the node, because all robots share one screen. A format
 #: that the user has set is kept.
 SCREEN = "$(eval optenv('ROSCONSOLE_FORMAT', '[${severity}] [${time}] ${node}: ${message}'))"
+#: s that a simulated door takes to open, and a simulated PLC to hand a load over.
+TRAVEL, HAND_OVER = 3.0, 3.0
 #: Namespace of the node that shows the map of the LD-90s.
 MAP = 'fleet'
 #: The program that stands for a fork of the node host. $(find ...) finds it in no quoted text.
@@ -90,12 +92,24 @@ def _manager(root: ET.Element, entries: Sequence[RobotEntry], site: StartedSite,
         _include(root, 'graph_fleet_manager', 'fleet_manager', {
             'graph_file': site.graph_file, 'fleet_file': files['fleet'],
             'sim_speed': options.sim_speed, 'hosted': _xml(options.hosted), **_memory(files),
-            **({'work_file': options.work_file} if options.work_file else {}),
+            **({'work_file': site.work_file} if site.work_file else {}),
             **({'multimaster': 'true'} if any(entry.computer for entry in entries) else {})})
+    if site.has_devices:
+        _devices(root, site, options, files)
+    if options.work:
+        _node(root, 'plc_sim', 'graph_fleet_manager', 'plc_sim',
+              {'seconds': HAND_OVER / options.sim_speed}, _hosted(options, RESPAWN))
     if options.demo:
         _node(root, 'random_missions', 'graph_fleet_manager', 'random_missions', {},
               _hosted(options, RESPAWN))
     _pictures(root, site, options, files)
+
+
+def _devices(root: ET.Element, site: StartedSite, options: Options, files: Dict[str, str]) -> None:
+    _node(root, 'fleet_devices', 'fleet_devices', 'fleet_devices', {
+        'work_file': site.work_file, 'graph_file': site.graph_file,
+        'simulated_travel': TRAVEL / options.sim_speed,
+        **({'memory_file': files['device_memory']} if 'device_memory' in files else {})}, RESPAWN)
 
 
 def _memory(files: Dict[str, str]) -> Dict[str, str]:

@@ -15,11 +15,16 @@ def _option(default: Any, doc: str) -> Any:
 
 @dataclass(frozen=True)
 class Options:
-    """The options of a start. An empty file name stands for the file of the laboratory."""
+    """The options of a start. An empty file name stands for the file of the laboratory.
+
+    Each attribute is an option.
+    """
 
     fleet: str = _option('', 'N: N simulated LD-90s and N simulated AGVs; FILE: a fleet file')
     graph_file: str = _option('', 'trajectory graph (YAML); empty: the laboratory')
     work_file: str = _option('', 'work file (YAML): stations, devices, templates, timetables')
+    work: bool = _option(False, 'true: the laboratory\'s work file, its simulated doors, and a '
+                                'simulated PLC that hands loads over')
     base_map: str = _option('', '.map file from which, with the graph, the LD-90s\' map is made')
     map_file: str = _option('', 'instead of base_map: finished .map file, with a goal per vertex')
     longest_edge: float = _option(0.0, 'm; longer edges are divided into sections; 0: no edge is')
@@ -70,6 +75,9 @@ def parse(words: Sequence[str], folder: str = '') -> Options:
         raise CannotStart(f'longest_edge:={options.longest_edge:g} must be 0.5 m or more, or 0.')
     if options.base_map and options.map_file:
         raise CannotStart('Both base_map:= and map_file:= are given: give only one of them.')
+    if options.work and (options.work_file or options.graph_file):
+        raise CannotStart('work:=true is the work of the laboratory: leave out work_file:= and '
+                          'graph_file:=, or give work_file:= without work:=true.')
     return options
 
 

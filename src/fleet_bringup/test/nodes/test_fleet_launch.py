@@ -19,7 +19,9 @@ from fleet_bringup.command import laboratory_folder, main, prepare  # noqa: E402
 from fleet_bringup.errors import CannotStart  # noqa: E402
 from fleet_bringup.options import parse  # noqa: E402
 from fleet_bringup.ports import check_ports, is_taken  # noqa: E402
+from fleet_core.files.errors import FileError  # noqa: E402
 from fleet_core.files.fleet_file import load_fleet  # noqa: E402
+from fleet_core.files.work_file import load_work  # noqa: E402
 from trajectory_graph import load_graph  # noqa: E402
 
 
@@ -84,6 +86,46 @@ def test_a_fleet_of_agvs_needs_nothing_of_the_ld90(tmp_path):
     files = prepare(parse([f'fleet:={path}', 'rviz:=true']), str(tmp_path), check=False)
     assert 'omron_ld90_sim' not in Path(files['launch']).read_text()
     assert 'robots' not in files
+
+
+def nodes_of(launch: str) -> dict:
+    return {node.get('name'): {one.get('name'): one.get('value') for one in node.iter('param')}
+            for node in ET.parse(launch).getroot().iter('node')}
+
+
+@pytest.mark.parametrize('more', [[], ['longest_edge:=1.5']])
+def test_the_work_of_the_laboratory_comes_with_its_doors_and_a_plc(tmp_path, more):
+    files = prepare(parse(['fleet:=4', 'work:=true', 'sim_speed:=2', 'rviz:=false', *more]),
+                    str(tmp_path), check=False)
+    nodes = nodes_of(files['launch'])
+    assert nodes['plc_sim']['seconds'] == nodes['fleet_devices']['simulated_travel'] == '1.5'
+    assert nodes['fleet_devices']['graph_file'] == str(tmp_path / 'graph.yaml')
+    assert nodes['fleet_devices']['memory_file'] == files['device_memory']
+    work = nodes['fleet_devices']['work_file']
+    assert f'name="work_file" value="{work}"' in Path(files['launch']).read_text()
+    found = load_work(work, load_graph(tmp_path / 'graph.yaml'))
+    assert (len(found.devices), len(found.stations)) == (2, 3)
+
+
+def test_a_work_file_starts_its_devices_but_no_plc(tmp_path):
+    work, path = tmp_path / 'work.yaml', fleet_file(tmp_path, 'name: a, type: agv, vertex: 6, '
+                                                    'driver: agv')
+    work.write_text('stations:\n- {name: press, places: [18]}\n')
+    words = [f'fleet:={path}', f'work_file:={work}', 'rviz:=false']
+    assert 'fleet_devices' not in nodes_of(prepare(parse(words), str(tmp_path), False)['launch'])
+    work.write_text('devices:\n- {name: a, kind: door, edges: [17], timeout: 5, '
+                    'driver: simulated}\n')
+    nodes = nodes_of(prepare(parse(words), str(tmp_path), False)['launch'])
+    assert 'fleet_devices' in nodes and 'plc_sim' not in nodes
+    work.write_text('devices:\n- {name: a, kind: door, edges: [17]}\n')
+    with pytest.raises(FileError, match='line 2'):
+        prepare(parse(words), str(tmp_path), check=False)
+
+
+@pytest.mark.parametrize('other', ['work_file:=work.yaml', 'graph_file:=graph.yaml'])
+def test_the_work_of_the_laboratory_is_for_the_laboratory(other):
+    with pytest.raises(CannotStart, match='work:=true is the work of the laboratory'):
+        parse(['fleet:=4', 'work:=true', other])
 
 
 def test_more_robots_than_the_graph_can_park_are_told(tmp_path, capsys):

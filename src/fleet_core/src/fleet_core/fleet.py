@@ -5,6 +5,10 @@ from dataclasses import dataclass
 from typing import FrozenSet, Optional, Tuple
 
 DOCK_APPROACH = 2.0  # m in front of a dock in which a robot manoeuvres freely
+# m from a vertex within which a robot can count as standing on it, for any play
+NEAR = 0.3
+# m from a vertex within which a robot without play counts as standing on it
+AT_VERTEX = 0.02
 
 
 @dataclass(frozen=True)
@@ -36,6 +40,11 @@ class RobotType:
     def reach(self) -> float:
         """The largest distance of any part of the robot from its curve, in m."""
         return self.radius + self.play
+
+    @property
+    def nearness(self) -> float:
+        """Distance (m) from a vertex within which the robot counts as standing on it."""
+        return min(self.play + AT_VERTEX, NEAR)
 
     def drives_at(self, edge_speed: float) -> float:
         """Speed (m/s) on an edge with this speed; 0: it may not drive there."""

@@ -42,7 +42,9 @@ from yard_model import (
 from fleet_core.interlocking.allocation import Knowledge
 from fleet_core.interlocking.claims import Claims
 from fleet_core.interlocking.interlocking import Interlocking
-from fleet_core.interlocking.resources import DeviceDemand, Needs, Resource, ResourceKind
+from fleet_core.interlocking.resources import Needs, Resource, ResourceKind
+from fleet_core.interlocking.route_master import ME
+from route_protocol.devices import DeviceMode, DeviceRequest
 
 DOOR = 'door'
 Names = FrozenSet[str]
@@ -158,20 +160,23 @@ class DoorYard(Yard):
         claims._is_begun = door.begun
         claims._asked = {(name, DOOR): number for name, number in door.asked}
         if door.begun:
-            claims._requests[DOOR] = DeviceDemand(
-                DOOR, door.request.number, tuple(sorted(door.request.robots)))
+            claims._requests[DOOR] = DeviceRequest(
+                ME, DOOR, DeviceMode.OPEN if door.request.robots else DeviceMode.CLOSED,
+                door.request.number)
         claims.open_for = {DOOR: door.told} if door.told else {}
         for name, id in zip(self.names, ids):
             claims.follow(name, self._allocations[self._allocated(self._sides[id].belief)])
         return claims
 
     def _door(self, door: Door, claims: Claims) -> Door:
-        request = claims.requests.get(DOOR, DeviceDemand(DOOR, 0))
+        request = claims.requests.get(DOOR)
+        robots = claims.asked_for(DOOR)
+        assert request is None or (request.mode is DeviceMode.OPEN) == bool(robots)
         return door._replace(
             stored=frozenset(name for name in claims.robots if claims.stored_of(name)),
             wanted=frozenset(name for name, own in claims._wanted.items() if own),
             changed=frozenset(claims._changed), number=claims._number, begun=claims._is_begun,
-            request=Request(request.number, frozenset(request.robots)),
+            request=Request() if request is None else Request(request.number, robots),
             asked=tuple(sorted((name, number) for (name, _), number in claims._asked.items()))
         ).ranked()
 

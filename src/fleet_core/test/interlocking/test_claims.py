@@ -14,6 +14,8 @@ from fleet_core.interlocking import claims as module
 from fleet_core.interlocking.allocation import Allocation, Hold, Knowledge
 from fleet_core.interlocking.claims import Claims, ClaimState, Facts
 from fleet_core.interlocking.resources import Needs, Resource, ResourceKind
+from fleet_core.interlocking.route_master import ME
+from route_protocol.devices import DeviceMode, DeviceRequest
 
 GRAPH = SiteGeometry(corridor(10))
 
@@ -188,16 +190,32 @@ def test_a_device_is_asked_only_for_stored_claims_and_by_growing_numbers() -> No
     assert not claims.requests and claims.is_changed, 'at the start each device is asked anew'
     claims.stored()
     first = claims.requests['door']
-    assert (first.robots, first.number) == ((), claims.number) and first.number >= 1000
+    assert first == DeviceRequest(ME, 'door', DeviceMode.CLOSED, claims.number)
+    assert first.number >= 1000
     claims.want('a', [5])
     assert claims.requests['door'] is first and claims.number > first.number
     claims.stored()
-    assert claims.requests['door'].robots == ('a',)
-    assert claims.requests['door'].number == claims.number
+    assert claims.requests['door'] == DeviceRequest(ME, 'door', DeviceMode.OPEN, claims.number)
+    assert claims.asked_for('door') == {'a'}
 
 
 def test_numbers_of_requests_grow_over_a_restart_though_the_clock_was_set_back() -> None:
     assert Claims(Needs([resource('door', 5, device=True)], GRAPH), {}, 40, lambda: 7).number == 41
+
+
+def test_after_a_request_of_a_lost_journal_only_a_later_one_makes_a_device_ready() -> None:
+    claims = claims_to(resource('door', 5, device=True))
+    claims.want('a', [5])
+    claims.stored()
+    claims.outnumber(10 ** 6)
+    claims.open_for = {'door': 10 ** 6}
+    assert claims.is_changed and claims.state('a', 'door') is ClaimState.ASKED
+    claims.stored()
+    request = claims.requests['door']
+    assert request.number > 10 ** 6 and request.mode is DeviceMode.OPEN
+    assert claims.state('a', 'door') is ClaimState.ASKED
+    claims.open_for = {'door': request.number}
+    assert claims.state('a', 'door') is ClaimState.READY
 
 
 def test_a_device_is_ready_for_a_robot_only_by_a_request_with_this_robot() -> None:

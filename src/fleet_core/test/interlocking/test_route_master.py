@@ -1,8 +1,13 @@
-"""Sequences of one robot that the model of a yard has found."""
+"""Sequences of one robot that the model of a yard has found, and a property of grants."""
 from __future__ import annotations
 
+from dataclasses import replace
+from random import Random
+
 import pytest
-from fleet_builders import AGV, corridor
+from fleet_builders import AGV, corridor, random_graph
+from hypothesis import assume, given
+from hypothesis import strategies as st
 
 from fleet_core.interlocking.allocation import Knowledge
 from fleet_core.interlocking.reports import Report
@@ -139,3 +144,25 @@ def test_a_refused_shorter_route_is_forgotten_with_the_record_that_it_was_part_o
     robot.hear(told(7, 1, 10.0, Motion.ON_ROUTE, (P, P, P), (1, 2, 3), 5, epoch=2))
     robot.shorten()
     assert robot.order is not None and robot.order.edges == (1,)
+
+
+@given(st.integers(0, 50), st.sampled_from((0.0, 0.1, 0.25, 0.5)), st.sampled_from((0.0, 0.1)),
+       st.integers(0, 99), st.floats(0.0, 1.0), st.floats(-0.35, 0.35), st.floats(-0.35, 0.35))
+def test_a_grant_adds_the_granted_edge_only_also_if_the_robot_stands_beside_its_place(
+        seed, play, slack, choice, fraction, x, y):
+    """Else it excludes others that no condition of the grant has seen."""
+    graph = random_graph(Random(seed), 4, 1, 3.0)
+    edge = sorted(graph.edges)[choice % len(graph.edges)]
+    robot = RouteMaster(RouteRecord(graph, replace(AGV, play=play), slack), int)
+    near = graph.curve(edge).point_at(fraction * graph.curve(edge).length)
+    at = VehicleLocation(float(near[0]) + x, float(near[1]) + y, 0.0)
+    for number in (1, 2, 3):
+        robot.hear(Report(RouteReport(
+            number, 0, (), (), SymbolicPose(edge, 100.0 * fraction), location=at, epoch=1,
+            master='path_supervisor', motion=Motion.STANDING, number=number)))
+    here, before = robot.record.position, set(robot.allocation.areas)
+    assert here is not None
+    onto = [here.edge, -here.edge] if here.vertex is None else graph.edges_from(here.vertex)
+    assume(onto)
+    robot.extend((onto[choice % len(onto)],))
+    assert set(robot.allocation.areas) <= before

@@ -26,6 +26,7 @@ from fleet_core.work.stops import (
 )
 from fleet_core.work.templates import filled
 from fleet_core.work.timetables import Timetable
+from trajectory_graph import split_edges
 
 FILE = '''step_types: [engage, disengage]
 stations:
@@ -102,6 +103,13 @@ def test_a_device_has_the_address_that_its_driver_needs(tmp_path):
         RobotAddress('a', 'Out_1', 'In-2'))
 
 
+def test_a_device_is_on_all_sections_of_an_edge_that_was_cut(tmp_path):
+    (tmp_path / 'work.yaml').write_text(FILE)
+    graph = split_edges(corridor(9), 1.0)
+    gate = load_work(tmp_path / 'work.yaml', graph).devices['gate']
+    assert set(gate.edges) == {*graph.sections[2], *graph.sections[3]} and len(gate.edges) > 2
+
+
 @pytest.mark.parametrize('text', ['stations: []', 'templates: []\ntimetables: []', '{}'])
 def test_each_part_may_be_missing_or_empty(tmp_path, text):
     assert read(tmp_path, text) == SiteWork()
@@ -134,6 +142,7 @@ def test_each_part_may_be_missing_or_empty(tmp_path, text):
     ('is_open: 11', 'is_open: 65536', 7, 'must be a number from 0 to 65535'),
     ('timeout: 5}', 'timeout: .inf}', 8, 'must be above 0'),
     ('edges: [4]', 'edges: []', 8, 'device lamp has no edges'),
+    ('name: lamp', 'name: press', 8, 'a station is called press already'),
     ('is_open: 11', 'is_open: 11, unit: 256', 7, 'unit is 256, but must be a number from 0 to 255'),
     ('is_open: 11', 'is_open: 11, robot: a', 7, 'has robot, but its driver is modbus'),
     ('driver: simulated', 'driver: ld90, robot: a, output: b', 8, 'input is missing'),

@@ -32,7 +32,7 @@ def test_the_words_are_those_of_the_messages(kind, words):
 def test_whatever_numbers_a_robot_has_the_page_can_tell_them():
     state = msg.FleetRobot(name='a', state=200, outage_code=msg.FleetRobot.OUTAGE_TOO_NEAR,
                            battery=math.nan, pose=msg.SymbolicPose(1, math.inf))
-    robot = messages.robot_of(state)
+    robot, = messages.robots_of(msg.FleetState(robots=[state]))
     assert (robot.state, robot.outage, robot.battery) == ('UNKNOWN', 'TOO_NEAR', None)
     model = FleetModel()
     model.take_robots([robot], 0.0)
@@ -41,6 +41,22 @@ def test_whatever_numbers_a_robot_has_the_page_can_tell_them():
         msg.FleetPose('b', math.nan, 2.0, 0.0, Time(0))])))
     assert model.places == {'a': ShownPose(1.0, 2.0, None)}
     json.loads(model.live.update(0))
+
+
+@pytest.mark.parametrize('state, not_open', [
+    (msg.ResourceClaim.LOST, 'gate'), (msg.ResourceClaim.IN_USE, '')])
+def test_a_robot_in_a_door_that_is_not_open_is_an_alarm(state, not_open):
+    message = msg.FleetState(
+        robots=[msg.FleetRobot(name='a'), msg.FleetRobot(name='b')],
+        resources=[msg.FleetResource(name='gate', has_device=True, claims=[
+            msg.ResourceClaim('a', state)])])
+    robots = messages.robots_of(message)
+    assert [robot.not_open for robot in robots] == [not_open, '']
+    model = FleetModel()
+    model.take_robots(robots, 0.0)
+    alarm = model.live.get('alarm:robot:a')
+    assert (alarm and alarm['cause']) == ('NOT_OPEN' if not_open else None)
+    assert model.live.get('alarm:robot:b') is None
 
 
 def test_a_plan_says_how_much_of_it_is_released():

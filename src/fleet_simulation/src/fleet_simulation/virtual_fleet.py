@@ -49,6 +49,7 @@ from fleet_core.supervision.actions import (
 )
 from fleet_core.supervision.missions import Status
 from fleet_core.supervision.settings import RobotSettings
+from fleet_core.supervision.site_resources import resources_of
 from fleet_core.supervision.supervisor import Supervisor
 from fleet_core.supervision.switching import OrderSwitching
 from fleet_core.work.site_work import SiteWork
@@ -174,7 +175,8 @@ class VirtualFleet(Generic[Body]):
     parking  -- ids of the vertices on which robots may be parked; None: all vertices
     switches -- whether the order of robots on shared places may change while robots are late
     check_every -- number of events from one check against the model of allocations to the next
-    resources -- doors, zones, stations and the like; each device is simulated
+    resources -- zones and the like, besides the devices and stations of `work`; each device is
+                simulated
     work     -- what the site says about work; None: nothing
     """
 
@@ -225,7 +227,8 @@ class VirtualFleet(Generic[Body]):
         """By robot: the steps that it carries out. A robot that is not in it carries out none."""
         self.resources = resources
         self.devices: Dict[str, VirtualDevice] = {
-            one.name: VirtualDevice(one.name) for one in resources if one.has_device}
+            one.name: VirtualDevice(one.name)
+            for one in (*resources_of(work or SiteWork()), *resources) if one.has_device}
         self._steps_told: Dict[str, Tuple[float, object]] = {}
         self.refused = dict.fromkeys(robots, 0)
         """By robot: number of orders that it refused."""
@@ -334,7 +337,7 @@ class VirtualFleet(Generic[Body]):
             self.do(self.supervisor.report(name, aged, self.now))
         self._report_steps()
         for device in self.devices.values():
-            for said in device.reports():
+            for said in device.reports(self.now):
                 for _ in range(self.network.copies()):
                     self.do(self.supervisor.device_report(said, self.now))
         for number, outcome in self.planner.answers.arrived(self.now):
@@ -386,7 +389,7 @@ class VirtualFleet(Generic[Body]):
                         self.steps[action.robot].receive(action.command)
             elif isinstance(action, AskDevice):
                 for _ in range(self.network.copies()):
-                    self.devices[action.request.resource].receive(action.request)
+                    self.devices[action.request.device].receive(action.request)
             elif isinstance(action, TellStatus):
                 if self.watcher is not None:
                     self.watcher.tells(action.status)

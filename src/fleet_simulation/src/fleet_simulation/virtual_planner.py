@@ -44,7 +44,7 @@ class VirtualPlanner:
         begun = time.thread_time()
         planner = self._planner(question, network)
         outcome = planner.plan(question.tasks, question.obstacles, rounds=self.rounds,
-                               seed=question.seed)
+                               seed=question.seed, reserved=question.reserved)
         self.plans.append(time.thread_time() - begun)
         self.spent += self.plans[-1]
         return outcome

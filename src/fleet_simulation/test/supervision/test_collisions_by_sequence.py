@@ -5,9 +5,7 @@ The virtual world checks the distances of all discs in each step, and fails if t
 from __future__ import annotations
 
 import math
-import os
-import shutil
-import sqlite3
+from dataclasses import replace
 from typing import List
 
 import pytest
@@ -17,6 +15,7 @@ from fleet_core.supervision.actions import Action, AskPlanner
 from fleet_core.supervision.missions import MissionState
 from fleet_core.supervision.outages import Outage
 from fleet_core.supervision.settings import RobotSettings
+from fleet_core.supervision.supervisor import Supervisor
 from fleet_simulation.virtual_fleet import Rhythm
 from route_protocol.values import TAKEN_OVER
 from world.supervised_fleet import SupervisedFleet
@@ -80,6 +79,48 @@ def test_a_person_is_told_of_all_robots_that_a_robot_is_too_near_to():
     fleet.run(5.0)
     problem = fleet.bring_in('a')
     assert 'b' in problem and 'c' in problem, problem
+
+
+@pytest.mark.parametrize('beside', [(0.08, 0.12), (0.0, 0.16), (0.0, 0.0)])
+def test_a_grant_to_a_robot_beside_its_edge_stops_no_robot_that_it_is_not_too_near_to(beside):
+    """Its location was on no place of its route, and excluded b, but only while it had the route.
+
+    So both were stopped, nobody was told why, and each `fleet in` did the same again.
+    """
+    graph = graph_of({1: (0, 0), 2: (2, 0), 3: (2, 1.2), 4: (2.9, 1.1), 5: (6, 1.1)},
+                     {1: (1, 2), 2: (2, 3), 3: (4, 5)})
+    fleet = SupervisedFleet(graph, {'a': (replace(AGV, play=0.1), 1),
+                                    'b': (replace(AGV, play=0.1), 4)}, planning=0.05)
+    fleet.run(2.0)
+    fleet.do(fleet.supervisor.take_out('a', fleet.now))
+    a = fleet.agvs['a']
+    a.edge, a.arc, a.aside = 2, 0.4, beside  # a person pushes it there
+    fleet.run(4.0)
+    assert not fleet.bring_in('a')
+    if outages(fleet)['b'] is not None:  # while a was moved, it could be nearer
+        assert not fleet.bring_in('b')
+    fleet.request(1, 1, robot='a')
+    fleet.run_until_done(1)
+    assert outages(fleet) == {'a': None, 'b': None}
+
+
+@pytest.mark.parametrize('beside', [0.3, 0.45])
+def test_a_person_is_told_that_a_robot_is_too_far_beside_the_graph_to_come_back(beside):
+    fleet = SupervisedFleet(corridor(4), {'a': (replace(AGV, play=0.1), 1)}, planning=0.05)
+    fleet.run(2.0)
+    a = fleet.agvs['a']
+    a.arc, a.aside = 1.0, (0.0, beside)
+    fleet.run(4.0)
+    problem = fleet.bring_in('a')
+    assert bool(problem) is (beside == 0.45), problem
+    fleet.run(4.0)
+    if problem:
+        assert '0.45 m beside' in problem
+        a.aside = 0.0, 0.0
+        fleet.run(4.0)
+        assert not fleet.bring_in('a')
+        fleet.run(4.0)
+    assert outages(fleet) == {'a': None}
 
 
 # -- places of robots that go on -------------------------------------------------------------------
@@ -203,36 +244,22 @@ def test_the_places_of_a_robot_driven_by_hand_shrink_when_it_stands():
 
 # -- an older journal ------------------------------------------------------------------------------
 
-class Copied:
-    """A copy of a fleet's journal, which can be put back later."""
-
-    def __init__(self, fleet: SupervisedFleet) -> None:
-        self._fleet = fleet
-        self._path = fleet.disk.journal_path
-        with sqlite3.connect(self._path) as journal, sqlite3.connect(f'{self._path}.old') as copy:
-            journal.backup(copy)
-        journal.close()
-        copy.close()
-
-    def put_back(self) -> None:
-        """Ends the supervisor, puts the copy in the place of the journal, and starts it again."""
-        fleet = self._fleet
-        fleet.disk.journal.close()
-        for end in ('-wal', '-shm'):
-            if os.path.exists(self._path + end):
-                os.remove(self._path + end)
-        shutil.copy(f'{self._path}.old', self._path)
-        fleet.disk.journal = type(fleet.disk.journal)(self._path)  # `restart` closes it
-        fleet.restart()
+def start_with(copy, fleet):
+    """Ends the supervisor, puts a copy in the place of its journal, and starts it again."""
+    fleet.disk.put_back(copy)
+    fleet.restart()
 
 
-@pytest.mark.parametrize('restarts', [0, 1], ids=['same_run', 'later_run'])
-@pytest.mark.parametrize('drives', [True, False], ids=['driving', 'standing'])
-def test_by_an_older_journal_no_robot_drives_before_all_have_reported(restarts, drives):
+def with_an_older_journal(restarts, drives):
+    """A fleet whose journal puts c elsewhere, while c is switched off where a then shall drive.
+
+    restarts -- number of restarts since the copy; without one, only reports tell that it is old
+    drives   -- a has a route when the supervisor ends
+    """
     fleet = SupervisedFleet(ladder(6), {'a': (AGV, 1), 'b': (AGV, 101), 'c': (AGV, 106)},
                             settings=NEAR, planning=0.05)
     fleet.run(2.0)
-    old = Copied(fleet)
+    old = fleet.disk.copy()
     for _ in range(restarts):
         fleet.restart()
         fleet.run(2.0)
@@ -244,10 +271,28 @@ def test_by_an_older_journal_no_robot_drives_before_all_have_reported(restarts, 
     if drives:
         fleet.request(3, 1, robot='a')
         fleet.run(1.0)
-    old.put_back()
+    start_with(old, fleet)
     fleet.run(15.0)
     fleet.request(7, 5, robot='a')
     fleet.run(20.0)
+    return fleet
+
+
+WAYS_TO_AN_OLDER_JOURNAL = [
+    pytest.mark.parametrize('restarts', [0, 1], ids=['same_run', 'later_run']),
+    pytest.mark.parametrize('drives', [True, False], ids=['driving', 'standing'])]
+
+
+def in_all_ways(test):
+    """The test, for each way to an older journal."""
+    for mark in WAYS_TO_AN_OLDER_JOURNAL:
+        test = mark(test)
+    return test
+
+
+@in_all_ways
+def test_by_an_older_journal_no_robot_drives_before_all_have_reported(restarts, drives):
+    fleet = with_an_older_journal(restarts, drives)
     assert fleet.supervisor.unknown == ['c']
     assert not fleet.agvs['a'].is_driving
     fleet.restart()  # a restart does not make the old place of c right
@@ -262,14 +307,43 @@ def test_by_an_older_journal_no_robot_drives_before_all_have_reported(restarts, 
     assert not fleet.supervisor.unknown, 'the journal is believed again'
 
 
+@in_all_ways
+def test_places_in_an_older_journal_that_are_believed_are_found(restarts, drives, monkeypatch):
+    monkeypatch.setattr(Supervisor, '_doubt_journal', lambda *_: None)
+    with pytest.raises(AssertionError, match='too near'):
+        with_an_older_journal(restarts, drives)
+
+
+def test_a_fleet_that_is_stopped_by_an_older_journal_stops_also_robots_with_later_orders():
+    """The clock was set back as well, so the first stop has a number that the robot had before."""
+    fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1)}, settings=FAR, planning=0.05)
+    fleet.run(2.0)
+    fleet.do(fleet.supervisor.stop_fleet(fleet.now))
+    fleet.run(1.0)
+    old = fleet.disk.copy()
+    fleet.do(fleet.supervisor.resume_fleet(fleet.now)[1])
+    fleet.request(1, 8, robot='a')
+    fleet.run(3.0)
+    assert fleet.agvs['a'].is_driving
+    fleet.disk.set_back = 3600.0
+    start_with(old, fleet)
+    assert fleet.supervisor.is_stopped
+    fleet.run(2.0)
+    assert not fleet.agvs['a'].is_driving
+    fleet.run(3.0)
+    fleet.do(fleet.supervisor.resume_fleet(fleet.now)[1])
+    fleet.request(2, 8, robot='a')
+    fleet.run_until_done(2)
+
+
 def test_by_an_older_journal_a_person_may_say_that_a_robot_is_not_on_the_site():
     fleet = SupervisedFleet(ladder(6), {'a': (AGV, 1), 'c': (AGV, 106)}, planning=0.05)
     fleet.run(2.0)
-    old = Copied(fleet)
+    old = fleet.disk.copy()
     fleet.restart()
     fleet.run(2.0)
     fleet.network.silent['c'] = math.inf
-    old.put_back()
+    start_with(old, fleet)
     fleet.run(7.0)
     fleet.request(1, 5, robot='a')
     fleet.run(3.0)

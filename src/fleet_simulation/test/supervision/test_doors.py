@@ -11,7 +11,13 @@ from fleet_core.interlocking.claims import ClaimState
 from fleet_core.interlocking.resources import Resource, ResourceKind
 from fleet_core.supervision.device_desk import FRESH
 from fleet_core.supervision.missions import CommandKind, MissionState, Request
+from fleet_core.supervision.resource_view import ClaimView, resource_views
 from fleet_core.supervision.settings import RobotSettings
+from fleet_core.supervision.waits import WaitCode
+from fleet_core.supervision.why import mission_reason
+from fleet_core.work.devices import Device, DeviceKind
+from fleet_core.work.site_work import SiteWork
+from fleet_core.work.stations import Station
 from fleet_simulation.virtual_fleet import Crash
 from route_protocol.devices import DeviceMode
 from world.chaos import PARKING, ROBOTS, VERTICES, YARD
@@ -41,7 +47,9 @@ class FleetWithDoors(SupervisedFleet):
                     self.entered.append(name)
                 if resource.has_device:
                     device = self.devices[resource.name]
-                    assert device.mode is DeviceMode.OPEN and name in device.robots, self.picture()
+                    assert device.mode is DeviceMode.OPEN and device.is_held, self.picture()
+                    assert resource.name in self.supervisor.interlocking.claims.stored_of(name), (
+                        self.picture())
 
 
 def fleet_at_a_door(**more: Any) -> FleetWithDoors:
@@ -79,6 +87,9 @@ def test_a_robot_that_waits_for_a_door_says_so() -> None:
     fleet.run(20.0)
     assert fleet.supervisor.plan_executor.waits_for['a'] == 'door gate'
     assert not fleet.entered and fleet.state(1) is MissionState.ACTIVE
+    reason = mission_reason(fleet.supervisor.book.of_robot('a'), fleet.supervisor, fleet.now)
+    assert reason.wait.code is WaitCode.RESOURCE
+    assert reason.wait.text.startswith('door gate (OFFLINE: its reports are old')
     fleet.devices['gate'].is_silent = False
     fleet.run_until_done(1)
 
@@ -90,7 +101,7 @@ def test_a_claim_is_returned_when_the_mission_is_cancelled_before_the_door() -> 
     fleet.run_until(lambda: state(fleet) is ClaimState.ASKED)
     fleet.do(fleet.supervisor.command(1, CommandKind.CANCEL, fleet.now))
     fleet.run_until(lambda: state(fleet) is None, limit=5.0)
-    assert fleet.devices['gate'].robots == ()
+    assert not fleet.devices['gate'].is_held
 
 
 def fleet_in_a_silent_door() -> FleetWithDoors:
@@ -111,6 +122,11 @@ def alarms(fleet: SupervisedFleet) -> List[str]:
 def test_a_door_that_falls_silent_raises_an_alarm_for_the_robot_in_it() -> None:
     fleet = fleet_in_a_silent_door()
     assert state(fleet) is ClaimState.LOST and len(alarms(fleet)) == 1
+    view, = resource_views(fleet.supervisor, fleet.now)
+    assert view.claims == (ClaimView('a', ClaimState.LOST),)
+    assert view.device is not None and view.device.mode is DeviceMode.OFFLINE
+    assert view.alarms == [
+        'a is where it needs the door gate, which does not report that it is open']
 
 
 def test_a_robot_in_a_silent_door_may_leave_it() -> None:
@@ -124,7 +140,7 @@ def test_a_robot_in_a_silent_door_keeps_its_claim_whatever_time_passes() -> None
     fleet.run(100.0)
     fleet.restart()
     fleet.run(100.0)
-    assert state(fleet) is ClaimState.LOST and fleet.devices['gate'].robots == ('a',)
+    assert state(fleet) is ClaimState.LOST and fleet.devices['gate'].is_held
 
 
 def test_after_a_restart_a_door_is_asked_anew_before_a_robot_is_let_in() -> None:
@@ -195,3 +211,18 @@ def test_the_supervisor_may_die_at_any_commit_and_no_door_closes_on_a_robot(comm
         fleet.request(1, 6)
     fleet.run_until_done(1)
     assert fleet.entered == ['a']
+
+
+def test_the_devices_and_stations_of_a_work_file_are_claimed() -> None:
+    work = SiteWork({'press': Station('press', (4,))},
+                    {'door': Device('door', DeviceKind.DOOR, (2,), 10.0)})
+    fleet = FleetWithDoors(corridor(6), {'a': (AGV, 1)}, resources=(), work=work)
+    fleet.run(2.0)
+    fleet.request(1, 4, dwells=(5.0,))
+    fleet.run_until(lambda: state(fleet, 'a', 'door') is ClaimState.IN_USE)
+    fleet.run_until(lambda: fleet.supervisor.robots['a'].record.position.vertex == 4)
+    assert state(fleet, 'a', 'press') is ClaimState.IN_USE and state(fleet, 'a', 'door') is None
+    fleet.run_until_done(1)
+    fleet.request(2, 6)
+    fleet.run_until_done(2)
+    assert state(fleet, 'a', 'press') is None

@@ -120,7 +120,7 @@ def test_a_robot_that_left_the_fleet_file_keeps_its_place_until_it_is_declared_a
     assert fleet.agvs['a'].position[0] <= 6.0 - 2.0 * AGV.radius - fleet.clearance
     assert list(fleet.supervisor.removed) == ['b']
     _, view = robot_views(fleet.supervisor, fleet.now)
-    assert view.name == 'b' and 'fleet absent b' in view.waits_for
+    assert view.name == 'b' and 'fleet absent b' in view.waits_for.text
     assert point_of(fleet.graph, view.pose) == fleet.graph.vertices[4].position
     fleet.do(fleet.supervisor.declare_absent('b', fleet.now)[1])
     fleet.run_until_done(1)

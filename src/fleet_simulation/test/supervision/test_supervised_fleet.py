@@ -349,9 +349,9 @@ def test_who_waits_for_a_robot_that_answers_no_order_is_told_so_and_goes_on_once
     fleet.request(1, 5, robot='a')
     fleet.run(30.0)
     views = {view.name: view for view in robot_views(fleet.supervisor, fleet.now)}
-    assert 'blocked by b, which cannot move' in views['a'].waits_for
+    assert 'blocked by b, which cannot move' in views['a'].waits_for.text
     assert views['b'].state is RobotState.OFFLINE
-    assert 'reports, but has not answered an order for' in views['b'].waits_for
+    assert 'reports, but has not answered an order for' in views['b'].waits_for.text
     assert any('b cannot work' in note for note in fleet.notes)
     fleet.network.deaf.clear()
     fleet.run_until_done(1)
@@ -441,6 +441,20 @@ def test_wrong_reports_are_ignored_with_one_sentence_until_there_are_right_ones(
     assert fleet.supervisor.robots['a'].works
 
 
+def test_the_serials_of_accepted_missions_only_grow_and_each_status_has_its_own():
+    fleet = SupervisedFleet(corridor(6), {'a': (AGV, 1)})
+    for vertex in (2, 3):
+        fleet.request(1, vertex)  # the same id twice: the first one has ended
+        fleet.run(30.0)
+    fleet.request(2, 99)
+    fleet.run(1.0)
+    ends = [(status.request_id, status.state, status.serial) for status in fleet.statuses
+            if not status.state.is_open]
+    assert ends == [(1, MissionState.SUCCEEDED, 1), (1, MissionState.SUCCEEDED, 2),
+                    (2, MissionState.REFUSED, 0)]
+    assert {status.serial for status in fleet.statuses if status.state.is_open} == {1, 2}
+
+
 def test_the_view_of_the_fleet_says_what_each_robot_is_about():
     fleet = SupervisedFleet(corridor(6), {'a': (AGV, 1)})
     fleet.request(1, 3, 5)
@@ -452,7 +466,7 @@ def test_the_view_of_the_fleet_says_what_each_robot_is_about():
     assert drives[0].released and not drives[3].released
     fleet.do(fleet.supervisor.stop_fleet(fleet.now))
     view, = robot_views(fleet.supervisor, fleet.now)
-    assert view.waits_for == 'the fleet is stopped'
+    assert view.waits_for.text == 'the fleet is stopped'
 
 
 @pytest.mark.parametrize('seconds', [0.0, 0.1, 3.0])

@@ -391,7 +391,7 @@ def test_who_is_charged_leaves_the_dock_to_who_waits_for_it():
     fleet = yard({'a': 4, 'b': 1})
     charge(fleet, a=0.1, b=0.2)
     fleet.run(20.0)
-    assert fleet.agvs['a'].visited[-1] == 6 and view_of(fleet, 'b').waits_for == 'a free dock'
+    assert fleet.agvs['a'].visited[-1] == 6 and view_of(fleet, 'b').waits_for.text == 'a free dock'
     charge(fleet, a=0.8)
     fleet.run(40.0)
     assert fleet.agvs['b'].visited[-1] == 6
@@ -427,12 +427,12 @@ def test_a_battery_that_falls_silent_is_named_as_what_its_robot_waits_for():
     fleet = charging_at_6()
     fleet.run(MUTE + 5.0)
     assert view_of(fleet, 'a').state is RobotState.IDLE
-    assert view_of(fleet, 'a').waits_for == (
+    assert view_of(fleet, 'a').waits_for.text == (
         'a report of its battery, which has not come for 60 s')
     charge(fleet, a=0.2)
     fleet.run(1.0)
     assert view_of(fleet, 'a').state is RobotState.CHARGING
-    assert view_of(fleet, 'a').waits_for == ''
+    assert view_of(fleet, 'a').waits_for.text == ''
 
 
 def test_a_mission_says_that_nothing_is_heard_of_the_battery_that_it_waits_for():
@@ -506,14 +506,14 @@ def test_a_robot_that_finds_no_dock_says_why():
     charge(fleet, a=0.2)
     fleet.request(1, 1)
     fleet.run(3.0)
-    assert view_of(fleet, 'a').waits_for == (
+    assert view_of(fleet, 'a').waits_for.text == (
         'a dock: the fleet file and the graph have none for its type')
     assert fleet.statuses[-1].reason == 'a must charge first'
     fleet = yard({'a': 4})
     fleet.close(5)
     charge(fleet, a=0.2)
     fleet.run(3.0)
-    assert view_of(fleet, 'a').waits_for == 'a dock: it can reach none'
+    assert view_of(fleet, 'a').waits_for.text == 'a dock: it can reach none'
 
 
 def test_for_a_mission_that_needs_more_than_is_left_a_robot_charges_first():
@@ -548,7 +548,7 @@ def test_who_stands_elsewhere_gives_up_a_dock_that_it_cannot_reach_any_more():
     fleet.close(3)
     fleet.run(1.0)
     assert fleet.supervisor.robots['a'].dock is None
-    assert view_of(fleet, 'a').waits_for == 'a dock: it can reach none'
+    assert view_of(fleet, 'a').waits_for.text == 'a dock: it can reach none'
 
 
 # -- robots go before a late one, if switching is enabled ------------------------------------------

@@ -15,7 +15,14 @@ from fleet_core.supervision.fleet_view import robot_views
 from fleet_core.supervision.missions import CommandKind, MissionState
 from fleet_core.supervision.outages import Outage
 from fleet_core.supervision.settings import RobotSettings
-from route_protocol.values import EdgeState, Reason, ReasonCode, SymbolicPose
+from route_protocol.values import (
+    LARGEST_RECORD_NUMBER,
+    EdgeState,
+    EpochCause,
+    Reason,
+    ReasonCode,
+    SymbolicPose,
+)
 from world.plain_agv import LOST_LINK
 from world.supervised_fleet import SupervisedFleet, blocked
 
@@ -136,7 +143,7 @@ def test_a_planner_that_does_not_answer_is_told_of_where_robots_wait():
     fleet.request(1, 8)
     fleet.run(25.0)
     view, = robot_views(fleet.supervisor, fleet.now)
-    assert view.waits_for == 'a plan: the planner does not answer'
+    assert view.waits_for.text == 'a plan: the planner does not answer'
     fleet.planner.latency = 0.1
     fleet.run_until_done(1)
     assert fleet.supervisor.plan_executor.trouble == ''
@@ -504,13 +511,57 @@ def test_a_place_that_cannot_be_is_ignored_in_one_sentence(fleet, wrong):
 
 
 @pytest.mark.parametrize('wrong', [
-    {'edges': (1,), 'states': ()}, {'number': 0}, {'order': 2 ** 63}, {'refused': 2 ** 64 - 1},
-    {'edges': (2, 3), 'states': (EdgeState.PROCESSING,) * 2},
+    {'edges': (1,), 'states': ()}, {'number': 0}, {'number': 2 ** 64 - 1}, {'order': 2 ** 63},
+    {'refused': 2 ** 64 - 1}, {'edges': (2, 3), 'states': (EdgeState.PROCESSING,) * 2},
+    {'first': 1}, {'first': LARGEST_RECORD_NUMBER},
     {'edges': (2,) * 2000, 'states': (EdgeState.COMPLETE,) * 2000}])
 def test_a_report_that_makes_no_sense_is_ignored_in_one_sentence(fleet, wrong):
     assert hear(fleet, replace(fleet.agvs['a'].report(fleet.now), **wrong)) == []
     assert fleet.notes[-1].startswith('A report of a is ignored: ')
     assert ends_well(fleet)
+
+
+def test_a_record_at_its_last_number_is_ignored_also_if_no_edge_is_ordered(fleet):
+    fleet.do(fleet.supervisor.stop_fleet(fleet.now))
+    fleet.run(2.0)
+    stands = fleet.agvs['a'].report(fleet.now)
+    assert not stands.edges
+    assert hear(fleet, replace(stands, first=LARGEST_RECORD_NUMBER)) == []
+    fleet.run(1.0)
+    assert any(note.startswith('A report of a is ignored: its route record is at number ')
+               for note in fleet.notes)
+    fleet.do(fleet.supervisor.resume_fleet(fleet.now)[1])
+    assert ends_well(fleet)
+
+
+def goes_on_by_a_person(fleet, told, words):
+    """True if the robot holds its places until it stands, is left to a person with one sentence,
+    and its mission then ends."""
+    agv, held = fleet.agvs['a'], set(fleet.supervisor.robots['a'].record.held)
+    sent = len(fleet.sent)
+    fleet.run_until(lambda: not agv.is_driving)
+    fleet.run(2.0)
+    assert {abs(edge) for edge in agv.edges[agv.current:]} <= held
+    assert [words in note for note in fleet.notes[told:]] == [True]
+    assert not any(order.edges for order in fleet.sent[sent:])
+    assert not fleet.bring_in('a')
+    fleet.run_until_done(1)
+    return fleet.state(1) is MissionState.SUCCEEDED
+
+
+def test_one_report_of_an_unknown_epoch_voids_the_route_with_one_sentence(fleet):
+    told, said = len(fleet.notes), fleet.agvs['a'].report(fleet.now)
+    sent = hear(fleet, replace(said, epoch=77))
+    assert not any(one.order.edges for one in sent)
+    assert goes_on_by_a_person(fleet, told, 'it has forgotten its route')
+
+
+def test_a_new_epoch_of_no_known_cause_voids_the_route_with_one_sentence(fleet):
+    """A later definition may have more causes."""
+    told = len(fleet.notes)
+    fleet.agvs['a'].begin_epoch(EpochCause.NONE)
+    fleet.step()
+    assert goes_on_by_a_person(fleet, told, 'its orders were made void')
 
 
 @pytest.mark.parametrize('numbers', [{'order': 2 ** 62}, {'refused': 2 ** 62}])

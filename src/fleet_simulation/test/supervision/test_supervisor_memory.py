@@ -439,7 +439,7 @@ def test_robots_drive_to_the_end_of_what_they_have_and_go_on_when_the_disk_has_r
     assert not fleet.agvs['a'].is_driving and 8 not in fleet.agvs['a'].visited
     assert not fleet.sent
     view, = robot_views(fleet.supervisor, fleet.now)
-    assert 'cannot be written' in view.waits_for
+    assert 'cannot be written' in view.waits_for.text
     assert [note for note in fleet.notes if 'cannot be written' in note] != []
     fleet.disk.fails(False)
     fleet.run_until_done(1)
@@ -532,7 +532,7 @@ def test_a_robot_whose_order_waits_for_the_disk_is_not_deaf_and_waits_for_the_di
     robot = fleet.supervisor.robots['a']
     assert robot.master.is_new_motion, 'an edge was granted although the grant is not stored'
     view, = robot_views(fleet.supervisor, fleet.now)
-    assert robot.outage is None and view.waits_for.startswith('the disk: the journal')
+    assert robot.outage is None and view.waits_for.text.startswith('the disk: the journal')
     fleet.disk.fails(False)
     fleet.run(1.0)
     assert robot.outage is None

@@ -54,7 +54,7 @@ class TellingFleet(SupervisedFleet):
     def _said(self) -> Iterator[str]:
         yield from self.notes
         yield from (status.reason for status in self.statuses)
-        yield from (view.waits_for for view in robot_views(self.supervisor, self.now))
+        yield from (view.waits_for.text for view in robot_views(self.supervisor, self.now))
         yield self.supervisor.plan_executor.trouble
 
 

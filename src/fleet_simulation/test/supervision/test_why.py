@@ -254,5 +254,5 @@ def test_a_robot_says_the_same_as_its_mission():
     fleet.send(1, Stop(3, steps=(Step('by hand', 900.0, actor=Actor.PERSON), TAKE)),
                Stop(5, steps=(GIVE,)), robot='a')
     fleet.run_until(lambda: code(fleet) is WaitCode.STEP)
-    assert robot_views(fleet.supervisor, fleet.now)[0].waits_for == why(fleet, 1).wait.text
+    assert robot_views(fleet.supervisor, fleet.now)[0].waits_for == why(fleet, 1).wait
     fleet.answer(1, StepDecision.DONE)

@@ -104,7 +104,7 @@ def test_a_robot_stands_while_a_step_runs_though_another_one_wants_its_place():
     fleet.request(2, 2, robot='b')
     fleet.run(20.0)
     assert fleet.agvs['a'].visited == [1, 2, 3, 4] and fleet.state(1) is MissionState.ACTIVE
-    assert robot_views(fleet.supervisor, fleet.now)[0].waits_for == 'step 1 (wait) of stop 1'
+    assert robot_views(fleet.supervisor, fleet.now)[0].waits_for.text == 'step 1 (wait) of stop 1'
 
 
 def test_a_step_that_need_not_block_runs_while_the_robot_drives_on():
@@ -242,7 +242,7 @@ def test_a_robot_keeps_the_load_of_a_failed_mission_until_a_person_takes_it():
     fleet.restart()
     fleet.run(20.0)
     assert fleet.state(2) is MissionState.PENDING and fleet.load() is LoadState.LOADED
-    assert 'fleet load a empty' in robot_views(fleet.supervisor, fleet.now)[0].waits_for
+    assert 'fleet load a empty' in robot_views(fleet.supervisor, fleet.now)[0].waits_for.text
     fleet.set_load('a')
     fleet.run_until_done(2)
 
@@ -467,7 +467,7 @@ def test_a_robot_stands_while_it_carries_out_a_step_of_another_fleet_manager(ste
     fleet.run(20.0)
     assert fleet.steps['a'].running == ('other',) and fleet.agvs['a'].visited == [1]
     assert 'does not know' in fleet.reason(1) or not steps
-    assert 'does not know' in robot_views(fleet.supervisor, fleet.now)[0].waits_for
+    assert 'does not know' in robot_views(fleet.supervisor, fleet.now)[0].waits_for.text
     fleet.run_until_done(1)
     assert fleet.state(1) is MissionState.SUCCEEDED and fleet.done() == done
 

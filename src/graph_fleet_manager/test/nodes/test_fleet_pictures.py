@@ -8,6 +8,7 @@ from fleet_builders import corridor
 from visualization_msgs.msg import Marker
 
 from fleet_core.supervision.fleet_stop import NOT_STOPPED, FleetStop, StopCause
+from fleet_core.supervision.waits import WaitCode
 from graph_fleet_manager.nodes.rviz import stop_picture
 from graph_fleet_manager.nodes.rviz.graph_picture import graph_markers
 from graph_fleet_manager.nodes.rviz.menus import BUTTON, BUTTON_ABOVE
@@ -80,6 +81,8 @@ def test_off_the_graph_it_is_nowhere(pose):
 @pytest.mark.parametrize('fields, words', [
     ({'state': FleetRobot.IDLE}, 'agv_1  50 %\nidle'),
     ({'state': FleetRobot.BUSY, 'destination': 18}, 'agv_1  50 %\nto 18'),
+    ({'state': FleetRobot.BUSY, 'destination': 18, 'waits_for_code': WaitCode.STEP,
+      'waits_for': 'step 1'}, 'agv_1  50 %\nworking at 18\n(step 1)'),
     ({'state': FleetRobot.BUSY, 'destination': 18, 'waits_for': 'agv_2', 'battery': math.nan},
      'agv_1\nto 18\n(agv_2)'),
     ({'state': FleetRobot.OUT_OF_SERVICE, 'waits_for': 'it was taken out of service'},

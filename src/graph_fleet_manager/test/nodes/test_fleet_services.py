@@ -60,7 +60,7 @@ class Services:
         caller = threading.Thread(target=ask)
         caller.start()
         while not hangs and not answers:
-            actions += self.loop.take()(supervisor, 0.0)
+            actions += self.loop.next_event()(supervisor, 0.0)
         caller.join()
         return answers[0], actions
 
@@ -96,8 +96,9 @@ def test_the_log_tells_who_was_stopped_and_who_goes_on(services, monkeypatch):
                       f'/resume_fleet: {fleet.supervisor.who_goes_on}']
     del logged[:]
     services.call('/resume_fleet')
-    assert logged == ['/resume_fleet: not done: the fleet manager has no graph yet, or its disk '
-                      'cannot be written: see /diagnostics']
+    assert logged == ['/resume_fleet: not done: the fleet manager has no graph yet, its work '
+                      'file does not fit the graph, or its disk cannot be written: see '
+                      '/diagnostics']
 
 
 def request_from(**header):
@@ -116,10 +117,10 @@ def test_who_stops_the_fleet_is_recorded_by_the_header_of_the_call(services, hea
     stop = fleet.supervisor.stop
     assert (stop.cause, stop.by) == (StopCause.PERSON, by)
     assert abs(stop.since - time.time()) < 60.0
-    message = state_message((), stop, None, genpy.Time(1))
+    message = state_message((), (), stop, None, genpy.Time(1))
     told = stop_of(message.stop)
     assert (told.by, told.since) == (by, pytest.approx(stop.since))
-    assert stop_of(state_message((), NOT_STOPPED, None, genpy.Time(1)).stop) == NOT_STOPPED
+    assert stop_of(state_message((), (), NOT_STOPPED, None, genpy.Time(1)).stop) == NOT_STOPPED
 
 
 def test_a_cause_of_a_later_version_is_a_stop():
@@ -224,7 +225,7 @@ def test_a_stop_goes_past_a_supervisor_that_hangs_and_is_kept_for_it(services, m
     answer, _ = services.call('/stop_fleet', hangs=True)
     assert answer.success and 'hangs' in answer.message and len(services.past) == 1
     fleet = SupervisedFleet(corridor(3), {'a': (AGV, 1), 'b': (AGV, 3)})
-    services.loop.take()(fleet.supervisor, 0.0)
+    services.loop.next_event()(fleet.supervisor, 0.0)
     assert fleet.supervisor.is_stopped
 
 
@@ -298,7 +299,7 @@ def test_what_was_not_done_in_time_is_not_done_later(services, monkeypatch, name
         fleet.do(fleet.supervisor.stop_fleet(fleet.now))
     answer, _ = services.call(name, hangs=True)
     assert not answer.success and 'and it will not be done' in answer.message
-    assert services.loop.take()(fleet.supervisor, fleet.now) == ()
+    assert services.loop.next_event()(fleet.supervisor, fleet.now) == ()
     assert not fleet.supervisor.robots['a'].works
     assert fleet.supervisor.is_stopped == (name == '/resume_fleet')
 
@@ -308,7 +309,7 @@ def test_a_robot_that_was_not_taken_out_in_time_is_taken_out_later(services, mon
     fleet = SupervisedFleet(corridor(3), {'a': (AGV, 1), 'b': (AGV, 3)})
     answer, _ = services.call('/a/leave_fleet', hangs=True)
     assert not answer.success and 'but it will be done' in answer.message
-    assert services.loop.take()(fleet.supervisor, fleet.now)
+    assert services.loop.next_event()(fleet.supervisor, fleet.now)
     assert fleet.supervisor.robots['a'].outage is Outage.OUT_OF_SERVICE
 
 

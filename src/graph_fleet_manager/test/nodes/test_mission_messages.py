@@ -39,8 +39,8 @@ NOW = genpy.Time(100)
 
 
 def fleet_robot(outage):
-    view = RobotView('a', 'agv', RobotState.IDLE, outage, Pose(), 0.0, 1.0, None, None, '')
-    return state_message([view], NOT_STOPPED, genpy.Time.from_sec, NOW).robots[0]
+    view = RobotView('a', 'agv', RobotState.IDLE, outage, Pose(), 0.0, 1.0, None, None)
+    return state_message([view], (), NOT_STOPPED, genpy.Time.from_sec, NOW).robots[0]
 
 
 def constants(kind, prefix):
@@ -153,8 +153,8 @@ def test_a_mission_with_such_a_time_that_was_accepted_before_can_be_told(stamp):
 
 @pytest.mark.parametrize('seconds', [-1e12, 1e12])
 def test_a_moment_that_no_message_can_carry_is_the_nearest_one_that_it_can(seconds):
-    view = RobotView('a', 'agv', RobotState.IDLE, None, Pose(), seconds, 1.0, None, None, '')
-    state_message([view], NOT_STOPPED, lambda moment: moment_of(moment, NOW),
+    view = RobotView('a', 'agv', RobotState.IDLE, None, Pose(), seconds, 1.0, None, None)
+    state_message([view], (), NOT_STOPPED, lambda moment: moment_of(moment, NOW),
                   NOW).serialize(io.BytesIO())
     plan = plan_message([('a', [DriveView(1, -seconds, seconds, True)])],
                         lambda moment: moment_of(moment, NOW), NOW)

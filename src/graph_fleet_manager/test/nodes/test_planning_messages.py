@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 
 from fleet_core.fleet import RobotType
 from fleet_core.geometry.areas import Area
+from fleet_core.geometry.site_geometry import Alone
 from fleet_core.planning.plan_requests import PlanRequest
 from fleet_core.planning.precedence import Constraint
 from fleet_core.planning.tasks import CannotPlan, Obstacle, PlannedDrive, PlanningOutcome, Task
@@ -55,8 +56,9 @@ requests = st.builds(
     st.tuples(st.builds(Obstacle, st.just('r3'), st.just(AGV), st.tuples(ids), st.tuples(ids),
                         st.lists(areas, max_size=2).map(tuple))),
     st.frozensets(ids, max_size=3), st.dictionaries(st.tuples(st.just('agv'), signed), seconds),
+    st.lists(st.builds(Alone, st.frozensets(ids), st.frozensets(ids)), max_size=2).map(tuple),
     st.frozensets(ids, max_size=3), st.floats(0.001, 10.0), st.floats(0.0, 10.0),
-    st.integers(0, 2 ** 32 - 1))
+    st.integers(0, 2 ** 32 - 1), st.frozensets(ids, max_size=3))
 
 
 def outlined(x, y, radius=0.0):

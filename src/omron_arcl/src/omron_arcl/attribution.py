@@ -272,8 +272,12 @@ def _began_first(commands: CommandQueue) -> List[Execution]:
     return _began(commands) + _fresh(commands)
 
 
-def _fresh_first(commands: CommandQueue) -> List[Execution]:
-    return _fresh(commands) + _began(commands)
+def _to_acknowledge(commands: CommandQueue, reply: Reply) -> List[Execution]:
+    """The drive that a line acknowledges. A drive of ours that the robot has still to answer
+    although its command has ended comes first, if a stop was sent between the two."""
+    goal = activity_of(reply).goal
+    fresh = [e for e in _fresh(commands) if not commands.records.comes_earlier(goal, e)]
+    return [e for e in fresh + _began(commands) if _acknowledges(e, reply)][:1]
 
 
 def _present(commands: CommandQueue) -> Sequence[Execution]:
@@ -443,7 +447,7 @@ def _stops_for_us(commands: CommandQueue, reply: Reply) -> Found:
     stop."""
     heard = commands.records.heard
     stops = [e for e in _not_begun(commands) if e.command.spec.stops]
-    waits = any(drive.order < stop.order for stop in stops[:1] for drive in _fresh(commands))
+    waits = bool(stops) and commands.records.waits_for_a_drive(stops[0])
     if not heard.unheard_stops or waits and heard.stops_itself is not None:
         return False
     return stops[:1] if len(stops) == heard.unheard_stops else True
@@ -547,7 +551,7 @@ ATTRIBUTIONS: Mapping[LinePart, Tuple[Row, ...]] = {
             Outcome.FAILED, 'p. 191'),
         # drives
         Row('completed', _ANY, _first(_began_first, _completes), Outcome.SUCCEEDED, _TABLE),
-        Row('acknowledged', _ANY, _first(_fresh_first, _acknowledges), Means.ACKNOWLEDGED, _TABLE),
+        Row('acknowledged', _ANY, _to_acknowledge, Means.ACKNOWLEDGED, _TABLE),
         Row('broken off', _ANY, _first(_began, _aborts), Outcome.INTERRUPTED, _TABLE),
         Row('under way', _ANY, _under_way, Means.GOES_ON, _TABLE)),
     LinePart.START: (

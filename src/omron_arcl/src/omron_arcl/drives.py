@@ -211,7 +211,7 @@ class Drives:
     @property
     def motion(self) -> RobotMotion:
         """The state to publish now."""
-        return RobotMotion(self._memory, self._state())
+        return RobotMotion(self._memory, self._state(), self.heard.emergency_told)
 
     @property
     def is_unexplained(self) -> bool:
@@ -400,7 +400,7 @@ class Drives:
     def linked(self, connected: bool, now: float) -> None:
         """The link to the robot came up, broke, or could not be made."""
         self._unseen = self._unseen or self._connected and not connected
-        self._connected, self.heard = connected, RobotWords()
+        self._connected, self.heard = connected, RobotWords(self.heard.emergency_told)
         self._look_until = now + LOOK if connected and self._memory.stop_owed else -math.inf
 
     def said(self, reply: Reply) -> None:
@@ -438,6 +438,22 @@ class Drives:
         return any(e.command.spec.course in (DriveCourse.INTO_THE_DOCK, DriveCourse.OUT_OF_THE_DOCK)
                    or e.progress.set_out and not self.has_begun(e)
                    for e in self._executions.values())
+
+    def waits_for_a_drive(self, stop: Execution) -> bool:
+        """Whether the robot may still have to answer a drive that was sent before this stop."""
+        return any(record.pending and self._was_sent(record)
+                   or record.kind is RecordKind.DRIVE and record.fate is Fate.UNKNOWN
+                   for record in self._before(stop))
+
+    def comes_earlier(self, goal: str, drive: Execution) -> bool:
+        """Whether the robot may still have to answer an earlier drive to this goal whose command
+        has ended, because it has not answered a stop that was sent between the two."""
+        before = self._before(drive)
+        stop = next((r for r in reversed(before) if r.owed and self._was_sent(r)
+                     and not self.has_begun(self._executions[r.number])), None)
+        return stop is not None and any(
+            r.fate is Fate.UNKNOWN and goal.casefold() in r.names
+            for r in before[:before.index(stop)])
 
     def begins_late(self, goal: str) -> None:
         """The robot sets out for a drive of ours whose command has ended for its giver."""
@@ -532,6 +548,11 @@ class Drives:
         if shown is ruling:
             self._happens(Event.COMPLETED, ruling)
         return shown is None and activity.kind in STANDING
+
+    def _before(self, execution: Execution) -> Tuple[DriveRecord, ...]:
+        """The records of what was given before a command."""
+        record = self._record_of(execution)
+        return self._records[:self._records.index(record)] if record else ()
 
     def _was_sent(self, record: DriveRecord) -> bool:
         execution = self._executions.get(record.number)

@@ -148,7 +148,11 @@ class ModelledController:
             line = self._dispatcher.next_to_send(self._timeline.now)
             if line is None:
                 return
-            self._carry(self._delays.to_robot, partial(self._send_line, line.decode()))
+            self.transmit(line.decode())
+
+    def transmit(self, line: str) -> None:
+        """Puts a line on its way to the robot."""
+        self._carry(self._delays.to_robot, partial(self._send_line, line))
 
     def _carry(self, seconds: float, call: Callable[[], None]) -> None:
         connection = self._connection

@@ -2,7 +2,8 @@
 from __future__ import annotations
 
 from collections import Counter
-from typing import Callable, Dict, List, NamedTuple, Optional, Set, Tuple
+from dataclasses import dataclass
+from typing import Callable, Dict, List, Optional, Sequence, Set, Tuple
 
 from bridge_builders import yard
 from delayed_drive import BRIDGE, PERSON, TICK, AnyRobot, DelayedDrive
@@ -12,7 +13,15 @@ from simulated_robot import SimulatedRobot
 from omron_arcl import Execution, Giver, Outcome, Result
 from omron_arcl.drives import LOOK, RETRY
 from omron_arcl.execution import NO_GIVER
-from omron_arcl.records import CommandFate, LastCommand, MotionCause, MotionState, RobotMotion
+from omron_arcl.records import (
+    CommandFate,
+    Fate,
+    LastCommand,
+    MotionCause,
+    MotionState,
+    RecordKind,
+    RobotMotion,
+)
 from omron_ld90.bridge import events as p
 
 YARD = yard()
@@ -24,14 +33,24 @@ TRUE_WITHIN = 6.0  # s until what is told of a drive is true of the robot
 GIVEN_WITHIN = 4.0  # s until the controller has the bridge's stop, if all links are connected
 
 
-class Word(NamedTuple):
+@dataclass(eq=False)
+class Word:
     """A command that the controller took, or learnt of from another client (`giver` None)."""
 
     giver: Optional[Giver]
     drives: bool
+    is_refused: bool = False
+
+    def refuse(self) -> None:
+        """The robot refuses it, so it changes nothing."""
+        self.drives, self.is_refused = False, True
+
+    def is_drive_of(self, giver: Giver) -> bool:
+        """True if it is a drive of this giver."""
+        return self.drives and self.giver == giver
 
 
-REFUSED = Word(Giver('refused by the robot'), False)  # a drive that changed nothing
+NO_WORD = Word(None, False)  # stands before the first word
 REFUSED_OUTCOMES = (Outcome.REJECTED, Outcome.NO_GOAL, Outcome.UNKNOWN_COMMAND,
                     Outcome.EMERGENCY_STOPPED)
 # The outcomes of a drive after which the robot may carry it out all the same.
@@ -41,31 +60,37 @@ OPEN_OUTCOMES = (Outcome.LOST, Outcome.TIMED_OUT)
 class WitnessedController(ModelledController):
     """A controller that reports each command it takes, with the knowledge of its giver."""
 
-    on_given: Callable[[str, Giver, int, int], None]
+    on_given: Callable[[str, Giver, int], None]
     given: List[Execution]
     on_answered: Callable[[str, float, Result], None]
 
     def give(self, command: str, giver: Giver, known_epoch: int,
              on_end: Callable[[Result], None], number: int = 0) -> Execution:
         """Gives the command as the base class does, and reports it."""
-        words = self.count_words()
+        before = word = self.newest_word()
         self.drove = self.motion.memory.drives
 
         def end(result: Result) -> None:
-            if result.outcome in REFUSED_OUTCOMES and taken > words:
-                self.on_refused(words)
+            if result.outcome in REFUSED_OUTCOMES and word is not before:
+                word.refuse()
             self.on_answered(command, now, result)
             on_end(result)
-        taken, now = words, self._timeline.now
+        now = self._timeline.now
         execution = super().give(command, giver, known_epoch, end, number)
-        taken = self.count_words()
+        word = self.newest_word()
         self.given.append(execution)
-        self.on_given(command, giver, known_epoch, words)
+        self.on_given(command, giver, known_epoch)
         return execution
 
-    count_words: Callable[[], int]
+    def transmit(self, line: str) -> None:
+        """Puts a line on its way as the base class does, and reports a stop."""
+        if line == 'stop':
+            self.on_stop_sent()
+        super().transmit(line)
+
+    newest_word: Callable[[], Word]
+    on_stop_sent: Callable[[], None]
     drove = False  # whether a drive ruled when the last command was given
-    on_refused: Callable[[int], None]
 
 
 class Witness(DelayedDrive):
@@ -78,8 +103,13 @@ class Witness(DelayedDrive):
     def __init__(self, strategy: str, delays: Delays, interruption: str = '',
                  braking: float = 0.0, dialect: str = '') -> None:
         self.words: List[Word] = []
-        # by epoch: number of commands taken when the epoch was published
-        self.words_of_epoch: Dict[int, int] = {}
+        # by epoch: the last word when the epoch was published
+        self.words_of_epoch: Dict[int, Word] = {}
+        # by stop on its way to the robot: the last word when it was sent; and of the last to arrive
+        self._stops_sent: List[Word] = []
+        self._stopped = NO_WORD
+        # words of other clients that were put before a stop which has not reached the robot yet
+        self._before_stops: List[Word] = []
         self.broken: List[str] = []
         self.lines: List[str] = []  # drives that reached the robot from the controller
         self.persons, self.came = '', False  # the last drive, and True if it has reached the robot
@@ -93,6 +123,9 @@ class Witness(DelayedDrive):
         self._powered_at = -100.0
         # time of the last command of another client, by its text; lines may be held back since then
         self._another_gave: Dict[str, float] = {}
+        # time when a drive of ours reached the robot that another client had sent to the same goal
+        self._mixed_up_at = -100.0
+        self._stalls = 0.0  # time in s for which the link stalls after the robot's next line
         self._dialect = dialect
         self.is_alone = True  # no other client, outage or person at the robot has acted
         # time since when a stop is owed and the robot can be reached
@@ -103,14 +136,14 @@ class Witness(DelayedDrive):
         self._anothers = False  # True if another client sent it where it drives
         self._unheard_until = -100.0  # until then, no command reaches the controller
         self._forgotten: Set[int] = set()  # epochs of earlier controllers
-        self._bridge_knows = 0  # number of commands that the bridge knows of
+        self._bridge_knows = NO_WORD  # the last word that the bridge knows of
         # True from a stop of the fleet manager until the bridge has stopped the robot, or drives it
         self._is_ordered = False
-        # number of known commands, by process and number of the stop
-        self._known_to_stops: Dict[Tuple[str, int], int] = {}
-        self._known_to_stop: Optional[int] = None  # the same number for the stop that arrives now
-        # number of commands before the bridge's stop, until the bridge drives
-        self._demanded: Optional[int] = None
+        # the last known word, by process and number of the stop
+        self._known_to_stops: Dict[Tuple[str, int], Word] = {}
+        self._known_to_stop: Optional[Word] = None  # the same word for the stop that arrives now
+        # the last word before the bridge's stop, until the bridge drives
+        self._demanded: Optional[Word] = None
         self._ignored_since: Optional[float] = None  # time since when that stop is ignored
         # goal of each drive of the bridge that the controller took, and the time
         self._sent_to: Dict[int, Tuple[str, float]] = {}
@@ -119,7 +152,7 @@ class Witness(DelayedDrive):
         self._given: List[Execution] = []  # drives and stops that have not reached the robot
         # the drive that the robot carries out; None: none of ours
         self._obeyed: Optional[Execution] = None
-        # time since when something else is told of that drive than what the robot does
+        # time since when something else is told of it than what the robot does
         self._untrue_since: Optional[float] = None
         super().__init__(YARD, 1, strategy, delays, interruption, braking)
         self._time.every(TICK, self._watch_owed_stop)
@@ -133,8 +166,8 @@ class Witness(DelayedDrive):
         """Makes a controller that the witness watches."""
         controller = WitnessedController(self._time, delays, self._reach_robot, self._on_motion)
         controller.on_taken, controller.on_given = self._on_taken, self._on_given
-        controller.count_words = lambda: len(self.words)
-        controller.on_refused = self._on_refused
+        controller.newest_word = lambda: self._newest_word
+        controller.on_stop_sent = lambda: self._stops_sent.append(self._newest_word)
         controller.given, controller.on_answered = self._given, self._judge_answer
         return controller
 
@@ -144,7 +177,14 @@ class Witness(DelayedDrive):
             return super().make_robot(vertex, interruption, braking)
         return SimulatedRobot(vertex, self._say, lambda: self.now, self._dialect)
 
-    def _on_given(self, command: str, giver: Giver, known_epoch: int, count: int) -> None:
+    @property
+    def _newest_word(self) -> Word:
+        return self.words[-1] if self.words else NO_WORD
+
+    def _words_after(self, known: Word) -> Sequence[Word]:
+        return self.words if known is NO_WORD else self.words[self.words.index(known) + 1:]
+
+    def _on_given(self, command: str, giver: Giver, known_epoch: int) -> None:
         known = self.words_of_epoch.get(known_epoch)
         if command == 'stop':
             if known_epoch in self._forgotten:
@@ -152,35 +192,33 @@ class Witness(DelayedDrive):
             if giver.name == BRIDGE:
                 known = self._known_to_stop
             if known is not None:
-                self._judge_stop(giver, known, count)
+                self._judge_stop(giver, known)
             return
         self._taken[command] += 1
         if giver == PERSON:
             self.persons, self.came, self._is_number = command, False, self._taken[command]
-        if known_epoch and (
-                known is None or any(word.giver != giver for word in self.words[known:count]
-                                     if word is not REFUSED)):
-            self.broken.append(f'{giver.name} passed {self.words[known or 0:count]}: {command}')
-
-    def _on_refused(self, number: int) -> None:
-        self.words[number] = REFUSED
+        passed = [word for word in self._words_after(known or NO_WORD)
+                  if word.giver != giver and not word.is_refused]
+        if known_epoch and (known is None or passed):
+            self.broken.append(f'{giver.name} passed {passed}: {command}')
 
     def _last_word(self) -> Optional[Word]:
-        return next((word for word in reversed(self.words) if word is not REFUSED), None)
+        return next((word for word in reversed(self.words) if not word.is_refused), None)
 
     def _on_taken(self, giver: Giver, drives: bool) -> None:
-        if not (drives and self._last_word() == Word(giver, True)):  # else the same drive continues
+        last = self._last_word()
+        if not (drives and last and last.is_drive_of(giver)):  # else the same drive continues
             self.words.append(Word(giver, drives))
         self.given_at, self.drives = self.now, self.drives + drives
 
-    def _judge_stop(self, giver: Giver, known: int, count: int) -> None:
+    def _judge_stop(self, giver: Giver, known: Word) -> None:
         """A stop may not end a drive of which its giver did not know and that the robot has
         acknowledged, unless another stop is on its way already."""
         records = self._controller.motion.memory.records
         pending = [record.giver for record in records if record.pending]
         if not self._controller.drove:
             return
-        unknown = [word for word in self.words[known:count]
+        unknown = [word for word in self._words_after(known)
                    if word.drives and word.giver not in (giver, None, *pending)]
         if unknown:
             self.broken.append(f'a stop of {giver.name} ended {unknown}')
@@ -220,7 +258,7 @@ class Witness(DelayedDrive):
             if not self._is_ordered:
                 self._known_to_stops[str(self._generation), give.number] = self._bridge_knows
             if self._demanded is None:
-                self._demanded = self.words_of_epoch.get(give.known_epoch, len(self.words))
+                self._demanded = self.words_of_epoch.get(give.known_epoch, self._newest_word)
         super()._give(give)
 
     def _take_from_bridge(self, give: p.Give, giver: Giver,
@@ -242,7 +280,14 @@ class Witness(DelayedDrive):
         if link is p.RobotLink.COMMANDS:
             self.is_alone = False
             self._arrived = Counter(self._taken)
+            if self._obeyed and self._obeyed.command in [one.command for one in self._given]:
+                self._obeyed = None  # it cannot be told from the lost drive to its goal
             self._given.clear()
+            self._stops_sent.clear()
+            for word in self._before_stops:  # the robot does not obey those stops after them
+                self.words.remove(word)
+                self.words.append(word)
+            self._before_stops.clear()
         super().cut(link, seconds)
 
     def stall(self, seconds: float) -> None:
@@ -253,6 +298,8 @@ class Witness(DelayedDrive):
             self._controller.stall(seconds)
             for command in crossing:
                 self._another_gave[command] = self.now + self._controller.on_the_way(0.0)
+            if self.now <= self._mixed_up_at + AT_ONCE:
+                self._mixed_up_at = self.now + self._controller.on_the_way(0.0)
 
     def take_cancellation(self, canceller: Giver) -> None:
         """A giver cancels everything."""
@@ -261,16 +308,20 @@ class Witness(DelayedDrive):
         self.words.append(Word(canceller, False))
         self._controller.cancel([one for one in self._drives if one.result is None], canceller)
 
-    def another_client(self, command: str) -> None:
-        """A client of the robot's own server gives a command."""
+    def another_client(self, command: str, stalls: float = 0.0) -> None:
+        """A client of the robot's own server gives a command.
+
+        stalls -- time in s for which the link holds back all lines of the answer but the first
+        """
+        self._stalls = stalls
         self.foreign, self.is_alone = True, False
         self._anothers = self._anothers or command != 'stop'
         self._another_gave[command] = self.now + self._controller.on_the_way(0.0)
         self.robot.hear_another(command)
-        self.foreign, self._obeyed = False, None
+        self.foreign, self._obeyed, self._stalls = False, None, 0.0
 
     def _on_motion(self, motion: RobotMotion) -> None:
-        self.words_of_epoch.setdefault(motion.memory.epoch, len(self.words))
+        self.words_of_epoch.setdefault(motion.memory.epoch, self._newest_word)
         if self.is_alone and motion.memory.cause in (
                 MotionCause.OTHER_CLIENT, MotionCause.ROBOT, MotionCause.INTERRUPTED):
             self.broken.append(f'there is no other client: {motion.memory.reason}')
@@ -303,21 +354,27 @@ class Witness(DelayedDrive):
                 or self.robot.status.startswith((f'Arrived at {goal}', 'DockingState: Docked')))
 
     def _watch_what_is_told(self) -> None:
-        """Checks the giver on `motion` and the answer to the drive that the robot carries out."""
-        memory, drive = self._controller.motion.memory, self._obeyed
-        untrue = ''
-        if drive and self.robot.goal is not None and self._can_be_reached and not memory.stop_owed:
-            if memory.giver not in (NO_GIVER, drive.giver):
-                untrue = f'{memory.giver.name} is told as the giver'
-            elif drive.result and drive.result.outcome not in OPEN_OUTCOMES:
-                untrue = f'{drive.result} is told'
+        """Checks what `motion` tells, and the answer to the drive that the robot carries out."""
+        untrue = self._what_is_told_wrongly() if self._can_be_reached else ''
         if not untrue:
             self._untrue_since = None
         elif self._untrue_since is None:
             self._untrue_since = self.now
-        elif drive and self.now > self._untrue_since + TRUE_WITHIN:
-            self.broken.append(f'{self.now:.1f} {untrue}, but the robot carries out '
-                               f'{drive.command.text} of {drive.giver.name}')
+        elif self.now > self._untrue_since + TRUE_WITHIN:
+            self.broken.append(f'{self.now:.1f} {untrue}')
+
+    def _what_is_told_wrongly(self) -> str:
+        (memory, _, emergency_stop), drive = self._controller.motion, self._obeyed
+        if emergency_stop is not self.robot.status.startswith('EStop'):
+            return f'{emergency_stop} is told of the emergency stop at "{self.robot.status}"'
+        told = ''
+        if drive and self.robot.goal is not None and not memory.stop_owed:
+            if memory.giver not in (NO_GIVER, drive.giver):
+                told = f'{memory.giver.name} is told as the giver'
+            elif drive.result and drive.result.outcome not in OPEN_OUTCOMES:
+                told = f'{drive.result} is told'
+        return told and (f'{told}, but the robot carries out {drive.command.text} of '
+                         f'{drive.giver.name}')
 
     def _say(self, line: str) -> None:
         """A command of another client counts from the time at which the controller learns of it.
@@ -326,24 +383,46 @@ class Witness(DelayedDrive):
         """
         if line.startswith('Arrived at '):
             self._arrived_at[line.split()[-1]] = self.now
-        elif line == 'Stopped':
-            self._stood_at = self.now
         elif line.startswith('DockingState: Docked'):
             self._arrived_at['dock'] = self.now
         seconds = self._controller.on_the_way(self.delays.from_robot)
+        if line == 'Stopped':  # which of two stops it answers cannot be told if they cross
+            self.later(seconds, self._hear_stopped)
         if line == 'Motors enabled':
             self.later(seconds, self._hear_motors)
         if line == 'EStop pressed' or self.foreign and (
                 line == 'Stopping' or line.startswith('Going to')):
-            self.later(seconds, lambda: self._heard(line))
+            stopped = self._stopped
+            self.later(seconds, lambda: self._heard(line, stopped))
+        elif self.foreign and line.startswith('Interrupted: '):
+            drive = self._obeyed
+            self.later(seconds, lambda: self._heard_broken_off(line, drive))
         super()._say(line)
+        if self._stalls:
+            self.stall(self._stalls)
+            self._stalls = 0.0
+
+    def _heard_broken_off(self, line: str, drive: Optional[Execution]) -> None:
+        """Notes that the robot says by name that it has broken off the drive that rules."""
+        record, = self._controller.motion.memory.records[-1:] or (None,)
+        if (drive is not None and drive.result is None and record is not None
+                and (record.kind, record.fate) == (RecordKind.DRIVE, Fate.OBEYED)
+                and line == f'Interrupted: Going to {record.goal}'):
+            self.words.append(Word(None, False))
+
+    def _hear_stopped(self) -> None:
+        self._stood_at = self.now
 
     def _hear_motors(self) -> None:
         self._powered_at = self.now
 
-    def _heard(self, line: str) -> None:
-        """Notes another client's command, unless ours has the same effect at the same time."""
-        memory, state = self._controller.motion
+    def _heard(self, line: str, stopped: Word) -> None:
+        """Notes another client's command, unless ours has the same effect at the same time.
+
+        stopped -- as `self._stopped` was when the robot took that command; the robot obeys after it
+        all later stops that have reached it meanwhile, or are on their way
+        """
+        memory, state, _ = self._controller.motion
         if line == 'Stopping':
             is_clear = (self.now > max(self.given_at + AT_ONCE, self._powered_at + LATE)
                         and state is not MotionState.STOPPING)
@@ -352,11 +431,29 @@ class Witness(DelayedDrive):
         else:
             is_clear = line.split()[-1] not in memory.names
         if self._controller.connected and is_clear:
-            drives = line.startswith('Going to')
-            self.words.append(Word(None, drives))
+            word = Word(None, line.startswith('Going to'))
+            if line != 'EStop pressed' and self._put_before_stops(word, stopped):
+                return
+            self.words.append(word)
             # a drive that is on its way reaches the robot after that
             self.words += [Word(record.giver, True) for record in memory.records[-1:]
-                           if record.pending and drives]
+                           if record.pending and word.drives]
+
+    def _put_before_stops(self, word: Word, stopped: Word) -> bool:
+        """Puts another client's word before our first stop that the robot obeys after it.
+
+        False: there is no such stop.
+        """
+        newest = (self._stops_sent or [self._stopped])[-1]
+        after_newest = self._words_after(newest)
+        stop = next((one for one in self._words_after(stopped) if one not in after_newest
+                     and one.giver is not None and not (one.drives or one.is_refused)), None)
+        if stop is None:
+            return False
+        self.words.insert(self.words.index(stop), word)
+        if self._stops_sent:
+            self._before_stops.append(word)
+        return True
 
     def _reach_robot(self, line: str) -> None:
         if line == 'oneLineStatus':
@@ -366,16 +463,19 @@ class Witness(DelayedDrive):
             self.lines.append(line)
             # The same command from two clients at the same moment cannot be told apart.
             self._anothers = self._crosses_anothers(line)
+            self._mixed_up_at = self.now if self._anothers else self._mixed_up_at
             self._arrived[line] += 1
             self.came = self.came or (
                 line == self.persons and self._arrived[line] >= self._is_number)
         else:
-            self._stop_came_at = self.now
-            # a stop that crosses a drive is given again, after the drive: one of another client, or
-            # the one that the robot seems to make by itself when its motors are enabled
-            crosses = self._crosses_anothers('stop') or self.now <= self._powered_at + LATE
+            self._stop_came_at, self._stopped = self.now, self._stops_sent.pop(0)
+            self._before_stops.clear()
+            # A stop of another client that crosses a drive is given again, after the drive. One of
+            # ours seems to be another client's if that client's drive seemed to be ours.
+            crosses = (self._crosses_anothers('stop')
+                       or self.now <= self._mixed_up_at + AT_ONCE)
             if (not crosses and self._controller.motion.memory.drives
-                    and self.words[-1:] == [Word(PERSON, True)]
+                    and self._newest_word.is_drive_of(PERSON)
                     and self.came and self.persons == f'goto {self.robot.goal}'):
                 self.broken.append(f'an older stop ended {self.persons} of a person')
         super()._reach_robot(line)
@@ -416,7 +516,7 @@ class Witness(DelayedDrive):
         if (self._demanded is None or not self.is_well or not self.is_heard or self._anothers
                 or not self._can_be_reached
                 or self.robot.goal is None
-                or any(word.drives for word in self.words[self._demanded:])):
+                or any(word.drives for word in self._words_after(self._demanded))):
             self._ignored_since = None
         elif self._ignored_since is None:
             self._ignored_since = self.now

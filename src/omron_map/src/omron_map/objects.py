@@ -41,6 +41,8 @@ class MapObject:
     theta  -- the heading; has no meaning for goals without heading
     extent -- the corners or end points of areas and lines; None for points
     tail   -- the words after the extent as written, e.g. a polygon
+
+    It has a property for each question about its kind or its shape.
     """
 
     kind: str

@@ -47,7 +47,9 @@ from functools import cached_property
 from typing import NamedTuple, Optional, Tuple
 
 from route_protocol.messages import WrongReport
+from route_protocol.order_rules import MAXIMUM_EDGES
 from route_protocol.values import (
+    LARGEST_RECORD_NUMBER,
     NO_REASON,
     EpochCause,
     Motion,
@@ -65,6 +67,8 @@ If the journal is lost, and the clock was set back, orders with larger numbers t
 shows may be on their way. They were drawn from a clock later, but not that much later.
 """
 _LARGEST_LABEL = 2 ** 31 - 1
+# After this number of an edge, a route of the largest size has no numbers any more.
+_LAST_EDGE = LARGEST_RECORD_NUMBER - MAXIMUM_EDGES
 
 SAID_NONE = Reason(ReasonCode.OTHER, 'it gave no reason')
 
@@ -341,6 +345,8 @@ def _check(state: MasterState, said: RouteReport, read: _Reading) -> None:
     if read.is_older:
         return
     order, shown = read.order, read.shown
+    if order and said.done > _LAST_EDGE:
+        raise WrongReport(f'its route record is at number {said.done}: no route could follow')
     if read.is_new:
         return
     if order < state.order:

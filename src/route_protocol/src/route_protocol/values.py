@@ -188,6 +188,8 @@ class RouteReport:
     motion   -- what the vehicle does
     number   -- of this report; it grows, over restarts too; 0: the vehicle does not number reports
     unready  -- why the vehicle would refuse each route now; NONE: it would not
+
+    Each attribute is a field of the message.
     """
 
     stamp: int

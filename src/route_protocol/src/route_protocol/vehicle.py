@@ -91,7 +91,10 @@ def milliseconds() -> int:
 
 @dataclass(frozen=True)
 class VehicleState:
-    """All that the vehicle's end knows; the head of the module says what it means."""
+    """All that the vehicle's end knows; the head of the module says what it means.
+
+    It is one value, so that it is stored as one.
+    """
 
     epoch: int
     cause: EpochCause = EpochCause.RESTART
@@ -234,7 +237,7 @@ class Vehicle:
         self.state = replace(state, route_id=order.route_id, done=done, first=done, edges=(),
                              phase=Phase.STOPPED, reason=NO_REASON)
 
-    def take(self, order: RouteOrder, done: int) -> None:
+    def take_order(self, order: RouteOrder, done: int) -> None:
         """Takes a route.
 
         done -- number of the edge on which the vehicle is, as in the judgement

@@ -96,7 +96,7 @@ def load_work(path: Union[str, os.PathLike], graph: Graph) -> SiteWork:
         fields = known_fields(root, 'the file', _FILE)
         types = _step_types(fields)
         stations = _stations(fields, graph)
-        devices = _entries(fields, 'devices', 'device', partial(_device, graph))
+        devices = _entries(fields, 'devices', 'device', partial(_device, stations, graph))
         templates = _entries(fields, 'templates', 'template',
                              partial(_template, stations, types, graph))
         timetables = _entries(fields, 'timetables', 'timetable',
@@ -174,15 +174,18 @@ def _distinct(field: Field, read: Callable[[str], int]) -> Tuple[int, ...]:
 # -- devices --------------------------------------------------------------------------------------
 
 
-def _device(graph: Graph, name: str, node: yaml.Node, fields: Dict[str, yaml.Node]) -> Device:
+def _device(stations: Mapping[str, Station], graph: Graph, name: str, node: yaml.Node,
+            fields: Dict[str, yaml.Node]) -> Device:
     known_fields(node, 'a device', _DEVICE)
+    if name in stations:
+        raise WrongYaml(f'a station is called {name} already; give the device another name', node)
     strict_yaml.require(fields, ('kind', 'edges', 'timeout', 'driver'), node)
 
     def edge(text: str) -> int:
-        if not text.isdecimal() or int(text) not in graph.edges:
+        if not text.isdecimal() or not graph.edges.keys() >= graph.whole_edges((int(text),)):
             raise ValueError(f'the graph has no edge {text}')
         return int(text)
-    edges = _distinct(('edges', fields['edges']), edge)
+    edges = tuple(sorted(graph.whole_edges(_distinct(('edges', fields['edges']), edge))))
     if not edges:
         raise WrongYaml(f'device {name} has no edges', fields['edges'])
     driver = word(fields, 'driver', DeviceDriver, DeviceDriver.SIMULATED)

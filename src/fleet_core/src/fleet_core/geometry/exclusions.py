@@ -138,6 +138,20 @@ class Exclusions:
                 found[place] = min(before[0], low), max(before[1], high)
         return found
 
+    def kept_free(self, line: Sequence[Tuple[float, float]], distance: float,
+                  own: float) -> Dict[int, Tuple[float, float]]:
+        """Places `near` a robot on this line, and those of each group of which it has a place.
+
+        own -- m from the line within which the robot has a place
+        """
+        found = self.near(line, distance)
+        if self._alone:
+            has = self.near(line, own).keys()
+            for group in self._alone:
+                if not has.isdisjoint(group):
+                    found.update(dict.fromkeys(group, (0.0, 1.0)))
+        return found
+
     def _conflicts(self, distance: float) -> Conflicts:
         pairs = _Pairs(self.places)
         lengths = _lengths(self._pieces)

@@ -48,7 +48,7 @@ class SiteGeometry:
         self.ends = np.array([(self.index[edge.origin], self.index[edge.destination])
                               for edge in graph.edges.values()], dtype=np.int64).reshape(-1, 2)
         """(E, 2) vertices at the origin and the destination of each edge."""
-        self._alone = tuple(map(self._places_of, alone))
+        self.alone = tuple(alone)
         self._splines = splines_of(graph)
         self.lengths = edge_lengths(graph, self._splines)
         """(E,) arc lengths in m."""
@@ -61,7 +61,7 @@ class SiteGeometry:
     def exclusions(self) -> Exclusions:
         """The places that exclude each other, for each requested distance."""
         return Exclusions(pieces_of(self.graph, self._splines), self.ends, len(self.vertex_ids),
-                          self._approaches(), self._alone)
+                          self._approaches(), tuple(map(self._places_of, self.alone)))
 
     def _places_of(self, alone: Alone) -> Tuple[int, ...]:
         edges = {edge.id for edge in self.graph.edges.values() if edge.id in alone.edges

@@ -63,7 +63,9 @@ from typing import (
 )
 
 from fleet_core.interlocking.allocation import Allocation, Knowledge
-from fleet_core.interlocking.resources import NOTHING, DeviceDemand, Needs
+from fleet_core.interlocking.resources import NOTHING, Needs
+from fleet_core.interlocking.route_master import ME
+from route_protocol.devices import DeviceMode, DeviceRequest
 
 
 class ClaimState(Enum):
@@ -103,6 +105,8 @@ class Claims:
     stored -- as they are in the journal
     number -- the highest number of a request in the journal
     clock  -- returns ms since 1970: requests by an older journal must not draw a number again
+
+    It has one method for each event of a claim, and one for each question about claims.
     """
 
     def __init__(self, needs: Needs, stored: Optional[ClaimsOf] = None, number: int = 0,
@@ -119,7 +123,7 @@ class Claims:
         self._needed: Dict[str, FrozenSet[str]] = dict(self._stored)
         self._changed: Set[str] = set()  # robots whose claims are not in the journal as they are
         self._asked: Dict[Tuple[str, str], int] = {}  # the first request with this robot
-        self._requests: Dict[str, DeviceDemand] = {}
+        self._requests: Dict[str, DeviceRequest] = {}
         self._is_begun = not any(one.has_device for one in needs.resources.values())
         if not self._is_begun:
             self._draw()
@@ -279,15 +283,30 @@ class Claims:
                 self._ask(resource)
 
     def _ask(self, resource: str) -> None:
-        robots = tuple(sorted(name for name, own in self._stored.items() if resource in own))
-        self._requests[resource] = DeviceDemand(resource, self._number, robots)
-        before = {name for name, asked in self._asked if asked == resource}
-        for name in before - set(robots):
+        robots = {name for name, own in self._stored.items() if resource in own}
+        self._requests[resource] = DeviceRequest(
+            ME, resource, DeviceMode.OPEN if robots else DeviceMode.CLOSED, self._number)
+        before = self.asked_for(resource)
+        for name in before - robots:
             del self._asked[name, resource]
-        for name in set(robots) - before:
+        for name in robots - before:
             self._asked[name, resource] = self._number
 
+    def asked_for(self, resource: str) -> FrozenSet[str]:
+        """Names of the robots for which the newest request holds the device."""
+        return frozenset(name for name, asked in self._asked if asked == resource)
+
+    def outnumber(self, number: int) -> None:
+        """A device obeys a request with this number, which is not of this journal.
+
+        It takes no request with a lower number. So each device is asked anew, and only that counts.
+        """
+        self._number = max(self._number, number)
+        self._asked.clear()
+        self._is_begun = False
+        self._draw()
+
     @property
-    def requests(self) -> Mapping[str, DeviceDemand]:
+    def requests(self) -> Mapping[str, DeviceRequest]:
         """The newest request to each device, by resource. All its claims are in the journal."""
         return self._requests

@@ -50,7 +50,7 @@ from trajectory_graph.id_lists import listed
 class Invariant(Enum):
     """What holds of each step. The values are shown to people."""
 
-    CHECKED = 'it holds edges that it was not granted'
+    CHECKED = 'it holds places that it was not granted'
     CONTAINED = 'it was sent over edges that it does not hold'
     STORED = 'it was sent over edges that the journal does not have'
     READ = 'the interlocking does not know its present allocation'
@@ -66,7 +66,7 @@ class Invariant(Enum):
 class Violation:
     """A step that is not one of the model's.
 
-    edges -- signed ids; empty for APART, READ and what concerns claims
+    edges -- signed ids; empty for APART, READ, areas and what concerns claims
     other -- name of the other robot; only for APART
     resources -- names; only for what concerns claims
     """
@@ -127,14 +127,18 @@ class Conformance:
         self._before: Dict[str, ModelState] = {}
         self._seen: Dict[str, Tuple[Allocation, MasterState, int]] = {}
         self._granted: Dict[str, Set[int]] = {}
+        self._grown: Set[str] = set()  # robots to which a grant gave more than edges
         self._journal: Dict[str, FrozenSet[int]] = {}
         self._stored: Dict[str, Allocation] = {}
         self._claims: Dict[str, FrozenSet[str]] = {}
         self._unclaimed: Dict[str, FrozenSet[str]] = {}
 
-    def granted(self, name: str, edges: Collection[int], claims: Claims) -> None:
+    def granted(self, name: str, edges: Collection[int], claims: Claims,
+                before: Allocation, after: Allocation) -> None:
         """The interlocking has granted these edges to a robot, with these claims."""
         self._granted.setdefault(name, set()).update(edges)
+        if not set(after.areas) <= set(before.areas):
+            self._grown.add(name)
         if claims:
             needed = NOTHING.union(*map(claims.needs.of_edge, edges))
             self._unclaimed[name] = self._unclaimed.get(name, NOTHING) | (
@@ -156,7 +160,8 @@ class Conformance:
         self._events += 1
         if self._events % self._every:
             return []
-        found = []
+        found = [Violation(Invariant.CHECKED, name) for name in sorted(self._grown)]
+        self._grown.clear()
         for name, robot in robots.items():
             if known.get(name) is not robot.master.allocation:
                 found.append(Violation(Invariant.READ, name))
@@ -198,8 +203,8 @@ class Conformance:
                     (Invariant.GRANTED, self._unclaimed.pop(name, NOTHING)),
                     (Invariant.CAPACITY, over),
                     (Invariant.ASKED, frozenset(
-                        request.resource for request in claims.requests.values()
-                        if name in request.robots) - claims.stored_of(name))):
+                        resource for resource in claims.requests
+                        if name in claims.asked_for(resource)) - claims.stored_of(name))):
                 if resources:
                     yield Violation(invariant, name, resources=resources)
 

@@ -131,6 +131,8 @@ class Interlocking:
     news        -- returns the names of the robots that changed since it was last called; None: any
                    robot may have changed at any time
     claims      -- the claims of the robots to the resources of the site; None: it has none
+
+    Its attributes are what a grant rests on, and what must be stored before an order is sent.
     """
 
     def __init__(self, geometry: SiteGeometry, clearance: float,
@@ -192,9 +194,11 @@ class Interlocking:
             granted.append(asked.edge)
             self._to_store.update(self._stored.excluding(robot.name, robot.type, asked.place))
         if granted:
+            before = robot.master.allocation
             robot.master.extend(granted, renew)
             if self._conformance is not None:
-                self._conformance.granted(robot.name, granted, self.claims)
+                self._conformance.granted(robot.name, granted, self.claims, before,
+                                          robot.master.allocation)
         return Grant(tuple(granted), refusal)
 
     def _lacking_claims(self, robot: InterlockedRobot, edges: Sequence[int]) -> List[int]:

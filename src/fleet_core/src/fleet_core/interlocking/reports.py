@@ -5,7 +5,6 @@ import math
 from dataclasses import dataclass
 from typing import Optional, Tuple
 
-from fleet_core.fleet import RobotType
 from fleet_core.geometry.areas import Point
 from route_protocol import messages
 from route_protocol.messages import WrongReport
@@ -13,10 +12,6 @@ from route_protocol.values import Motion, RouteReport
 from trajectory_graph import Graph
 from trajectory_graph.drawn_names import at_vertex, place_name
 
-# m from a vertex within which a robot can count as standing on it, for any play
-NEAR = 0.3
-# m from a vertex within which a robot without play counts as standing on it
-AT_VERTEX = 0.02
 TREMBLE = 0.05     # m by which the reported location of a standing robot may change
 CLOCK_ERROR = 0.2  # s by which a robot's clock may differ; `peer_watch` warns above this
 _OLD = 10.0        # s: a location that is older at its arrival is old
@@ -153,11 +148,6 @@ class GraphPosition:
         if self.vertex is not None:
             return at_vertex(graph, self.vertex)
         return f'on {place_name(graph, self.edge, self.fraction)}'
-
-
-def nearness(kind: RobotType) -> float:
-    """Distance (m) from a vertex within which a robot of this type counts as standing on it."""
-    return min(kind.play + AT_VERTEX, NEAR)
 
 
 def position_of(pose: Pose, graph: Graph, near: float) -> Optional[GraphPosition]:

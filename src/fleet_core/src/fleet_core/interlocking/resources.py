@@ -11,8 +11,6 @@ from typing import Dict, FrozenSet, Iterable, Mapping, Tuple
 
 from fleet_core.geometry.site_geometry import SiteGeometry
 from fleet_core.interlocking.allocation import Allocation
-from fleet_core.interlocking.reports import nearness
-from route_protocol.devices import DeviceMode
 
 NOTHING: FrozenSet[str] = frozenset()
 
@@ -47,32 +45,6 @@ class Resource:
 
     def __str__(self) -> str:
         return f'{self.kind.value} {self.name}'
-
-
-@dataclass(frozen=True)
-class DeviceDemand:
-    """What the claims want of a device: open for these robots, or given back if there are none.
-
-    number -- a later demand has a higher number, also after a restart
-    """
-
-    resource: str
-    number: int
-    robots: Tuple[str, ...] = ()
-
-
-@dataclass(frozen=True)
-class DeviceReading:
-    """What a report of a device means for the claims.
-
-    request -- number of the newest demand that it obeys; 0: none
-    age     -- s since the device was read, at the arrival of the report
-    """
-
-    resource: str
-    mode: DeviceMode
-    request: int = 0
-    age: float = 0.0
 
 
 class Needs:
@@ -117,7 +89,7 @@ class Needs:
             needs |= self.of_vertex(allocation.vertex)
         for area in allocation.areas:
             near = self._geometry.exclusions.near(
-                area.line, area.radius + nearness(allocation.kind))
+                area.line, area.radius + allocation.kind.nearness)
             needs = needs.union(*(self._at.get(place, NOTHING) for place in near))
         return needs
 

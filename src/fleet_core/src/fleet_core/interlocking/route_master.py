@@ -22,13 +22,11 @@ import math
 from dataclasses import dataclass, field, replace
 from typing import Callable, List, NamedTuple, Optional, Sequence, Tuple
 
-from fleet_core.fleet import RobotType
+from fleet_core.fleet import AT_VERTEX, NEAR, RobotType
 from fleet_core.geometry.areas import Area, Point
 from fleet_core.interlocking.allocation import Allocation, Hold, Knowledge
 from fleet_core.interlocking.reports import (
-    AT_VERTEX,
     CLOCK_ERROR,
-    NEAR,
     TREMBLE,
     GraphPosition,
     Pose,
@@ -57,6 +55,8 @@ ME = 'path_supervisor'
 """The name of this master in its orders."""
 # m that a robot may have moved since its last location while another one moves it
 MANUAL_REACH = 10.0
+# m that a standing robot may be beside the place where its route begins or ends
+BESIDE = NEAR + TREMBLE
 _STEP = 0.5   # m: the step in which the area around such a robot grows
 _SOON = 0.2   # s within which that area grows again; ticks come more often
 _SQUARE = 1.0  # m: such a robot's location is stored whenever it is in another such square
@@ -154,6 +154,9 @@ class RouteMaster:
     Only the interlocking gives it routes.
 
     tell -- is called after each change, so that the interlocking reads the allocation again
+
+    It has one method for each event of the route, and one property for each answer about it. All
+    read or change the same record: what is ordered, and where the robot may be.
     """
 
     def __init__(self, record: RouteRecord, clock: Clock,
@@ -304,20 +307,22 @@ class RouteMaster:
 
     def _covers(self, point: Point, holds: Sequence[Hold],
                 position: Optional[GraphPosition]) -> bool:
-        """Is a point on a place that the robot has, as exactly as it follows its edges?
+        """Is a point on a place that the robot has, as exactly as it stands or follows its edges?
+
+        A robot that begins a route is as far from it as it was from the place where it stood. So a
+        grant adds no other place than the edges.
 
         position -- where it stands; None: it drives, or that is not known
         """
-        graph, play = self.record.graph, self.record.kind.play
+        record, graph = self.record, self.record.graph
         if position is not None and math.dist(
-                point, position.point(graph)) <= self.record.near + TREMBLE:
+                point, position.point(graph)) <= record.near + TREMBLE:
             return True
-        here = self.record.pose.edge  # most probably the point is on this edge
+        within = max(record.kind.play, record.near) + TREMBLE
+        here = record.pose.edge  # most probably the point is on this edge
         for hold in sorted(holds, key=lambda hold: hold.edge != here):
             curve = graph.curve(hold.edge)
-            nearest = curve.project(*point)
-            if nearest.distance <= play + TREMBLE and (
-                    hold.cleared * curve.length - nearest.arc_length <= TREMBLE):
+            if curve.project(*point, start=hold.cleared * curve.length).distance <= within:
                 return True
         return False
 
@@ -479,7 +484,7 @@ class RouteMaster:
         if position is None:
             return not self.protocol.may_be_on
         return report.motion is Motion.STANDING and point is not None and math.dist(
-            point, position.point(self.record.graph)) <= NEAR + TREMBLE
+            point, position.point(self.record.graph)) <= BESIDE
 
     def _expected(self, before: MasterState) -> str:
         """A clause that says where the robot may have been by its orders."""
@@ -533,6 +538,11 @@ class RouteMaster:
             here = before
         record.stand(here)
         self._strays = 0
+
+    def beside(self, position: GraphPosition) -> float:
+        """Distance (m) of the last location from a position; 0: there is no location."""
+        return 0.0 if self.location is None else math.dist(
+            self.location, position.point(self.record.graph))
 
     def position_at(self, pose: Pose) -> Optional[GraphPosition]:
         """Where the robot can begin a route if it is at this pose.

@@ -10,12 +10,7 @@ from typing import Deque, List, Optional, Tuple
 
 from fleet_core.fleet import RobotType
 from fleet_core.interlocking.allocation import Hold
-from fleet_core.interlocking.reports import (
-    CLOCK_ERROR,
-    GraphPosition,
-    Pose,
-    nearness,
-)
+from fleet_core.interlocking.reports import CLOCK_ERROR, GraphPosition, Pose
 from route_protocol.master import MasterState, Step, left
 from trajectory_graph import Graph
 
@@ -29,6 +24,9 @@ class RouteRecord:
 
     kind  -- the robot's type; its speed bounds how far it may have moved since a location
     slack -- m by which the robot may be behind its reported place
+
+    It has many methods because all that is asked about the driven and the ordered edges is asked
+    here.
     """
 
     def __init__(self, graph: Graph, kind: RobotType, slack: float = 0.0) -> None:
@@ -100,7 +98,7 @@ class RouteRecord:
     @property
     def near(self) -> float:
         """Distance (m) from a vertex within which the robot counts as standing on it."""
-        return nearness(self.kind)
+        return self.kind.nearness
 
     def part(self, begin: int, end: int) -> Tuple[int, ...]:
         """The edges from number `begin` to before `end`, as far as the record has them.

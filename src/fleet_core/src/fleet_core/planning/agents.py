@@ -8,7 +8,7 @@ import numpy as np
 
 from fleet_core.fleet import RobotType
 from fleet_core.planning.mid_edge import MidEdgePosition
-from fleet_core.planning.plans import Drive, Plan
+from fleet_core.planning.plans import Arrival, Drive, Plan
 from fleet_core.planning.road_network import RoadNetwork, Roads, estimated
 
 LATER = 1e-4
@@ -25,9 +25,10 @@ class PathQuery:
                     robot between two vertices these are the vertices to which it may drive
     ready        -- s before which it does not start
     destinations -- vertices to visit in order
+    legs         -- number of its destinations
     dwells       -- s to stay at each destination
     rests        -- vertices at which it may end for ever; None: at the last destination
-    later        -- weight of the seconds after the last destination
+    later        -- weight of the seconds after the last destination; 0 without rests
     common       -- rests that it shares with other queries
     """
 
@@ -37,18 +38,21 @@ class PathQuery:
                  later: float = LATER, common: FrozenSet[int] = frozenset()) -> None:
         self.network = network
         self.vertex = vertex
+        self.start: Arrival = (-1, 0.0, vertex, ready)
+        """Its arrival where it stands, without a drive."""
         self.origins = origins
         self.ready = ready
         self.destinations = tuple(destinations)
-        self.dwells = tuple(dwells) or (0.0,) * len(self.destinations)
+        self.legs = len(self.destinations)
+        self.dwells = tuple(dwells) or (0.0,) * self.legs
         self.rests = rests
-        self.later = later
+        self.later = later if rests is not None else 0.0
         docks = self.destinations if rests is None else (*self.destinations, *rests)
         self.roads: Roads = network.roads(kind, docks)
         self.to_go: List[Sequence[float]] = []
         """For each leg, the seconds from each vertex over all later destinations to the last one.
 
-        If there are rests, one more entry follows: the seconds to the nearest rest.
+        One more entry follows: the seconds to the nearest rest, or 0 without rests.
         """
         beyond = 0.0
         paths = network.paths_to(kind, self.destinations)
@@ -67,6 +71,8 @@ class PathQuery:
             self.to_go.append(estimated(nearest))
             self.lower_bound += later * (float(nearest[self.destinations[-1]]) if paths
                                          else self.seconds_to(nearest))
+        else:
+            self.to_go.append([0.0] * len(self.roads))
 
     def seconds_to(self, path: np.ndarray) -> float:
         """Seconds from its start to a target, without traffic.
@@ -78,10 +84,30 @@ class PathQuery:
 
     def served_at(self, vertex: int, leg: int, arrival: float) -> Tuple[float, int]:
         """When it may leave a vertex, and its next leg. It serves each destination on arrival."""
-        while leg < len(self.destinations) and self.destinations[leg] == vertex:
+        while leg < self.legs and self.destinations[leg] == vertex:
             arrival += self.dwells[leg]
             leg += 1
         return arrival, leg
+
+    def serve(self, leg: int, served: float, arrival: float,
+              until: float) -> Tuple[int, float, float]:
+        """Serves the destination of a leg, and each later one at this vertex, while it is free.
+
+        Returns the next leg, the time of the last service, and when the robot may leave.
+        """
+        targets, leaves = self.destinations, arrival
+        here, last = targets[leg], len(targets) - 1
+        while leg <= last and targets[leg] == here:
+            done = leaves + self.dwells[leg]
+            if done > until or (self.rests is None and leg == last and until < inf):
+                break
+            leaves = served = done
+            leg += 1
+        return leg, served, leaves
+
+    def may_rest(self, vertex: int, until: float) -> bool:
+        """May the robot, when all is served, end at this vertex, which is free `until` then?"""
+        return self.rests is None or (until == inf and vertex in self.rests)
 
     def cost(self, plan: Sequence[Drive]) -> float:
         """Cost of a plan that answers the query; infinite: the plan does not answer it."""
@@ -94,7 +120,7 @@ class PathQuery:
             now, leg = self.served_at(vertex, leg, drive.end)
             if leg > before:
                 served = now
-        if leg < len(self.destinations):
+        if leg < self.legs:
             return inf
         if self.rests is None:
             return now if not self.destinations or vertex == self.destinations[-1] else inf

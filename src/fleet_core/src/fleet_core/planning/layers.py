@@ -9,108 +9,73 @@ from __future__ import annotations
 
 from bisect import bisect_right
 from heapq import heappop, heappush
+from itertools import count
 from math import ceil, inf
 from sys import float_info
-from time import monotonic as time_now
 from typing import Callable, Dict, List, Optional, Sequence, Tuple
 
 from fleet_core.planning.agents import PathQuery
-from fleet_core.planning.plans import Plan
-from fleet_core.planning.safe_intervals import CHECKED, Arrival, plan_from
+from fleet_core.planning.plans import Arrival, Plan
+from fleet_core.planning.safe_intervals import NO_VERTEX, State, plan_from, steps_until
 from fleet_core.planning.slots import Busy, Slots
 
 _ROUNDING = 1e-9  # of a layer
-_NO_VERTEX = -2   # the target behind the last leg
 
 Search = Callable[..., Optional[Tuple[float, Plan]]]
 
 
 def layered(seconds: float) -> Search:
     """Returns `find_path` with layers `seconds` apart. See `safe_intervals` for the arguments."""
-    def search(query: PathQuery, slots: Slots, latest: float = inf,
-               arrivals: Sequence[Arrival] = (),
+    def search(query: PathQuery, slots: Slots, arrivals: Sequence[Arrival], latest: float = inf,
                deadline: float = inf) -> Optional[Tuple[float, Plan]]:
-        return _find_path(query, slots, seconds, latest, arrivals, deadline)
+        return _find_path(query, slots, seconds, arrivals, latest, deadline)
     return search
 
 
-def _find_path(query: PathQuery, slots: Slots, layer: float, latest: float,
-               arrivals: Sequence[Arrival], deadline: float) -> Optional[Tuple[float, Plan]]:
-    legs, targets = len(query.destinations), (*query.destinations, _NO_VERTEX)
-    to_go, later = _estimates(query)
-    best: Dict[Tuple[int, int, int], float] = {}
-    nodes: List[Tuple] = []
-    heap: List[Tuple[float, int, int]] = []
+def _find_path(query: PathQuery, slots: Slots, layer: float, arrivals: Sequence[Arrival],
+               latest: float, deadline: float) -> Optional[Tuple[float, Plan]]:
+    legs, targets = query.legs, (*query.destinations, NO_VERTEX)
+    to_go, later = query.to_go, query.later
+    best: Dict[int, float] = {}
+    heap: List[Tuple[float, int, int, State]] = []
+    numbers = count()
     latest = min(latest, float_info.max)  # an infinite cost means that there is no path
-    arrivals = arrivals or [(-1, 0.0, query.vertex, query.ready)]
-    node, leg, served = -1, 0, query.ready
-    steps = 0
-    while True:
-        steps += 1
-        if steps % CHECKED == 0 and time_now() > deadline:
-            return None
-        for drive, begin, end, arrival in arrivals:
-            until = _free_until(slots.busy(slots.drives + end), arrival)
-            new_leg, new_served, leaves = leg, served, arrival
+    state: Optional[State] = None
+    leg, served = 0, query.ready
+    for _ in steps_until(deadline):
+        for arrival in arrivals:
+            _, _, end, arrives = arrival
+            until = _free_until(slots.busy(slots.drives + end), arrives)
+            new_leg, new_served, leaves = leg, served, arrives
             if targets[leg] == end:
-                new_leg, new_served, leaves = _serve(query, leg, served, arrival, until)
+                new_leg, new_served, leaves = query.serve(leg, served, arrives, until)
             k = ceil(leaves / layer - _ROUNDING)
             time = max(k * layer, leaves)
             if time > until:
                 continue
-            if new_leg < legs:
-                cost = time + to_go[new_leg][end]
-            else:
-                cost = new_served + later * (time - new_served + to_go[new_leg][end])
+            cost = time + to_go[new_leg][end] if new_leg < legs else (
+                new_served + later * (time - new_served + to_go[new_leg][end]))
             # After the horizon nothing changes, so that of all later layers only the first counts.
-            key = (end, k if time <= slots.horizon else -1, new_leg)
+            counted = k if time <= slots.horizon else -1
+            key = (counted * (legs + 1) + new_leg) * len(query.roads) + end
             if cost <= latest and cost < best.get(key, inf):
                 best[key] = cost
-                heappush(heap, (cost, -k, len(nodes)))
-                nodes.append((end, time, new_leg, new_served, until, k,
-                              node, drive, begin, arrival))
+                heappush(heap, (cost, -k, next(numbers), (
+                    end, time, new_leg, new_served, until, key, state, arrival)))
         if not heap:
-            return None
-        cost, _, node = heappop(heap)
-        vertex, now, leg, served, until, k = nodes[node][:6]
-        if leg == legs and _may_rest(query, vertex, until):
-            return cost, plan_from(nodes, node)
-        arrivals = _moves(query, slots, vertex, now, (k + 1) * layer, until)
-
-
-def _estimates(query: PathQuery) -> Tuple[Sequence[Sequence[float]], float]:
-    """The seconds to go for each leg and behind the last one, and the weight of a second there."""
-    if query.rests is None:  # the search ends at the last destination
-        return (*query.to_go, [0.0] * len(query.roads)), 0.0
-    return query.to_go, query.later
-
-
-def _may_rest(query: PathQuery, vertex: int, until: float) -> bool:
-    """May the robot end at this vertex, which is free `until` then?"""
-    return query.rests is None or (until == inf and vertex in query.rests)
-
-
-def _serve(query: PathQuery, leg: int, served: float, arrival: float,
-           until: float) -> Tuple[int, float, float]:
-    """Serves the destination of a leg, and each later one at the same vertex, while it is free.
-
-    Returns the next leg, the time of the last service, and when the robot may leave.
-    """
-    targets, leaves = query.destinations, arrival
-    here, last = targets[leg], len(targets) - 1
-    while leg <= last and targets[leg] == here:
-        done = leaves + query.dwells[leg]
-        if done > until or (query.rests is None and leg == last and until < inf):
             break
-        leaves = served = done
-        leg += 1
-    return leg, served, leaves
+        cost, k, _, state = heappop(heap)
+        vertex, _, leg, served, until, _, _, _ = state
+        if leg == legs and query.may_rest(vertex, until):
+            return cost, plan_from(state)
+        arrivals = _moves(query, slots, state, (1 - k) * layer)
+    return None
 
 
-def _moves(query: PathQuery, slots: Slots, vertex: int, now: float, next_layer: float,
-           until: float) -> List[Arrival]:
+def _moves(query: PathQuery, slots: Slots, state: State, next_layer: float) -> List[Arrival]:
     """The drives that the robot may begin now, and waiting until the next layer."""
     busy = slots.busy
+    vertex, now, _, _, until, _, _, _ = state
     moves = [(drive, now, end, now + seconds) for drive, end, seconds in query.roads[vertex]
              if _free_until(busy(drive), now) >= now]
     # after the horizon nothing changes any more
@@ -120,8 +85,6 @@ def _moves(query: PathQuery, slots: Slots, vertex: int, now: float, next_layer: 
 
 
 def _free_until(busy: Busy, time: float) -> float:
-    """How long a slot stays free from `time` on; -inf: it is not free at `time`."""
-    at = bisect_right(busy[1], time)
-    if at == len(busy[1]):
-        return inf
-    return busy[0][at] if busy[0][at] >= time else -inf
+    """How long a slot stays free from `time` on; earlier than that: it is not free at `time`."""
+    starts, ends = busy
+    return starts[bisect_right(ends, time)]

@@ -9,6 +9,7 @@ import time
 from typing import Dict, FrozenSet, List, NamedTuple, Optional, Tuple, Union
 
 from fleet_core.fleet import Fleet
+from fleet_core.geometry.site_geometry import Alone, SiteGeometry
 from fleet_core.planning.layers import Search
 from fleet_core.planning.parking import named_parking
 from fleet_core.planning.plan_requests import PlanRequest
@@ -50,6 +51,14 @@ class PlanService:
         """Computes in advance what depends only on the graph."""
         self._planner(_Roadmap(frozenset(), frozenset())).prepare()
 
+    def _use(self, alone: Tuple[Alone, ...]) -> None:
+        """Computes anew which places exclude each other."""
+        dock_approach = self._fleet.dock_approach
+        self._open = RoadNetwork(self.graph, (), dock_approach,
+                                 geometry=SiteGeometry(self.graph, dock_approach, alone))
+        self._planners.clear()
+        self.prepare()
+
     def parking_by_name(self) -> FrozenSet[int]:
         """Ids of all vertices at which the graph allows parking, even if that cuts robots off."""
         return frozenset(self._open.vertex_ids[vertex] for kind in self._fleet.types
@@ -62,10 +71,14 @@ class PlanService:
         """
         begun = time.monotonic() if received is None else received
         self._check(request)
+        if request.alone != self._open.geometry.alone:
+            self._use(request.alone)
+            begun = time.monotonic()  # what is computed once is not part of the search
         planner = self._planner(_Roadmap(request.closed, frozenset(request.edge_times.items())))
         planner.parking = tuple(sorted(request.parking))
         return planner.plan(request.tasks, request.obstacles, begun + request.time_limit,
-                            improve_until=begun + request.improvement, seed=request.seed)
+                            improve_until=begun + request.improvement, seed=request.seed,
+                            reserved=request.reserved)
 
     def _check(self, request: PlanRequest) -> None:
         robots: List[Union[Task, Obstacle]] = [*request.tasks, *request.obstacles]
@@ -79,7 +92,9 @@ class PlanService:
                                  'describe it in the fleet file.')
         for obstacle in request.obstacles:
             self._check_ids(f'Robot {obstacle.name}', obstacle.vertices, obstacle.edges)
-        self._check_ids('Parking', tuple(request.parking), ())
+        self._check_ids('Parking', (*request.parking, *request.reserved), ())
+        for alone in request.alone:
+            self._check_ids('A resource', tuple(alone.vertices), tuple(alone.edges))
         for (kind, edge), seconds in request.edge_times.items():
             if not 0.0 < seconds < 1e6:
                 raise CannotPlan(f'The learned time of {kind} on edge {edge} is {seconds} s, but '

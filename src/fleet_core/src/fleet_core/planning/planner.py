@@ -77,12 +77,14 @@ class FleetPlanner:
 
     def plan(self, tasks: Sequence[Task], obstacles: Sequence[Obstacle] = (),
              deadline: float = inf, rounds: Optional[int] = None,
-             improve_until: float = inf, seed: int = 0) -> PlanningOutcome:
+             improve_until: float = inf, seed: int = 0,
+             reserved: Iterable[int] = ()) -> PlanningOutcome:
         """Plans for all tasks, and improves the plans.
 
         The improvement ends at the deadline (monotonic s), after `rounds`, or at `improve_until`
         (monotonic s), whichever comes first. A `seed` of 0 means the planner's own. With another
-        seed the robots are also planned in another order.
+        seed the robots are also planned in another order. At the vertices `reserved` no robot is
+        parked if there is enough other parking.
 
         Raises CannotPlan for an invalid task.
         """
@@ -91,7 +93,8 @@ class FleetPlanner:
             try:
                 return PlanningPipeline(
                     self.reservations, tasks, obstacles, self.parking, self._search,
-                    Random(seed or self._seed), seed != 0).run(deadline, rounds, improve_until)
+                    Random(seed or self._seed), seed != 0, reserved,
+                ).run(deadline, rounds, improve_until)
             finally:
                 self.reservations.clear()
 

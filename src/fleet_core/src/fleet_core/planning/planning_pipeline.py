@@ -47,7 +47,7 @@ class PlanningPipeline:
     The steps of a run hand each other the same plans, bookings and reasons; these are its state.
 
     reservations -- the reservation table, in which nothing is booked yet
-    tasks, obstacles, parking -- the planner's input
+    tasks, obstacles, parking, reserved -- the planner's input
     search     -- the search for one robot's path
     random     -- the source of all random choices
     shuffles   -- the order in which robots are planned at first is random, too
@@ -55,7 +55,8 @@ class PlanningPipeline:
 
     def __init__(self, reservations: ReservationTable, tasks: Sequence[Task],
                  obstacles: Sequence[Obstacle], parking: Iterable[int], search: Search,
-                 random: Random, shuffles: bool = False) -> None:
+                 random: Random, shuffles: bool = False,
+                 reserved: Iterable[int] = ()) -> None:
         self._network = reservations.network
         self._reservations = reservations
         self._tea_star = TeaStar(reservations, search)
@@ -66,7 +67,7 @@ class PlanningPipeline:
                 *(self._network.index[id] for id in obstacle.vertices),
                 *(self._network.vertices + self._network.edge_index[abs(id)]
                   for id in obstacle.edges)], obstacle.areas)
-        self._problem = Problem(reservations, tasks, parking)
+        self._problem = Problem(reservations, tasks, parking, reserved)
         self._agents = self._problem.agents
         self._paths: Paths = {}
         """The paths that serve their robots, all of them booked."""

@@ -1,7 +1,7 @@
 """Plans: what robots are to drive, and when."""
 from __future__ import annotations
 
-from typing import Dict, List, Mapping, NamedTuple, Sequence
+from typing import Dict, List, Mapping, NamedTuple, Sequence, Tuple
 
 
 class Drive(NamedTuple):
@@ -19,6 +19,10 @@ Plan = List[Drive]
 
 Plans = Dict[str, Plan]
 """The plan of each robot by name."""
+
+
+Arrival = Tuple[int, float, int, float]
+"""A drive, when it begins, the vertex at its end, and when it arrives there."""
 
 
 def end_of(plan: Sequence[Drive]) -> float:

@@ -20,15 +20,19 @@ from fleet_core.planning.tasks import CannotPlan, Task
 class Problem:
     """The agents of a list of tasks.
 
-    parking -- ids of the vertices at which robots may be parked; docks only for types that list
-               them
+    parking  -- ids of the vertices at which robots may be parked; docks only for types that list
+                them
+    reserved -- ids of the vertices at which no robot is parked if there is enough other parking
     """
 
     def __init__(self, reservations: ReservationTable, tasks: Sequence[Task],
-                 parking: Iterable[int]) -> None:
+                 parking: Iterable[int], reserved: Iterable[int] = ()) -> None:
         self._reservations = reservations
         self._network: RoadNetwork = reservations.network
-        self._parking = frozenset(self._network.index[id] for id in parking)
+        some = frozenset(self._network.index[id] for id in parking)
+        others = some - frozenset(self._network.index[id] for id in reserved)
+        is_enough = len(others) >= sum(not task.stays for task in tasks)
+        self._parking = others if is_enough else some
         self.tasks: Dict[str, Task] = {task.name: task for task in tasks}
         self._wanted = {name: frozenset(self._vertices(task.destinations))
                         for name, task in self.tasks.items()}

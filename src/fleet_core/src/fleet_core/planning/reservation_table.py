@@ -29,6 +29,8 @@ class ReservationTable:
     """Bookings of many robots. Each robot is booked by name and can be taken out again.
 
     It answers for each robot type at which times a slot is blocked. All searches for paths use it.
+
+    It has many methods because a booking is made, found and taken back in one place.
     """
 
     def __init__(self, network: RoadNetwork, clearance: float, kinds: Iterable[RobotType]) -> None:
@@ -145,7 +147,8 @@ class ReservationTable:
             blocked = [block for place in places for block in blocking.wait(place)]
             for area in areas:
                 distance = kind.reach + observer.reach + self.clearance + area.radius
-                blocked += blocking.beside(self.network.exclusions.near(area.line, distance))
+                blocked += blocking.beside(self.network.exclusions.kept_free(
+                    area.line, distance, area.radius + kind.nearness))
             for slot, _ in blocked:
                 slots.add(slot, -inf, inf, robot, touched)
             self._touched[robot].append((slots, touched))
@@ -219,7 +222,7 @@ class ReservationTable:
             starts, ends = merge(self.against_rest(kind, mid_edge, drive))
             gap, begin = bisect_right(ends, ready), ready
             while begin <= leave:
-                if gap == len(ends) or begin <= starts[gap]:
+                if begin <= starts[gap]:
                     found.append((drive, begin, vertex, begin + seconds))
                 if gap == len(ends):
                     break
@@ -282,8 +285,8 @@ class ReservationTable:
 
         With each edge goes the part of it that is too near to the robot's point.
         """
-        return self.network.exclusions.near(((mid_edge.x, mid_edge.y),),
-                                            self.apart(kind, other))
+        return self.network.exclusions.kept_free(((mid_edge.x, mid_edge.y),),
+                                                 self.apart(kind, other), kind.nearness)
 
     def apart(self, kind: RobotType, other: RobotType) -> float:
         """Distance (m) that the curves of two robots must keep from each other."""

@@ -11,109 +11,142 @@ from __future__ import annotations
 
 from bisect import bisect_right
 from heapq import heappop, heappush, heappushpop
+from itertools import chain, count, repeat
 from math import inf
 from sys import float_info
 from time import monotonic as time_now
-from typing import Dict, List, Optional, Sequence, Tuple
+from typing import Dict, Iterator, List, Mapping, Optional, Sequence, Tuple
 
 from fleet_core.planning.agents import PathQuery
-from fleet_core.planning.plans import Drive, Plan
+from fleet_core.planning.plans import Arrival, Drive, Plan
 from fleet_core.planning.slots import Slots
 
-CHECKED = 256  # number of steps of a search between two looks at the clock
+_CHECKED = 256  # number of steps of a search between two looks at the clock
+NO_VERTEX = -2
+"""The target when all destinations are served."""
 
-Arrival = Tuple[int, float, int, float]
-"""A drive, when it begins, the vertex at its end, and when it arrives there."""
+State = Tuple[int, float, int, float, float, int, Optional['State'], Arrival]
+"""A robot on a vertex, where it may wait, and how it came there.
+
+vertex, time -- where it is, and when it may drive on
+leg          -- index of its next destination
+served       -- the end of its stay at the last destination that it served
+until        -- the end of the time for which it may wait
+key          -- number of vertex, leg and interval: of all states with one key the earliest counts
+parent       -- the state before; None: none
+arrival      -- the drive from there
+
+It is a plain tuple, whose fields get their names where they are read: a search makes very many, and
+a named tuple is made several times more slowly.
+"""
+_Entry = Tuple[float, int, float, State]
+"""A state that waits to be expanded: the lowest cost of a path through it that is not followed yet,
+a number that grows with each state, the lowest cost of the paths that are followed, and the state.
+"""
 
 
-def find_path(errand: PathQuery, slots: Slots, latest: float = inf,
-              arrivals: Sequence[Arrival] = (),
+def find_path(query: PathQuery, slots: Slots, arrivals: Sequence[Arrival], latest: float = inf,
               deadline: float = inf) -> Optional[Tuple[float, Plan]]:
-    """The plan that serves the errand soonest, and its cost. None: there is none in time.
+    """The plan that answers the query soonest, and its cost. None: there is none in time.
 
-    The cost is the time at the end of the last destination. The time after it has the errand's
+    The cost is the time at the end of the last destination. The time after it has the query's
     weight. No plan costs more than `latest`. The search ends at the deadline (monotonic s).
 
-    arrivals -- the first drives of a robot between vertices, which does not start from a vertex
+    arrivals -- the query's start, or the first drives of a robot between vertices
     """
-    roads, to_go, targets, dwells = errand.roads, errand.to_go, errand.destinations, errand.dwells
-    legs, vertices, drives = len(targets), len(roads), slots.drives
-    rests, later = errand.rests or frozenset(), errand.later
-    stays = errand.rests is None  # at the last destination
-    merged, busy_of = slots.merged, slots.busy
+    to_go, later, vertices = query.to_go, query.later, len(query.roads)
+    legs, targets = query.legs, (*query.destinations, NO_VERTEX)
+    merged, busy_of, drives = slots.merged, slots.busy, slots.drives
     best: Dict[int, float] = {}
-    nodes: List[Tuple] = []
-    heap: List[Tuple[float, int, float]] = []
+    numbers = count()
+    heap: List[_Entry] = []
     latest = min(latest, float_info.max)  # an infinite cost means that there is no path
-    node, leg, served = -1, 0, errand.ready
-    moves = list(arrivals) or [(-1, 0.0, errand.vertex, errand.ready)]
-    steps = 0
-    while True:
-        steps += 1
-        if steps % CHECKED == 0 and time_now() > deadline:
-            return None
-        # the newest entry; it is often the next one to expand, and then never on the heap
-        entry = None
-        for drive, begin, end, arrival in moves:
+    state: Optional[State] = None
+    leg, served = 0, query.ready
+    for _ in steps_until(deadline):
+        newest = None
+        for arrival in arrivals:
+            _, _, end, time = arrival
             starts, ends = merged[drives + end] or busy_of(drives + end)
-            interval, until = 0, inf
-            if ends:
-                interval = bisect_right(ends, arrival)
-                if interval < len(ends):
-                    until = starts[interval]
-                    if until < arrival:
-                        continue
-            time, new_leg, new_served = arrival, leg, served
-            while new_leg < legs and targets[new_leg] == end:
-                leaves = time + dwells[new_leg]
-                if leaves > until or (stays and new_leg == legs - 1 and until < inf):
-                    break
-                time = new_served = leaves
-                new_leg += 1
+            interval = bisect_right(ends, time)
+            until = starts[interval]
+            if until < time:
+                continue
+            new_leg, new_served = leg, served
+            if end == targets[leg]:
+                new_leg, new_served, time = query.serve(leg, served, time, until)
             key = (interval * (legs + 1) + new_leg) * vertices + end
             if key in best and time >= best[key]:
                 continue
             if new_leg < legs:
                 cost = time + to_go[new_leg][end]
-            elif stays:
-                cost = new_served
             else:
                 cost = new_served + later * (time - new_served + to_go[new_leg][end])
             if cost <= latest:
                 best[key] = time
-                if entry:
-                    heappush(heap, entry)
-                entry = cost, len(nodes), -inf
-                nodes.append((end, time, new_leg, new_served, until, key,
-                              node, drive, begin, arrival))
-        while heap or entry:
-            cost, node, done = heappushpop(heap, entry) if entry else heappop(heap)
-            entry = None
-            vertex, now, leg, served, until, key, _, _, _, _ = nodes[node]
-            if best[key] == now:
-                break
-        else:
-            return None
-        if leg == legs and (stays or (until == inf and vertex in rests)):
-            return cost, plan_from(nodes, node)
-        estimates, base, weight = to_go[leg], now, 1.0
-        if leg == legs:
-            base, weight = served + later * (now - served), later
-        moves, postponed = [], inf
-        for drive, end, seconds in roads[vertex]:
-            bound = base + weight * (seconds + estimates[end])
-            if bound > cost:
-                if bound < postponed:
-                    postponed = bound
-            elif bound > done:
-                starts, ends = merged[drive] or busy_of(drive)
-                if not ends or now >= ends[-1]:
-                    moves.append((drive, now, end, now + seconds))
-                else:
-                    for begin in _beginnings(starts, ends, now, until):
-                        moves.append((drive, begin, end, begin + seconds))
+                if newest:
+                    heappush(heap, newest)
+                newest = cost, next(numbers), -inf, (
+                    end, time, new_leg, new_served, until, key, state, arrival)
+        found = _next(heap, newest, best)
+        if found is None:
+            break
+        cost, number, made, state = found
+        vertex, _, leg, served, until, _, _, _ = state
+        if leg == legs and query.may_rest(vertex, until):
+            return cost, plan_from(state)
+        arrivals, postponed = _successors(query, slots, state, cost, made)
         if postponed <= latest:
-            heappush(heap, (postponed, node, cost))
+            heappush(heap, (postponed, number, cost, state))
+    return None
+
+
+def steps_until(deadline: float) -> Iterator[None]:
+    """Yields once for each step of a search, until the deadline is found to be over."""
+    in_time = iter(lambda: time_now() <= deadline, False)
+    return chain(repeat(None, _CHECKED),
+                 chain.from_iterable(repeat(None, _CHECKED) for _ in in_time))
+
+
+def _next(heap: List[_Entry], newest: Optional[_Entry],
+          best: Mapping[int, float]) -> Optional[_Entry]:
+    """Takes the entry with the lowest bound whose state is the earliest of its key.
+
+    newest -- an entry that is not in the heap yet; it is often the next, and then never gets there
+    """
+    while heap or newest:
+        entry = heappushpop(heap, newest) if newest else heappop(heap)
+        newest = None
+        state = entry[3]
+        if best[state[5]] == state[1]:
+            return entry
+    return None
+
+
+def _successors(query: PathQuery, slots: Slots, state: State, cost: float,
+                made: float) -> Tuple[List[Arrival], float]:
+    """The drives from a state on paths that cost at least more than `made`, and at most `cost`.
+
+    Returns also the lowest cost of the paths that are left for later.
+    """
+    vertex, now, leg, served, until, _, _, _ = state
+    estimates, base, weight = query.to_go[leg], now, 1.0
+    if leg == query.legs:
+        base, weight = served + query.later * (now - served), query.later
+    moves, postponed = [], inf
+    for drive, end, seconds in query.roads[vertex]:
+        bound = base + weight * (seconds + estimates[end])
+        if bound > cost:
+            if bound < postponed:
+                postponed = bound
+        elif bound > made:
+            starts, ends = slots.merged[drive] or slots.busy(drive)
+            if not ends or now >= ends[-1]:
+                moves.append((drive, now, end, now + seconds))
+            else:
+                for begin in _beginnings(starts, ends, now, until):
+                    moves.append((drive, begin, end, begin + seconds))
+    return moves, postponed
 
 
 def _beginnings(starts: Sequence[float], ends: Sequence[float], now: float,
@@ -122,23 +155,21 @@ def _beginnings(starts: Sequence[float], ends: Sequence[float], now: float,
 
     The slot is busy from each of `starts` to the one of `ends`.
     """
-    gap, count = bisect_right(ends, now), len(ends)
+    gap, blocks = bisect_right(ends, now), len(ends)
     begins = [now] if now <= starts[gap] else []
     while ends[gap] <= until:
         begins.append(ends[gap])
         gap += 1
-        if gap == count:
+        if gap == blocks:
             break
     return begins
 
 
-def plan_from(nodes: Sequence[Tuple], node: int) -> Plan:
-    """The drives on the path to a node. A node ends with parent, drive, begin and arrival."""
+def plan_from(state: Optional[State]) -> Plan:
+    """The drives on the path to a state."""
     plan: Plan = []
-    while True:
-        parent, drive, begin, arrival = nodes[node][-4:]
+    while state:
+        _, _, _, _, _, _, state, (drive, begin, _, end) = state
         if drive >= 0:
-            plan.append(Drive(drive, begin, arrival))
-        if parent < 0:
-            return plan[::-1]
-        node = parent
+            plan.append(Drive(drive, begin, end))
+    return plan[::-1]

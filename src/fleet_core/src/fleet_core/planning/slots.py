@@ -7,9 +7,12 @@ from typing import AbstractSet, Callable, Iterable, List, Optional, Sequence, Tu
 from fleet_core.planning.blocking import Block
 
 Busy = Tuple[Sequence[float], Sequence[float]]
-"""Beginnings and ends of the times at which a slot is blocked: ascending, without overlaps."""
+"""Beginnings and ends of the times at which a slot is blocked: ascending, without overlaps.
 
-_NEVER: Busy = ((), ())
+Infinity is the last beginning. So beginning k is where the free time before the k-th block ends.
+"""
+
+_NEVER: Busy = ((inf,), ())
 Booking = Tuple[float, float, str]
 """Begin, end, robot. One booking is a time in which one robot blocks without a break."""
 
@@ -93,7 +96,8 @@ class Slots:
         """When `slot` is blocked. At the very ends of these times it is free."""
         busy = self.merged[slot]
         if busy is None:
-            busy = self.merged[slot] = merge(self.row(slot))
+            row = self._rows[slot]  # it is mostly there, and searches ask for very many slots
+            busy = self.merged[slot] = merge(self.row(slot) if row is None else row)
         return busy
 
 
@@ -107,17 +111,19 @@ def extend(row: List[Booking], begin: float, end: float, robot: str) -> bool:
 
 def merge(bookings: Sequence[Booking]) -> Busy:
     """The times that any of the bookings covers."""
-    if not bookings:
+    count = len(bookings)
+    if count == 0:
         return _NEVER
-    if len(bookings) == 1:
-        return (bookings[0][0],), (bookings[0][1],)
-    if len(bookings) == 2:  # most calls have at most two bookings
+    if count == 1:
+        begin, end, _ = bookings[0]
+        return (begin, inf), (end,)
+    if count == 2:  # most calls have at most two bookings
         one, other = bookings
         if other[0] < one[0]:
             one, other = other, one
         if other[0] >= one[1]:
-            return (one[0], other[0]), (one[1], other[1])
-        return (one[0],), (max(one[1], other[1]),)
+            return (one[0], other[0], inf), (one[1], other[1])
+        return (one[0], inf), (max(one[1], other[1]),)
     starts: List[float] = []
     ends: List[float] = []
     last = -inf
@@ -128,4 +134,5 @@ def merge(bookings: Sequence[Booking]) -> Busy:
             last = end
         elif end > last:
             ends[-1] = last = end
+    starts.append(inf)
     return starts, ends

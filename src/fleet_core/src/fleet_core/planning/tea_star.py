@@ -15,9 +15,9 @@ from typing import Dict, Iterable, List, Mapping, NamedTuple, Optional, Sequence
 
 from fleet_core.planning.agents import Agent
 from fleet_core.planning.layers import Search
-from fleet_core.planning.plans import Plan
+from fleet_core.planning.plans import Arrival, Plan
 from fleet_core.planning.reservation_table import ReservationTable
-from fleet_core.planning.safe_intervals import Arrival, find_path
+from fleet_core.planning.safe_intervals import find_path
 from fleet_core.planning.slots import Booking
 
 PRESENT = 2.0
@@ -51,14 +51,14 @@ class TeaStar:
 
         None: there is none, or the deadline (monotonic s) came first.
         """
-        arrivals: Sequence[Arrival] = ()
+        arrivals: Sequence[Arrival] = (agent.query.start,)
         if agent.mid_edge:
             arrivals = self.reservations.arrivals(agent.kind, agent.mid_edge,
                                                   agent.query.ready)
             if not arrivals:
                 return None
-        found = self._search(agent.query, self.reservations.slots[agent.kind], latest,
-                             arrivals, deadline)
+        found = self._search(agent.query, self.reservations.slots[agent.kind], arrivals,
+                             latest, deadline)
         if found is None:
             return None
         cost, plan = found

@@ -4,10 +4,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import FrozenSet, Tuple, Union
 
-from fleet_core.interlocking.resources import DeviceDemand
+from fleet_core.geometry.site_geometry import Alone
 from fleet_core.planning.plan_requests import Times
 from fleet_core.planning.tasks import Obstacle, Task
 from fleet_core.supervision.missions import Status
+from route_protocol.devices import DeviceRequest
 from route_protocol.master import Order
 from route_protocol.steps import StepCommand
 
@@ -41,7 +42,7 @@ class SendStep:
 class AskDevice:
     """Publish a request to the device of a resource."""
 
-    request: DeviceDemand
+    request: DeviceRequest
 
 
 @dataclass(frozen=True)
@@ -56,6 +57,8 @@ class AskPlanner:
     """Ask the planner for a plan. Its answer returns this number.
 
     edge_times -- learned driving times, in place of length / speed
+    alone      -- places on which one robot may be at once, because of resources
+    reserved   -- places of stations and queues, where no robot is parked that has no business there
     seed       -- of the planner's random choices; it changes if a plan did not serve all robots
     """
 
@@ -64,6 +67,8 @@ class AskPlanner:
     obstacles: Tuple[Obstacle, ...]
     closed: FrozenSet[int]
     edge_times: Times
+    alone: Tuple[Alone, ...] = ()
+    reserved: FrozenSet[int] = frozenset()
     seed: int = 0
 
 

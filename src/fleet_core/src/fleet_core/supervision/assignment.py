@@ -140,21 +140,29 @@ def why_nobody(found: Mapping[str, Hindrance], robots: Mapping[str, ManagedRobot
     Also returns the robot that could serve it if it were charged; empty: none.
     """
     names = list(found)
-    works = [name for name in names if not found[name].is_outage]
-    free = [name for name in works if found[name].is_free]
-    if not works:
-        if len(names) == 1:
-            return f'{names[0]}: {robots[names[0]].why or "it is stopped"}', ''
-        return f'none of its robots is in service: {", ".join(names)}', ''
-    if not free and not any(robots[name].is_charged for name in works):
-        return _must_charge([robots[name] for name in works], now), ''
+    serving = [robots[name] for name in names if not found[name].is_outage]
+    if not serving:
+        return _out_of_service([robots[name] for name in names]), ''
+    free = [robot for robot in serving if found[robot.name].is_free]
+    if not free and not any(robot.is_charged for robot in serving):
+        return _must_charge(serving, now), ''
     if free and Hindrance.NONE not in found.values():
-        short = [name for name in free if found[name] is Hindrance.BATTERY]
-        if not short:
-            return 'none of the free robots can reach all its destinations', ''
-        fullest = max(short, key=lambda name: robots[name].battery.range_left())
-        return 'no free robot has enough charge for it', fullest
+        return _unable([robot for robot in free if found[robot.name] is Hindrance.BATTERY])
     return f'it waits for {names[0] if len(names) == 1 else "a robot"} to be free', ''
+
+
+def _out_of_service(robots: Sequence[ManagedRobot]) -> str:
+    if len(robots) == 1:
+        return f'{robots[0].name}: {robots[0].why or "it is stopped"}'
+    return f'none of its robots is in service: {", ".join(robot.name for robot in robots)}'
+
+
+def _unable(short: Sequence[ManagedRobot]) -> Tuple[str, str]:
+    """Why no free robot can serve a mission, and the fullest of those that are short of charge."""
+    if not short:
+        return 'none of the free robots can reach all its destinations', ''
+    fullest = max(short, key=lambda robot: robot.battery.range_left())
+    return 'no free robot has enough charge for it', fullest.name
 
 
 def _must_charge(robots: Sequence[ManagedRobot], now: float) -> str:

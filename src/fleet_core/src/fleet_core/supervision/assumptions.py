@@ -9,7 +9,7 @@ from fleet_core.geometry.areas import Area
 from fleet_core.interlocking.allocation import Allocation, Knowledge
 from fleet_core.interlocking.changes import Changes
 from fleet_core.planning.road_network import RoadNetwork
-from fleet_core.supervision.duties import Duty, Errand, errand_of
+from fleet_core.supervision.duties import FREE_WAY, Duty, Errand, ErrandKey, Way, errand_of
 from fleet_core.supervision.missions import Mission
 from fleet_core.supervision.robots import ManagedRobot
 
@@ -38,7 +38,7 @@ class Assumption(NamedTuple):
     base: int
     end: int
     places: Tuple[FrozenSet[int], FrozenSet[int], FrozenSet[Area]]
-    errand: Tuple[Duty, int, int, int]
+    errand: ErrandKey
     reach: Optional[int] = None
 
 
@@ -66,17 +66,22 @@ class WorldView:
         self._errands: Dict[str, Errand] = {}
         self._versions: Dict[str, int] = {}
 
-    def world(self, serving: Mapping[str, Mission], network: RoadNetwork) -> World:
-        """The present world. `serving` has the missions that robots serve."""
+    def world(self, serving: Mapping[str, Mission], network: RoadNetwork,
+              ways: Mapping[str, Way]) -> World:
+        """The present world.
+
+        serving -- the missions that robots serve, by robot
+        ways    -- how far robots may go, if not as far as they want
+        """
         for name, robot in self._robots.items():
-            mission = serving.get(name)
+            mission, way = serving.get(name), ways.get(name, FREE_WAY)
             state = (self._changes.of(name), robot.outage, robot.is_halted, robot.comes_to_rest,
-                     robot.dock, None if mission is None else (
+                     robot.dock, way, None if mission is None else (
                          mission.serial, mission.state, mission.reached, mission.stays_since,
-                         mission.request, mission.changes))
+                         mission.is_held, mission.request, mission.changes))
             if state != self._states.get(name):
                 self._states[name] = state
-                self._errands[name] = errand_of(mission, robot.dock)
+                self._errands[name] = errand_of(mission, robot.dock, way)
                 self._versions[name] = self._versions.get(name, 0) + 1
         return World(self._robots, self._errands, network, self._versions)
 

@@ -1,27 +1,34 @@
 """The device desk: what devices report, and the requests that they have not obeyed yet.
 
-A device is a door, a light or an air lock outside this program. It gets all that it needs in each
-request, so a request that is lost or repeated does no harm, and an older one is not obeyed.
+A device is a door, a light or an air lock outside this program. Each request says all that is
+wanted of it, so a request that is lost or repeated does no harm, and an older one is not obeyed.
 """
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import Callable, Collection, Dict, List, NamedTuple
 
 from fleet_core.interlocking.claims import Claims
-from fleet_core.interlocking.resources import DeviceReading
+from fleet_core.interlocking.route_master import ME
 from fleet_core.supervision.actions import AskDevice
-from route_protocol.devices import DeviceMode
+from route_protocol.devices import DeviceMode, DeviceReport, DeviceUse
 
-FRESH = 3.0   # s for which a report counts
+FRESH = 3.0   # s for which a reading counts
 REPEAT = 1.0  # s between two requests that no report shows
+AHEAD = 0.2   # s by which the clock of the program that reads devices may be ahead
 
 
-class _Read(NamedTuple):
-    """A report, and when its device was read, in s by the supervisor's clock."""
+class DeviceView(NamedTuple):
+    """What is known of a device. `why`: what is wrong with it, as a clause; empty: nothing."""
 
-    report: DeviceReading
-    at: float
+    mode: DeviceMode
+    why: str = ''
+
+
+_NEVER_HEARD = DeviceView(DeviceMode.UNKNOWN, 'no report of it has come: is fleet_devices running?')
+_OLD = DeviceView(DeviceMode.OFFLINE, 'its reports are old or have ended: is fleet_devices '
+                                      'running, and is the clock of its computer right?')
 
 
 class _Sent(NamedTuple):
@@ -40,25 +47,43 @@ class DeviceDesk:
 
     def __init__(self, claims: Claims, unknown: Callable[[], Collection[str]]) -> None:
         self._claims, self._unknown = claims, unknown
-        self._read: Dict[str, _Read] = {}
+        self._reports: Dict[str, DeviceReport] = {}
         self._sent: Dict[str, _Sent] = {}
 
-    def report(self, report: DeviceReading, now: float) -> None:
-        """Handles a report. One that was read before the newest changes nothing."""
-        at = now - max(report.age, 0.0)
-        before = self._read.get(report.resource)
-        if before is None or at >= before.at:
-            self._read[report.resource] = _Read(report, at)
+    def report(self, report: DeviceReport, now: float) -> None:
+        """Handles a report. One that was made before the newest changes nothing.
 
-    def look(self, now: float) -> None:
+        Its times are those of the supervisor's clock. A reading that was made after now is of a
+        wrong clock, and so its age is not known.
+        """
+        name = report.device
+        resource = self._claims.needs.resources.get(name)
+        if resource is None or not resource.has_device:
+            return
+        if not report.is_newer_than(self._reports.get(name)):
+            return
+        if report.read_at is not None and report.read_at > now:
+            is_wrong = report.read_at > now + AHEAD
+            report = replace(report, read_at=None if is_wrong else now)
+        self._reports[name] = report
+        number = _own(report).number
+        if number > self._claims.number:  # the journal was lost, and the clock was set back
+            self._claims.outnumber(number)
+
+    def update_open(self, now: float) -> None:
         """Tells the interlocking which devices are open now, by fresh reports."""
         self._claims.open_for = {
-            name: read.report.request for name, read in self._read.items()
-            if read.report.mode is DeviceMode.OPEN and self._is_fresh(read, now)}
+            name: own.number for name, report in self._reports.items() for own in (_own(report),)
+            if report.mode is DeviceMode.OPEN and own.holds and _is_fresh(report, now)}
 
-    @staticmethod
-    def _is_fresh(read: _Read, now: float) -> bool:
-        return now - read.at <= FRESH
+    def view(self, name: str, now: float) -> DeviceView:
+        """What is known of a device now."""
+        report = self._reports.get(name)
+        if report is None:
+            return _NEVER_HEARD
+        if _is_fresh(report, now) or report.reason:
+            return DeviceView(report.mode, report.reason)
+        return _OLD
 
     def due(self, now: float) -> List[AskDevice]:
         """The requests to send now: those that no fresh report shows.
@@ -69,11 +94,19 @@ class DeviceDesk:
         if not self._claims.requests or self._unknown():
             return found
         for name, request in self._claims.requests.items():
-            read, sent = self._read.get(name), self._sent.get(name, _Sent())
-            is_shown = read is not None and (
-                self._is_fresh(read, now) and read.report.request >= request.number)
+            report, sent = self._reports.get(name), self._sent.get(name, _Sent())
+            is_shown = report is not None and _is_fresh(report, now) and report.shows(request)
             if is_shown or sent.number == request.number and now - sent.at < REPEAT:
                 continue
             self._sent[name] = _Sent(request.number, now)
             found.append(AskDevice(request))
         return found
+
+
+def _own(report: DeviceReport) -> DeviceUse:
+    """What the device obeys of the fleet manager."""
+    return report.use_of(ME) or DeviceUse(ME, DeviceMode.CLOSED, 0, 0.0)
+
+
+def _is_fresh(report: DeviceReport, now: float) -> bool:
+    return report.read_at is not None and now - report.read_at <= FRESH

@@ -22,7 +22,32 @@ class Duty(Enum):
     IDLE = 'idle'        # it makes room if another robot needs its place
     MISSION = 'mission'
     CHARGE = 'charge'
+    QUEUE = 'queue'      # it waits for its turn at a station: at a queue place, or where it is
     STAND = 'stand'      # its mission is paused, or waits for an answer: it stays where it is
+
+
+ErrandKey = Tuple[Duty, int, int, int, int]
+
+
+class Way(NamedTuple):
+    """How far the stations let a robot go.
+
+    reach  -- number of its mission's destinations up to the next station for which it has no turn;
+              None: it has no such station ahead
+    waits  -- its next destination is at that station
+    place  -- the queue place at which it waits; None: where it is
+    is_there -- the edges that it was granted end at that queue place
+    leaves -- it has no business in the station where it is, and another robot waits for that
+    """
+
+    reach: Optional[int] = None
+    waits: bool = False
+    place: Optional[int] = None
+    is_there: bool = False
+    leaves: bool = False
+
+
+FREE_WAY = Way()
 
 
 @dataclass(frozen=True)
@@ -30,32 +55,53 @@ class Errand:
     """What one robot has to do next.
 
     mission -- the mission that it serves, paused or not
-    dock    -- the dock at which it is to charge
+    place   -- the dock at which it is to charge, or the queue place at which it waits
+    way     -- how far it may go, and whether it must
     """
 
     duty: Duty = Duty.IDLE
     mission: Optional[Mission] = None
-    dock: Optional[int] = None
+    place: Optional[int] = None
+    way: Way = FREE_WAY
 
     @property
-    def key(self) -> Tuple[Duty, int, int, int]:
+    def key(self) -> ErrandKey:
         """A key that stays the same as long as a plan for the errand is useful.
 
-        A stay without an end is planned to last long. So the key changes when such a stay ends.
+        A stay without an end is planned to last long. So the key changes when such a stay ends. A
+        robot that had to leave its queue place is to be planned back.
         """
-        if self.mission is None:
-            return self.duty, self.dock or 0, 0, 0
+        if self.mission is None or self.duty is Duty.QUEUE:
+            return self.duty, self.place or 0, int(self.way.is_there), 0, 0
         stays = self.mission.dwell_until == math.inf
         return (self.duty, self.mission.serial, self.mission.reached if stays else -1,
-                self.mission.changes)
+                self.mission.changes, -1 if self.way.reach is None else self.way.reach)
+
+    @property
+    def stays(self) -> bool:
+        """Is the robot to stay at the place of its errand?"""
+        return self.place is not None
+
+    @property
+    def is_to_drive(self) -> bool:
+        """Is the robot to be somewhere else than where it is, so that others make room for it?"""
+        if self.duty is Duty.QUEUE:
+            return self.way.leaves or self.place is not None and not self.way.is_there
+        return self.way.leaves or self.duty in (Duty.MISSION, Duty.CHARGE)
 
 
-def errand_of(mission: Optional[Mission], dock: Optional[int]) -> Errand:
+def errand_of(mission: Optional[Mission], dock: Optional[int], way: Way = FREE_WAY) -> Errand:
     """The errand of a robot. A mission comes before charging, unless it is paused."""
+    if mission is not None and follows(mission):
+        return Errand(Duty.QUEUE if way.waits else Duty.MISSION, mission, way.place, way)
     if mission is not None:
-        stands = mission.state is MissionState.PAUSED or mission.is_held
-        return Errand(Duty.STAND if stands else Duty.MISSION, mission)
-    return Errand(Duty.CHARGE, None, dock) if dock is not None else Errand()
+        return Errand(Duty.STAND, mission)
+    return Errand(Duty.CHARGE, None, dock) if dock is not None else Errand(way=way)
+
+
+def follows(mission: Mission) -> bool:
+    """Does the robot of a mission go on to its next destination?"""
+    return mission.state is not MissionState.PAUSED and not mission.is_held
 
 
 class Visits(NamedTuple):
@@ -69,12 +115,17 @@ class Visits(NamedTuple):
     reach: Optional[int]
 
 
-def to_visit(released: Iterable[int], graph: Graph, mission: Mission, now: float) -> Visits:
-    """The next destinations behind those that the released edges ahead visit already."""
+def to_visit(released: Iterable[int], graph: Graph, mission: Mission, now: float,
+             end: Optional[int] = None) -> Visits:
+    """The next destinations behind those that the released edges ahead visit already.
+
+    end -- number of destinations that the robot may visit now; None: all
+    """
     first = mission.reached + mission.visits([graph.end_vertex(edge).id for edge in released])
-    some = slice(first, first + WINDOW)
+    last = len(mission.request.destinations) if end is None else end
+    some = slice(first, min(first + WINDOW, last))
     destinations = mission.request.destinations[some]
-    reach = some.stop if some.stop < len(mission.request.destinations) else None
+    reach = some.stop if some.stop < last else None
     if not mission.request.dwells:
         return Visits(destinations, (), reach)
     dwells = [dwell if dwell >= 0.0 else UNTIL_RELEASED for dwell in mission.request.dwells[some]]
@@ -92,6 +143,7 @@ def goes_until(robot: ManagedRobot, errand: Errand, own: RobotPlan, asked: bool,
 
     - On a mission, the robot stops at a destination where it stays, and at the last one that the
       plan includes.
+    - In a queue, it stops at its queue place.
     - An idle robot, and one whose plan does not lead to its destination, stops where it is, unless
       another robot asks it to make room.
     """
@@ -101,11 +153,25 @@ def goes_until(robot: ManagedRobot, errand: Errand, own: RobotPlan, asked: bool,
         return record.end
     if errand.duty is Duty.CHARGE:
         return end
+    if errand.duty is Duty.QUEUE:
+        return end if asked else _end_at(errand, own, robot)
     if errand.mission is not None:
-        stop = _next_stop(record.graph, own.behind(record.done), errand.mission, reach)
+        ends = [number for number in (reach, errand.way.reach) if number is not None]
+        stop = _next_stop(record.graph, own.behind(record.done), errand.mission,
+                          min(ends, default=None))
         if stop is not None:
             return record.done + stop
     return end if asked else record.end
+
+
+def _end_at(errand: Errand, own: RobotPlan, robot: ManagedRobot) -> int:
+    """Number of the edge behind the one that leads to the queue place; else where it is."""
+    record = robot.record
+    if errand.way.is_there:
+        return record.end
+    ends = (number for number, drive in enumerate(own.drives, own.base + 1)
+            if number > record.end and record.graph.end_vertex(drive.edge).id == errand.place)
+    return next(ends, record.end)
 
 
 def _next_stop(graph: Graph, drives: Sequence[PlannedDrive], mission: Mission,

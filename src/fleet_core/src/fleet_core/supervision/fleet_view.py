@@ -15,6 +15,7 @@ from fleet_core.supervision.restoring import RemovedRobot
 from fleet_core.supervision.robots import ManagedRobot
 from fleet_core.supervision.supervisor import Supervisor
 from fleet_core.supervision.time_to_go import UNKNOWN, TimeToGo, time_to_go
+from fleet_core.supervision.waits import NO_WAIT, Wait, WaitCode
 from fleet_core.supervision.why import robot_wait
 
 
@@ -38,7 +39,12 @@ class RobotState(IntEnum):
         """The state as people read it, on the page, in RViz and in `fleet list`."""
         return _WORDS.get(self, self.name.lower().replace('_', ' '))
 
+    def words_with(self, waits_for: int) -> str:
+        """The same of a robot that waits for something (WaitCode): one at a step works."""
+        return WORKING if self is self.BUSY and waits_for == WaitCode.STEP else self.words
 
+
+WORKING = 'working'
 _WORDS = {RobotState.BUSY: 'driving', RobotState.STOPPED: 'emergency stop',
           RobotState.OFF_GRAPH: 'off the graph', RobotState.UNKNOWN: 'place unknown'}
 _OF_OUTAGE = {
@@ -59,6 +65,8 @@ class RobotView:
     mission     -- request id of the mission that it serves
     destination -- vertex to which it drives; None: none
     to_go       -- time until it is there, and until its mission ends, in s of the robot's clock
+
+    Each attribute is a field of the published state.
     """
 
     name: str
@@ -70,7 +78,7 @@ class RobotView:
     battery: float
     mission: Optional[int]
     destination: Optional[int]
-    waits_for: str
+    waits_for: Wait = NO_WAIT
     to_go: TimeToGo = UNKNOWN
 
 
@@ -101,14 +109,14 @@ def _view(robot: ManagedRobot, errand: Errand, supervisor: Supervisor, now: floa
         state = RobotState.CHARGING
     else:
         state = RobotState.IDLE if errand.duty is Duty.IDLE else RobotState.BUSY
-    destination = errand.dock
-    if mission is not None and mission.left:
+    destination = errand.place
+    if destination is None and mission is not None and mission.left:
         destination = mission.left[0]
     charge = math.nan if robot.battery.is_mute(robot.liveness, now) else robot.battery.charge
     return RobotView(robot.name, robot.type.name, state, robot.outage, robot.record.pose,
                      robot.liveness.seen, charge,
                      None if mission is None else mission.request.id, destination,
-                     robot_wait(robot, errand, supervisor, now).text,
+                     robot_wait(robot, errand, supervisor, now),
                      _to_go(robot, errand, supervisor, now))
 
 
@@ -125,9 +133,10 @@ def _removed_view(robot: RemovedRobot) -> RobotView:
     if position is not None:
         pose = Pose(position.edge, position.fraction) if position.vertex is None else (
             Pose(record.graph.edges_from(position.vertex)[0]))
+    wait = Wait(WaitCode.OUTAGE, 'it is not in the fleet file any more; its places stay blocked '
+                                 f'until `fleet absent {robot.name}`')
     return RobotView(robot.name, robot.type.name, RobotState.OUT_OF_SERVICE, None, pose, -math.inf,
-                     math.nan, None, None, 'it is not in the fleet file any more; its places stay '
-                     f'blocked until `fleet absent {robot.name}`')
+                     math.nan, None, None, wait)
 
 
 class PlanProgress(NamedTuple):

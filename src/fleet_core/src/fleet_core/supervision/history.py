@@ -15,7 +15,10 @@ _PAGE = 1000  # number of missions that are read at a time
 
 
 class HistoryLine(NamedTuple):
-    """One mission in the history. Times are in s since 1970; None: it did not happen."""
+    """One mission in the history. Times are in s since 1970; None: it did not happen.
+
+    Each attribute is a column of the history.
+    """
 
     request_id: int
     destinations: Tuple[int, ...]

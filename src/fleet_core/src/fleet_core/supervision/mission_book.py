@@ -27,6 +27,9 @@ class MissionBook:
     """All open missions, and for each id the last one of those that ended lately.
 
     stays -- by serial, the supervisor's time since which a mission stays at a destination
+
+    It has one method for each change of a mission, so that the tables by serial, robot and
+    successor agree.
     """
 
     def __init__(self, missions: Iterable[Mission] = (), next_serial: int = 1,

@@ -85,6 +85,8 @@ class Request:
     arguments  -- of the template, by parameter
     earliest   -- s since 1970 before which it does not begin; 0: it begins at once
     deadline   -- s since 1970 by which it is to be done; 0: there is none
+
+    Each attribute is a part of the request, as it is stored.
     """
 
     id: int
@@ -158,6 +160,9 @@ class Status:
     command      -- the command to which `reason` and `command_code` refer; None: none
     asks         -- key of the step that waits for an answer; 0: none does
     template, arguments, earliest, deadline -- as in the request
+    serial       -- of the mission; 0: the request was not accepted
+
+    Each attribute is a field of the published status.
     """
 
     request_id: int
@@ -174,6 +179,7 @@ class Status:
     earliest: float = 0.0
     deadline: float = 0.0
     deadline_state: DeadlineState = DeadlineState.NONE
+    serial: int = 0
 
 
 @dataclass
@@ -192,6 +198,8 @@ class Mission:
     is_bound    -- its robot may carry its load, so no other robot may serve it
     has_worked  -- a step of it was ordered, so it has begun
     asks        -- key of the step that waits for an answer; 0: none does
+
+    Each attribute is one fact of its progress, as it is stored.
     """
 
     serial: int
@@ -217,7 +225,7 @@ class Mission:
         return Status(asked.id, self.state, self.robot, self.reached, self.reason, asked.stamp,
                       asks=self.asks, template=asked.template, arguments=asked.arguments,
                       earliest=asked.earliest, deadline=asked.deadline,
-                      deadline_state=self.deadline_state)
+                      deadline_state=self.deadline_state, serial=self.serial)
 
     @property
     def has_begun(self) -> bool:

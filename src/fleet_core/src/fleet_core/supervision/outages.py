@@ -148,7 +148,7 @@ def sign_of_epoch(cause: EpochCause, had_route: bool) -> Optional[Sign]:
 
     had_route -- the robot had a route, or an order for one was on its way
     """
-    if cause is EpochCause.RESTART:
+    if cause in (EpochCause.RESTART, EpochCause.NONE):  # NONE: a later definition has more causes
         return Sign.FAILURE if had_route else None
     return _OF_EPOCH.get(cause)
 

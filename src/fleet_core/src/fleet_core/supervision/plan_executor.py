@@ -3,13 +3,14 @@ from __future__ import annotations
 
 from collections import deque
 from math import inf
-from typing import AbstractSet, Deque, Dict, Mapping, NamedTuple, Optional, Tuple
+from typing import AbstractSet, Deque, Dict, FrozenSet, Mapping, NamedTuple, Optional, Tuple
 
 from fleet_core.interlocking.interlocking import Gate, Interlocking, Refusal
+from fleet_core.interlocking.resources import Resource
 from fleet_core.planning.tasks import PlanningOutcome
 from fleet_core.supervision.actions import AskPlanner
 from fleet_core.supervision.assumptions import World
-from fleet_core.supervision.duties import Duty, goes_until
+from fleet_core.supervision.duties import goes_until
 from fleet_core.supervision.outbox import Outbox
 from fleet_core.supervision.plan_in_force import PlanInForce
 from fleet_core.supervision.questions import Question, question_of
@@ -40,27 +41,33 @@ class _Delay(NamedTuple):
 class PlanExecutor:
     """The plan in force, the open questions to the planner, and what each robot waits for.
 
-    `go_on` runs one step. It asks the interlocking for the edges that are due by the plan's order,
-    and asks the planner for a new plan if the present one is not useful any more.
+    `advance` runs one step. It asks the interlocking for the edges that are due by the plan's
+    order, and asks the planner for a new plan if the present one is not useful any more.
 
     Grants go on while the planner works. If they made its last answer useless, then until the next
     answer only the edges that the question counts as released are granted.
 
     switching -- looks for a better order while robots are late; None: the order stays
     rate      -- the factor by which robots are faster than the clock
+    reserved  -- places of stations and queues
+
+    Its attributes are the plan, the open questions and what became of the last ones, which each
+    step of the plan reads together.
     """
 
     def __init__(self, robots: Mapping[str, ManagedRobot], interlocking: Interlocking,
                  outbox: Outbox, switching: Optional[OrderSwitching] = None,
-                 rate: float = 1.0) -> None:
+                 rate: float = 1.0, reserved: FrozenSet[int] = frozenset()) -> None:
         self.plan: Optional[PlanInForce] = None
         self.waits_for: Dict[str, str] = {}
         """What each robot waits for, in words; empty: nothing."""
+        self.lacks: Dict[str, Resource] = {}
+        """The resource for which a robot waits."""
         self.trouble = ''
         """Why the planner has not given the requested plan, in words; empty: it has."""
         self._robots, self._interlocking, self._outbox = robots, interlocking, outbox
         self._records = {name: robot.record for name, robot in robots.items()}
-        self._switching, self._rate = switching, rate
+        self._switching, self._rate, self._reserved = switching, rate, reserved
         self._open: Dict[int, Question] = {}
         self._number = 0
         self._asked_at = -inf
@@ -97,9 +104,9 @@ class PlanExecutor:
         if fault:
             self._failures += 1
             self.plan_anew()  # the plan that the planner was to keep may be the cause
-            self._tell(f'the planner sent a plan that {fault}')
+            self._note_trouble(f'the planner sent a plan that {fault}')
             return True
-        self._tell('')
+        self._note_trouble('')
         self._took.append(min(now - question.asked_at, HOLD))
         plan = question.plan(outcome, world)
         self._was_useless = plan is None
@@ -115,16 +122,16 @@ class PlanExecutor:
         if self._open.pop(number, None) is not None:
             self._failures += 1
             self.plan_anew()  # the plan that the planner was to keep may be the cause
-            self._tell(f'the planner found none: {reason}')
+            self._note_trouble(f'the planner found none: {reason}')
 
-    def _tell(self, trouble: str) -> None:
+    def _note_trouble(self, trouble: str) -> None:
         self.trouble = trouble
         self._outbox.note_state(_PLANNING, trouble and f'There is no plan: {trouble}. The planner '
                                 'is asked again until it gives one.', 'The planner answers again.')
 
     # -- execution --------------------------------------------------------------------------------
 
-    def go_on(self, world: World, now: float) -> None:
+    def advance(self, world: World, now: float) -> None:
         """Has due edges granted, and asks for another plan if this one is not useful any more."""
         is_useful = self._is_useful(world, now)
         if self._switching is not None and self.plan is not None and is_useful and not self._open:
@@ -132,7 +139,7 @@ class PlanExecutor:
         if self.plan is not None and (is_useful or self._open or self.trouble):
             self._release(self.plan, world, now)
         if self._open and now - self._asked_at > PLANNER_PATIENCE:
-            self._tell('the planner does not answer')
+            self._note_trouble('the planner does not answer')
         self._ask(world, is_useful, now)
 
     def _ends(self, now: float) -> Optional[Mapping[str, int]]:
@@ -187,6 +194,7 @@ class PlanExecutor:
             due = Due([]) if has_enough(robot.record, goal.ahead) else due_edges(
                 name, plan, self._records, goal)
             self.waits_for[name] = due.waits_for
+            self.lacks.pop(name, None)
             if not due.edges:
                 self._delays.pop(name, None)
                 if ends is None:
@@ -203,10 +211,11 @@ class PlanExecutor:
             self._note_refusal(name, given.refusal, now)
 
     def _asked(self, plan: PlanInForce, world: World) -> AbstractSet[str]:
-        """Robots that must make room for those with an errand."""
-        return plan.asked_to_move(
+        """Robots that must make room for those with an errand, or leave a station."""
+        leave = {name for name, errand in world.errands.items() if errand.way.leaves}
+        return leave | plan.asked_to_move(
             [name for name, errand in world.errands.items()
-             if errand.duty in (Duty.MISSION, Duty.CHARGE) and name not in plan.unserved],
+             if errand.is_to_drive and name not in plan.unserved],
             self._records)
 
     @staticmethod
@@ -236,6 +245,8 @@ class PlanExecutor:
     def _note_refusal(self, name: str, refusal: Optional[Refusal], now: float) -> None:
         if refusal is not None:
             self.waits_for[name] = _words(refusal, self._robots[name].record.graph)
+            if refusal.resource is not None:
+                self.lacks[name] = refusal.resource
         if refusal is None or refusal.gate not in _DELAYS:
             if self._delays.pop(name, None) is not None or refusal is None:
                 self._useless = 0 if not self._delays else self._useless
@@ -258,13 +269,14 @@ class PlanExecutor:
         if not question.tasks:
             self._open.clear()
             self.plan = question.plan(PlanningOutcome({}, ()), world)
-            self._tell('')
+            self._note_trouble('')
             return
         self._open = {number: one for number, one in self._open.items()
                       if number > self._number - _OPEN}
         self._open[self._number] = question
         self._outbox.put(AskPlanner(self._number, question.tasks, question.obstacles,
                                     world.network.closed, world.network.learned,
+                                    world.network.geometry.alone, self._reserved,
                                     question.assumptions.seed))
 
     def _is_to_ask(self, is_useful: bool, since: float) -> bool:

@@ -120,12 +120,12 @@ def _task(robot: ManagedRobot, errand: Errand, own: Optional[RobotPlan], now: fl
     reach: Optional[int] = None
     if errand.duty is Duty.MISSION and mission is not None:
         destinations, dwells, reach = to_visit((*record.ahead, *further), record.graph, mission,
-                                               now)
+                                               now, errand.way.reach)
         priority = mission.request.priority
-    elif errand.duty is Duty.CHARGE and errand.dock is not None:
-        destinations = (errand.dock,)
+    elif errand.place is not None:
+        destinations = (errand.place,)
     return Task(robot.name, robot.type, vertex, (*held, *further), begun, mid_edge, 0.0,
-                destinations, dwells, errand.duty is Duty.CHARGE,
+                destinations, dwells, errand.stays,
                 _kept(own, record.end + len(further)), priority), reach
 
 

@@ -5,15 +5,10 @@ import math
 from dataclasses import dataclass, field
 from typing import Collection, List, Optional
 
-from fleet_core.fleet import RobotType
+from fleet_core.fleet import NEAR, RobotType
 from fleet_core.interlocking.allocation import Knowledge
-from fleet_core.interlocking.reports import (
-    NEAR,
-    GraphPosition,
-    Report,
-    position_of,
-)
-from fleet_core.interlocking.route_master import Heard, RouteMaster, is_dock
+from fleet_core.interlocking.reports import GraphPosition, Report, position_of
+from fleet_core.interlocking.route_master import BESIDE, Heard, RouteMaster, is_dock
 from fleet_core.interlocking.route_record import RouteRecord
 from fleet_core.supervision.battery import Battery
 from fleet_core.supervision.edge_times import Driven, EdgeTimer
@@ -39,6 +34,8 @@ class ManagedRobot:
 
     It judges reports, refusals and silence, and keeps the robot's outage. `master` keeps its route
     record and its allocation.
+
+    It has one method for each event of a robot and one for each question about it.
     """
 
     name: str
@@ -55,6 +52,10 @@ class ManagedRobot:
     """Its mission was cancelled or paused: it stops at the end of its edge."""
     dock: Optional[int] = None
     """The dock at which it charges, or to which it drives for charging."""
+    charge_until: float = 0.0
+    """Charge (0..1) that it was asked to reach; 0: it was not asked."""
+    tops_up: bool = False
+    """It charges only as it has nothing to do: it gives its dock up for others and for work."""
     passed: List[int] = field(default_factory=list)
     """Vertices that it passed and that are not yet counted for its mission."""
     driven: List[Driven] = field(default_factory=list)
@@ -80,7 +81,8 @@ class ManagedRobot:
     @property
     def is_charged(self) -> bool:
         """Does the battery allow a mission?"""
-        return self.dock is None and not self.battery.is_low
+        return not (self.battery.is_low or self.charge_until
+                    or self.dock is not None and not self.tops_up)
 
     @property
     def needs_person(self) -> bool:
@@ -201,7 +203,7 @@ class ManagedRobot:
 
     # -- time -------------------------------------------------------------------------------------
 
-    def look(self, now: float, heard: float) -> None:
+    def tick(self, now: float, heard: float) -> None:
         """Detects that the robot is silent or deaf, and that its last location gets old.
 
         heard -- time until which all arrived reports were evaluated
@@ -271,6 +273,10 @@ class ManagedRobot:
         position = self.master.position_at(self.record.pose)
         if position is None:
             return f'{self.name} is off the graph: bring it onto an edge'
+        beside = self.master.beside(position)
+        if beside > BESIDE:  # by its next reports it would have left that place
+            return (f'{self.name} is {beside:.2f} m beside the graph '
+                    f'({position.told(self.record.graph)}): bring it onto an edge')
         self.master.settle(position)
         self.notice(Sign.BROUGHT_IN)
         self.is_halted = False
@@ -284,7 +290,7 @@ class ManagedRobot:
         self.master.declare_absent(now)
         self.notice(Sign.DECLARED_ABSENT, 'it was declared absent')
         self.is_halted = self.comes_to_rest = False
-        self.dock = None
+        self.dock, self.charge_until = None, 0.0
         self.liveness = Liveness()
         return ''
 

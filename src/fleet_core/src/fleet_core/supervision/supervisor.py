@@ -21,16 +21,16 @@ from fleet_core.interlocking.reports import (
     check_report,
     old_location,
 )
-from fleet_core.interlocking.resources import DeviceReading, Needs, Resource
+from fleet_core.interlocking.resources import Needs, Resource
 from fleet_core.interlocking.stop_gate import StopGate
 from fleet_core.planning.road_network import RoadNetwork
 from fleet_core.planning.tasks import PlanningOutcome
 from fleet_core.supervision import mission_commands, mission_progress
 from fleet_core.supervision.actions import Action, TellStatus
 from fleet_core.supervision.assumptions import World, WorldView
-from fleet_core.supervision.charging import ChargeQueue
+from fleet_core.supervision.charging import ChargeQueue, docks_of
 from fleet_core.supervision.device_desk import DeviceDesk
-from fleet_core.supervision.duties import Errand, errand_of
+from fleet_core.supervision.duties import FREE_WAY, Errand, errand_of
 from fleet_core.supervision.fleet_stop import NOT_STOPPED, FleetStop, StopCause
 from fleet_core.supervision.hindrances import Hindrance
 from fleet_core.supervision.journal import Journal
@@ -62,6 +62,8 @@ from fleet_core.supervision.restoring import (
 from fleet_core.supervision.robots import ManagedRobot
 from fleet_core.supervision.run_number import RUN_NUMBER, RunNumber
 from fleet_core.supervision.settings import RobotSettings
+from fleet_core.supervision.site_resources import resources_of
+from fleet_core.supervision.station_desk import StationDesk
 from fleet_core.supervision.switching import OrderSwitching
 from fleet_core.supervision.time_to_go import time_over, time_to_go
 from fleet_core.supervision.timetable_runs import TimetableRuns, stored_name
@@ -71,6 +73,7 @@ from fleet_core.supervision.work_desk import NEWEST_STEP, WorkDesk
 from fleet_core.supervision.work_requests import WorkRequests
 from fleet_core.work.site_work import SiteWork
 from fleet_core.work.timetables import shown_at
+from route_protocol.devices import DeviceReport
 from route_protocol.messages import WrongReport
 from route_protocol.steps import StepReport
 from route_protocol.values import EpochCause
@@ -86,6 +89,7 @@ class Supervisor:
 
     - `book` keeps the missions, and `charging` gives docks to robots.
     - `desk` leads missions with steps, and keeps the loads of robots.
+    - `stations` says which robots may go to stations, and where the others wait.
     - `plan_executor` asks the planner, and requests grants by the plan's order.
     - `interlocking` grants edges, and lets orders out.
     - `devices` keeps what doors and other devices report.
@@ -94,7 +98,8 @@ class Supervisor:
     rate     -- the factor by which simulated robots are faster than the clock
     switching -- looks for a better order while robots are late; None: the order stays
     conformance -- checks each event against the model of allocations; None: nothing does
-    resources   -- doors, zones, stations and the like, which robots must claim
+    resources   -- zones and the like, which robots must claim, besides the devices and stations
+                   of `work`
     work        -- what the site says about work; None: nothing
     """
 
@@ -106,6 +111,8 @@ class Supervisor:
                  resources: Sequence[Resource] = (),
                  work: Optional[SiteWork] = None) -> None:
         self.gate = gate or StopGate()
+        work = work or SiteWork()
+        resources = (*resources_of(work), *resources)
         self.networks = Networks(graph, fleet, rate, resources)
         self.rate = rate
         """The factor by which robots are faster than the clock."""
@@ -133,7 +140,6 @@ class Supervisor:
         self._is_recovering = False
         self.desk = WorkDesk(self.book, self.robots, journal.works(), journal.loads(),
                              journal.value(NEWEST_STEP), journal.milliseconds)
-        work = work or SiteWork()
         self._work_requests = WorkRequests(work, graph, self.book)
         self.times = MissionTimes(self.book, journal.milliseconds)
         self._timetables = TimetableRuns(work.timetables, journal.value, journal.milliseconds)
@@ -144,12 +150,15 @@ class Supervisor:
         self.interlocking = Interlocking(self.networks.geometry, fleet.clearance,
                                          self._everywhere, conformance, changes.follow(),
                                          self._claims)
+        self.stations = StationDesk(work.stations, self._claims, self.book, self.robots,
+                                    self.desk)
+        self.desk.may_enter = self.stations.may_go_to
         self.devices = DeviceDesk(self._claims, lambda: self.interlocking.unknown_robots)
         self._out = Outbox(journal, self.book, self.robots, self._everywhere, self.interlocking,
                            self.desk, self.devices)
         self._view = WorldView(self.robots, changes)
         self.plan_executor = PlanExecutor(self.robots, self.interlocking, self._out,
-                                          switching, rate)
+                                          switching, rate, self.stations.reserved)
         self.interlocking.stored(self._everywhere)
         self._declared_absent = {robot.name for robot in fleet.robots if robot.absent}
         self._run = RunNumber(journal)
@@ -237,7 +246,7 @@ class Supervisor:
             self.book.withdraw(mission, before)
             self.desk.withdrawn(mission.serial)
             self._refuse(mission.request, self.trouble)
-        return [*actions, *self._out.take(now)]
+        return [*actions, *self._out.actions(now)]
 
     def _acceptance_now(self) -> Acceptance:
         """The data by which requests are checked, with the places of the robots."""
@@ -344,7 +353,7 @@ class Supervisor:
             self._out.note(problem, change is not None)
         if mission.robot:
             self._out.robot_changed(mission.robot)
-        self._go_on(now)
+        self._advance(now)
         actions = self._actions(now)
         if self.trouble:
             told = mission_commands.not_stored(before, command, self.trouble)
@@ -394,8 +403,8 @@ class Supervisor:
             self._out.robot_changed(name)
             mission_progress.follow(self.book, robot, now)
         self._separate()
-        self._outages.look_at(robot)
-        return self._checked(self._out.take_unless_due_later(now), now)
+        self._outages.compare_robot(robot)
+        return self._checked(self._out.actions_unless_due_later(now), now)
 
     def step_report(self, name: str, report: StepReport, now: float) -> List[Action]:
         """Handles a robot's report of its steps."""
@@ -412,30 +421,32 @@ class Supervisor:
         if self.trouble:
             return f'{self.trouble}.', self._actions(now)
         problem = self.desk.set_load(name, request_id)
-        self._go_on(now)
+        self._advance(now)
         return problem, self._actions(now)
 
-    def device_report(self, report: DeviceReading, now: float) -> List[Action]:
-        """Handles the report of a device."""
+    def device_report(self, report: DeviceReport, now: float) -> List[Action]:
+        """Handles the report of a device. Its times are those of the supervisor's clock."""
         self.devices.report(report, now)
-        return self._out.take_unless_due_later(now)
+        return self._out.actions_unless_due_later(now)
 
     def _look_at_devices(self, now: float) -> None:
         """Tells the interlocking which devices are open, and people where one is not for a robot.
         """
-        self.devices.look(now)
+        self.devices.update_open(now)
         lost = set() if self._is_starting else set(self._claims.lost())
         for claim in sorted(self._lost | lost):
             name, what = claim[0], self._claims.needs.resources[claim[1]]
-            wrong = (f'{name} is where it needs the {what}, which does not report that it is open. '
-                     'No other robot is sent there. Look at both.')
+            why = self.devices.view(claim[1], now).why
+            wrong = (f'{name} is where it needs the {what}, which does not report that it is open'
+                     f'{why and f" ({why})"}. No other robot is sent there. Look at both.')
             self._out.note_state(f'{name}/{what}', wrong if claim in lost else '',
                                  f'The {what} is open for {name} again, or {name} has left it.')
         self._lost = lost
 
     def _work(self, now: float) -> None:
         """Lets the work at stops go on, and closes the gates of the robots that must stand."""
-        for name in self.desk.go_on(not (self.is_stopped or self.trouble or self._is_starting)):
+        may_begin = not (self.is_stopped or self.trouble or self._is_starting)
+        for name in self.desk.follow_all(may_begin):
             self._out.robot_changed(name)
             self._out.send()
         self.interlocking.at_work = self.desk.at_work
@@ -459,6 +470,9 @@ class Supervisor:
                            'are stopped, and go on when all stand.', True)
             self._is_recovering = True
             self._halt(self.robots.values())
+            self._out.send()
+        elif not robot.master.is_stopping:
+            self._halt([robot])  # to it, the stop from before this report was not a new one
             self._out.send()
 
     def _doubt_journal(self, why: str, reporting: str = '') -> None:
@@ -493,7 +507,7 @@ class Supervisor:
             robot = self.robots[name]
             robot.notice(Sign.EXCLUDED, self._too_near('it', robot))
             self._out.robot_changed(name)
-            self._outages.look_at(robot)
+            self._outages.compare_robot(robot)
             self._out.send()
 
     def _too_near(self, subject: str, robot: ManagedRobot) -> str:
@@ -504,7 +518,7 @@ class Supervisor:
     def _actions(self, now: float) -> List[Action]:
         """All actions that follow an event. Robots that exclude each other now are stopped."""
         self._separate()
-        return self._checked(self._out.take(now), now)
+        return self._checked(self._out.actions(now), now)
 
     def _checked(self, actions: List[Action], now: float) -> List[Action]:
         """Stops the fleet if the event did what the model of allocations does not allow."""
@@ -517,12 +531,12 @@ class Supervisor:
         if not self.is_stopped:
             self._stop(self._stop_now(StopCause.DEFECT, f'an error of the fleet manager: '
                                       f'{violations[0]}'))
-        return [*actions, *self._out.take(now)]
+        return [*actions, *self._out.actions(now)]
 
     def battery(self, name: str, charge: float, now: float) -> List[Action]:
         """Handles a report of the state of charge, 0..1."""
-        self.robots[name].battery.tell(charge, now)
-        return self._out.take_unless_due_later(now)
+        self.robots[name].battery.report(charge, now)
+        return self._out.actions_unless_due_later(now)
 
     # -- commands of people -----------------------------------------------------------------------
 
@@ -532,8 +546,8 @@ class Supervisor:
         robot.master.halt()
         robot.notice(Sign.TAKEN_OUT, 'it was taken out of service')
         self._out.robot_changed(name)
-        self._outages.look()
-        self._go_on(now)
+        self._outages.compare()
+        self._advance(now)
         return self._actions(now)
 
     def bring_in(self, name: str, now: float) -> Tuple[str, List[Action]]:
@@ -548,8 +562,27 @@ class Supervisor:
         if not problem and not robot.works:
             problem = robot.come_back() or self._still_too_near(robot)
             self._out.robot_changed(name)
-            self._outages.look()
-            self._go_on(now)
+            self._outages.compare()
+            self._advance(now)
+        return problem, self._actions(now)
+
+    def charge(self, name: str, until: float, now: float) -> Tuple[str, List[Action]]:
+        """Asks a robot to charge until `until` (0..1) after its mission; 0: not any more.
+
+        Also returns why not, as a clause; empty: done.
+        """
+        robot = self.robots[name]
+        problem = self.trouble
+        if until and not docks_of(robot, self.network):
+            problem = problem or 'the fleet file and the graph have no dock for its type'
+        elif not 0.0 <= until <= 1.0:
+            problem = problem or f'it cannot charge until {100.0 * until:.0f} %'
+        elif until and robot.battery.charge >= until:
+            problem = problem or f'its charge is {100.0 * robot.battery.charge:.0f} % already'
+        if not problem:
+            robot.charge_until = until
+            self._out.robot_changed(name)
+            self._advance(now)
         return problem, self._actions(now)
 
     def _stop_first(self, robot: ManagedRobot) -> str:
@@ -575,8 +608,8 @@ class Supervisor:
             self.interlocking.forget(name)
         if not problem:
             self._out.robot_changed(name)
-            self._outages.look()
-            self._go_on(now)
+            self._outages.compare()
+            self._advance(now)
         return problem, self._actions(now)
 
     @property
@@ -629,7 +662,7 @@ class Supervisor:
         self.interlocking.is_stopped = False
         self.stop = NOT_STOPPED
         self._out.stop_changed(NOT_STOPPED)
-        self._go_on(now)
+        self._advance(now)
         return '', self._actions(now)
 
     @property
@@ -656,13 +689,13 @@ class Supervisor:
         """Sets the closed edges. Edges that are granted already are driven to their end."""
         if self.networks.close(edges):
             self.interlocking.closed = self.network.closed
-            self._go_on(now)
+            self._advance(now)
         return self._actions(now)
 
     def plan_made(self, number: int, outcome: PlanningOutcome, now: float) -> List[Action]:
         """Handles the planner's answer. An answer that does not fit any more is ignored."""
         if self.plan_executor.plan_made(number, outcome, self._world(), now):
-            self._go_on(now)
+            self._advance(now)
         return self._actions(now)
 
     def plan_failed(self, number: int, reason: str, now: float) -> List[Action]:
@@ -684,19 +717,20 @@ class Supervisor:
         heard -- time until which all arrived reports were handled; silence is judged by it
         """
         self._heard = now if heard is None else heard
-        self._go_on(now)
+        self._advance(now)
         return self._actions(now)
 
     def errands(self) -> Dict[str, Errand]:
         """The errand of each robot."""
         missions = self.book.serving
-        return {name: errand_of(missions.get(name), robot.dock)
+        return {name: errand_of(missions.get(name), robot.dock,
+                                self.stations.ways.get(name, FREE_WAY))
                 for name, robot in self.robots.items()}
 
     def _world(self) -> World:
-        return self._view.world(self.book.serving, self.network)
+        return self._view.world(self.book.serving, self.network, self.stations.ways)
 
-    def _go_on(self, now: float) -> None:
+    def _advance(self, now: float) -> None:
         for robot in self.robots.values():
             self._follow(robot, now)
         self._look_at_devices(now)
@@ -705,7 +739,7 @@ class Supervisor:
         self._follow_times(now)
         self._work(now)
         self._shorten()
-        self._outages.look()
+        self._outages.compare()
         self._believe_journal()
         self._out.send()
         self._is_starting &= (self._heard - self._began < SILENCE and not all(
@@ -722,11 +756,12 @@ class Supervisor:
             self._out.robot_changed(name)
         for name in self._waiting.assign(self.acceptance, self.networks, now):
             mission_progress.follow(self.book, self.robots[name], now)
-        self.plan_executor.go_on(self._world(), now)
+        self.stations.advance(self.network)
+        self.plan_executor.advance(self._world(), now)
 
     def _follow(self, robot: ManagedRobot, now: float) -> None:
         """Judges what is known of a robot now, and lets it go on or stop."""
-        robot.look(now, self._heard)
+        robot.tick(now, self._heard)
         mission_progress.follow(self.book, robot, now)
         if not self.is_stopped and robot.goes_on(now):
             self._out.robot_changed(robot.name)

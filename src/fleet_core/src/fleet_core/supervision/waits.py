@@ -25,6 +25,7 @@ class WaitCode(IntEnum):
     PLAN = 13
     TRAFFIC = 14     # another robot, or an edge that may not be entered yet
     TIME = 15        # its earliest time
+    RESOURCE = 16    # a door, a station or the like: its device, or the robot that claims it
 
 
 class Wait(NamedTuple):

@@ -6,9 +6,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import isfinite, isinf, nan
-from typing import Optional, Tuple
+from typing import Optional, Sequence, Tuple
 
 from fleet_core.interlocking.allocation import Knowledge
+from fleet_core.interlocking.resources import Resource
 from fleet_core.supervision.assignment import hindrances, why_nobody
 from fleet_core.supervision.duties import Duty, Errand
 from fleet_core.supervision.hindrances import WORDS, Hindrance
@@ -104,6 +105,12 @@ def robot_wait(robot: ManagedRobot, errand: Errand, supervisor: Supervisor, now:
         return supervisor.all_wait
     if mission is not None and mission.state is MissionState.PAUSED:
         return _PAUSED
+    return _errand_wait(robot, errand, supervisor, now)
+
+
+def _errand_wait(robot: ManagedRobot, errand: Errand, supervisor: Supervisor, now: float) -> Wait:
+    """What a robot that may drive waits for on its errand."""
+    mission = errand.mission
     work = supervisor.desk.waits_for(robot.name, mission)
     if work.code:
         return work
@@ -111,9 +118,11 @@ def robot_wait(robot: ManagedRobot, errand: Errand, supervisor: Supervisor, now:
         return Wait(WaitCode.CHARGING, supervisor.charging.waiting[robot.name])
     if errand.duty is Duty.IDLE:
         return NO_WAIT
+    if errand.duty is Duty.QUEUE:
+        return _turn(robot, supervisor, now)
     if mission is not None and mission.dwell_until is not None:
         return _stay(mission, mission.dwell_until - now)
-    return _traffic(robot, mission, supervisor)
+    return _traffic(robot, mission, supervisor, now)
 
 
 def _stay(mission: Mission, seconds: float) -> Wait:
@@ -125,7 +134,42 @@ def _stay(mission: Mission, seconds: float) -> Wait:
     return Wait(WaitCode.STAY, 'the release of its mission')
 
 
-def _traffic(robot: ManagedRobot, mission: Optional[Mission], supervisor: Supervisor) -> Wait:
+def _of_device(resource: Resource, supervisor: Supervisor, now: float) -> str:
+    """What the device of a resource shows, in words that follow its name; empty without one."""
+    if not resource.has_device:
+        return ''
+    mode, why = supervisor.devices.view(resource.name, now)
+    return f' ({mode.name}{why and f": {why}"})'
+
+
+def _turn(robot: ManagedRobot, supervisor: Supervisor, now: float) -> Wait:
+    """What a robot waits for in the queue of a station, and until the first robots leave it."""
+    standing = supervisor.stations.standing_of(robot.name)
+    if standing is None:
+        return NO_WAIT
+    station = standing.station.name
+    before = standing.ahead or supervisor.stations.inside(station)
+    who, until = ', '.join(before), _until_free(before, supervisor, now)
+    if standing.place is None:
+        return Wait(WaitCode.RESOURCE, f'its turn at station {station}, which is full with its '
+                                       f'queue: {who}', until)
+    return Wait(WaitCode.RESOURCE, f'its turn at station {station}, after {who}', until)
+
+
+def _until_free(before: Sequence[str], supervisor: Supervisor, now: float) -> float:
+    """s until the first of the robots at a station ends its work there, at the latest."""
+    ends = [nan]
+    for name in before:
+        mission = supervisor.book.of_robot(name)
+        if mission is None or mission.dwell_until is None:
+            continue
+        work = supervisor.desk.waits_for(name, mission)
+        ends.append(work.until if work.code else mission.dwell_until - now)
+    return max(min((end for end in ends if isfinite(end)), default=nan), 0.0)
+
+
+def _traffic(robot: ManagedRobot, mission: Optional[Mission], supervisor: Supervisor,
+             now: float) -> Wait:
     """What keeps a robot with an errand from driving on."""
     executor, stands = supervisor.plan_executor, robot.record.is_standing
     if executor.trouble and stands:
@@ -135,6 +179,9 @@ def _traffic(robot: ManagedRobot, mission: Optional[Mission], supervisor: Superv
     if not stands:
         return NO_WAIT
     waits_for = executor.waits_for.get(robot.name, '')
+    lacks = executor.lacks.get(robot.name)
+    if lacks is not None:
+        return Wait(WaitCode.RESOURCE, waits_for + _of_device(lacks, supervisor, now))
     if waits_for:
         return Wait(WaitCode.TRAFFIC, waits_for)
     if mission is None or robot.record.ahead:

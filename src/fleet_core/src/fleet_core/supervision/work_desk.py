@@ -45,6 +45,9 @@ class WorkDesk:
     loads -- as stored, by the robot's name
     newest -- the highest key of a step that is known, as stored
     clock -- returns ms since 1970
+
+    It has one method for each event of a mission with steps, because all of them change the works
+    and the loads that are stored together.
     """
 
     def __init__(self, book: MissionBook, robots: Mapping[str, ManagedRobot],
@@ -56,6 +59,8 @@ class WorkDesk:
         self._stored: Dict[int, Work] = dict(works)
         self._reports: Dict[str, StepReport] = {}
         self.newest = newest
+        self.may_enter: Callable[[str, int], bool] = lambda _name, _place: True
+        """May a robot go to this place now? If not, no step begins because it is near."""
         self._strange: Dict[str, FrozenSet[int]] = {}
         """By robot, keys of running steps that no mission here has ordered."""
         self._hindered: Dict[str, str] = {}
@@ -172,7 +177,7 @@ class WorkDesk:
         if mission is not None:
             self.fail(mission, f'the journal is older than a step that {name} has taken')
 
-    def go_on(self, may_begin: bool) -> List[str]:
+    def follow_all(self, may_begin: bool) -> List[str]:
         """Follows all robots with such missions. Returns those for which a step has begun.
 
         may_begin -- steps may begin now
@@ -189,7 +194,7 @@ class WorkDesk:
         now = self._clock()
         if not situation.work.is_ending:
             situation = rules.passed(situation, mission.reached)
-        followed = rules.expire(rules.follow(situation, _where_is(robot, situation.work)), now)
+        followed = rules.expire(rules.follow(situation, self._where_is(robot, situation.work)), now)
         begun = None
         if may_begin and robot.works and mission.state in (
                 MissionState.ACTIVE, MissionState.CANCELLING):
@@ -201,7 +206,7 @@ class WorkDesk:
     def _begin(self, robot: ManagedRobot, situation: Situation, now: int) -> Optional[Situation]:
         """The situation after the step that is due is ordered; None: none is due, or can be."""
         name, work = robot.name, situation.work
-        place = rules.due_step(situation, _where_is(robot, work))
+        place = rules.due_step(situation, self._where_is(robot, work))
         self._hindered.pop(name, None)
         if place is None:
             return None
@@ -216,6 +221,20 @@ class WorkDesk:
             return None
         self.newest = max(self.newest, key)
         return rules.begin(situation, place, key, 0 if report is None else report.run, now)
+
+    def _where_is(self, robot: ManagedRobot, work: Work) -> Where:
+        """Where a robot is, as the rules need it. A robot that waits for its turn is not near."""
+        stands = robot.is_at_rest and robot.position is not None and not robot.record.ahead
+        position = robot.position
+        if not stands or position is None or work.current == len(work.stops):
+            return Where(stands)
+        place = work.stops[work.current].place
+        is_there = position.vertex == place
+        graph = robot.record.graph
+        edges = (graph.edges_from(position.vertex) if position.vertex is not None
+                 else (position.edge, -position.edge))
+        return Where(True, is_there, is_there or self.may_enter(robot.name, place) and any(
+            graph.end_vertex(edge).id == place for edge in edges))
 
     # -- commands of people -----------------------------------------------------------------------
 
@@ -246,6 +265,18 @@ class WorkDesk:
             self._book.changed.add(mission.serial)
             self._use(mission, changed)
         return problem
+
+    def choices(self, mission: Mission) -> str:
+        """The group of which any place would do for the next stop of a mission; empty: none."""
+        work = self._works.get(mission.serial)
+        if work is None or work.current == len(work.stops) or (
+                rules.has_begun(work.progress[work.current])):
+            return ''
+        return work.stops[work.current].group
+
+    def choose(self, mission: Mission, place: int) -> None:
+        """Another one of the equal places is the next stop of a mission."""
+        self._use(mission, rules.chosen(self._situation(mission), place))
 
     def answer(self, mission: Mission, answer: StepAnswer) -> str:
         """Handles an answer to a step. Returns why not, as a clause; empty: done."""
@@ -315,7 +346,7 @@ class WorkDesk:
         self._hold(mission, phase is WorkPhase.NEEDS_PERSON or work.is_ending)
         self._ask(mission, work)
         self._let_follow(mission, work, phase)
-        self._tell(mission, phase, _words(work, load, phase, mission))
+        self._set_phase(mission, phase, _words(work, load, phase, mission))
 
     def _hold(self, mission: Mission, is_held: bool) -> None:
         if is_held and not mission.is_held:
@@ -335,7 +366,7 @@ class WorkDesk:
             mission.asks = asks
             self._book.changed.add(mission.serial)
 
-    def _tell(self, mission: Mission, phase: WorkPhase, reason: str) -> None:
+    def _set_phase(self, mission: Mission, phase: WorkPhase, reason: str) -> None:
         """Sets the state of a mission. During an outage, its reason is that outage."""
         state, robot = _STATES[phase], self._robots.get(mission.robot)
         if mission.state is MissionState.PAUSED and state.is_open:
@@ -404,21 +435,6 @@ class WorkDesk:
                 if is_due:
                     found.append(SendStep(name, command))
         return found
-
-
-def _where_is(robot: ManagedRobot, work: Work) -> Where:
-    """Where a robot is, as the rules need it."""
-    stands = robot.is_at_rest and robot.position is not None and not robot.record.ahead
-    position = robot.position
-    if not stands or position is None or work.current == len(work.stops):
-        return Where(stands)
-    place = work.stops[work.current].place
-    is_there = position.vertex == place
-    graph = robot.record.graph
-    edges = (graph.edges_from(position.vertex) if position.vertex is not None
-             else (position.edge, -position.edge))
-    return Where(True, is_there, is_there or any(
-        graph.end_vertex(edge).id == place for edge in edges))
 
 
 def _words(work: Work, load: RobotLoad, phase: WorkPhase, mission: Mission) -> str:

@@ -83,6 +83,8 @@ class WorkStep:
     retries    -- for RETRY: how many times it is repeated
     harmless   -- it may be carried out twice, so that an unknown outcome may be followed by a retry
     breakable  -- it is broken off when its mission is cancelled or its time is over
+
+    Each attribute is a part of the step, as it is stored.
     """
 
     type: str
@@ -103,12 +105,14 @@ class WorkStop:
     """One stop: a vertex, and the steps there.
 
     condition -- for a stop after a cancellation: by which load it is made
+    group     -- name of the group of which any place would do; empty: only `place` would
     """
 
     place: int
     kind: StopKind = StopKind.VISIT
     steps: Tuple[WorkStep, ...] = ()
     condition: Condition = Condition.ALWAYS
+    group: str = ''
 
 
 def dwells_of(stops: Sequence[WorkStop]) -> Tuple[float, ...]:

@@ -143,6 +143,8 @@ class DeviceMachine:
     moving_from -- since when the device is not as it must be
     mode, since -- what the device shows, and since when
     problem     -- why the last exchange had no reading; empty: it had one
+
+    Its attributes are the facts of the last exchanges by which the mode is judged.
     """
 
     limits: DeviceLimits

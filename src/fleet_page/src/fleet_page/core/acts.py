@@ -51,6 +51,8 @@ class Act:
     name    -- name of a favourite, or key of an alarm
     answer  -- to a step: one of ANSWERS
     step    -- key of the step that the answer is about; 0: the one that asks now
+
+    Each attribute is a field of the browser's message.
     """
 
     kind: ActKind

@@ -5,6 +5,8 @@ from dataclasses import dataclass
 from enum import Enum
 from typing import Optional, Tuple
 
+from fleet_core.supervision.waits import WaitCode
+
 ROBOT_STATES = ('IDLE', 'BUSY', 'CHARGING', 'OFFLINE', 'STOPPED', 'TAKEN_OVER', 'FAILED',
                 'OFF_GRAPH', 'OUT_OF_SERVICE', 'ABSENT', 'UNKNOWN')
 MISSION_STATES = ('PENDING', 'ACTIVE', 'SUCCEEDED', 'FAILED', 'REFUSED', 'CANCELLED', 'PAUSED',
@@ -34,6 +36,10 @@ class ShownRobot:
     battery  -- charge, 0..1; None: unknown
     mission  -- request id; None: it has no mission
     to_end   -- s until its mission ends, as the fleet manager expects; None: unknown
+    not_open -- the device in which it is, and which does not report that it is open; empty: none
+    wait     -- name of the code of what it waits for (WaitCode)
+
+    Each attribute is a value that the page shows.
     """
 
     name: str
@@ -48,12 +54,26 @@ class ShownRobot:
     destination: int
     waits_for: str
     to_end: Optional[float] = None
+    wait: str = WaitCode.NOTHING.name
+    not_open: str = ''
+
+    @property
+    def is_working(self) -> bool:
+        """Does it carry out a step at a stop?"""
+        return self.state == 'BUSY' and self.wait == WaitCode.STEP.name
+
+    @property
+    def is_waiting(self) -> bool:
+        """Has it a mission, and waits?"""
+        return self.mission is not None and not self.is_working and (
+            self.wait != WaitCode.NOTHING.name)
 
 
 ALARMING = ('STOPPED', 'TAKEN_OVER', 'FAILED', 'OFF_GRAPH', 'TOO_NEAR', 'CLOCK', 'DEAF')
 NEVER_HEARD = 'NEVER_HEARD'
 _SILENT = 'SILENT'
-ALARMS = (*ALARMING, _SILENT, NEVER_HEARD)
+NOT_OPEN = 'NOT_OPEN'  # it is in a door that does not report that it is open
+ALARMS = (*ALARMING, _SILENT, NEVER_HEARD, NOT_OPEN)
 
 
 def alarm_of(robot: ShownRobot) -> str:
@@ -61,7 +81,9 @@ def alarm_of(robot: ShownRobot) -> str:
     if robot.state == 'UNKNOWN':
         return NEVER_HEARD
     is_missed = robot.outage == _SILENT and robot.mission is not None
-    return robot.outage if is_missed or robot.outage in ALARMING else ''
+    if is_missed or robot.outage in ALARMING:
+        return robot.outage
+    return NOT_OPEN if robot.not_open else ''
 
 
 class RobotGroup(Enum):
@@ -69,8 +91,10 @@ class RobotGroup(Enum):
 
     IDLE = 'idle'
     DRIVING = 'driving'
-    STANDING = 'standing'
-    """It has something to do, and stands: it waits, or works at a stop."""
+    WORKING = 'working'
+    """It carries out a step at a stop."""
+    WAITING = 'waiting'
+    """It has something to do, and waits."""
     CHARGING = 'charging'
     TROUBLE = 'trouble'
     """It needs a person."""
@@ -85,8 +109,11 @@ def group_of(robot: ShownRobot) -> RobotGroup:
     """The group of a robot."""
     if alarm_of(robot):
         return RobotGroup.TROUBLE
+    if robot.is_working:
+        return RobotGroup.WORKING
     group = _WITH_WORK.get(robot.state, RobotGroup.AWAY)
-    return RobotGroup.STANDING if group is RobotGroup.DRIVING and robot.waits_for else group
+    waits = group is RobotGroup.DRIVING and robot.wait != WaitCode.NOTHING.name
+    return RobotGroup.WAITING if waits else group
 
 
 @dataclass(frozen=True)
@@ -107,6 +134,9 @@ class MissionStatus:
     told     -- when the fleet manager told it, s since 1970
     deadline -- one of DEADLINE_STATES
     template -- the template and its arguments, for people; empty: none
+    serial   -- number of the mission at this site, for people; 0: it was not accepted
+
+    Each attribute is a value that the page shows.
     """
 
     id: int
@@ -120,6 +150,7 @@ class MissionStatus:
     told: float = 0.0
     deadline: str = 'NONE'
     template: str = ''
+    serial: int = 0
 
 
 @dataclass(frozen=True)

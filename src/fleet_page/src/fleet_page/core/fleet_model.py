@@ -27,6 +27,7 @@ from fleet_page.core.fleet import (
 )
 from fleet_page.core.live_state import LiveState
 from fleet_page.core.records import Sums
+from fleet_page.core.robot_events import RobotEvent, event_between
 from trajectory_graph import Graph
 
 DEAD_AFTER = 3.0      # s without /fleet_state, which comes twice a second
@@ -43,7 +44,10 @@ Key = Tuple[int, int]
 
 
 class FleetModel:
-    """Takes the messages of the fleet, writes the state to `live`, and sums up for the history."""
+    """Takes the messages of the fleet, writes the state to `live`, and sums up for the history.
+
+    It has one method for each kind of message, because the page shows one state of them all.
+    """
 
     def __init__(self) -> None:
         self.live = LiveState()
@@ -63,6 +67,7 @@ class FleetModel:
         self._numbers: Dict[str, int] = {}
         self._times: Dict[Key, Tuple[Optional[float], Optional[float]]] = {}
         self._done: Deque[float] = deque()
+        self._events: List[RobotEvent] = []
         self.site_revision = 0
         self.live.put('fleet', {'alive': False, 'heard': None})
         self.live.put('stop', None)
@@ -97,6 +102,9 @@ class FleetModel:
         self.live.replace('robot:', {
             name: {**_robot_values(robot), 'number': self._numbers[name]}
             for name, robot in found.items()})
+        happened = (event_between(self.robots[name], robot, now)
+                    for name, robot in found.items() if name in self.robots)
+        self._events.extend(event for event in happened if event is not None)
         for name in {*self.robots, *found}:
             self._raise_alarm(f'robot:{name}', alarm_of(found[name]) if name in found else '', now)
         self.robots = found
@@ -197,7 +205,7 @@ class FleetModel:
             sums.watched += seconds
             if robot.mission is not None:
                 sums.busy += seconds
-                if robot.waits_for:
+                if robot.is_waiting:
                     sums.waiting += seconds
                     if robot.edge:
                         edge = abs(robot.edge)
@@ -209,13 +217,24 @@ class FleetModel:
         edges, self._edge_waiting = self._edge_waiting, {}
         return sums, edges
 
+    def take_events(self) -> List[RobotEvent]:
+        """Returns what happened to robots since the last call."""
+        events, self._events = self._events, []
+        return events
+
+    @property
+    def charges(self) -> Dict[str, float]:
+        """The charge of each battery that is known, by robot."""
+        return {name: robot.battery for name, robot in self.robots.items()
+                if robot.battery is not None}
+
     def moment(self) -> Dict[str, List[Any]]:
         """All robots in the form of the replay."""
         values: Dict[str, List[Any]] = {}
         for name, robot in self.robots.items():
             pose = self.live.get(f'pose:{name}')
             if pose is not None:
-                values[name] = [*pose, robot.state, robot.waits_for]
+                values[name] = [*pose, robot.state, robot.waits_for, robot.is_working]
         return values
 
     # -- plans and missions -----------------------------------------------------------------------
@@ -303,8 +322,9 @@ class FleetModel:
     def _show_mission(self, key: Key) -> None:
         status, request = self.missions[key], self._requests.get(key)
         values: Dict[str, Any] = {
-            'id': status.id, 'stamp': status.stamp // 10 ** 9, 'state': status.state,
-            'robot': status.robot, 'reached': status.reached, 'reason': status.reason,
+            'id': status.id, 'serial': status.serial, 'stamp': status.stamp // 10 ** 9,
+            'state': status.state, 'robot': status.robot, 'reached': status.reached,
+            'reason': status.reason,
             'asks': str(status.asks) if status.asks else ''}  # as text: a browser rounds it
         for name, time in zip(('started', 'ended'), self._times.get(key, ())):
             if time is not None:
@@ -330,9 +350,9 @@ def _name_of(key: Key) -> str:
 def _robot_values(robot: ShownRobot) -> Dict[str, Any]:
     """A robot as browsers get it. Values that change with each report are omitted or rounded."""
     values = asdict(robot)
-    for name in ('name', 'edge', 'fraction', 'seen', 'to_end'):
+    for name in ('name', 'edge', 'fraction', 'seen', 'to_end', 'wait'):
         del values[name]
-    values.update(alarm=alarm_of(robot), group=group_of(robot).value)
+    values.update(alarm=alarm_of(robot), group=group_of(robot).value, works=robot.is_working)
     values['battery'] = None if robot.battery is None else round(robot.battery, 2)
     if robot.state in ('OFFLINE', 'ABSENT', 'UNKNOWN', 'OUT_OF_SERVICE'):
         values['seen'] = round(robot.seen)

@@ -3,7 +3,7 @@ from __future__ import annotations
 
 import logging
 import sqlite3
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from functools import partial
 from typing import Any, Callable, Dict, List, Optional
 
@@ -24,6 +24,7 @@ ones. Raises JournalError. It may be slow."""
 _LOG = logging.getLogger(__name__)
 REPLAY_PERIOD = 1.0   # s between two moments of the replay
 SUMS_PERIOD = 20.0    # s between two additions to the sums of the history
+MOST_EVENTS = 20      # most events of a robot that are shown
 
 
 @dataclass
@@ -52,7 +53,7 @@ class Page:
     # -- data from the fleet ----------------------------------------------------------------------
 
     def tick(self, now: float) -> None:
-        """Does the periodic work: checks that the fleet manager is alive, records replay and sums.
+        """Does the periodic work: checks that the fleet manager is alive, and writes the records.
 
         It is called several times per second.
         """
@@ -63,11 +64,15 @@ class Page:
         if abs(now - self._summed) >= SUMS_PERIOD:
             self._summed = now
             self._keep('history', lambda: self.records.add(now, *self.model.take_sums()))
+            self._keep('batteries', lambda: self.records.keep_charges(now, self.model.charges))
+        events = self.model.take_events()
+        if events:
+            self._keep('events of robots', lambda: self.records.note_events(events))
 
     def take_plans(self, plans: Dict[str, ShownPlan], now: float) -> None:
         """Takes the plans of all robots."""
         self.model.take_plans(plans)
-        self.release.take(plans, now)
+        self.release.note_plans(plans, now)
 
     def take_status(self, status: MissionStatus) -> None:
         """Takes the status of a mission, and updates the outcome in the audit list."""
@@ -140,6 +145,13 @@ class Page:
         site = self.site
         return partial(site_values, self.model.graph, site.parking, site.docks, site.walls,
                        dict(site.radii))
+
+    def robot_values(self, name: str) -> Optional[Dict[str, Any]]:
+        """The battery and the events of a robot as JSON values; None: there is no such robot."""
+        if name not in self.model.robots:
+            return None
+        return {'charges': self.records.charges(name),
+                'events': [asdict(event) for event in self.records.events(name, MOST_EVENTS)]}
 
     def history_sums(self, since: float) -> HistorySums:
         """The sums of the history since a time (s since 1970)."""

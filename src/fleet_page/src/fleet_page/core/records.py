@@ -1,17 +1,22 @@
-"""The records of the page: acts with their senders, favourites, and sums for the history."""
+"""The records of the page: acts with their senders, favourites, sums for the history, and for each
+robot its events and its battery."""
 from __future__ import annotations
 
 import json
 import sqlite3
-from dataclasses import asdict, dataclass
-from typing import Any, Dict, List, Mapping, Tuple
+from dataclasses import asdict, astuple, dataclass
+from typing import Any, Dict, Iterable, List, Mapping, Tuple
 
 from fleet_page.core.acts import Act, ActOutcome
+from fleet_page.core.robot_events import RobotEvent
 
 MOST_ROWS = 50000       # most rows of the audit list; the oldest are deleted
 MOST_FAVOURITES = 100
 HOUR = 3600
 KEPT_HOURS = 24 * 90
+CHARGE_PERIOD = 300     # s between two values of a battery
+KEPT_CHARGE = 24 * HOUR  # s for which they are kept
+KEPT_EVENTS = 20000      # events of all robots; the oldest are deleted
 _TABLES = '''
 CREATE TABLE IF NOT EXISTS audit (
     id INTEGER PRIMARY KEY, time REAL NOT NULL, person TEXT NOT NULL, act TEXT NOT NULL,
@@ -23,6 +28,14 @@ CREATE TABLE IF NOT EXISTS robot_hour (
     waiting REAL NOT NULL, watched REAL NOT NULL, PRIMARY KEY (hour, robot));
 CREATE TABLE IF NOT EXISTS edge_hour (
     hour INTEGER NOT NULL, edge INTEGER NOT NULL, waiting REAL NOT NULL, PRIMARY KEY (hour, edge));
+CREATE TABLE IF NOT EXISTS robot_charge (
+    robot TEXT NOT NULL, period INTEGER NOT NULL, charge REAL NOT NULL,
+    PRIMARY KEY (robot, period));
+CREATE TABLE IF NOT EXISTS robot_event (
+    id INTEGER PRIMARY KEY, time REAL NOT NULL, robot TEXT NOT NULL, state TEXT NOT NULL,
+    outage TEXT NOT NULL, works INTEGER NOT NULL, alarm TEXT NOT NULL, waits_for TEXT NOT NULL,
+    mission INTEGER);
+CREATE INDEX IF NOT EXISTS robot_event_by_robot ON robot_event (robot);
 '''
 
 
@@ -153,3 +166,40 @@ class Records:
         return list(self._db.execute(
             'SELECT edge, SUM(waiting) FROM edge_hour WHERE hour >= ? GROUP BY edge '
             'ORDER BY 2 DESC', (int(since // HOUR),)))
+
+    # -- robots -----------------------------------------------------------------------------------
+
+    def keep_charges(self, now: float, charges: Mapping[str, float]) -> None:
+        """Keeps the charge of each battery (0..1), one value in each CHARGE_PERIOD."""
+        period = int(now // CHARGE_PERIOD)
+        self._db.execute('BEGIN')
+        for name, charge in charges.items():
+            self._db.execute('INSERT OR IGNORE INTO robot_charge VALUES (?, ?, ?)',
+                             (name, period, round(charge, 3)))
+        self._db.execute('DELETE FROM robot_charge WHERE period < ?',
+                         (period - KEPT_CHARGE // CHARGE_PERIOD,))
+        self._db.execute('COMMIT')
+
+    def charges(self, robot: str) -> List[Tuple[int, float]]:
+        """The charge of a robot's battery with its time (s since 1970), the oldest first."""
+        rows = self._db.execute('SELECT period, charge FROM robot_charge WHERE robot = ? '
+                                'ORDER BY period', (robot,))
+        return [(period * CHARGE_PERIOD, charge) for period, charge in rows]
+
+    def note_events(self, events: Iterable[RobotEvent]) -> None:
+        """Adds what happened to robots."""
+        self._db.execute('BEGIN')
+        for event in events:
+            self._db.execute('INSERT INTO robot_event VALUES (NULL, ?, ?, ?, ?, ?, ?, ?, ?)',
+                             astuple(event))
+        self._db.execute('DELETE FROM robot_event WHERE id <= (SELECT MAX(id) FROM robot_event) '
+                         '- ?', (KEPT_EVENTS,))
+        self._db.execute('COMMIT')
+
+    def events(self, robot: str, most: int) -> List[RobotEvent]:
+        """At most this number of events of a robot, the newest first."""
+        rows = self._db.execute('SELECT time, robot, state, outage, works, alarm, waits_for, '
+                                'mission FROM robot_event WHERE robot = ? ORDER BY id DESC LIMIT ?',
+                                (robot, most))
+        return [RobotEvent(time, name, state, outage, bool(works), *rest)
+                for time, name, state, outage, works, *rest in rows]

@@ -1,7 +1,8 @@
 """The recorded poses and states of all robots, in a ring of files: the oldest is deleted first.
 
-A line is one moment: `{"t": seconds, "k": true, "r": {name: [x, y, theta, state, waits for]}}`. It
-has only the robots that changed. A key moment, with `k`, has all robots; reading can begin there.
+A line is one moment: `{"t": seconds, "k": true, "r": {name: [x, y, theta, state, waits for,
+works]}}`. It has only the robots that changed. A key moment, with `k`, has all robots; reading can
+begin there.
 """
 from __future__ import annotations
 

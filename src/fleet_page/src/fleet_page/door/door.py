@@ -43,7 +43,10 @@ class Access:
 
 
 class Door:
-    """The routes and sessions in front of the page's process. One event loop uses it."""
+    """The routes and sessions in front of the page's process. One event loop uses it.
+
+    It has many attributes because it puts the parts of the door together.
+    """
 
     def __init__(self, access: Access, files: PageFiles, stop: Callable[[str], ActOutcome],
                  worker: Worker) -> None:

@@ -83,7 +83,10 @@ START_WITHIN = 5.0  # s within which the page must listen
 
 
 class FleetPageNode:
-    """The node. Callbacks pass messages to the thread of the event loop, which owns the page."""
+    """The node. Callbacks pass messages to the thread of the event loop, which owns the page.
+
+    It has many attributes because it puts the parts of the node together.
+    """
 
     def __init__(self, door: DoorProcess) -> None:
         self._door, self._is_ending = door, threading.Event()
@@ -170,9 +173,9 @@ class FleetPageNode:
     def _subscribe(self, map_topic: str) -> List[rospy.Subscriber]:
         def listen(topic: str, kind: Any, handler: Callable[[Any], None],
                    waiting: int = 1) -> rospy.Subscriber:
-            def take(message: Any) -> None:
+            def receive(message: Any) -> None:
                 self._loop.call_soon_threadsafe(handler, message)
-            return rospy.Subscriber(topic, kind, take, queue_size=waiting)
+            return rospy.Subscriber(topic, kind, receive, queue_size=waiting)
         return [
             FollowedGraph(self._on_graph).subscribe(),
             listen('/closed_edges_in_force', ClosedEdges, self._on_closed),
@@ -219,7 +222,7 @@ class FleetPageNode:
 
     def _on_state(self, message: FleetState) -> None:
         self._page.model.show_stop(stop_of(message.stop))
-        self._page.model.take_robots(map(messages.robot_of, message.robots), time.time())
+        self._page.model.take_robots(messages.robots_of(message), time.time())
         ready = self._readiness.words(
             self._page.model.robots.values(), self._is_surveyed,
             stop_of(message.stop).is_in_force, time.monotonic())

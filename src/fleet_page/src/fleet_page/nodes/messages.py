@@ -2,8 +2,9 @@
 from __future__ import annotations
 
 import math
-from typing import Any, Dict, Iterable, Optional
+from typing import Any, Dict, Iterable, List, Optional
 
+from fleet_core.supervision.waits import WaitCode
 from fleet_page.core.acts import ANSWERS, Act, ActKind
 from fleet_page.core.fleet import (
     DEADLINE_STATES,
@@ -24,21 +25,28 @@ _OUTAGES: Dict[int, str] = {
     value: name[len('OUTAGE_'):] for name, value in vars(msg.FleetRobot).items()
     if name.startswith('OUTAGE_')}
 
-
+_WAITS: Dict[int, str] = {int(code): code.name for code in WaitCode}
 _COMMANDS: Dict[int, ActKind] = {number: kind for kind, number in COMMANDS.items()}
 _ANSWERS: Dict[int, str] = {int(decision): word for word, decision in ANSWERS.items()}
 _EDGES: Dict[int, ActKind] = {number: kind for kind, number in EDGES.items()}
 
 
-def robot_of(message: msg.FleetRobot) -> ShownRobot:
-    """A robot in /fleet_state."""
+def robots_of(message: msg.FleetState) -> List[ShownRobot]:
+    """The robots in /fleet_state, each with the device in which it is and that is not open."""
+    not_open = {claim.robot: one.name for one in message.resources for claim in one.claims
+                if one.has_device and claim.state == msg.ResourceClaim.LOST}
+    return [_robot_of(robot, not_open.get(robot.name, '')) for robot in message.robots]
+
+
+def _robot_of(message: msg.FleetRobot, not_open: str) -> ShownRobot:
     return ShownRobot(
         message.name, message.type, _word(ROBOT_STATES, message.state),
         _OUTAGES.get(message.outage_code, 'UNKNOWN'), message.pose.edge_id,
         _finite(message.pose.percentage, 0.0) / 100.0, message.seen.to_sec(),
         message.battery if math.isfinite(message.battery) else None,
         message.request_id if message.has_mission else None, message.destination,
-        message.waits_for, message.to_end if math.isfinite(message.to_end) else None)
+        message.waits_for, message.to_end if math.isfinite(message.to_end) else None,
+        _WAITS.get(message.waits_for_code, 'UNKNOWN'), not_open)
 
 
 def places_of(message: msg.FleetPoses) -> Dict[str, ShownPose]:
@@ -63,7 +71,8 @@ def status_of(message: msg.MissionStatus) -> MissionStatus:
                          _not_done(message), message.asks, message.header.stamp.to_sec(),
                          _word(DEADLINE_STATES, message.deadline_code),
                          ' '.join((message.template, *(f'{one.name}:={one.value}'
-                                                       for one in message.arguments))))
+                                                       for one in message.arguments))),
+                         message.serial)
 
 
 def _not_done(message: msg.MissionStatus) -> str:

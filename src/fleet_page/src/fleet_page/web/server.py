@@ -55,8 +55,9 @@ class WebServer:
             web.get('/api/events', self._events), web.get('/api/site', self._site),
             web.get('/api/map.png', self._map), web.get('/api/history', self._history),
             web.get('/api/history.csv', self._history_csv), web.get('/api/replay', self._replay),
-            web.get('/api/audit', self._audit), web.get('/metrics', self._metrics),
-            web.post('/api/act', self._act), web.post(STOPPED, self._stopped)])
+            web.get('/api/robot', self._robot), web.get('/api/audit', self._audit),
+            web.get('/metrics', self._metrics), web.post('/api/act', self._act),
+            web.post(STOPPED, self._stopped)])
         self._closing = False
         self.app.on_shutdown.append(self._close)
 
@@ -184,6 +185,15 @@ class WebServer:
             except OSError as error:
                 return refused(503, f'The replay cannot be read: {error}.')
         return web.json_response({'span': span, 'moment': moment})
+
+    async def _robot(self, request: web.Request) -> web.StreamResponse:
+        self._may(request, UserRole.SEE)
+        values = self._page.robot_values(request.query.get('name', ''))
+        if values is None:
+            return refused(404, 'There is no such robot.')
+        answer = web.json_response(values)
+        answer.enable_compression()
+        return answer
 
     async def _audit(self, request: web.Request) -> web.StreamResponse:
         self._may(request, UserRole.OPERATE)

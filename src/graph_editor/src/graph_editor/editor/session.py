@@ -33,6 +33,8 @@ class EditingSession:
     """The editing of one graph file.
 
     version -- a number that changes with each visible change: of draft, selection or message
+
+    It has one method for each act of the person who edits.
     """
 
     def __init__(self, file: GraphFile, path: str, is_new: bool = False) -> None:

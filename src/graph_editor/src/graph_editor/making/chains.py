@@ -51,7 +51,11 @@ class Chain:
 
 
 class ChainGraph:
-    """Nodes with positions (m), and the chains between them."""
+    """Nodes with positions (m), and the chains between them.
+
+    It has one method for each question about chains and one for each edit, which the steps of
+    making a graph share.
+    """
 
     def __init__(self, floor: Floor) -> None:
         self.floor = floor

@@ -27,7 +27,11 @@ LaneOrNode = Union[Lane, int]
 
 
 class LaneNet:
-    """Nodes with positions (m) and the lanes between them; two nodes have at most one lane."""
+    """Nodes with positions (m) and the lanes between them; two nodes have at most one lane.
+
+    It has one method for each question about lanes and one for each edit, which the steps of making
+    a graph share.
+    """
 
     def __init__(self, floor: Floor) -> None:
         self.floor = floor

@@ -68,7 +68,10 @@ GRAPH_PERIOD = 0.25  # s; the shortest time between two messages with drafts
 
 
 class EditorNode:
-    """Connects a session to RViz, to the subscribers of its graph, and to the window."""
+    """Connects a session to RViz, to the subscribers of its graph, and to the window.
+
+    It has many attributes because it puts the parts of the node together.
+    """
 
     def __init__(self, session: EditingSession, site: MappedSite, rules: CheckRules) -> None:
         self.session = session

@@ -17,9 +17,11 @@ from fleet_core.supervision.missions import (
     Status,
 )
 from fleet_core.supervision.outages import Outage
+from fleet_core.supervision.resource_view import ResourceView
 from fleet_core.supervision.why import MissionReason
 from fleet_core.work.site_work import SiteWork
 from fleet_core.work.stops import dwells_of
+from graph_fleet_manager.messages.resources import resource_messages
 from graph_fleet_manager.messages.stops import WrongStopMessage, dependencies_of, stops_of
 from itrci_nav_msgs import msg, srv
 from route_protocol import messages as route_messages
@@ -122,7 +124,7 @@ def status_message(status: Status, now: genpy.Time) -> msg.MissionStatus:
         arguments=[msg.StepParameter(*one) for one in status.arguments],
         earliest=genpy.Time.from_sec(status.earliest),
         deadline=genpy.Time.from_sec(status.deadline),
-        deadline_code=int(status.deadline_state),
+        deadline_code=int(status.deadline_state), serial=status.serial,
         request_stamp=min(genpy.Time.from_sec(status.stamp), _END_OF_TIME))
     message.header.stamp = now
     return message
@@ -184,13 +186,14 @@ def stop_of(message: msg.FleetStop) -> FleetStop:
     return FleetStop(cause, message.by, message.since.to_sec(), message.why)
 
 
-def state_message(robots: Iterable[RobotView], stop: FleetStop, moment: Moment,
-                  now: genpy.Time, rate: float = 1.0) -> msg.FleetState:
-    """The state of the fleet and of all robots as a message; `now` is its stamp.
+def state_message(robots: Iterable[RobotView], resources: Iterable[ResourceView], stop: FleetStop,
+                  moment: Moment, now: genpy.Time, rate: float = 1.0) -> msg.FleetState:
+    """The state of the fleet, its robots and resources as a message; `now` is its stamp.
 
     rate -- factor by which simulated robots are faster than the clock
     """
-    message = msg.FleetState(stop=stop_message(stop), robots=[
+    message = msg.FleetState(stop=stop_message(stop), resources=resource_messages(resources),
+                             robots=[
         msg.FleetRobot(
             name=robot.name, type=robot.type, state=int(robot.state),
             outage_code=_OUTAGES[robot.outage],
@@ -199,7 +202,8 @@ def state_message(robots: Iterable[RobotView], stop: FleetStop, moment: Moment,
             battery=robot.battery, has_mission=robot.mission is not None,
             request_id=robot.mission or 0, destination=robot.destination or 0,
             to_destination=robot.to_go.destination / rate, to_end=robot.to_go.end / rate,
-            waits_for=robot.waits_for)
+            waits_for_code=int(robot.waits_for.code), waits_for=robot.waits_for.text,
+            until=robot.waits_for.until)
         for robot in robots])
     message.header.stamp = now
     return message

@@ -12,6 +12,7 @@ import genpy
 
 from fleet_core.fleet import RobotType
 from fleet_core.geometry.areas import Area
+from fleet_core.geometry.site_geometry import Alone
 from fleet_core.planning.plan_requests import PlanRequest, Times
 from fleet_core.planning.precedence import Constraint
 from fleet_core.planning.tasks import CannotPlan, Obstacle, PlannedDrive, PlanningOutcome, Task
@@ -70,9 +71,10 @@ def request_of(message: msg.PlanRequest, types: Mapping[str, RobotType], edge_ti
               for robot in message.obstacles),
         frozenset(abs(edge) for edge in message.closed_edges),
         edge_times,
+        tuple(Alone(frozenset(one.edges), frozenset(one.vertices)) for one in message.alone),
         frozenset(message.parking),
         min(message.time_limit or time_limit, longest), min(message.improvement, longest),
-        message.seed)
+        message.seed, frozenset(message.reserved))
 
 
 def request_message(request: PlanRequest, plan_id: int, stamp: genpy.Time,
@@ -85,7 +87,9 @@ def request_message(request: PlanRequest, plan_id: int, stamp: genpy.Time,
     message = msg.PlanRequest(
         plan_id=plan_id, graph_stamp=graph_stamp, time_limit=request.time_limit,
         improvement=request.improvement, seed=request.seed, parking=sorted(request.parking),
+        reserved=sorted(request.reserved),
         closed_edges=sorted(request.closed),
+        alone=[msg.AlonePlaces(sorted(one.edges), sorted(one.vertices)) for one in request.alone],
         tasks=[_task_message(task, clock) for task in request.tasks],
         obstacles=[msg.FleetObstacle(robot.name, robot.type.name, list(robot.vertices),
                                      list(robot.edges), [_outline(area) for area in robot.areas])

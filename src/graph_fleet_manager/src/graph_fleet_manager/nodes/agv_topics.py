@@ -30,7 +30,10 @@ EARLY = 0.02                           # s by which a period may be shorter, to 
 
 
 class AgvTopics:
-    """Takes the orders of one vehicle and publishes its messages. `lock` is the simulation's."""
+    """Takes the orders of one vehicle and publishes its messages. `lock` is the simulation's.
+
+    It has an attribute for each topic, and what it told there last.
+    """
 
     def __init__(self, vehicle: AgvVehicle, lock: threading.Lock) -> None:
         self._vehicle, self._lock = vehicle, lock

@@ -54,6 +54,8 @@ class SupervisorEvents:
     """Callbacks put events, one thread takes them. Times are those of `clock` (s, monotonic).
 
     trouble -- a clause that says why requests cannot wait for a supervisor; empty if they can
+
+    Its attributes are the queues and what orders their turns.
     """
 
     def __init__(self, clock: Callable[[], float] = time.monotonic,
@@ -167,11 +169,16 @@ class SupervisorEvents:
             for _ in early:
                 self._room.acquire(blocking=False)
 
+    def end(self) -> None:
+        """Lets requests and commands wait: there is no supervisor any more."""
+        with self._changed:
+            self._is_ready = False
+
     def hurry(self, due: Optional[float]) -> None:
         """Moves the next tick forward to `due` if it is earlier; None changes nothing."""
         self._turns.hurry(due)
 
-    def take(self) -> Event:
+    def next_event(self) -> Event:
         """Waits for the next event or tick, and returns it."""
         with self._changed:
             is_due = False

@@ -9,6 +9,7 @@ from diagnostic_updater import DiagnosticStatusWrapper
 
 from fleet_core.supervision.fleet_view import RobotState, RobotView, robot_views
 from fleet_core.supervision.missions import MissionState
+from fleet_core.supervision.resource_view import resource_views
 from fleet_core.supervision.supervisor import Supervisor
 
 _NAMED = 20  # most missions that are listed with their reason
@@ -18,7 +19,8 @@ def report_fleet(supervisor: Optional[Supervisor], trouble: str,
                  status: DiagnosticStatusWrapper) -> None:
     """Fills in the state of every robot.
 
-    - ERROR while the journal cannot be written. While there is no supervisor, `trouble` says why.
+    - ERROR while the journal cannot be written, or a robot is in a door that is not open for it.
+      While there is no supervisor, `trouble` says why.
     - WARN while the fleet is stopped, there is no plan, or a robot cannot work or has no path.
     """
     if supervisor is None and trouble:
@@ -30,7 +32,7 @@ def report_fleet(supervisor: Optional[Supervisor], trouble: str,
     views = robot_views(supervisor, time.monotonic())
     status.summary(*_summary(supervisor, views))
     for view in views:
-        waits = f': {view.waits_for}' if view.waits_for else ''
+        waits = f': {view.waits_for.text}' if view.waits_for.text else ''
         status.add(view.name, f'{view.state.name}{waits}')
 
 
@@ -39,6 +41,10 @@ def _summary(supervisor: Supervisor, views: Sequence[RobotView]) -> Tuple[int, s
     if supervisor.trouble:
         return DiagnosticStatus.ERROR, ('no mission is accepted and no robot gets anything new to '
                                         f'drive: {supervisor.trouble}')
+    alarms = [alarm for view in resource_views(supervisor, time.monotonic())
+              for alarm in view.alarms]
+    if alarms:
+        return DiagnosticStatus.ERROR, '; '.join(alarms)
     if supervisor.is_stopped:
         return DiagnosticStatus.WARN, supervisor.stop.words(time.time()).rstrip('.')
     plan, no_plan = supervisor.plan_executor.plan, supervisor.plan_executor.trouble

@@ -9,6 +9,7 @@ from fleet_core.interlocking.stop_gate import StopGate
 from fleet_core.planning.plan_requests import PlanRequest, Times
 from fleet_core.supervision.actions import (
     Action,
+    AskDevice,
     AskPlanner,
     Note,
     SendRoute,
@@ -18,6 +19,7 @@ from fleet_core.supervision.actions import (
 from fleet_core.supervision.fleet_view import plan_progress, robot_views
 from fleet_core.supervision.mission_book import MOST_OPEN
 from fleet_core.supervision.missions import Status
+from fleet_core.supervision.resource_view import resource_views
 from fleet_core.supervision.supervisor import Supervisor
 from fleet_core.work.site_work import SiteWork
 from graph_fleet_manager.messages import missions as messages
@@ -26,6 +28,7 @@ from graph_fleet_manager.messages.planning import request_message
 from graph_fleet_manager.nodes.fleet_plan import FleetPlanTopic
 from graph_fleet_manager.nodes.sending import Newcomers, send
 from itrci_nav_msgs.msg import (
+    DeviceRequest,
     FleetState,
     MissionStatus,
     MissionTemplates,
@@ -35,6 +38,7 @@ from itrci_nav_msgs.msg import (
     TargetRoute,
 )
 from itrci_nav_msgs.msg import PlanRequest as PlanRequestMessage
+from route_protocol.device_messages import fill_device_request
 from route_protocol.step_messages import fill_command
 
 TellStatuses = Callable[[MissionStatus], None]
@@ -68,6 +72,8 @@ class FleetTopics:
                                           latch=True)
         self._requests = rospy.Publisher('/plan_request', PlanRequestMessage, queue_size=10,
                                          subscriber_listener=Newcomers(self._ask_newcomer))
+        self._devices = rospy.Publisher('/device_request', DeviceRequest, queue_size=1000,
+                                        tcp_nodelay=True)
         names = tuple(robots)
         self._routes = {robot: rospy.Publisher(f'/{robot}/target_route', TargetRoute,
                                                queue_size=10) for robot in names}
@@ -82,6 +88,8 @@ class FleetTopics:
                 self._send(action)
             elif isinstance(action, SendStep):
                 self._send_step(action)
+            elif isinstance(action, AskDevice):
+                self._ask_device(action)
             elif isinstance(action, TellStatus):
                 send(self._statuses.publish, status_message(action.status))
             elif isinstance(action, AskPlanner):
@@ -103,11 +111,17 @@ class FleetTopics:
         message.header.stamp = rospy.Time.now()
         send(self._steps[action.robot].publish, message)
 
+    def _ask_device(self, action: AskDevice) -> None:
+        message = fill_device_request(DeviceRequest(), action.request)
+        message.request_time = rospy.Time.now()
+        send(self._devices.publish, message)
+
     def _ask(self, question: AskPlanner) -> None:
         stamp = rospy.Time.now()
         message = request_message(
             PlanRequest(question.tasks, question.obstacles, question.closed, time_limit=0.0,
-                        improvement=self._improvement, seed=question.seed),
+                        improvement=self._improvement, alone=question.alone,
+                        seed=question.seed, reserved=question.reserved),
             question.number, stamp, self.graph_stamp, self._rate)
         self._times.fill(message, question.edge_times, self._rate)
         self._asked = message, question.edge_times
@@ -149,7 +163,8 @@ class FleetTopics:
         def moment(seconds: float) -> rospy.Time:
             return messages.moment_of(seconds - now, stamp)
         send(self._states.publish, messages.state_message(
-            robot_views(supervisor, now), supervisor.stop, moment, stamp, self._rate))
+            robot_views(supervisor, now), resource_views(supervisor, now), supervisor.stop, moment,
+            stamp, self._rate))
         self._plans.set_plan(plan_progress(supervisor), now, stamp)
 
 

@@ -34,6 +34,7 @@ from graph_fleet_manager.nodes.rviz.graph_picture import graph_markers
 from graph_fleet_manager.nodes.rviz.menus import FleetMenus
 from graph_fleet_manager.nodes.rviz.picture import Picture
 from graph_fleet_manager.nodes.rviz.plan_picture import plan_markers
+from graph_fleet_manager.nodes.rviz.resource_picture import resource_markers
 from graph_fleet_manager.nodes.rviz.robot_picture import (
     LONGEST_TEXT,
     DrawnPose,
@@ -167,8 +168,9 @@ class FleetVisualisation:
             self._menus.show_robots(places)
             if self._changed:
                 self._changed = False
-                self._pictures['plans'].show(
-                    plan_markers(graph, self._plan, state, self._numbers))
+                self._pictures['plans'].show([
+                    *resource_markers(graph, state.resources),
+                    *plan_markers(graph, self._plan, state, self._numbers)])
 
     def _draw_robots(self, graph: Graph, state: FleetState) -> Dict[str, DrawnPose]:
         """Draws all robots whose pose is known. Returns these poses."""

@@ -10,13 +10,14 @@ Subscribes
     /<robot>/execution_route_states, of every robot in the fleet file
     /<robot>/battery_state (sensor_msgs/BatteryState), if the robot has that topic
     /<robot>/step_states (itrci_nav_msgs/StepStates), if the robot carries out steps
+    /device_states (itrci_nav_msgs/DeviceState), of fleet_devices
 Publishes
     /mission_status (itrci_nav_msgs/MissionStatus); a new subscriber gets those of open missions
     /fleet_state (itrci_nav_msgs/FleetState), /fleet_plan (FleetPlan), both latched
     /mission_templates (itrci_nav_msgs/MissionTemplates), latched: the templates of the work file
     /fleet_poses (itrci_nav_msgs/FleetPoses), 5 Hz
     /plan_request (itrci_nav_msgs/PlanRequest), /<robot>/target_route (TargetRoute),
-    /<robot>/step_command (StepCommand)
+    /<robot>/step_command (StepCommand), /device_request (DeviceRequest)
     /diagnostics
 Services (std_srvs/Trigger)
     /stop_fleet, /resume_fleet; /<robot>/leave_fleet, /<robot>/join_fleet; /<robot>/declare_absent,
@@ -24,6 +25,7 @@ Services (std_srvs/Trigger)
     /get_mission_status (itrci_nav_msgs/GetMissionStatus): the stored status of a mission
     /explain_mission (itrci_nav_msgs/ExplainMission): what an open mission waits for
     /<robot>/set_load (itrci_nav_msgs/SetLoad): a person says what a robot carries
+    /<robot>/charge (itrci_nav_msgs/ChargeRobot): a robot is asked to charge
 Parameters
     ~fleet_file   string  (required)  fleet file (YAML)
     ~work_file    string  (none)     work file (YAML) of stations, devices, templates, timetables
@@ -77,6 +79,7 @@ from graph_fleet_manager.nodes.work_file import WorkFile
 from graph_topic import FollowedGraph
 from itrci_nav_msgs.msg import (
     ClosedEdges,
+    DeviceState,
     ExecutionRouteStates,
     MissionCommand,
     MissionRequest,
@@ -85,6 +88,7 @@ from itrci_nav_msgs.msg import (
 )
 from node_lifecycle import ConfigurationError, number, parameter, publish_diagnostics, run
 from node_lifecycle.measurements import measured
+from route_protocol.device_messages import WrongDeviceMessage, device_report_of
 from route_protocol.messages import WrongReport
 from route_protocol.step_messages import WrongStepMessage, step_report_of
 from trajectory_graph import Graph
@@ -94,6 +98,8 @@ VIEW_PERIOD = 0.5  # s between two /fleet_state, and the least time between two 
 
 class PathSupervisor:
     """The node; see the docstring of the module. One thread decides; callbacks only queue events.
+
+    It has many attributes because it puts the parts of the node together.
     """
 
     def __init__(self) -> None:
@@ -144,7 +150,8 @@ class PathSupervisor:
             listen('/closed_edges_in_force', ClosedEdges, self._on_closed, 1),
             listen('/mission_request', MissionRequest, self._on_request, None),
             listen('/mission_command', MissionCommand, self._on_command, None),
-            listen('/plan_answer', PlanAnswer, self._on_answer)]
+            listen('/plan_answer', PlanAnswer, self._on_answer),
+            listen('/device_states', DeviceState, self._on_device, 1000)]
         for robot in robots:
             subscribers += [
                 listen(f'/{robot}/execution_route_states', ExecutionRouteStates,
@@ -157,7 +164,7 @@ class PathSupervisor:
 
     def _work(self) -> None:
         while not rospy.is_shutdown():
-            event = self._events.take()
+            event = self._events.next_event()
             try:
                 self._topics.do(event(self._supervisor, time.monotonic()))
                 self._topics.do(self._begin(time.monotonic()))
@@ -185,11 +192,11 @@ class PathSupervisor:
         return f' {not_stored(trouble)}' if trouble else '', self._early.stop(now, stop)
 
     def _tell_open(self, publish: TellStatuses) -> None:
-        def tell(supervisor: Supervisor, now: float) -> Sequence[Action]:
+        def tell_statuses(supervisor: Supervisor, now: float) -> Sequence[Action]:
             for status in supervisor.book.stored_open:
                 send(publish, status_message(status))
             return ()
-        self._events.put_order(tell)
+        self._events.put_order(tell_statuses)
 
     def _publish_views(self) -> None:
         supervisor, now = self._supervisor, time.monotonic()
@@ -223,8 +230,9 @@ class PathSupervisor:
         """Begins to supervise if that is due and the graph, the closed edges and the journal are
         there.
 
-        A new graph has the same effect as a restart: the supervisor begins from the journal.
-        graph_server has made sure that the new graph has the routes of all robots.
+        A new graph has the same effect as a restart: the former supervisor ends, so that nothing
+        is granted by the former graph, and another one begins from the journal. graph_server has
+        made sure that the new graph has the routes of all robots.
         """
         self._file.open(now)
         journal = self._file.journal
@@ -232,7 +240,8 @@ class PathSupervisor:
         if self._graph is None or self._closed is None or journal is None or (
                 now < self._begin_at or (self._supervisor and self._supervisor.trouble)):
             return waiting
-        self._begin_at = now + AGAIN
+        self._supervisor, self._begin_at = None, now + AGAIN
+        self._events.end()
         work = self._work_file.read(self._graph)
         if work is None:
             return waiting
@@ -307,6 +316,19 @@ class PathSupervisor:
             lambda supervisor, now, _: supervisor.step_report(robot, report, now),
             f'/{robot}/step_states')
 
+    def _on_device(self, message: DeviceState) -> None:
+        try:
+            report = device_report_of(message)
+        except WrongDeviceMessage as wrong:
+            rospy.logwarn_throttle(10.0, f'A report of a device is ignored: {wrong}.')
+            return
+        ahead = time.monotonic() - rospy.get_time()  # of the supervisor's clock
+        report = report.at(report.since + ahead,
+                           None if report.read_at is None else report.read_at + ahead)
+        self._events.put_report(
+            lambda supervisor, now, _: supervisor.device_report(report, now),
+            f'/device_states/{report.device}')
+
     def _on_battery(self, robot: str, message: BatteryState) -> None:
         charge = measured(message.percentage, 0.0, 1.0, f'The charge in battery_state of {robot}')
         if charge is not None:
@@ -316,13 +338,13 @@ class PathSupervisor:
                 f'/{robot}/battery_state')
 
     def _on_answer(self, message: PlanAnswer) -> None:
-        def take(supervisor: Optional[Supervisor], now: float) -> Sequence[Action]:
+        def answered(supervisor: Optional[Supervisor], now: float) -> Sequence[Action]:
             if supervisor is None or not self._topics.is_answered(message):
                 return ()
             if message.result == PlanAnswer.PLANNED:
                 return supervisor.plan_made(message.plan_id, outcome_of(message, self._rate), now)
             return supervisor.plan_failed(message.plan_id, message.reason.rstrip('.'), now)
-        self._events.put(take)
+        self._events.put(answered)
 
 
 def _note_stop_address() -> None:

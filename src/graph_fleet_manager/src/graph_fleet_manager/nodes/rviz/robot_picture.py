@@ -9,7 +9,7 @@ from typing import Dict, List, Optional, Tuple
 import rospy
 from visualization_msgs.msg import Marker
 
-from fleet_core.supervision.fleet_view import RobotState
+from fleet_core.supervision.fleet_view import WORKING, RobotState
 from itrci_nav_msgs.msg import FleetRobot
 from rviz_drawing import drawing
 from rviz_drawing.label_places import Label
@@ -21,7 +21,7 @@ LIFETIME = 3.0  # s after which RViz removes the markers, so that none stay when
 TEXT_HEIGHT = 0.42
 LONGEST_TEXT = 120  # characters
 WORDS_SATURATION = 0.4  # lighter than the body, to be readable on a dark map
-_WORDS: Dict[int, str] = {int(state): state.words for state in RobotState}
+_STATES: Dict[int, RobotState] = {int(state): state for state in RobotState}
 _TROUBLE = frozenset((FleetRobot.STOPPED, FleetRobot.TAKEN_OVER, FleetRobot.FAILED,
                       FleetRobot.OFF_GRAPH))
 #: States for which no reason is shown beside the word.
@@ -81,9 +81,11 @@ def robot_markers(robot: FleetRobot, number: int, place: DrawnPose, label: Label
 def words_of(robot: FleetRobot, now: float) -> str:
     """The text of a robot's label: name and battery, activity, and the reason why it waits."""
     charge = '' if math.isnan(robot.battery) else f'  {100.0 * robot.battery:.0f} %'
-    doing = _WORDS.get(robot.state, '')
-    if robot.state == FleetRobot.BUSY:
-        doing = f'to {robot.destination}' if robot.destination else doing
+    state = _STATES.get(robot.state)
+    doing = '' if state is None else state.words_with(robot.waits_for_code)
+    if robot.state == FleetRobot.BUSY and robot.destination:
+        doing = f'{WORKING} at' if doing == WORKING else 'to'
+        doing += f' {robot.destination}'
     elif robot.state == FleetRobot.OFFLINE and robot.seen.to_sec() > 0.0:
         doing += f' for {_duration(now - robot.seen.to_sec())}'
     lines = [robot.name + charge, doing]

@@ -1,0 +1,42 @@
+"""What robots claim, and what the devices show, as the fleet is published."""
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import List, NamedTuple, Optional, Tuple
+
+from fleet_core.interlocking.claims import ClaimState
+from fleet_core.interlocking.resources import Resource
+from fleet_core.supervision.device_desk import DeviceView
+from fleet_core.supervision.supervisor import Supervisor
+
+
+class ClaimView(NamedTuple):
+    """The claim of a robot. LOST is an alarm."""
+
+    robot: str
+    state: ClaimState
+
+
+@dataclass(frozen=True)
+class ResourceView:
+    """The published state of one resource. `device`: None: it has none."""
+
+    resource: Resource
+    device: Optional[DeviceView]
+    claims: Tuple[ClaimView, ...]
+
+    @property
+    def alarms(self) -> List[str]:
+        """What is wrong for the robots that are there, as clauses."""
+        return [f'{claim.robot} is where it needs the {self.resource}, which does not report that '
+                'it is open' for claim in self.claims if claim.state is ClaimState.LOST]
+
+
+def resource_views(supervisor: Supervisor, now: float) -> List[ResourceView]:
+    """All resources of the site, in the order of the work file."""
+    claims, devices = supervisor.interlocking.claims, supervisor.devices
+    return [ResourceView(
+        one, devices.view(one.name, now) if one.has_device else None,
+        tuple(ClaimView(name, state) for name in claims.holders(one.name)
+              for state in (claims.state(name, one.name),) if state is not None))
+        for one in claims.needs.resources.values()]

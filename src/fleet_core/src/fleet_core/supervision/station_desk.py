@@ -1,0 +1,157 @@
+"""The station desk: which robots may go to stations now, and where the others wait.
+
+The rules are those of `fleet_core.work.queues`. This module tells them what missions, robots and
+claims there are, and tells the planning how far each robot may go.
+"""
+from __future__ import annotations
+
+from typing import AbstractSet, Dict, FrozenSet, List, Mapping, NamedTuple, Optional, Set
+
+from fleet_core.interlocking.claims import Claims
+from fleet_core.planning.road_network import RoadNetwork
+from fleet_core.supervision.assignment import time_to
+from fleet_core.supervision.duties import FREE_WAY, WINDOW, Way, follows
+from fleet_core.supervision.mission_book import MissionBook
+from fleet_core.supervision.missions import Mission
+from fleet_core.supervision.robots import ManagedRobot
+from fleet_core.supervision.work_desk import WorkDesk
+from fleet_core.work.queues import NOBODY, Others, Queue, Waiter, advanced
+from fleet_core.work.stations import Station
+
+
+class Standing(NamedTuple):
+    """How a robot stands in the queue of a station.
+
+    ahead -- robots that go before it
+    place -- its queue place; None: it waits where it is
+    """
+
+    station: Station
+    ahead: List[str]
+    place: Optional[int]
+
+
+class StationDesk:
+    """The queues of all stations that robots must claim.
+
+    stations -- by name; those that are no resource of the claims are left out
+    desk     -- of which a mission takes another place of a group
+    """
+
+    def __init__(self, stations: Mapping[str, Station], claims: Claims, book: MissionBook,
+                 robots: Mapping[str, ManagedRobot], desk: WorkDesk) -> None:
+        self._claims, self._book, self._robots, self._desk = claims, book, robots, desk
+        self._stations = {name: one for name, one in stations.items()
+                          if name in claims.needs.resources}
+        self._at = {place: one for one in self._stations.values() for place in one.places}
+        self._queues: Dict[str, Queue] = {}
+        self.ways: Dict[str, Way] = {}
+        """By robot, how far it may go; robots without an entry may go as far as they want."""
+
+    @property
+    def reserved(self) -> FrozenSet[int]:
+        """The places of stations and queues."""
+        return frozenset(place for one in self._stations.values()
+                         for place in (*one.places, *one.queue))
+
+    def may_go_to(self, name: str, place: int) -> bool:
+        """May a robot go to a place now, as far as the queues of stations are concerned?"""
+        station = self._at.get(place)
+        return station is None or self._queue_of(station).turns.get(name) == place
+
+    def standing_of(self, name: str) -> Optional[Standing]:
+        """How a robot stands in the queue in which it waits; None: it waits in none."""
+        for station in self._stations.values():
+            queue = self._queue_of(station)
+            if name in queue.waits:
+                before = [*queue.turns, *queue.waits]
+                return Standing(station, before[:before.index(name)], queue.waits[name])
+        return None
+
+    def inside(self, station: str) -> List[str]:
+        """Names of the robots that claim a station."""
+        return self._claims.holders(station)
+
+    def _queue_of(self, station: Station) -> Queue:
+        return self._queues.get(station.name, NOBODY)
+
+    # -- changes ----------------------------------------------------------------------------------
+
+    def advance(self, network: RoadNetwork) -> None:
+        """Follows missions, robots and claims. Chooses among the places of groups."""
+        if not self._stations:
+            return
+        going = {name: mission for name, mission in self._book.serving.items()
+                 if mission.left and follows(mission) and self._robots[name].outage is None}
+        leaving: Set[str] = set()
+        for station in self._stations.values():
+            waiters = [self._waiter(name, mission, station, network)
+                       for name, mission in going.items()
+                       if self._at.get(mission.left[0]) is station]
+            if not waiters:
+                self._queues.pop(station.name, None)
+                continue
+            others = self._others(station, {one.robot for one in waiters}, going)
+            queue = advanced(self._queue_of(station), station, waiters, others)
+            self._queues[station.name] = queue
+            for name, place in queue.turns.items():
+                if going[name].left[0] != place:
+                    self._desk.choose(going[name], place)
+            if queue.waits:
+                leaving.update(name for name in self._claims.holders(station.name)
+                               if name not in queue.turns)
+        self.ways = {name: way for name in self._robots
+                     for way in (self._way(name, going.get(name), name in leaving),)
+                     if way != FREE_WAY}
+
+    def _waiter(self, name: str, mission: Mission, station: Station,
+                network: RoadNetwork) -> Waiter:
+        robot, places = self._robots[name], mission.left[:1]
+        if self._desk.choices(mission) == station.name:
+            places = tuple(sorted(station.places, key=lambda one: time_to(one, robot, network)))
+        return Waiter(name, places, (-mission.request.priority, mission.serial),
+                      robot.record.last_vertex, station.name in self._claims.of(name))
+
+    def _others(self, station: Station, waiters: AbstractSet[str],
+                going: Mapping[str, Mission]) -> Others:
+        inside = [name for name in self._claims.holders(station.name) if name not in waiters]
+        at: Set[int] = set()
+        kept: Set[int] = set()
+        for name, robot in self._robots.items():
+            vertex = robot.record.last_vertex
+            if name in waiters or vertex not in (*station.places, *station.queue):
+                continue
+            at.add(vertex)
+            if not self._makes_room(robot, going):
+                kept.add(vertex)
+        return Others(len(inside), at, kept)
+
+    def _makes_room(self, robot: ManagedRobot, going: Mapping[str, Mission]) -> bool:
+        """Does a robot leave the place where it is if another one needs that?"""
+        if robot.outage is not None:
+            return False
+        mission = going.get(robot.name)
+        if mission is not None:
+            return mission.dwell_until is None
+        return self._book.of_robot(robot.name) is None and robot.dock is None
+
+    def _way(self, name: str, mission: Optional[Mission], is_in_the_way: bool) -> Way:
+        robot = self._robots[name]
+        is_free = robot.outage is None and self._book.of_robot(name) is None and robot.dock is None
+        if mission is None:
+            return Way(leaves=is_in_the_way and is_free)
+        reach = self._reach(name, mission)
+        if reach != mission.reached:
+            return Way(reach)
+        place = self._queue_of(self._at[mission.left[0]]).waits.get(name)
+        return Way(reach, True, place, place is not None and robot.record.last_vertex == place,
+                   is_in_the_way and place is None)
+
+    def _reach(self, name: str, mission: Mission) -> Optional[int]:
+        """Number of its destinations up to the next station for which a robot has no turn."""
+        first = mission.reached
+        some = mission.request.destinations[first:first + WINDOW]
+        for number, place in enumerate(some, first):
+            if place in self._at and not (number == first and self.may_go_to(name, place)):
+                return number
+        return None

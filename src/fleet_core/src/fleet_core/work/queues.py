@@ -1,0 +1,138 @@
+"""Queues: which robots may go to a station now, and where the others wait.
+
+A robot whose next stop is at a station is a *waiter* until it has left that stop. A waiter with a
+*turn* may go to a place of the station. All others wait, and do not drive to the busy station:
+
+    | the waiter                                           | turn | its target                     |
+    |------------------------------------------------------|------|--------------------------------|
+    | had a turn before, and there is still room for it    | yes  | its place                      |
+    | claims the station, and a place is free for it       | yes  | its place                      |
+    | is the first of the rest for which a place is free   | new  | the nearest free of its places |
+    | has arrived at the queue                             | no   | a queue place, in this order   |
+    | is on its way to the queue                           | no   | the queue places behind those  |
+    | finds no queue place free                            | no   | where it is                    |
+
+The rest is ordered as the lower three rows are. Those that have arrived are in the order of their
+arrival; those on their way, in the order in which they got a queue place; those without one, by
+priority and age of their missions. So no robot passes another one in the queue.
+
+A turn is not a claim. A robot claims the station when it is granted the edges that lead there, as
+it claims a door (`interlocking.claims`). Nothing here is stored: after a restart, robots with a
+claim have their turns, and robots at queue places have arrived, the first place first.
+
+Invariants, for each state after any events (`test_queues.py`):
+
+- The robots with a turn, and others that claim the station, are not more than its capacity, unless
+  those that claim it alone are.
+- No two robots have one target. No robot has a turn for a place where another one stands.
+- A queue place is not used while a queue place before it is free.
+- The order of those that have arrived never changes. None of them waits while a robot behind it
+  gets a turn, except for a place that only the other one may use.
+- While a place that some robot may use is free, and there is room, no robot waits for it.
+"""
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import AbstractSet, Dict, Iterable, List, Mapping, NamedTuple, Optional, Sequence, Tuple
+
+from fleet_core.work.stations import Station
+
+
+class Waiter(NamedTuple):
+    """A robot whose next stop is at a station.
+
+    places    -- vertices of the station that would do, the nearest one first
+    rank      -- of its mission; the lower one is served first
+    ends_at   -- vertex at which the edges that it was granted end; None: it is between vertices
+    is_inside -- it claims the station
+    """
+
+    robot: str
+    places: Tuple[int, ...]
+    rank: Tuple[int, int] = (0, 0)
+    ends_at: Optional[int] = None
+    is_inside: bool = False
+
+
+@dataclass(frozen=True)
+class Others:
+    """The robots that are not waiters of a station, as far as they matter to it.
+
+    inside -- number of them that claim the station
+    at     -- vertices at which they stand, or at which the edges end that they were granted
+    kept   -- those of these vertices which the robots there do not leave to make room
+    """
+
+    inside: int = 0
+    at: AbstractSet[int] = frozenset()
+    kept: AbstractSet[int] = frozenset()
+
+
+@dataclass(frozen=True)
+class Queue:
+    """Where the waiters of a station go.
+
+    turns   -- the place to which each robot with a turn goes
+    arrived -- robots that have arrived at the queue, in the order of their arrival
+    coming  -- robots on the way to a queue place, in the order in which they got one
+    waits   -- by robot without a turn, its queue place; None: it waits where it is
+    """
+
+    turns: Mapping[str, int] = field(default_factory=dict)
+    arrived: Tuple[str, ...] = ()
+    coming: Tuple[str, ...] = ()
+    waits: Mapping[str, Optional[int]] = field(default_factory=dict)
+
+
+NOBODY = Queue()
+
+
+def advanced(before: Queue, station: Station, waiters: Iterable[Waiter], others: Others) -> Queue:
+    """The queue of a station after anything has changed."""
+    known = {one.robot: one for one in waiters}
+    turns: Dict[str, int] = {}
+
+    def give_turn(one: Waiter, wanted: Optional[int] = None) -> None:
+        stood_on = {other.ends_at for other in known.values() if other is not one}
+        free = [place for place in one.places
+                if place not in others.at and place not in stood_on
+                and place not in turns.values()]
+        if free:
+            turns[one.robot] = wanted if wanted in free else free[0]
+
+    inside = sorted((one for one in known.values() if one.is_inside), key=lambda one: one.rank)
+
+    def has_room() -> bool:
+        there = {*turns, *(one.robot for one in inside)}
+        return len(there) + others.inside < station.capacity
+
+    for name, place in before.turns.items():
+        if name in known and (known[name].is_inside or has_room()):
+            give_turn(known[name], place)
+    for one in inside:
+        if one.robot not in turns:
+            give_turn(one)
+    arrived = _arrived(before, station, [one for one in known.values() if one.robot not in turns])
+    coming = [name for name in (*before.turns, *before.coming)
+              if name in known and name not in turns and name not in arrived]
+    outside = sorted((one for one in known.values()
+                      if one.robot not in {*turns, *arrived, *coming}), key=lambda one: one.rank)
+    order = [*arrived, *coming, *(one.robot for one in outside)]
+    for name in order:
+        if not known[name].is_inside and has_room():
+            give_turn(known[name])
+    rest = [name for name in order if name not in turns]
+    free = [place for place in station.queue if place not in others.kept]
+    waits: Dict[str, Optional[int]] = {**dict.fromkeys(rest), **dict(zip(rest, free))}
+    return Queue(turns, tuple(name for name in arrived if name in waits),
+                 tuple(name for name in rest if waits[name] is not None and name not in arrived),
+                 waits)
+
+
+def _arrived(before: Queue, station: Station, waiting: Sequence[Waiter]) -> List[str]:
+    """The robots that have arrived at the queue, in the order of their arrival."""
+    names = {one.robot for one in waiting}
+    arrived = [name for name in before.arrived if name in names]
+    at = {one.robot: station.queue.index(one.ends_at) for one in waiting
+          if one.ends_at in station.queue and one.robot not in arrived}
+    return [*arrived, *sorted(at, key=lambda name: at[name])]

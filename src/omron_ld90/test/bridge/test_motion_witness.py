@@ -1,0 +1,74 @@
+"""The witness puts another client's command where the robot took it among our stops."""
+from __future__ import annotations
+
+from delayed_drive import PERSON
+from modelled_controller import Delays
+from motion_witness import Witness
+
+from omron_ld90.bridge import events as p
+
+
+def _world(to_robot: float = 0.2) -> Witness:
+    return Witness('rolling', Delays(to_robot=to_robot), 'name')
+
+
+def _stop(world: Witness) -> None:
+    world._controller.give('stop', PERSON, 0, lambda result: None)
+
+
+def _givers(world: Witness) -> list:
+    """The giver of each command, in order; None: another client."""
+    return [word.giver for word in world.words]
+
+
+def test_a_foreign_drive_that_the_robot_took_before_our_stop_stands_before_it():
+    world = _world()
+    world.stall(3.0)
+    world.another_client('goto 3')
+    _stop(world)
+    world.run(4.0)
+    assert _givers(world) == [None, PERSON]
+
+
+def test_a_foreign_drive_that_the_robot_took_after_our_stop_stands_after_it():
+    world = _world()
+    _stop(world)
+    world.run(0.2)
+    world.stall(3.0)  # our stop has reached the robot, and its answer is held back
+    world.another_client('goto 3')
+    world.run(4.0)
+    assert _givers(world) == [PERSON, None]
+
+
+def test_of_two_stops_the_foreign_drive_stands_between_the_one_obeyed_and_the_other():
+    world = _world()
+    _stop(world)
+    world.run(0.2)
+    world.stall(3.0)
+    world.another_client('goto 3')
+    _stop(world)
+    world.run(4.0)
+    assert _givers(world) == [PERSON, None, PERSON]
+
+
+def test_a_foreign_drive_stands_last_if_our_stop_was_lost_with_the_link():
+    world = _world()
+    world.another_client('goto 3')
+    _stop(world)
+    world.run(0.1)  # the foreign drive is heard, and the stop has not reached the robot yet
+    assert _givers(world) == [None, PERSON]
+    world.cut(p.RobotLink.COMMANDS, 1.0)
+    assert _givers(world) == [PERSON, None]
+
+
+def test_a_stop_lost_before_the_foreign_drive_is_heard_is_obeyed_once_it_is_sent_again():
+    world = _world()
+    world.stall(3.0)
+    world.another_client('goto 3')
+    _stop(world)
+    world.cut(p.RobotLink.COMMANDS, 1.0)
+    world.run(1.5)
+    _stop(world)
+    world.run(4.0)
+    assert _givers(world) == [None, PERSON, PERSON]
+    assert world.robot.goal is None
