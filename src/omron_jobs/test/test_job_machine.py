@@ -5,16 +5,25 @@ otherwise, and what is told of it is what its mission did.
 """
 from __future__ import annotations
 
-from typing import Dict, List, Tuple
+from dataclasses import replace
+from typing import Any, Dict, Iterable, List, Sequence, Tuple, Type
 
+import pytest
+from hypothesis import HealthCheck, Phase, settings
 from hypothesis import strategies as st
-from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, rule
+from hypothesis.stateful import (
+    RuleBasedStateMachine,
+    initialize,
+    invariant,
+    rule,
+    run_state_machine_as_test,
+)
 from job_fleet import Disk, FakeFleet, Key, tell
 
 from omron_jobs.core.client_session import ClientSession, JobServer
-from omron_jobs.core.job_book import JobBook
+from omron_jobs.core.job_book import FleetAct, FleetMessage, JobBook, JobCounters, JobGoal
 from omron_jobs.core.job_commands import JobCommands, JobSite
-from omron_jobs.core.jobs import JobMissionState
+from omron_jobs.core.jobs import JobMissionState, QueuedJob
 
 State = JobMissionState
 FINAL = ('Completed', 'Cancelled', 'Failed')
@@ -24,6 +33,8 @@ PICK = st.integers(0, 30)
 
 
 class JobsInAnyOrder(RuleBasedStateMachine):
+    Book = JobBook
+
     @initialize()
     def begin(self) -> None:
         self.disk, self.fleet = Disk(), FakeFleet()
@@ -35,8 +46,8 @@ class JobsInAnyOrder(RuleBasedStateMachine):
         self.start()
 
     def start(self) -> None:
-        self.book = JobBook(self.disk.jobs.values(), self.disk.counters, self.disk,
-                            lambda: 1 + int(self.now * 1000), lambda: next(self.ids))
+        self.book = self.Book(self.disk.jobs.values(), self.disk.counters, self.disk,
+                              lambda: 1 + int(self.now * 1000), lambda: next(self.ids))
         site = JobSite()
         site.goals = {'x': 1, 'y': 2}
         self.server = JobServer(JobCommands(self.book, site), b'p')
@@ -188,11 +199,15 @@ class JobsInAnyOrder(RuleBasedStateMachine):
         if not hasattr(self, 'disk'):
             return
         self.disk.is_full = False
-        for _ in range(12):
+        cancelled = {key for key, mission in self.fleet.missions.items()
+                     if mission.shown.state.is_open and any(
+                         (job.mission, job.queued) == key and job.segments[0].id in self.cancelled
+                         for job in self.book.jobs)}
+        for k in range(15):
             self.now += 11.0
             self.exchange([], False)
             for key, mission in list(self.fleet.missions.items()):
-                if mission.shown.state.is_open:
+                if mission.shown.state.is_open and k > 2:
                     self.fleet.set(key, State.ACTIVE, mission.shown.robot or 'r1')
                     self.fleet.reach(key)
                     self.show(key)
@@ -203,6 +218,7 @@ class JobsInAnyOrder(RuleBasedStateMachine):
             assert [one.told.status.value for one in job.segments] == [
                 'Completed' if k < shown.reached else ENDS[shown.state]
                 for k in range(len(job.segments))]
+        assert {self.fleet.missions[key].shown.state for key in cancelled} <= {State.CANCELLED}
         self.check_what_clients_heard()
 
     def check_what_clients_heard(self) -> None:
@@ -213,3 +229,60 @@ class JobsInAnyOrder(RuleBasedStateMachine):
 
 
 TestJobsInAnyOrder = JobsInAnyOrder.TestCase
+
+
+# -- the machine finds what it is for --------------------------------------------------------------
+
+
+class StoresLate(JobBook):
+    """Says that a job is queued before it is on the disk."""
+
+    def queue(self, goals: Sequence[JobGoal], id: str = '') -> QueuedJob:
+        disk, self._store = self._store, Disk()
+        try:
+            return super().queue(goals, id)
+        finally:
+            self._store = disk
+
+
+class StampsAnew(JobBook):
+    """Gives each repeat of a request a stamp of its own."""
+
+    def due(self, now: float) -> List[FleetMessage]:
+        return [message._replace(job=replace(message.job, queued=message.job.queued + 1 + k))
+                for k, message in enumerate(super().due(now))]
+
+
+class CancelsOnce(JobBook):
+    """Sends a cancellation once, and does not look whether it was heard."""
+
+    def due(self, now: float) -> List[FleetMessage]:
+        sent = self.__dict__.setdefault('cancelled', set())
+        found = [message for message in super().due(now)
+                 if message.act is not FleetAct.CANCEL or message.job.mission not in sent]
+        sent.update(message.job.mission for message in found if message.act is FleetAct.CANCEL)
+        return found
+
+
+class ForgetsItsCounter(JobBook):
+    """Begins to count anew at each start."""
+
+    def __init__(self, jobs: Iterable[QueuedJob], counters: JobCounters, *others: Any) -> None:
+        super().__init__(jobs, JobCounters(), *others)
+
+
+class AsksNobody(JobBook):
+    """Waits for news of its missions, also of those whose last news was lost."""
+
+    def silent(self, now: float) -> List[FleetMessage]:
+        return []
+
+
+@pytest.mark.parametrize('book', [StoresLate, StampsAnew, CancelsOnce, ForgetsItsCounter,
+                                  AsksNobody])
+def test_a_planted_fault_is_found(book: Type[JobBook]) -> None:
+    faulty = type('Faulty', (JobsInAnyOrder,), {'Book': book})
+    with pytest.raises((AssertionError, KeyError)):
+        run_state_machine_as_test(faulty, settings=settings(
+            max_examples=300, deadline=None, derandomize=True, database=None,
+            phases=[Phase.generate], suppress_health_check=list(HealthCheck)))

@@ -1,13 +1,14 @@
 """What the messages of the fleet manager say about missions, goals and robots."""
 from __future__ import annotations
 
-from typing import Callable, Dict, List, Mapping, Optional
+from collections import Counter
+from typing import Callable, Collection, Dict, List, Mapping, Optional
 
 from itrci_nav_msgs import msg
 from omron_jobs.core.job_commands import RobotNews
 from omron_jobs.core.job_words import DRIVING, RobotStatus, SegmentKind
 from omron_jobs.core.jobs import JobMission, JobMissionState, QueuedJob
-from trajectory_graph import Graph
+from trajectory_graph import Vertex
 
 _KINDS = {SegmentKind.PICKUP: msg.MissionStop.PICKUP, SegmentKind.DROPOFF: msg.MissionStop.DROPOFF}
 _ROBOT = msg.FleetRobot
@@ -45,16 +46,16 @@ def stops_of(job: QueuedJob) -> List[msg.MissionStop]:
     return [msg.MissionStop(vertex=one.vertex, kind=_KINDS[one.kind]) for one in job.segments]
 
 
-def goals_of(graph: Graph) -> Dict[str, int]:
-    """The goals of a graph: each vertex by its label, or by its id if the label cannot name it.
+def goals_of(vertices: Collection[Vertex]) -> Dict[str, int]:
+    """The goals among these vertices: each by its label, or by its id.
 
     A label names no goal if it is empty, is that of another vertex too, or looks like an id, or if
     a line could not contain it. Docks are no goals.
     """
-    labels = [vertex.label for vertex in graph.vertices.values()]
-    return {vertex.label if is_name(vertex.label) and labels.count(vertex.label) == 1
+    labels = Counter(vertex.label for vertex in vertices)
+    return {vertex.label if is_name(vertex.label) and labels[vertex.label] == 1
             else str(vertex.id): vertex.id
-            for vertex in graph.vertices.values() if not vertex.dock}
+            for vertex in vertices if not vertex.dock}
 
 
 def is_name(label: str) -> bool:

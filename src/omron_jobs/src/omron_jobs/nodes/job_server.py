@@ -101,7 +101,7 @@ class JobServerNode:
     # --- callbacks --------------------------------------------------------------------------------
 
     def _on_graph(self, graph: Graph, _stamp: rospy.Time) -> None:
-        goals = goals_of(graph)
+        goals = goals_of(graph.vertices.values())
 
         def put() -> None:
             self._site.goals = goals
