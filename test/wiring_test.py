@@ -59,6 +59,7 @@ SERVICES: Dict[str, Tuple[str, str]] = {
     'declare_absent': ('itrci_nav_msgs/DeclareAbsent', 'graph_fleet_manager/nodes/fleet_acts.py'),
     'explain_mission': ('itrci_nav_msgs/ExplainMission',
                         'graph_fleet_manager/commands/mission.py'),
+    'charge': ('itrci_nav_msgs/ChargeRobot', 'graph_fleet_manager/commands/fleet.py'),
     'set_load': ('itrci_nav_msgs/SetLoad', 'graph_fleet_manager/commands/fleet.py'),
     'get_mission_status': ('itrci_nav_msgs/GetMissionStatus',
                            'fleet_requests/__init__.py'),
@@ -72,6 +73,7 @@ ELSEWHERE = {
     'map_converter.launch': ('converter.test', 'map_converter'),
     'multimaster.launch': ('joined_fleet.py', 'multimaster'),
     'join_masters.launch': ('joined_fleet.py', 'multimaster'),
+    'job_server.launch': ('jobs.test', 'job_server'),
     'node_host.launch': ('hosted_test.py', 'node_host'),
     'robot_host.launch': ('hosted.test', 'hosted')}
 #: Launch files that this test starts, directly or through another one.

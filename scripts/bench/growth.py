@@ -146,8 +146,8 @@ def edges() -> Iterator[Row]:
 def reporting(count: int) -> float:
     """The CPU time, in ms, of one report on a route with this number of edges."""
     vehicle = Vehicle(lambda: 1, lambda: 0)
-    vehicle.take(RouteOrder(1, tuple(range(1, count + 1)), order=1, known_epoch=1, master='bench'),
-                 0)
+    vehicle.take_order(RouteOrder(1, tuple(range(1, count + 1)), order=1, known_epoch=1,
+                                  master='bench'), 0)
 
     def report() -> None:
         vehicle.complete(vehicle.state.done + 1)

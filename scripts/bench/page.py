@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Measures the fleet page: the load of the node, and the delay until a browser shows a change.
 
-The real node runs under a ROS master of its own. This program publishes 50 robots that drive at 5
+The real node runs under a ROS master of its own. This program publishes 60 robots that drive at 5
 Hz on a graph of 1,000 vertices, as the fleet manager would. Nine clients read everything, a tenth
 client reads nothing. It takes a minute and a half.
 """
@@ -33,6 +33,7 @@ sys.path.insert(0, str(ROOT / 'src/fleet_page/test'))
 from browser import MISSING, Browser  # noqa: E402
 from page_builders import graph  # noqa: E402
 
+from fleet_core.supervision.waits import WaitCode  # noqa: E402
 from itrci_nav_msgs.msg import (  # noqa: E402  # noqa: E402
     Edge,
     FleetPlan,
@@ -50,7 +51,7 @@ from node_lifecycle.periodic import Periodic  # noqa: E402
 from ports import free_port  # noqa: E402
 from trajectory_graph.messages import fill_message  # noqa: E402
 
-ROBOTS, COLUMNS, ROWS = 50, 40, 25
+ROBOTS, COLUMNS, ROWS = 60, 40, 25
 GOOD_CLIENTS = 9
 SECONDS = 30.0
 CHANGES = 60
@@ -114,6 +115,7 @@ class Fleet:
             self._states.publish(FleetState(robots=[FleetRobot(
                 name=name, type='agv', state=FleetRobot.BUSY, pose=SymbolicPose(1 + k, 50.0),
                 seen=now, battery=0.5, has_mission=True, request_id=k, destination=2,
+                waits_for_code=WaitCode.TRAFFIC if k % 5 == 0 else WaitCode.NOTHING,
                 waits_for=f'robot_{self._ticks % 7}' if k % 5 == 0 else '')
                 for k, name in enumerate(names)]))
             first = self._ticks // 20

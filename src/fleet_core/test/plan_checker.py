@@ -9,7 +9,7 @@ occupy.
 from __future__ import annotations
 
 import math
-from typing import Dict, List, NamedTuple, Tuple
+from typing import Dict, List, NamedTuple, Sequence, Tuple
 
 import numpy as np
 import yaml
@@ -160,16 +160,23 @@ def structure_faults(world: World, plan: dict) -> List[str]:
         if world.missions.get(name) and at != world.missions[name][-1]:
             found.append(f'{name} ends at vertex {at}')
         ends.append(drives[-1]['end'] if drives else 0.0)
+    found += sum_faults(plan, ends)
+    for a, i, f, b, j in plan['precedence']:
+        if a == b or not 0.0 <= f <= 1.0 or not 0 <= i < len(plan['robots'][a]) \
+                or not 0 <= j < len(plan['robots'][b]):
+            found.append(f'precedence {[a, i, f, b, j]} makes no sense')
+    return found
+
+
+def sum_faults(plan: dict, ends: Sequence[float]) -> List[str]:
+    """Wrong sums over the ends of all robots."""
+    found: List[str] = []
     if abs(plan['sum_of_costs'] - sum(ends)) > 1e-6 * (1 + sum(ends)):
         found.append(f'sum_of_costs is {plan["sum_of_costs"]}, not {sum(ends)}')
     if abs(plan['makespan'] - max(ends, default=0.0)) > 1e-6 * (1 + max(ends, default=0.0)):
         found.append(f'makespan is {plan["makespan"]}')
     if plan['lower_bound'] > plan['sum_of_costs'] * (1 + 1e-9) + 1e-9:
         found.append('the lower bound is above the cost')
-    for a, i, f, b, j in plan['precedence']:
-        if a == b or not 0.0 <= f <= 1.0 or not 0 <= i < len(plan['robots'][a]) \
-                or not 0 <= j < len(plan['robots'][b]):
-            found.append(f'precedence {[a, i, f, b, j]} makes no sense')
     return found
 
 

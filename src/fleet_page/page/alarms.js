@@ -4,7 +4,7 @@ import { all, entries } from './server.js';
 import { language, momentOf, store, stored, t } from './texts.js';
 import { outageWords } from './map.js';
 import { answerButtons, reasonWords } from './missions.js';
-import { colourDot } from './robots.js';
+import { colourDot, fullName } from './robots.js';
 
 const PERIOD = 3000; // ms between two tones
 let me = { role: null }, act = null, unseen = 0, audio = null;
@@ -40,7 +40,7 @@ function wordsOf(key, { cause }) {
     return { name, robot: name, why, todo: `→ ${t(`todo_${cause}`)}` };
   }
   const mission = entries.get(key) || {};
-  return { name: `${t('mission')} ${mission.id}`, why: [mission.robot, reasonWords(mission, me)].filter(Boolean).join(': '), todo: '', mission, robot: mission.robot };
+  return { name: `${t('mission')} ${fullName(mission)}`, why: [mission.robot, reasonWords(mission, me)].filter(Boolean).join(': '), todo: '', mission, robot: mission.robot };
 }
 
 function alarmRow(alarm) {

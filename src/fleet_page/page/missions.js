@@ -3,7 +3,7 @@ import { $, make, openMenu, showRows, withCode } from './dom.js';
 import { entries, all } from './server.js';
 import { t, clockOf, dateOf, duration, language, said, store, stored } from './texts.js';
 import { knowsVertex, showChosen, vertexName } from './map.js';
-import { colourDot } from './robots.js';
+import { colourDot, fullName, shortName } from './robots.js';
 
 const OPEN = ['PENDING', 'ACTIVE', 'PAUSED', 'CANCELLING', 'NEEDS_PERSON', 'BLOCKED', 'PLANNED'];
 const ENDED = ['SUCCEEDED', 'FAILED', 'REFUSED', 'CANCELLED', 'EXPIRED'];
@@ -12,7 +12,7 @@ const BAD = ['FAILED', 'REFUSED', 'NEEDS_PERSON', 'EXPIRED'];
 const MOST_ENDED = 100;
 // Each column has its value for the order; the lists begin in the order `urgency`.
 const ORDERS = {
-  urgency: null, state: mission => t(`mission_${mission.state}`), id: mission => mission.id, robot: mission => mission.robot || '',
+  urgency: null, state: mission => t(`mission_${mission.state}`), id: mission => mission.serial || mission.id, robot: mission => mission.robot || '',
   asked: mission => mission.stamp, to_end: mission => mission.ended || mission.ends_at || Infinity, by: mission => mission.by || '', priority: mission => -(mission.priority || 0) };
 const COLUMNS = ['state', 'id', 'robot', 'way', 'to_end', 'asked', 'by', 'priority'];
 let chosen = []; // {vertex, stay}
@@ -117,7 +117,7 @@ const countWords = (shown, whole) => shown === whole ? `(${whole})` : t('shown_o
 function isWanted(mission) {
   const state = $('mission_state').value, words = $('mission_search').value.trim().toLowerCase();
   if (state && mission.state !== state) return false;
-  const text = [mission.id, mission.robot, mission.by, t(`mission_${mission.state}`), said(mission.reason || ''), ...(mission.destinations || []).map(vertexName)].join(' ').toLowerCase();
+  const text = [fullName(mission), mission.robot, mission.by, t(`mission_${mission.state}`), said(mission.reason || ''), ...(mission.destinations || []).map(vertexName)].join(' ').toLowerCase();
   return words.split(/\s+/).every(word => text.includes(word));
 }
 
@@ -169,7 +169,7 @@ function missionRow(mission) {
   const progress = isOpen && stops > 1 ? make('progress', { value: mission.reached, max: stops, 'aria-label': t('progress', { reached: mission.reached, stops }) }) : '';
   const row = make('tr', { class: BAD.includes(mission.state) && isOpen ? 'urgent' : null },
     make('td', { class: 'state' }, make('span', { class: BAD.includes(mission.state) ? 'bad' : null }, t(mission.stands ? 'mission_STANDS' : `mission_${mission.state}`)), ' '),
-    make('td', { class: 'id' }, String(mission.id)),
+    make('td', { class: 'id' }, make('span', {}, shortName(mission)), mission.serial ? make('small', {}, String(mission.id)) : ''),
     make('td', { class: 'robot_name' }, mission.robot ? colourDot(mission.robot) : '', robot),
     make('td', { class: 'way' }, mission.template ? `${mission.template} · ` : '', way, progress, mission.alarm ? make('span', { class: 'bad' }, ` ${t(`deadline_${mission.alarm}`)}`) : '', mission.reason ? make('p', { class: 'soft' }, ...withCode(reasonWords(mission, me))) : '', answerButtons(mission, me)),
     make('td', { class: 'to_end' }, mission.left ? t('to_go', { time: mission.left }) : '', ...mission.ended ? at('ended', mission.ended) : []),
@@ -178,7 +178,7 @@ function missionRow(mission) {
     make('td', { class: 'priority' }, ...mission.priority ? [word('priority'), String(mission.priority)] : []));
   const menu = make('td', { class: 'acts' });
   if (isOpen && me.role !== 'see') {
-    const button = make('button', { 'data-act': 'menu', 'aria-haspopup': 'menu', 'aria-label': t('acts_of', { mission: mission.id }) }, '⋯');
+    const button = make('button', { 'data-act': 'menu', 'aria-haspopup': 'menu', 'aria-label': t('acts_of', { mission: shortName(mission) }) }, '⋯');
     button.addEventListener('click', () => openMenu(button, actsOf(mission)));
     menu.append(button);
   }
@@ -211,7 +211,7 @@ export const reasonWords = (mission, person) => said(mission.reason || '', canAn
 export function answerButtons(mission, person) {
   if (!canAnswer(mission, person)) return '';
   const answers = mission.state === 'NEEDS_PERSON' ? ['retry', 'skip', 'fail', 'done'] : ['skip', 'fail', 'done'];
-  return make('p', { class: 'row', role: 'group', 'aria-label': t('answer_to', { mission: mission.id }) }, ...answers.map(answer => make('button',
+  return make('p', { class: 'row', role: 'group', 'aria-label': t('answer_to', { mission: shortName(mission) }) }, ...answers.map(answer => make('button',
     { 'data-act': `answer_${answer}`, onclick: () => act({ act: 'answer', mission: mission.id, answer, step: mission.asks }) }, t(`answer_${answer}`))));
 }
 

@@ -29,7 +29,7 @@ export function showRobots(person) {
   const group = $('robot_group').value;
   const robots = all('robot:').map(([name, robot]) => ({ name, ...robot })).filter(robot => !group || robot.group === group || robot.name === chosen)
     .sort((a, b) => a.name.localeCompare(b.name, undefined, { numeric: true }))
-    .map(robot => robot.name === chosen ? { ...robot, isFollowed: robot.name === followed, missions: missionsOf(robot.name), log: log.number } : robot);
+    .map(robot => robot.name === chosen ? { ...robot, isFollowed: robot.name === followed, missions: missionsOf(robot.name), missionName: robot.mission === null ? '' : nameOf(robot.mission), log: log.number } : robot);
   showRows($('robots'), robots, robot => robot.name, robotRow, language + me.role + chosen);
 }
 
@@ -55,7 +55,16 @@ async function askForLog() {
 }
 
 const missionsOf = name => all('mission:').map(([, mission]) => mission).filter(mission => mission.robot === name).reverse().slice(0, MOST_MISSIONS)
-  .map(({ id, state, reason, ended, stamp }) => ({ id, state, reason, at: ended || stamp }));
+  .map(({ id, serial, state, reason, ended, stamp }) => ({ id, serial, state, reason, at: ended || stamp }));
+
+// A mission as people say it, and the id of its request.
+export const shortName = mission => mission.serial ? `M${mission.serial}` : String(mission.id);
+export const fullName = mission => mission.serial ? `${shortName(mission)} (${mission.id})` : String(mission.id);
+
+function nameOf(id) {
+  const known = all('mission:').map(([, mission]) => mission).filter(mission => mission.id === id);
+  return known.length ? shortName(known[known.length - 1]) : String(id);
+}
 
 export function colourDot(name) {
   const dot = make('span', { class: 'dot', 'aria-hidden': 'true' });
@@ -76,15 +85,15 @@ function robotRow(robot) {
 function details(robot) {
   const button = kind => make('button', { 'data-act': kind, onclick: () => robotAct(kind, robot.name) }, t(`act_${kind}`));
   const acts = me.role === 'see' ? [] : [robot.state === 'OUT_OF_SERVICE' ? '' : button('out'), button('in'), me.role === 'admin' ? button('absent') : ''];
-  return [make('p', { class: 'soft' }, [robot.type, robot.mission ? `${t('mission')} ${robot.mission}` : ''].filter(Boolean).join(' · ')),
+  return [make('p', { class: 'soft' }, [robot.type, robot.mission ? `${t('mission')} ${robot.missionName}` : ''].filter(Boolean).join(' · ')),
     robot.alarm ? make('p', { class: 'bad' }, `→ ${t(`todo_${robot.alarm}`)}`) : '',
     make('p', { class: 'row' }, make('button', { 'data-act': 'follow', 'aria-pressed': String(Boolean(robot.isFollowed)), onclick: () => followRobot(followed === robot.name ? '' : robot.name) }, t('follow')), ...acts),
     ...log.charges.length ? [make('h3', {}, t('battery_curve')), curveOf(log.charges, robot)] : [],
     robot.missions.length ? make('h3', {}, t('last_missions')) : '',
-    lines(robot.missions, mission => [`${mission.id} · ${t(`mission_${mission.state}`)}`, ...mission.reason ? withCode(` · ${said(mission.reason)}`) : []]),
+    lines(robot.missions, mission => [make('span', { title: String(mission.id) }, shortName(mission)), ` · ${t(`mission_${mission.state}`)}`, ...mission.reason ? withCode(` · ${said(mission.reason)}`) : []]),
     make('h3', {}, t('latest_events')),
     log.events.length ? lines(log.events.slice(0, MOST_EVENTS).map(event => ({ ...event, at: event.time, isBad: Boolean(event.alarm) })),
-      event => [...withCode(robotWords(event)), event.mission === null ? '' : ` · ${t('mission')} ${event.mission}`]) : make('p', { class: 'soft' }, t('no_events'))];
+      event => [...withCode(robotWords(event)), event.mission === null ? '' : ` · ${t('mission')} ${nameOf(event.mission)}`]) : make('p', { class: 'soft' }, t('no_events'))];
 }
 
 const lines = (items, words) => make('ul', { class: 'lines' }, ...items.map(item => make('li', { class: item.isBad ? 'bad' : null },

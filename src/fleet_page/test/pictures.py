@@ -93,11 +93,12 @@ def show(page: Page, count: int, in_trouble: bool, is_stopped: bool) -> None:
             model.take_request(type(made)(id, stamp, made.destinations, '', '', k % 3, 'anna'))
             for became in ('PENDING', state):
                 page.take_status(status(
-                    id, became, stamp=stamp, robot='' if became == 'PENDING' else name,
+                    id, became, stamp=stamp, serial=4000 + 2 * k + (state != 'ACTIVE'),
+                    robot='' if became == 'PENDING' else name,
                     reached=k % 2, reason='wheel blocked' if became == 'FAILED' else ''))
         if in_trouble and k == 7 % count:
             page.take_status(status(1840021800 + k, 'NEEDS_PERSON', stamp=stamp, robot=name,
-                                    reason=ASKS, asks=5))
+                                    serial=4000 + 2 * k, reason=ASKS, asks=5))
     page.take_plans({name: ShownPlan((edges[(3 * k) % len(edges)], ), 1)
                      for k, name in enumerate(fleet)}, now)
     model.take_robots(fleet.values(), now)

@@ -66,7 +66,7 @@ def test_the_thread_that_waits_for_the_door_counts_as_waiting_and_not_as_blocked
     thread.start()
     watch, end = watchdog.ThreadWatch(('fleet_page',), standstill=0.2), time.monotonic() + 1.0
     while time.monotonic() < end:
-        assert [one for one in watch.look(time.monotonic()) if one.thread == 'door'] == []
+        assert [one for one in watch.blocked(time.monotonic()) if one.thread == 'door'] == []
         thread.join(0.1)
     process.close()
     thread.join(10.0)

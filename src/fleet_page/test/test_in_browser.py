@@ -255,6 +255,20 @@ def test_no_name_of_a_crowd_covers_another_and_most_are_shown(window, served):
     assert covered == 0 and shown > 0.8 * 99 * 60
 
 
+def test_people_say_a_short_name_and_see_the_id_of_the_request_beside_it(window, served):
+    served.do(lambda: served.page.take_status(
+        status(7, 'NEEDS_PERSON', serial=42, reason=ASKS, asks=STEP)))
+    window.wait(lambda: 'Mission M42 (7) a: step 1' in window.text('#alarms'))
+    name = f'{MISSION} .id'
+    assert (window.text(f'{name} span'), window.text(f'{name} small')) == ('M42', '7')
+    window.one('#mission_search').send_keys('m42')
+    window.wait(lambda: shown_missions(window) == ['7'])
+    window.click('#tab_button_robots')
+    window.click('#robots li[data-key=a] [data-act=choose]')
+    window.wait(lambda: 'M42 · needs a person' in window.text('#robots'))
+    assert 'agv · Mission M42' in window.text('#robots')
+
+
 def test_a_chosen_robot_shows_its_battery_its_missions_and_what_happened_to_it(window, served):
     begun = time.time() - 3600.0
 

@@ -108,7 +108,8 @@ def test_every_text_that_is_translated_is_still_said_by_the_fleet_manager():
 
 @pytest.mark.parametrize('file, name', [
     ('why', ''), ('why', 'mission_reason'), ('why', 'robot_wait'), ('why', '_stay'),
-    ('why', '_traffic'), ('waits', ''), ('work_desk', ''), ('work_desk', 'waits_for'),
+    ('why', '_traffic'), ('why', '_turn'), ('waits', ''), ('work_desk', ''),
+    ('work_desk', 'waits_for'),
     ('work_desk', '_words'), ('work_desk', '_show'), ('mission_book', 'waits_as'),
     ('mission_book', '_is_over')])
 def test_every_reason_to_wait_or_to_end_is_translated(file, name):

@@ -70,10 +70,10 @@ def test_a_label_cannot_leave_its_quotes():
 
 def test_a_release_takes_from_the_first_plan_without_to_the_first_with_an_edge():
     watch = ReleaseWatch()
-    watch.take({'a': ShownPlan((1,), 0)}, 10.0)
-    watch.take({'a': ShownPlan((1,), 0)}, 11.0)
-    watch.take({'a': ShownPlan((1,), 1)}, 12.5)
-    watch.take({'a': ShownPlan((1,), 1)}, 14.0)
+    watch.note_plans({'a': ShownPlan((1,), 0)}, 10.0)
+    watch.note_plans({'a': ShownPlan((1,), 0)}, 11.0)
+    watch.note_plans({'a': ShownPlan((1,), 1)}, 12.5)
+    watch.note_plans({'a': ShownPlan((1,), 1)}, 14.0)
     assert (watch.seconds.count, watch.seconds.sum) == (1, 2.5)
 
 

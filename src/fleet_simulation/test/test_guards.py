@@ -175,6 +175,11 @@ def test_lives_that_found_a_fault_once_find_none(seed: int) -> None:
     live(seed)
 
 
+@pytest.mark.parametrize('seed', [90850, 90915, 90917, 90924])
+def test_lives_of_moved_robots_that_found_a_fault_once_find_none(seed: int) -> None:
+    live(seed, MovedFleet)
+
+
 @pytest.mark.parametrize(('table', 'guard', 'seed'), [
     ('GATES', '_fleet_is_not_stopped', 0), ('GATES', '_journal_can_be_written', 7),
     ('GATES', '_no_person_is_needed', 0), ('GATES', '_clock_is_right', 7),

@@ -35,7 +35,7 @@ def clock():
 @pytest.fixture
 def loop(clock):
     loop = SupervisorEvents(clock)
-    loop.take()(None, clock.now)  # the first tick
+    loop.next_event()(None, clock.now)  # the first tick
     return loop
 
 
@@ -60,7 +60,7 @@ def test_stops_come_before_commands_and_commands_before_reports(loop):
     loop.put_urgent(noted(notes, 'stop'))
     loop.put_urgent(noted(notes, 'resume'))
     for _ in range(6):
-        loop.take()(object(), 0.0)
+        loop.next_event()(object(), 0.0)
     assert notes == ['stop', 'resume', 'command', 0, 1, 2]
 
 
@@ -73,7 +73,7 @@ def test_only_the_newest_report_of_each_robot_waits_and_keeps_the_turn_of_the_ol
                 (robot, number, arrived)) or (), robot)
         loop.put_report(reported(notes, number))
     for _ in range(7):
-        loop.take()(object(), clock.now)
+        loop.next_event()(object(), clock.now)
     assert notes == [('a', 4, clock.now), ('b', 4, clock.now), 0, 1, 2, 3, 4]
 
 
@@ -82,7 +82,7 @@ def test_the_clock_is_looked_at_in_time_however_many_reports_come(loop, clock, f
     for number in range(100):
         loop.put_report(reported(notes, number))
         clock.now += TICK / 4
-        loop.take()(fleet.supervisor, clock.now)
+        loop.next_event()(fleet.supervisor, clock.now)
     assert 80 < len(notes) < 95, 'ticks must be taken although more events come than can be taken'
 
 
@@ -93,12 +93,12 @@ def test_reports_and_commands_that_arrived_before_a_tick_was_due_go_before_it(lo
         loop.put_report(reported(notes, number))
     loop.put(noted(notes, 'command'))
     for _ in range(4):
-        loop.take()(object(), clock.now)
+        loop.next_event()(object(), clock.now)
     assert notes == ['command', 0, 1, 2]
-    loop.take()
+    loop.next_event()
     clock.now += TICK / 2
     loop.put_report(reported(notes, 'later'))
-    loop.take()(object(), clock.now)
+    loop.next_event()(object(), clock.now)
     assert notes[4:] == ['later'], 'a tick was taken between them'
 
 
@@ -112,7 +112,7 @@ def test_a_tick_that_many_reports_keep_away_comes_in_time_and_knows_which_report
     due = clock.now + TICK
     while not heard:
         clock.now += TICK / 5
-        loop.take()(fleet.supervisor, clock.now)
+        loop.next_event()(fleet.supervisor, clock.now)
     (ticked, until), = heard
     assert ticked <= due + LATEST + TICK / 5
     assert until == arrived, 'a robot may have reported meanwhile'
@@ -159,11 +159,11 @@ class WatchedLoop:
         self.taken['request'] += [request.id for request in requests]
         return ()
 
-    def take(self):
+    def next_event(self):
         """Runs one turn of the thread. Returns what it took and how long that took; more may
         arrive meanwhile."""
         before, begun = {kind: len(taken) for kind, taken in self.taken.items()}, self.clock.now
-        event = self.loop.take()
+        event = self.loop.next_event()
         took = self.random.random() * self.slowness
         arriving = self.random.choice((0, 0, 1, 1, 2))
         for _ in range(arriving):
@@ -184,7 +184,7 @@ def test_whatever_comes_and_however_long_it_takes_the_order_is_kept(seed):
             watched.clock.now = max(watched.clock.now, due)  # nothing happens until the next tick
         waiting = {kind: watched.waiting(kind) for kind in watched.arrived}
         now = watched.clock.now
-        kind, took = watched.take()
+        kind, took = watched.next_event()
         longest = max(longest, took)
         is_late = now >= max(due, free) + LATEST
         if waiting['stop']:
@@ -235,7 +235,7 @@ def test_after_a_stall_no_robot_is_silent_that_reported_meanwhile(fleet):
         if late == 3:
             loop.put_order(lambda supervisor, now: supervisor.command(1, CommandKind.PAUSE, now))
     for _ in range(30):
-        loop.take()(fleet.supervisor, fleet.now)
+        loop.next_event()(fleet.supervisor, fleet.now)
         assert fleet.supervisor.robots['a'].outage is None
     assert fleet.supervisor.book.find(1).state is MissionState.PAUSED
 
@@ -244,7 +244,7 @@ def test_after_the_process_stood_still_no_robot_is_silent_that_reported_meanwhil
         fleet, monkeypatch):
     """Its reports waited in a socket, and no callback could note when they came."""
     loop = SupervisorEvents(lambda: fleet.now)
-    loop.take()(fleet.supervisor, fleet.now)
+    loop.next_event()(fleet.supervisor, fleet.now)
     fleet.now += 7.0
 
     def read(seconds):
@@ -255,25 +255,25 @@ def test_after_the_process_stood_still_no_robot_is_silent_that_reported_meanwhil
         return True
     monkeypatch.setattr(loop._changed, 'wait', read)
     for _ in range(20):
-        loop.take()(fleet.supervisor, fleet.now)
+        loop.next_event()(fleet.supervisor, fleet.now)
         assert fleet.supervisor.robots['a'].outage is None
 
 
 def test_a_robot_that_does_not_report_is_silent_also_after_a_stall(fleet):
     loop = SupervisorEvents(lambda: fleet.now)
     fleet.now += 10.0
-    loop.take()(fleet.supervisor, fleet.now)
+    loop.next_event()(fleet.supervisor, fleet.now)
     assert fleet.supervisor.robots['a'].outage is Outage.SILENT
 
 
 def test_a_tick_is_due_at_once_when_the_last_request_is_taken(fleet):
     loop = SupervisorEvents(lambda: fleet.now)
-    loop.take()(fleet.supervisor, fleet.now)
+    loop.next_event()(fleet.supervisor, fleet.now)
     loop.begin()
     loop.put_request(Request(1, (3,)))
-    assert told_by(loop.take()(fleet.supervisor, fleet.now)) == [(1, MissionState.PENDING)]
+    assert told_by(loop.next_event()(fleet.supervisor, fleet.now)) == [(1, MissionState.PENDING)]
     fleet.now += TICK / 10
-    assert told_by(loop.take()(fleet.supervisor, fleet.now)) == [(1, MissionState.ACTIVE)]
+    assert told_by(loop.next_event()(fleet.supervisor, fleet.now)) == [(1, MissionState.ACTIVE)]
 
 
 def test_a_stop_finds_room_where_too_many_reports_wait(loop, monkeypatch):
@@ -284,9 +284,9 @@ def test_a_stop_finds_room_where_too_many_reports_wait(loop, monkeypatch):
     late.start()
     stops = []
     loop.put_urgent(noted(stops, 'stop'))
-    loop.take()(None, 0.0)
+    loop.next_event()(None, 0.0)
     assert stops == ['stop'] and late.is_alive(), 'the limit must not apply to urgent events'
-    loop.take()
+    loop.next_event()
     late.join(10.0)
     assert not late.is_alive()
 
@@ -300,14 +300,15 @@ def told_by(actions):
 def test_a_request_is_not_kept_where_it_cannot_be(clock):
     loop = SupervisorEvents(clock, lambda: 'the disk is full')
     loop.put_request(Request(1, (3,)))
-    refusal, = loop.take()(None, 0.0)
+    refusal, = loop.next_event()(None, 0.0)
     assert (refusal.status.state, refusal.status.reason) == (MissionState.REFUSED,
                                                              'the disk is full')
 
 
 def take_all(loop, fleet, turns):
     """The actions of the given number of turns."""
-    return [action for _ in range(turns) for action in loop.take()(fleet.supervisor, fleet.now)]
+    return [action for _ in range(turns)
+            for action in loop.next_event()(fleet.supervisor, fleet.now)]
 
 
 def test_requests_and_commands_before_there_is_a_graph_are_carried_out_once_there_is_one(
@@ -318,7 +319,7 @@ def test_requests_and_commands_before_there_is_a_graph_are_carried_out_once_ther
     loop.put_command(2, CommandKind.CANCEL)
     loop.put_report(lambda supervisor, now, arrived: pytest.fail('an old report must not count'))
     for _ in range(3):
-        assert loop.take()(None, 0.0) == ()
+        assert loop.next_event()(None, 0.0) == ()
     loop.begin()
     assert told_by(take_all(loop, fleet, 3)) == [
         (2, MissionState.PENDING), (2, MissionState.PAUSED), (2, MissionState.CANCELLED),
@@ -331,14 +332,14 @@ def test_as_many_requests_as_may_be_open_are_kept_and_what_comes_beyond_is_told(
     monkeypatch.setattr(event_loop, 'MOST_OPEN', 50)
     for id in range(51):
         loop.put_request(Request(id + 1, (3,)))
-    refusal, = loop.take()(None, 0.0)
+    refusal, = loop.next_event()(None, 0.0)
     assert refusal.status.request_id == 51
     assert '5000 already wait' in refusal.status.reason
     for _ in range(50):
         loop.put_command(1, CommandKind.PAUSE)
-        assert loop.take()(None, 0.0) == ()
+        assert loop.next_event()(None, 0.0) == ()
     loop.put_command(1, CommandKind.PAUSE)
-    note, = loop.take()(None, 0.0)
+    note, = loop.next_event()(None, 0.0)
     assert isinstance(note, Note) and 'PAUSE for mission 1 is ignored' in note.text
     loop.begin()
     take_all(loop, fleet, 51)
@@ -375,11 +376,11 @@ def test_a_tick_that_is_wanted_earlier_comes_earlier_but_after_what_arrived_befo
     loop.hurry(None)
     loop.put_report(reported(notes, 'before'))
     clock.now += TICK / 4
-    loop.take()(object(), clock.now)
+    loop.next_event()(object(), clock.now)
     assert notes == ['before']
     clock.now += TICK / 100
     loop.put_report(reported(notes, 'after'))
-    loop.take()
+    loop.next_event()
     assert notes == ['before'], 'the tick was due'
-    loop.take()(object(), clock.now)
+    loop.next_event()(object(), clock.now)
     assert notes == ['before', 'after']

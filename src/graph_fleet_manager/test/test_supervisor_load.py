@@ -45,13 +45,13 @@ def looked_at(monkeypatch):
 
 def test_thousands_of_requests_take_one_commit_for_each_batch(fleet):
     loop = SupervisorEvents(lambda: fleet.now)
-    loop.take()
+    loop.next_event()
     loop.begin()
     for id in range(MANY):
         loop.put_request(Request(id + 1, (3,)))
     before = fleet.disk.journal.commits
     for _ in range(MANY // BATCH):
-        fleet.do(loop.take()(fleet.supervisor, fleet.now))
+        fleet.do(loop.next_event()(fleet.supervisor, fleet.now))
     assert fleet.disk.journal.commits - before == MANY // BATCH
     assert Counter(fleet.told(id + 1)[-1] for id in range(MANY)) == {MissionState.PENDING: MANY}
 

@@ -1170,3 +1170,36 @@ class TestState:
         assert bench.state is MotionState.DRIVING
         bench.stop(ROUTE)
         assert bench.state is MotionState.STOPPING
+
+
+class TestEmergencyStop:
+    @pytest.mark.parametrize('lines, told', [
+        (['EStop pressed'], True), (['Status: EStop pressed'], True),
+        (['EStop pressed', 'EStop relieved but motors still disabled'], True),
+        (['EStop pressed', 'Status: Motors disabled'], True),
+        (['EStop pressed', 'Motors enabled'], False), (['EStop pressed', 'Status: Stopped'], False),
+        (['Motors disabled', 'Status: Motors disabled'], False)])
+    def test_it_lasts_until_the_robot_can_drive(self, bench, lines, told):
+        bench.status('Stopped')
+        bench.robot(*lines)
+        assert bench.records.motion.emergency_stop is told
+
+    @pytest.mark.parametrize('line, told', [
+        ('Status: EStop pressed', True), ('Status: Stopped', False), ('Going to 9', False)])
+    def test_without_a_link_the_last_one_stays_until_the_robot_says_what_it_does(
+            self, bench, line, told):
+        bench.robot('EStop pressed')
+        for _ in range(2):
+            bench.lose()
+            assert (bench.records.motion.emergency_stop, bench.state) == (True, MotionState.UNKNOWN)
+            bench.connect()
+        known = bench.epoch
+        assert (bench.records.motion.emergency_stop, bench.state) == (True, MotionState.UNKNOWN)
+        bench.robot(line)
+        assert bench.records.motion.emergency_stop is told
+        assert bench.epoch != known, 'somebody may have driven it meanwhile'
+
+    def test_a_controller_that_starts_does_not_know_of_it(self, bench):
+        bench.robot('EStop pressed')
+        motion = Bench(bench.memory).records.motion
+        assert (motion.emergency_stop, motion.state) == (False, MotionState.UNKNOWN)

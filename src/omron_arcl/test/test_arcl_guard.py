@@ -95,7 +95,7 @@ LOCALIZE = ('localizeToPoint 1 2 3', 'localizeAtGoal 12', 'LocalizeToPoint 1 2 3
 @pytest.mark.parametrize('state', [MotionState.DRIVING, MotionState.STOPPING, MotionState.DOCKING,
                                    MotionState.UNDOCKING])
 def test_a_robot_that_drives_is_not_localized(guard, text, state):
-    guard.motion = RobotMotion(DriveMemory(0), state)
+    guard.motion = RobotMotion(DriveMemory(0), state, False)
     assert 'the robot drives: stop it first' in reason(guard, text)
     passes(guard, 'goto 12')
 
@@ -104,7 +104,7 @@ def test_a_robot_that_drives_is_not_localized(guard, text, state):
 @pytest.mark.parametrize('state', [MotionState.STANDING, MotionState.DOCKED, MotionState.UNKNOWN,
                                    MotionState.MANUAL])
 def test_a_robot_that_stands_or_that_a_person_drives_is_localized(guard, text, state):
-    guard.motion = RobotMotion(DriveMemory(0), state)
+    guard.motion = RobotMotion(DriveMemory(0), state, False)
     passes(guard, text)
 
 

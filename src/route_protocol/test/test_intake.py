@@ -84,7 +84,7 @@ class Fleet:
             raise RouteRefused(AWAY)
         if not self.knows:
             raise NotYet(ROLLS)
-        self.intake.take(due, self.now)
+        self.intake.take_order(due, self.now)
 
     def _told(self, refusal: RouteRefusal) -> None:
         self.refusals.append(refusal)

@@ -57,7 +57,7 @@ def obey(its: Vehicle, given: RouteOrder, willing: bool = True) -> Answer:
     if judgement.answer is Answer.STOP:
         its.stop(given)
     elif judgement.answer is Answer.ROUTE and willing:
-        its.take(given, judgement.done)
+        its.take_order(given, judgement.done)
     elif judgement.answer is not Answer.IGNORED:
         its.refuse(given, judgement.reason or WHY)
         return Answer.REFUSED
@@ -253,20 +253,20 @@ class OldFleet:
     def judge(self, given: RouteOrder, now: float = 100.0) -> Judgement:
         return self.old.judge(given, self.vehicle.state, now)
 
-    def take(self, given: RouteOrder) -> None:
+    def take_order(self, given: RouteOrder) -> None:
         numbered = self.old.numbered(given, self.vehicle.state)
-        self.vehicle.take(numbered, self.vehicle.state.done)
+        self.vehicle.take_order(numbered, self.vehicle.state.done)
         self.old.passed(given)
 
 
 def test_routes_of_old_masters_are_numbered_from_the_place_where_they_are_taken():
     fleet = OldFleet()
-    fleet.take(old(7, 1, 2))
+    fleet.take_order(old(7, 1, 2))
     fleet.vehicle.complete(1)
-    fleet.take(old(7, 1, 2, 3))
+    fleet.take_order(old(7, 1, 2, 3))
     assert (fleet.vehicle.state.order, fleet.vehicle.state.first, fleet.vehicle.state.done) == (
         2, 0, 1)
-    fleet.take(old(8, 2, 5))
+    fleet.take_order(old(8, 2, 5))
     assert (fleet.vehicle.state.first, fleet.vehicle.state.ahead) == (1, (2, 5))
 
 
@@ -277,13 +277,13 @@ def test_routes_of_old_masters_are_numbered_from_the_place_where_they_are_taken(
     (replace(old(8, 3), comes_again=True), Answer.REFUSED)])
 def test_which_orders_of_old_masters_pass(given, answer):
     fleet = OldFleet()
-    fleet.take(old(7, 1, 2, sent=100.0))
+    fleet.take_order(old(7, 1, 2, sent=100.0))
     assert fleet.judge(given).answer is answer
 
 
 def test_an_order_that_is_late_stays_late_after_a_late_stop():
     fleet = OldFleet()
-    fleet.take(old(7, 1, 2, sent=100.0))
+    fleet.take_order(old(7, 1, 2, sent=100.0))
     fleet.old.passed(old(8, sent=90.0))
     assert fleet.judge(old(6, 3, sent=95.0)).answer is Answer.IGNORED
 

@@ -389,7 +389,7 @@ class RouteWorld:
             if refusal:
                 end.refuse(given, refusal)
             else:
-                end.take(given, judgement.done)
+                end.take_order(given, judgement.done)
         return self._after(world, end)
 
     def driven(self, world: World) -> World:

@@ -125,7 +125,7 @@ class RobotSide:
             is_same = order.route_id == self.route_id
             self._driven = self.route[:self.done] if is_same else ()
             self._driven = self._driven[:len(self._driven) - (judgement.done - order.first)]
-            self.vehicle.take(order, judgement.done)
+            self.vehicle.take_order(order, judgement.done)
             self.percentage, self.place = (self.percentage if is_same else 0.0), None
 
     def report(self) -> RouteReport:

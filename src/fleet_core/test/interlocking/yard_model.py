@@ -723,7 +723,7 @@ class Yard:
     # -- the journal ------------------------------------------------------------------------------
 
     def _taken(self, site: Site, ids: Tuple[int, ...]) -> State:
-        """All changes are stored, and then orders are sent, as in `Outbox.take`."""
+        """All changes are stored, and then orders are sent, as in `Outbox.actions`."""
         if not site.trouble:
             site, ids = self._committed(site, ids)
         return (self._site_id(site), *(

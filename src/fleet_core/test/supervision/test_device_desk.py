@@ -40,7 +40,7 @@ class Desk(DeviceDesk):
                                  **{'count': self.count, **fields}), now)
 
     def is_open(self, now: float) -> bool:
-        self.look(now)
+        self.update_open(now)
         return self.claims.open_for == {'door': self.request.number}
 
     def asks(self, now: float) -> List[Tuple[str, DeviceMode]]:

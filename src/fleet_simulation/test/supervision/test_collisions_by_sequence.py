@@ -314,6 +314,28 @@ def test_places_in_an_older_journal_that_are_believed_are_found(restarts, drives
         with_an_older_journal(restarts, drives)
 
 
+def test_a_fleet_that_is_stopped_by_an_older_journal_stops_also_robots_with_later_orders():
+    """The clock was set back as well, so the first stop has a number that the robot had before."""
+    fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1)}, settings=FAR, planning=0.05)
+    fleet.run(2.0)
+    fleet.do(fleet.supervisor.stop_fleet(fleet.now))
+    fleet.run(1.0)
+    old = fleet.disk.copy()
+    fleet.do(fleet.supervisor.resume_fleet(fleet.now)[1])
+    fleet.request(1, 8, robot='a')
+    fleet.run(3.0)
+    assert fleet.agvs['a'].is_driving
+    fleet.disk.set_back = 3600.0
+    start_with(old, fleet)
+    assert fleet.supervisor.is_stopped
+    fleet.run(2.0)
+    assert not fleet.agvs['a'].is_driving
+    fleet.run(3.0)
+    fleet.do(fleet.supervisor.resume_fleet(fleet.now)[1])
+    fleet.request(2, 8, robot='a')
+    fleet.run_until_done(2)
+
+
 def test_by_an_older_journal_a_person_may_say_that_a_robot_is_not_on_the_site():
     fleet = SupervisedFleet(ladder(6), {'a': (AGV, 1), 'c': (AGV, 106)}, planning=0.05)
     fleet.run(2.0)

@@ -2,20 +2,21 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from random import Random
 from typing import Any, Dict, List, Mapping, Optional
 
 import pytest
 from fleet_builders import AGV, graph_of
 
-from fleet_core.interlocking.resources import Resource, ResourceKind
-from fleet_core.supervision.missions import CommandKind
+from fleet_core.supervision.missions import CommandKind, Request
 from fleet_core.supervision.settings import RobotSettings
 from fleet_core.supervision.waits import WaitCode
 from fleet_core.supervision.why import mission_reason
 from fleet_core.work.site_work import SiteWork
-from fleet_core.work.stations import Station
+from fleet_core.work.stations import Station, StationKind
 from fleet_core.work.stops import When, WorkStep, WorkStop, dwells_of
+from fleet_core.work.templates import Template, TemplateStop
 from fleet_simulation.agv.steps import SimulatedSteps
 from trajectory_graph import Graph
 from world.plain_agv import Agv
@@ -30,6 +31,7 @@ class FleetAtStations(SupervisedFleet):
     def __init__(self, graph: Graph, robots: Mapping[str, int], *stations: Station,
                  **more: Any) -> None:
         self.stations = {one.name: one for one in stations}
+        templates = more.pop('templates', {})
         self.arrived: List[str] = []
         """Robots that came to rest at a place of a station, in order."""
         self.queued: List[str] = []
@@ -38,9 +40,7 @@ class FleetAtStations(SupervisedFleet):
         more.setdefault('settings', RobotSettings(release_ahead=3.0))
         super().__init__(
             graph, {name: (AGV, vertex) for name, vertex in robots.items()},
-            work=SiteWork(self.stations), resources=[
-                Resource(one.name, ResourceKind.STATION, vertices=frozenset(one.places),
-                         capacity=one.capacity) for one in stations], **more)
+            work=SiteWork(self.stations, templates=templates), **more)
 
     def step(self) -> None:
         super().step()
@@ -210,6 +210,54 @@ def test_the_steps_before_the_entry_do_not_begin_before_the_turn() -> None:
     fleet.run_until_done(1, 2)
 
 
+SHELVES = Station('shelves', (13, 14, 15), (11,), 3, StationKind.GROUP)
+ENGAGE = WorkStep('engage', 60.0)
+FETCH = Template('fetch', (), (TemplateStop('shelves', steps=(ENGAGE,)),))
+
+
+def at_shelves(count: int, station: Station = SHELVES) -> FleetAtStations:
+    """Robots that carry out a step at any one of three shelves."""
+    fleet = lane(count, station, templates={'fetch': FETCH})
+    fleet.steps = {name: SimulatedSteps(lambda: 1) for name in fleet.agvs}
+    return fleet
+
+
+def shelf(fleet: FleetAtStations, id: int) -> int:
+    return fleet.supervisor.book.find(id).request.destinations[0]
+
+
+def test_robots_at_a_group_never_go_to_one_place() -> None:
+    fleet = at_shelves(3)
+    for id, name in enumerate('abc', 1):
+        fleet.do(fleet.supervisor.request(Request(id, (), template='fetch', robot=name), fleet.now))
+    fleet.run(3.0)
+    assert {shelf(fleet, id) for id in (1, 2, 3)} == {13, 14, 15}
+    fleet.run_until_done(1, 2, 3)
+
+
+def test_the_nearest_free_place_is_chosen_when_the_robot_may_go() -> None:
+    one_at_a_time = replace(SHELVES, capacity=1)
+    fleet = at_shelves(2, one_at_a_time)
+    for id, name in enumerate('ab', 1):
+        fleet.do(fleet.supervisor.request(Request(id, (), template='fetch', robot=name), fleet.now))
+    first_choice = shelf(fleet, 2)
+    fleet.run_until_done(1, 2)
+    assert (first_choice, shelf(fleet, 2)) == (14, 13)
+
+
+def test_another_place_is_chosen_while_a_robot_that_cannot_work_stands_in_the_first_one() -> None:
+    fleet = FleetAtStations(LANE, {'a': 1, 'b': 13}, SHELVES, parking=PARKING,
+                            templates={'fetch': FETCH})
+    fleet.steps = {name: SimulatedSteps(lambda: 1) for name in fleet.agvs}
+    fleet.run(2.0)
+    fleet.do(fleet.supervisor.take_out('b', fleet.now))
+    fleet.do(fleet.supervisor.request(Request(1, (), template='fetch', robot='a'), fleet.now))
+    assert shelf(fleet, 1) == 13
+    fleet.restart()
+    fleet.run_until_done(1)
+    assert shelf(fleet, 1) == 14
+
+
 # Two stations without a queue: each robot stands where the other one wants to go.
 def test_two_robots_that_want_each_others_stations_make_room() -> None:
     fleet = FleetAtStations(LANE, {'a': 1, 'b': 12}, Station('press', (18,)),
@@ -218,6 +266,21 @@ def test_two_robots_that_want_each_others_stations_make_room() -> None:
     fleet.request(1, 18, 3, dwells=(STAY, 1.0), robot='a')
     fleet.request(2, 3, 18, dwells=(STAY, 1.0), robot='b')
     fleet.run_until_done(1, 2)
+
+
+# The press at the end of a dead end, so that its only way out leads through its queue.
+DEAD_END = graph_of({vertex.id: vertex.position for vertex in LANE.vertices.values()},
+                    {edge.id: (edge.origin, edge.destination) for edge in LANE.edges.values()
+                     if edge.id != 6})
+
+
+def test_robots_in_a_queue_make_room_where_it_is_the_only_way_out() -> None:
+    fleet = FleetAtStations(DEAD_END, {'a': 1, 'b': 2, 'c': 11, 'd': 12}, PRESS, parking=PARKING)
+    fleet.run(2.0)
+    for id in range(1, 7):
+        fleet.visit(id, 18, 11)
+    fleet.run_until_done(*range(1, 7), limit=900.0)
+    assert len(fleet.arrived) == 6
 
 
 @pytest.mark.parametrize('seed', range(12))

@@ -441,6 +441,20 @@ def test_wrong_reports_are_ignored_with_one_sentence_until_there_are_right_ones(
     assert fleet.supervisor.robots['a'].works
 
 
+def test_the_serials_of_accepted_missions_only_grow_and_each_status_has_its_own():
+    fleet = SupervisedFleet(corridor(6), {'a': (AGV, 1)})
+    for vertex in (2, 3):
+        fleet.request(1, vertex)  # the same id twice: the first one has ended
+        fleet.run(30.0)
+    fleet.request(2, 99)
+    fleet.run(1.0)
+    ends = [(status.request_id, status.state, status.serial) for status in fleet.statuses
+            if not status.state.is_open]
+    assert ends == [(1, MissionState.SUCCEEDED, 1), (1, MissionState.SUCCEEDED, 2),
+                    (2, MissionState.REFUSED, 0)]
+    assert {status.serial for status in fleet.statuses if status.state.is_open} == {1, 2}
+
+
 def test_the_view_of_the_fleet_says_what_each_robot_is_about():
     fleet = SupervisedFleet(corridor(6), {'a': (AGV, 1)})
     fleet.request(1, 3, 5)

@@ -264,13 +264,14 @@ class Promises:
     def _check_blame(self, name: str) -> None:
         """Checks that a robot to which no fault happened is left to a person for another one.
 
-        The other one may be near it: a fault happened to it, or its location is an old one.
+        The other one may be near it: a fault happened to it, or its location is an old one. At the
+        end of the step the two need not exclude each other any more.
         """
         fleet, supervisor = self.fleet, self.fleet.supervisor
         assert supervisor.robots[name].outage is Outage.TOO_NEAR and any(
             supervisor.robots[other].master.allocation.areas
             and (other in self.blamed or fleet.now - self._well_since[other] <= _STANDS)
-            for other in supervisor.interlocking.excluding(name)), (
+            for other in supervisor.robots.keys() - {name}), (
             f'{name} needs a person: {fleet.picture()}')
         self.blamed.add(name)
 

@@ -194,7 +194,10 @@ class RareChaos(Chaos):
         return (_REACTION + late) * agv.kind.speed + agv.braking
 
     def _can_be_stopped(self, name: str) -> bool:
-        return name not in self.fleet.lost and self.fleet.network.hears(name, self.fleet.now)
+        """Returns whether a stop reaches a robot; who was left to a person is told to stop once."""
+        fleet = self.fleet
+        is_by_hand = fleet.supervisor.robots[name].needs_person and fleet.agvs[name].is_driving
+        return not is_by_hand and name not in fleet.lost and fleet.network.hears(name, fleet.now)
 
 
 MOVING = tuple(act.__name__ for act in (RareChaos.put_down, RareChaos.push, RareChaos.stray))

@@ -20,9 +20,9 @@ def test_a_client_that_says_nothing_is_no_standstill_of_the_node() -> None:
         connection.sendall(b'where\n')
         assert connection.recv(100) == b'{}\n'
         watch = ThreadWatch(('graph_fleet_manager',), standstill=SILENT)
-        watch.look(time.monotonic())
+        watch.blocked(time.monotonic())
         time.sleep(1.1 * SILENT)  # the client is silent for this time
-        assert watch.look(time.monotonic()) == []
+        assert watch.blocked(time.monotonic()) == []
     server.shutdown()
     server.server_close()
 

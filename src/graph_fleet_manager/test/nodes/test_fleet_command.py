@@ -14,7 +14,7 @@ from graph_fleet_manager.commands.command_line import NOT_DONE, OK, WRONG, Comma
 from graph_fleet_manager.commands.fleet_client import name_problem
 from graph_fleet_manager.commands.tables import as_json
 from itrci_nav_msgs.msg import FleetRobot, FleetState, FleetStop, SymbolicPose
-from itrci_nav_msgs.srv import DeclareAbsent, SetLoad
+from itrci_nav_msgs.srv import ChargeRobot, DeclareAbsent, SetLoad
 from trajectory_graph import Edge, Graph, Vertex, split_edges
 
 
@@ -105,8 +105,8 @@ def called(monkeypatch):
     called = []
 
     def call(service, kind, *arguments):
-        if kind is SetLoad:
-            called.append((service, *arguments[:2]))
+        if kind in (SetLoad, ChargeRobot):
+            called.append((service, *arguments[:-1]))
             return 'done'
         assert kind is DeclareAbsent
         called.append(service)
@@ -144,6 +144,48 @@ def test_a_robot_that_cannot_be_absent_does_not_keep_the_others(called, capsys):
 def test_a_person_says_what_a_robot_carries(called, load, said):
     assert fleet._fleet(['load', 'b', load]) == OK
     assert called == [('/b/set_load', *said)]
+
+
+@pytest.mark.parametrize(('robot', 'told'), [
+    (FleetRobot(name='b', state=FleetRobot.BUSY, has_mission=True, request_id=7, until=12.4,
+                waits_for='its turn at station press, after a', waits_for_code=16),
+     'b serves mission 7. It waits for: its turn at station press, after a, for about '
+     '12 s.'),
+    (FleetRobot(name='b', until=math.nan),
+     'b is idle. It waits for nothing: it has nothing to do.'),
+    (FleetRobot(name='b', state=FleetRobot.BUSY, has_mission=True, request_id=7, until=math.nan),
+     'b serves mission 7. It waits for nothing: it drives, or may set out.')])
+def test_it_says_what_a_robot_waits_for_and_until_when(called, monkeypatch, capsys, robot, told):
+    monkeypatch.setattr(fleet, '_robots', lambda: [robot])
+    assert fleet._fleet(['why', 'b']) == OK
+    assert ' '.join(capsys.readouterr().out.split()) == told
+
+
+def test_programs_get_what_a_robot_waits_for_as_json(called, monkeypatch, capsys):
+    robot = FleetRobot(name='b', waits_for='a free dock', waits_for_code=12, until=math.nan)
+    monkeypatch.setattr(fleet, '_robots', lambda: [robot])
+    assert fleet._fleet(['why', 'b', '--json']) == OK
+    assert json.loads(capsys.readouterr().out) == {
+        'robot': 'b', 'state': 'IDLE', 'mission': None, 'code': 'CHARGING',
+        'waits_for': 'a free dock', 'until': None}
+
+
+def test_why_a_robot_waits_is_asked_of_robots_that_there_are(called):
+    with pytest.raises(CommandProblem, match="There is no robot 'x'"):
+        fleet._fleet(['why', 'x'])
+
+
+@pytest.mark.parametrize('words, until', [([], 0.8), (['--until', '95'], 0.95), (['--end'], 0.0)])
+def test_a_robot_is_asked_to_charge(called, words, until):
+    assert fleet._fleet(['charge', 'b', *words]) == OK
+    assert called == [('/b/charge', until)]
+
+
+@pytest.mark.parametrize('until', ['0', '101', 'nan'])
+def test_no_robot_charges_beyond_what_it_can(called, until):
+    with pytest.raises(SystemExit) as end:
+        fleet._fleet(['charge', 'b', '--until', until])
+    assert end.value.code == WRONG and not called
 
 
 @pytest.mark.parametrize('words', [['b'], ['b', 'full'], ['b', '-1']])

@@ -60,7 +60,7 @@ class Services:
         caller = threading.Thread(target=ask)
         caller.start()
         while not hangs and not answers:
-            actions += self.loop.take()(supervisor, 0.0)
+            actions += self.loop.next_event()(supervisor, 0.0)
         caller.join()
         return answers[0], actions
 
@@ -225,7 +225,7 @@ def test_a_stop_goes_past_a_supervisor_that_hangs_and_is_kept_for_it(services, m
     answer, _ = services.call('/stop_fleet', hangs=True)
     assert answer.success and 'hangs' in answer.message and len(services.past) == 1
     fleet = SupervisedFleet(corridor(3), {'a': (AGV, 1), 'b': (AGV, 3)})
-    services.loop.take()(fleet.supervisor, 0.0)
+    services.loop.next_event()(fleet.supervisor, 0.0)
     assert fleet.supervisor.is_stopped
 
 
@@ -299,7 +299,7 @@ def test_what_was_not_done_in_time_is_not_done_later(services, monkeypatch, name
         fleet.do(fleet.supervisor.stop_fleet(fleet.now))
     answer, _ = services.call(name, hangs=True)
     assert not answer.success and 'and it will not be done' in answer.message
-    assert services.loop.take()(fleet.supervisor, fleet.now) == ()
+    assert services.loop.next_event()(fleet.supervisor, fleet.now) == ()
     assert not fleet.supervisor.robots['a'].works
     assert fleet.supervisor.is_stopped == (name == '/resume_fleet')
 
@@ -309,7 +309,7 @@ def test_a_robot_that_was_not_taken_out_in_time_is_taken_out_later(services, mon
     fleet = SupervisedFleet(corridor(3), {'a': (AGV, 1), 'b': (AGV, 3)})
     answer, _ = services.call('/a/leave_fleet', hangs=True)
     assert not answer.success and 'but it will be done' in answer.message
-    assert services.loop.take()(fleet.supervisor, fleet.now)
+    assert services.loop.next_event()(fleet.supervisor, fleet.now)
     assert fleet.supervisor.robots['a'].outage is Outage.OUT_OF_SERVICE
 
 

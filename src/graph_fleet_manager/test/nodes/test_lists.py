@@ -1,12 +1,14 @@
 """The lists of missions and of closed edges fit a terminal; programs get all of them as JSON."""
 from __future__ import annotations
 
+import argparse
 import json
 
 import genpy
 import pytest
 
 from graph_fleet_manager.commands import edge, mission
+from graph_fleet_manager.commands.mission_names import mission_name
 from graph_fleet_manager.commands.tables import WIDTH, as_json, table, table_with_notes
 from itrci_nav_msgs.msg import MissionStatus, StepParameter
 from trajectory_graph import Edge, Graph, Vertex, split_edges
@@ -36,17 +38,33 @@ def status(**fields):
 
 
 def test_missions_are_listed_with_the_time_of_their_request_and_the_reason_below():
-    listed = mission._listed([status(), status(request_id=2 ** 31 - 1, reason='', robot='ld90_1',
-                                               state=MissionStatus.ACTIVE,
-                                               request_stamp=genpy.Time(0))]).splitlines()
-    assert listed[0].split() == ['mission', 'state', 'robot', 'reached', 'requested', 'deadline']
-    assert listed[1].split()[:4] == ['7', 'PENDING', '-', '0'] and '1970-01-0' in listed[1]
+    active = status(request_id=2 ** 31 - 1, reason='', robot='ld90_1', state=MissionStatus.ACTIVE,
+                    request_stamp=genpy.Time(0))
+    listed = mission._listed([status(serial=42), active]).splitlines()
+    assert listed[0].split() == ['mission', 'id', 'state', 'robot', 'reached', 'requested',
+                                 'deadline']
+    assert listed[1].split()[:5] == ['M42', '7', 'PENDING', '-', '0'] and '1970-01-0' in listed[1]
     assert listed[2].strip().startswith('it waits for a robot')
-    assert listed[-1].split() == ['2147483647', 'ACTIVE', 'ld90_1', '0', '-', '-']
-    assert json.loads(as_json(mission._values(status()))) == {
-        'mission': 7, 'state': 'PENDING', 'robot': None, 'destinations_reached': 0,
+    assert listed[-1].split() == ['-', '2147483647', 'ACTIVE', 'ld90_1', '0', '-', '-']
+    assert json.loads(as_json(mission._values(status(serial=42)))) == {
+        'mission': 7, 'serial': 42, 'state': 'PENDING', 'robot': None, 'destinations_reached': 0,
         'reason': WORDS.strip(), 'requested': 1000.0, 'template': None, 'arguments': {},
         'earliest': None, 'deadline': None, 'deadline_state': 'NONE'}
+
+
+@pytest.mark.parametrize('text, is_named', [
+    ('7', (True, False)), ('M42', (True, True)), ('m42', (True, True)), ('42', (False, False)),
+    ('M7', (False, False))])
+def test_a_mission_is_named_by_its_id_or_by_its_short_name(text, is_named):
+    name, other = mission_name(text), status(request_id=8, serial=42)
+    assert (name.is_of(status(serial=42)), name.is_of(other)) == is_named
+    assert str(name) == text.upper()
+
+
+@pytest.mark.parametrize('text', ['', 'M', 'M0', 'M-1', 'M4.2', 'x', '1.5', '1_5', 'M' + '9' * 11])
+def test_what_names_no_mission_is_refused(text):
+    with pytest.raises(argparse.ArgumentTypeError, match='short name'):
+        mission_name(text)
 
 
 @pytest.mark.parametrize('code, alarm', [

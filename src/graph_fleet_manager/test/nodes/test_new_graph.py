@@ -39,7 +39,7 @@ def test_the_supervisor_of_the_former_graph_ends_if_the_work_file_does_not_fit_t
     assert begun._begin(NOW) == ()
     assert begun._supervisor is None and 'no vertex 99' in begun._work_file.trouble
     begun._events.put_request(Request(1, (3,)))
-    begun._events.take()(begun._supervisor, NOW)  # a tick: the request waits
+    begun._events.next_event()(begun._supervisor, NOW)  # a tick: the request waits
     assert begun._events._requests
 
 

@@ -38,11 +38,11 @@ class FollowedGraph:
 
     def subscribe(self) -> rospy.Subscriber:
         """Follows `/graph` from now on."""
-        subscriber = rospy.Subscriber('/graph', GraphMessage, self.take, queue_size=1)
+        subscriber = rospy.Subscriber('/graph', GraphMessage, self.receive, queue_size=1)
         when_too_large(subscriber.resolved_name, self._refuse)
         return subscriber
 
-    def take(self, message: GraphMessage) -> None:
+    def receive(self, message: GraphMessage) -> None:
         """Puts the graph of a message in force."""
         try:
             graph = graph_from_message(message)

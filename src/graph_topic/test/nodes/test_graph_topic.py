@@ -50,7 +50,7 @@ def test_the_first_graph_and_every_other_one_is_told():
     told: List[Graph] = []
     followed = FollowedGraph(lambda graph, stamp: told.append(graph))
     for length in (4.0, 5.0):
-        followed.take(received(message(length)))
+        followed.receive(received(message(length)))
         assert followed.graph is told[-1]
         assert told[-1].vertex(2).x == length
     assert len(told) == 2
@@ -61,7 +61,7 @@ def test_a_graph_that_is_in_force_already_is_no_news():
     from_file = graph_from_message(message())
     followed = FollowedGraph(lambda graph, stamp: told.append(graph), from_file)
     for _ in range(3):
-        followed.take(received(message()))
+        followed.receive(received(message()))
     assert told == []
     assert followed.graph is from_file, 'an equal graph must not be kept beside the first'
 
@@ -71,7 +71,7 @@ def test_a_graph_that_is_not_valid_is_refused_in_words(refusals):
     reasons: List[str] = []
     followed = FollowedGraph(lambda graph, stamp: told.append(graph),
                              graph_from_message(message()), on_refused=reasons.append)
-    followed.take(received(message(0.0)))
+    followed.receive(received(message(0.0)))
     assert told == [] and followed.graph.vertex(2).x == 4.0
     assert 'which are at the same place' in refusals[0]
     assert 'which are at the same place' in reasons[0]
@@ -99,7 +99,7 @@ def test_each_message_is_told_with_its_stamp_where_that_is_asked_for():
     for second in (1, 2):
         sent = message()
         sent.header.stamp.secs = second
-        followed.take(received(sent))
+        followed.receive(received(sent))
     assert told == [(followed.graph, 1), (followed.graph, 2)]
     assert told[0][0] is told[1][0]
 

@@ -83,7 +83,7 @@ def _leave_out(topic: str, buffer: BytesIO, most: int, rest: int) -> int:
         (length,) = _LENGTH.unpack_from(data, position)
         end = position + _LENGTH.size + length
         if length > most:
-            _tell(topic, length, most)
+            _warn(topic, length, most)
             kept.append(data[begin:position])
             rest = max(end - len(data), 0)
             begin = end = min(end, len(data))
@@ -146,7 +146,7 @@ def _length(buffer: BytesIO, start: int) -> int:
     return length
 
 
-def _tell(topic: str, length: int, most: int) -> None:
+def _warn(topic: str, length: int, most: int) -> None:
     then = _told.get(topic)
     if then is not None:
         then(_reason(length, most))

@@ -25,15 +25,15 @@ _ON_ITS_WAY = {CommState.WAITING_FOR_GOAL_ACK: Loss.GOAL, CommState.WAITING_FOR_
 
 
 class ServerWatch:
-    """Watches the server of one action client. Call `look` several times a second."""
+    """Watches the server of one action client. Call `count_status` several times a second."""
 
     def __init__(self, client: ActionClient) -> None:
         self._client = client
         self._last: Any = None
         self.statuses = 0
-        """The number of statuses that `look` has seen."""
+        """The number of statuses that `count_status` has counted."""
 
-    def look(self) -> None:
+    def count_status(self) -> None:
         """Counts a status that came since the last call."""
         status = self._client.last_status_msg
         if status is not self._last:

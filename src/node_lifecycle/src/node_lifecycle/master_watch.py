@@ -53,7 +53,7 @@ class MasterWatch:
         """Begins to check, in a separate thread."""
         threading.Thread(target=self._run, name='master watch', daemon=True).start()
 
-    def look(self) -> bool:
+    def register_again(self) -> bool:
         """Registers the node if the master is there and lacks it.
 
         Returns whether the registration has become complete in this call.
@@ -71,7 +71,7 @@ class MasterWatch:
     def _run(self) -> None:
         while not rospy.is_shutdown():
             time.sleep(PERIOD)
-            if not rospy.is_shutdown() and self.look():
+            if not rospy.is_shutdown() and self.register_again():
                 rospy.logwarn('The ROS master did not know this node any more, as after a restart: '
                               'the node has registered again and has set its parameters again.')
 

@@ -57,6 +57,8 @@ LIMITS: Dict[str, int] = {
     'itrci_nav_msgs/ParkingPlaces': LIST,
     'itrci_nav_msgs/PlanAnswer': PLAN,
     'itrci_nav_msgs/PlanRequest': PLAN,
+    'itrci_nav_msgs/ChargeRobotRequest': POINT,
+    'itrci_nav_msgs/ChargeRobotResponse': TEXT,
     'itrci_nav_msgs/SetLoadRequest': POINT,
     'itrci_nav_msgs/SetLoadResponse': TEXT,
     'itrci_nav_msgs/StepCommand': TEXT,

@@ -1,9 +1,51 @@
-"""Files with passwords: only their owner should read them."""
+"""Files with passwords: how they are read, and that only their owner should read them."""
 from __future__ import annotations
 
 import os
+import stat
 
 import rospy
+
+from node_lifecycle.parameters import ConfigurationError
+
+_MOST_BYTES = 1000
+
+
+def read_password_file(path: str, what: str, is_secret: bool = True) -> bytes:
+    """Returns the password that a file contains. Raises ConfigurationError, never with its text.
+
+    what      -- whose password it is, for people
+    is_secret -- warn if others can read the file
+    """
+    try:
+        password = _content(path).strip()
+    except OSError as error:
+        raise ConfigurationError(f'The {what} cannot be read from file {path}: {error.strerror}.'
+                                 ) from None
+    problem = problem_of_password(password)
+    if problem:
+        raise ConfigurationError(f'There is no usable {what}: file {path} {problem}. Write nothing '
+                                 'but the password into it.')
+    if is_secret:
+        warn_if_exposed(f'{what} file', path)
+    return password
+
+
+def problem_of_password(password: bytes) -> str:
+    """Why a text can be no password, as the rest of a clause; empty: it can."""
+    if not password:
+        return 'is empty or not set'
+    is_plain = all(0x20 <= byte < 0x7f for byte in password)
+    return '' if is_plain else 'contains control or non-ASCII characters'
+
+
+def _content(path: str) -> bytes:
+    """The beginning of a regular file; reading another kind of file might never end."""
+    descriptor = os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC)
+    with open(descriptor, 'rb') as file:
+        if not stat.S_ISREG(os.fstat(descriptor).st_mode):
+            raise OSError(0, 'it is no regular file')
+        return file.read(_MOST_BYTES)
 
 
 def warn_if_exposed(what: str, path: str) -> None:

@@ -41,7 +41,7 @@ class _Look(NamedTuple):
 
 
 class ThreadWatch:
-    """Checks the threads of this process; `look` returns the blocked ones.
+    """Checks the threads of this process; `blocked` returns the blocked ones.
 
     A thread is blocked under these conditions:
     - It is inside code of `packages`.
@@ -56,7 +56,7 @@ class ThreadWatch:
         self._standstill = standstill
         self._seen: Dict[int, Tuple[_Look, float]] = {}
 
-    def look(self, now: float) -> List[Standstill]:
+    def blocked(self, now: float) -> List[Standstill]:
         """The blocked threads at `now` (s, monotonic)."""
         threads = {thread.ident: thread for thread in threading.enumerate()}
         seen: Dict[int, Tuple[_Look, float]] = {}
@@ -124,10 +124,10 @@ class Watchdog:
         self._watch = ThreadWatch((*packages, *CALLERS))
         self._publisher = rospy.Publisher('/diagnostics', DiagnosticArray, queue_size=1)
         self._reported = False
-        Periodic('watchdog', PERIOD, self._look)
+        Periodic('watchdog', PERIOD, self._on_period)
 
-    def _look(self) -> None:
-        found = self._watch.look(time.monotonic())
+    def _on_period(self) -> None:
+        found = self._watch.blocked(time.monotonic())
         if found and not self._reported:
             rospy.logerr('%s', _sentence(found))
         self._reported = bool(found)

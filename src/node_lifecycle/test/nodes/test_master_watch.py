@@ -43,28 +43,28 @@ class Master:
     (Master(known=2), False), (Master(known=0), True), (Master(there=False), False)])
 def test_a_node_registers_where_it_is_not_known(master, registers):
     watch = MasterWatch(master)
-    assert watch.look() is registers
-    assert watch.look() is False
+    assert watch.register_again() is registers
+    assert watch.register_again() is False
 
 
 def test_a_master_that_comes_back_without_knowing_the_node_is_told_of_it():
     master = Master()
     watch = MasterWatch(master)
     master.there = False
-    assert not watch.look()
+    assert not watch.register_again()
     master.there, master.known = True, 0
-    assert watch.look()
+    assert watch.register_again()
 
 
 def test_a_master_that_ends_while_a_node_registers_is_told_the_rest():
     master = Master(known=0)
     watch = MasterWatch(master)
     master.ends_in_between = True
-    assert not watch.look() and master.is_known(), (
+    assert not watch.register_again() and master.is_known(), (
         'the new master must have the later registrations')
     master.ends_in_between = False
-    assert watch.look() and master.is_complete()
-    assert not watch.look() and master.restored == 2
+    assert watch.register_again() and master.is_complete()
+    assert not watch.register_again() and master.restored == 2
 
 
 class Rosmaster:
@@ -115,10 +115,10 @@ def rosmaster(monkeypatch) -> Rosmaster:
 def test_a_line_of_the_log_makes_no_node_known(rosmaster):
     rosmaster.nodes.append('/me')  # as the master does for the node that asks it for a parameter
     watch = MasterWatch(ThisNode(rosmaster, KeptParameters()))
-    assert watch.look()
+    assert watch.register_again()
     assert {name for _, _, name in rosmaster.registered} == {
         '/rosout', '/graph', '/me/get_loggers'}
-    assert not watch.look()
+    assert not watch.register_again()
 
 
 def test_a_new_master_has_the_parameters_of_the_node_again(rosmaster):
@@ -127,6 +127,6 @@ def test_a_new_master_has_the_parameters_of_the_node_again(rosmaster):
                     but=('/me/record',))
     parameters.keep('/robot_description', '<robot/>')
     rosmaster.parameters['/me/file'] = 'set by a new launch'
-    assert MasterWatch(ThisNode(rosmaster, parameters)).look()
+    assert MasterWatch(ThisNode(rosmaster, parameters)).register_again()
     assert rosmaster.parameters == {'/me/file': 'set by a new launch', '/me/limits/speed': 1.5,
                                     '/robot_description': '<robot/>'}

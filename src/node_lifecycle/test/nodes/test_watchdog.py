@@ -25,7 +25,7 @@ def watched(seconds: float = 0.6) -> List[Standstill]:
     watch = ThreadWatch((__name__,), standstill=0.3)
     deadline = time.monotonic() + seconds
     while time.monotonic() < deadline:
-        found = watch.look(time.monotonic())
+        found = watch.blocked(time.monotonic())
         time.sleep(0.05)
     return [one for one in found if one.thread != 'MainThread']
 
@@ -117,8 +117,8 @@ def test_threads_of_other_packages_are_not_judged(running):
     watch = ThreadWatch(('omron_ld90',), standstill=0.1)
     with lock:
         running(enters)
-        watch.look(time.monotonic())
-        assert watch.look(time.monotonic() + 1.0) == []
+        watch.blocked(time.monotonic())
+        assert watch.blocked(time.monotonic() + 1.0) == []
 
 
 def test_a_thread_that_moves_on_is_forgiven(running):

@@ -211,7 +211,7 @@ class Drives:
     @property
     def motion(self) -> RobotMotion:
         """The state to publish now."""
-        return RobotMotion(self._memory, self._state())
+        return RobotMotion(self._memory, self._state(), self.heard.emergency_told)
 
     @property
     def is_unexplained(self) -> bool:
@@ -400,7 +400,7 @@ class Drives:
     def linked(self, connected: bool, now: float) -> None:
         """The link to the robot came up, broke, or could not be made."""
         self._unseen = self._unseen or self._connected and not connected
-        self._connected, self.heard = connected, RobotWords()
+        self._connected, self.heard = connected, RobotWords(self.heard.emergency_told)
         self._look_until = now + LOOK if connected and self._memory.stop_owed else -math.inf
 
     def said(self, reply: Reply) -> None:

@@ -27,7 +27,7 @@ class Guard:
         self.categories = frozenset(categories[word] for word in words if word in categories)
         self.names = frozenset(word for word in words if word not in categories)
         self.goals: Optional[FrozenSet[str]] = None
-        self.motion = RobotMotion(DriveMemory(0), MotionState.UNKNOWN)
+        self.motion = RobotMotion(DriveMemory(0), MotionState.UNKNOWN, False)
 
     def list_goals(self, names: Iterable[str]) -> None:
         """Stores the goals that the robot has listed; an empty list forbids nothing."""

@@ -45,9 +45,12 @@ class RobotWords:
     """The robot's words about its motion, since the connection was made.
 
     Each attribute is one fact.
+
+    emergency_before -- what was told of the emergency stop before the connection
     """
 
-    def __init__(self) -> None:
+    def __init__(self, emergency_before: bool = False) -> None:
+        self._emergency_before = emergency_before
         self.activity: Optional[Activity] = None
         """The last activity, of a line or a status."""
         self.shown: Optional[Activity] = None
@@ -72,6 +75,12 @@ class RobotWords:
         """Why the robot may say `Stopping` next."""
         self._docking: Optional[replies.DockingState] = None
         self._ours: Set[bool] = set()  # of the `Stopping`s that the next `Stopped` ends
+
+    @property
+    def emergency_told(self) -> bool:
+        """Whether the emergency stop is pressed as far as the robot has said, on this connection or
+        else on the one before."""
+        return self.emergency or self._emergency_before and self.activity is None
 
     @property
     def moves(self) -> bool:

@@ -179,6 +179,7 @@ class RobotMotion(NamedTuple):
 
     memory: DriveMemory
     state: MotionState
+    emergency_stop: bool
 
     @property
     def is_driving(self) -> bool:

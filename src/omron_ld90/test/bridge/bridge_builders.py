@@ -39,7 +39,8 @@ def told_of(motion: RobotMotion) -> p.MotionTold:
         if memory.cause in (MotionCause.STOP, MotionCause.INTERRUPTED)
         else EpochCause(memory.cause),
         obeys_us=memory.giver.name == BRIDGE and memory.cause is MotionCause.OTHER_GIVER,
-        number=number, fate=fate, is_unexplained=memory.cause is MotionCause.INTERRUPTED)
+        number=number, fate=fate, is_unexplained=memory.cause is MotionCause.INTERRUPTED,
+        state=motion.state, emergency_stop=motion.emergency_stop)
 
 
 def graph_of(places: Dict[int, Tuple[float, float]], ends: Dict[int, Tuple[int, int]]) -> Graph:
@@ -159,8 +160,7 @@ class GraphRobot:
         docking = {ActivityKind.DOCKED: DockingState.DOCKED,
                    ActivityKind.DOCKING: DockingState.DOCKING}
         return p.RobotSeen(int(now * NANOSECONDS), self.motion,
-                           docking.get(self.motion, DockingState.UNDOCKED), self.emergency,
-                           self.position, 0.0)
+                           docking.get(self.motion, DockingState.UNDOCKED), self.position, 0.0)
 
     def _left(self) -> float:
         points = [self.position, *self._way]
@@ -228,19 +228,31 @@ class Bench:
 
     def hear_motion(self, reason: str) -> None:
         """The controller reports the present epoch."""
-        self._heard = self.follower, self.robot.last
+        self._heard = self._news
         self.tell(p.MotionTold(self.epoch, self.epoch - 1, reason=reason,
-                               number=self.robot.last[0], fate=self.robot.last[1]))
+                               number=self.robot.last[0], fate=self.robot.last[1],
+                               emergency_stop=self.robot.emergency))
+
+    def press(self, pressed: bool) -> None:
+        """A person presses the emergency stop or releases it, and the controller reports it."""
+        self.robot.emergency = pressed
+        self.hear_motion('')
+
+    @property
+    def _news(self) -> object:
+        return self.follower, self.robot.last, self.robot.emergency
 
     def hear_news(self) -> None:
-        """The controller reports what has changed: another client's act, or our last command."""
+        """The controller reports what has changed: another client's act, our last command, or the
+        emergency stop.
+        """
         if self.robot.foreign:
             self.robot.foreign = False
             self.epoch += 1
             self.tell(p.MotionTold(self.epoch, self.epoch - 1, reason='another client',
                                    number=self.robot.last[0],
                                    fate=CommandFate.NOT_OBEYED))
-        if self._heard != (self.follower, self.robot.last):
+        if self._heard != self._news:
             self.hear_motion('')
 
     def overrule(self, reason: str = '"stop" of /rviz', command: str = '') -> None:

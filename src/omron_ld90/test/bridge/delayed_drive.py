@@ -22,7 +22,6 @@ from speaking_robot import SpeakingRobot
 from timeline import Timeline
 
 from omron_arcl import (
-    ActivityKind,
     ArclError,
     Execution,
     Giver,
@@ -287,7 +286,7 @@ class DelayedDrive:
         if self._stopped_at_robot and line not in ('stop', 'oneLineStatus') and not self.passed:
             self.crossed = True
             self._note(f'crossed: {line}')
-        self.robot.take(line)
+        self.robot.receive(line)
 
     def _say(self, line: str) -> None:
         if not line.startswith('Status'):
@@ -318,7 +317,6 @@ class DelayedDrive:
         activity = read_activity(self.robot.status)
         docking = (DockingState(activity.reply.docking.value)
                    if isinstance(activity.reply, DockingStatus) else DockingState.UNDOCKED)
-        seen = p.RobotSeen(int(self.now * NANOSECONDS), activity.kind,
-                           docking, activity.kind is ActivityKind.EMERGENCY_STOP,
+        seen = p.RobotSeen(int(self.now * NANOSECONDS), activity.kind, docking,
                            self.robot.position)
         self.later(self.delays.statuses, lambda: self._tell(seen))

@@ -13,7 +13,15 @@ from simulated_robot import SimulatedRobot
 from omron_arcl import Execution, Giver, Outcome, Result
 from omron_arcl.drives import LOOK, RETRY
 from omron_arcl.execution import NO_GIVER
-from omron_arcl.records import CommandFate, LastCommand, MotionCause, MotionState, RobotMotion
+from omron_arcl.records import (
+    CommandFate,
+    Fate,
+    LastCommand,
+    MotionCause,
+    MotionState,
+    RecordKind,
+    RobotMotion,
+)
 from omron_ld90.bridge import events as p
 
 YARD = yard()
@@ -117,6 +125,7 @@ class Witness(DelayedDrive):
         self._another_gave: Dict[str, float] = {}
         # time when a drive of ours reached the robot that another client had sent to the same goal
         self._mixed_up_at = -100.0
+        self._stalls = 0.0  # time in s for which the link stalls after the robot's next line
         self._dialect = dialect
         self.is_alone = True  # no other client, outage or person at the robot has acted
         # time since when a stop is owed and the robot can be reached
@@ -143,7 +152,7 @@ class Witness(DelayedDrive):
         self._given: List[Execution] = []  # drives and stops that have not reached the robot
         # the drive that the robot carries out; None: none of ours
         self._obeyed: Optional[Execution] = None
-        # time since when something else is told of that drive than what the robot does
+        # time since when something else is told of it than what the robot does
         self._untrue_since: Optional[float] = None
         super().__init__(YARD, 1, strategy, delays, interruption, braking)
         self._time.every(TICK, self._watch_owed_stop)
@@ -271,6 +280,8 @@ class Witness(DelayedDrive):
         if link is p.RobotLink.COMMANDS:
             self.is_alone = False
             self._arrived = Counter(self._taken)
+            if self._obeyed and self._obeyed.command in [one.command for one in self._given]:
+                self._obeyed = None  # it cannot be told from the lost drive to its goal
             self._given.clear()
             self._stops_sent.clear()
             for word in self._before_stops:  # the robot does not obey those stops after them
@@ -297,13 +308,17 @@ class Witness(DelayedDrive):
         self.words.append(Word(canceller, False))
         self._controller.cancel([one for one in self._drives if one.result is None], canceller)
 
-    def another_client(self, command: str) -> None:
-        """A client of the robot's own server gives a command."""
+    def another_client(self, command: str, stalls: float = 0.0) -> None:
+        """A client of the robot's own server gives a command.
+
+        stalls -- time in s for which the link holds back all lines of the answer but the first
+        """
+        self._stalls = stalls
         self.foreign, self.is_alone = True, False
         self._anothers = self._anothers or command != 'stop'
         self._another_gave[command] = self.now + self._controller.on_the_way(0.0)
         self.robot.hear_another(command)
-        self.foreign, self._obeyed = False, None
+        self.foreign, self._obeyed, self._stalls = False, None, 0.0
 
     def _on_motion(self, motion: RobotMotion) -> None:
         self.words_of_epoch.setdefault(motion.memory.epoch, self._newest_word)
@@ -339,21 +354,27 @@ class Witness(DelayedDrive):
                 or self.robot.status.startswith((f'Arrived at {goal}', 'DockingState: Docked')))
 
     def _watch_what_is_told(self) -> None:
-        """Checks the giver on `motion` and the answer to the drive that the robot carries out."""
-        memory, drive = self._controller.motion.memory, self._obeyed
-        untrue = ''
-        if drive and self.robot.goal is not None and self._can_be_reached and not memory.stop_owed:
-            if memory.giver not in (NO_GIVER, drive.giver):
-                untrue = f'{memory.giver.name} is told as the giver'
-            elif drive.result and drive.result.outcome not in OPEN_OUTCOMES:
-                untrue = f'{drive.result} is told'
+        """Checks what `motion` tells, and the answer to the drive that the robot carries out."""
+        untrue = self._what_is_told_wrongly() if self._can_be_reached else ''
         if not untrue:
             self._untrue_since = None
         elif self._untrue_since is None:
             self._untrue_since = self.now
-        elif drive and self.now > self._untrue_since + TRUE_WITHIN:
-            self.broken.append(f'{self.now:.1f} {untrue}, but the robot carries out '
-                               f'{drive.command.text} of {drive.giver.name}')
+        elif self.now > self._untrue_since + TRUE_WITHIN:
+            self.broken.append(f'{self.now:.1f} {untrue}')
+
+    def _what_is_told_wrongly(self) -> str:
+        (memory, _, emergency_stop), drive = self._controller.motion, self._obeyed
+        if emergency_stop is not self.robot.status.startswith('EStop'):
+            return f'{emergency_stop} is told of the emergency stop at "{self.robot.status}"'
+        told = ''
+        if drive and self.robot.goal is not None and not memory.stop_owed:
+            if memory.giver not in (NO_GIVER, drive.giver):
+                told = f'{memory.giver.name} is told as the giver'
+            elif drive.result and drive.result.outcome not in OPEN_OUTCOMES:
+                told = f'{drive.result} is told'
+        return told and (f'{told}, but the robot carries out {drive.command.text} of '
+                         f'{drive.giver.name}')
 
     def _say(self, line: str) -> None:
         """A command of another client counts from the time at which the controller learns of it.
@@ -362,18 +383,35 @@ class Witness(DelayedDrive):
         """
         if line.startswith('Arrived at '):
             self._arrived_at[line.split()[-1]] = self.now
-        elif line == 'Stopped':
-            self._stood_at = self.now
         elif line.startswith('DockingState: Docked'):
             self._arrived_at['dock'] = self.now
         seconds = self._controller.on_the_way(self.delays.from_robot)
+        if line == 'Stopped':  # which of two stops it answers cannot be told if they cross
+            self.later(seconds, self._hear_stopped)
         if line == 'Motors enabled':
             self.later(seconds, self._hear_motors)
         if line == 'EStop pressed' or self.foreign and (
                 line == 'Stopping' or line.startswith('Going to')):
             stopped = self._stopped
             self.later(seconds, lambda: self._heard(line, stopped))
+        elif self.foreign and line.startswith('Interrupted: '):
+            drive = self._obeyed
+            self.later(seconds, lambda: self._heard_broken_off(line, drive))
         super()._say(line)
+        if self._stalls:
+            self.stall(self._stalls)
+            self._stalls = 0.0
+
+    def _heard_broken_off(self, line: str, drive: Optional[Execution]) -> None:
+        """Notes that the robot says by name that it has broken off the drive that rules."""
+        record, = self._controller.motion.memory.records[-1:] or (None,)
+        if (drive is not None and drive.result is None and record is not None
+                and (record.kind, record.fate) == (RecordKind.DRIVE, Fate.OBEYED)
+                and line == f'Interrupted: Going to {record.goal}'):
+            self.words.append(Word(None, False))
+
+    def _hear_stopped(self) -> None:
+        self._stood_at = self.now
 
     def _hear_motors(self) -> None:
         self._powered_at = self.now
@@ -384,7 +422,7 @@ class Witness(DelayedDrive):
         stopped -- as `self._stopped` was when the robot took that command; the robot obeys after it
         all later stops that have reached it meanwhile, or are on their way
         """
-        memory, state = self._controller.motion
+        memory, state, _ = self._controller.motion
         if line == 'Stopping':
             is_clear = (self.now > max(self.given_at + AT_ONCE, self._powered_at + LATE)
                         and state is not MotionState.STOPPING)

@@ -184,8 +184,7 @@ class SimulatedDrive:
             self._docking = DockingState.UNDOCKED
         self._tell(p.RobotSeen(
             int(self.now * NANOSECONDS) + 1, activity.kind,
-            self._docking, activity.kind is ActivityKind.EMERGENCY_STOP,
-            (status.location.x / 1000.0, status.location.y / 1000.0)))
+            self._docking, (status.location.x / 1000.0, status.location.y / 1000.0)))
 
     def _send(self) -> None:
         while True:

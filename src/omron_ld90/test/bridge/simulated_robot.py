@@ -79,7 +79,7 @@ class SimulatedRobot:
             return None
         return activity.status.split()[-1] if activity.goal else 'dock'
 
-    def take(self, line: str) -> None:
+    def receive(self, line: str) -> None:
         """Takes a command over our connection."""
         self._catch_up()
         self._session.receive(f'{line}\n'.encode())

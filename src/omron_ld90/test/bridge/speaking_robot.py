@@ -33,7 +33,7 @@ class SpeakingRobot(GraphRobot):
         self._interruption, self._braking_time = interruption, braking
         self._words = 0  # commands taken
 
-    def take(self, line: str) -> None:
+    def receive(self, line: str) -> None:
         """Takes a command of any client."""
         if line == 'oneLineStatus':
             x, y = (round(1000.0 * value) for value in self.position)
@@ -67,7 +67,7 @@ class SpeakingRobot(GraphRobot):
 
     def hear_another(self, line: str) -> None:
         """Takes a command of another client; all clients receive the result."""
-        self.take(line)
+        self.receive(line)
 
     def _leave_dock(self, words: int) -> None:
         if words == self._words:

@@ -7,6 +7,7 @@ import pytest
 from bridge_builders import Bench, yard
 
 from omron_arcl import ActivityKind
+from omron_arcl.records import MotionState
 from omron_ld90.bridge import events as p
 from omron_ld90.bridge.motion_judge import RESTING, STILL, MotionJudge
 from omron_ld90.bridge.robot_state import MapLocation
@@ -99,21 +100,24 @@ def test_a_robot_that_is_pushed_is_moved_until_it_stays(watched):
     assert watched.motion() is Motion.STANDING
 
 
-def test_a_robot_that_is_driven_by_hand_is_moved_though_it_stays(watched):
-    watched.see(5.0, motion=ActivityKind.TELEOPERATED)
-    assert watched.motion() is Motion.MOVED
-
-
 @pytest.mark.parametrize('told, motion', [
-    (p.MotionTold(2, drives=True), Motion.MOVED), (p.MotionTold(2), Motion.STANDING),
-    (p.MotionTold(2, is_ours=True, drives=True), Motion.STANDING)])
-def test_a_robot_that_another_giver_drives_is_moved_before_it_is_seen_to(watched, told, motion):
+    *((p.MotionTold(2, state=state), Motion.MOVED)
+      for state in (MotionState.DRIVING, MotionState.DOCKING, MotionState.UNDOCKING)),
+    *((p.MotionTold(2, state=state), Motion.STANDING)
+      for state in (MotionState.UNKNOWN, MotionState.STANDING, MotionState.STOPPING,
+                    MotionState.DOCKED)),
+    (p.MotionTold(2, is_ours=True, state=MotionState.DRIVING), Motion.STANDING),
+    (p.MotionTold(2, is_ours=True, state=MotionState.MANUAL), Motion.MOVED)])
+def test_a_robot_that_another_giver_or_a_hand_drives_is_moved_before_it_is_seen_to(
+        watched, told, motion):
     watched.judge.told(told)
+    assert watched.motion() is motion
+    watched.see(5.0)
     assert watched.motion() is motion
 
 
 def test_after_another_giver_it_must_be_seen_standing(watched):
-    watched.judge.told(p.MotionTold(2, drives=True))
+    watched.judge.told(p.MotionTold(2, state=MotionState.DRIVING))
     watched.judge.told(p.MotionTold(2))
     assert watched.motion() is Motion.MOVED
     watched.see(RESTING + 0.5)
@@ -129,7 +133,7 @@ def test_the_bridge_reports_it(event: Optional[str], motion: Motion):
     bench.drive(4.0)
     if event == 'emergency':
         bench.tell(*bench.robot.press_emergency_stop())
-        bench.look()
+        bench.press(True)
     elif event == 'order':
         bench.order(8)
     elif event == 'stop':

@@ -31,6 +31,7 @@ DELAYS = st.builds(Delays, commands=SECONDS, ends=SECONDS, motions=SECONDS,
                    to_robot=st.sampled_from([0.0, 0.2]))
 STRATEGIES = st.sampled_from(['rolling', 'rolling', 'vertex_by_vertex'])
 GOALS = st.sampled_from(['3', '4', '5', '6'])
+COMMANDS = st.sampled_from(['stop', 'goto 3', 'goto 4'])  # of another client
 PROGRAMS = ['/adapter', '/joystick']
 SETTLED = 20.0  # s in which a robot that can be reached has obeyed, in any dialect
 
@@ -114,9 +115,13 @@ class Robots(RuleBasedStateMachine):
     def person_cancels(self) -> None:
         self.world.take_cancellation(PERSON)
 
-    @rule(command=st.sampled_from(['stop', 'goto 3', 'goto 4']))
+    @rule(command=COMMANDS)
     def another_client(self, command: str) -> None:
         self.world.another_client(command)
+
+    @rule(command=COMMANDS, seconds=st.sampled_from([0.5, 3.0]))
+    def another_client_is_heard_in_parts(self, command: str, seconds: float) -> None:
+        self.world.another_client(command, stalls=seconds)
 
     @rule(link=st.sampled_from(list(p.RobotLink)), seconds=st.sampled_from([0.1, 1.0, 5.0]))
     def link_breaks(self, link: p.RobotLink, seconds: float) -> None:

@@ -453,7 +453,7 @@ def test_the_robot_is_never_sent_outside_of_the_last_order_that_was_taken(happen
             fleet.overrule(command=values[0])
         elif what == 'emergency':
             fleet.tell(*fleet.robot.press_emergency_stop())
-            fleet.look()
+            fleet.hear_motion('')
             fleet.robot.emergency = False
         elif what == 'fail' and fleet.robot.number is not None:
             number, fleet.robot.number = fleet.robot.number, None

@@ -1,8 +1,6 @@
 """People read once why an order is ignored or refused, and when an emergency stop is over."""
 from __future__ import annotations
 
-from dataclasses import replace
-
 import pytest
 from bridge_builders import Bench, yard
 
@@ -12,16 +10,9 @@ from route_protocol.values import EMERGENCY_STOP, NO_REASON, Reason, ReasonCode,
 OFF_GRAPH = Reason(ReasonCode.OFF_GRAPH, 'off the graph')
 
 
-class Emergency(Bench):
-    """A bench whose robot can be in an emergency stop."""
-
-    def press(self, pressed: bool) -> None:
-        self.tell(replace(self.robot.seen(self.now), emergency_stop=pressed))
-
-
 @pytest.fixture(name='bench')
-def _bench() -> Emergency:
-    return Emergency(yard(), 1)
+def _bench() -> Bench:
+    return Bench(yard(), 1)
 
 
 def test_why_an_order_is_ignored_is_noted_once():
@@ -43,7 +34,7 @@ def test_an_order_whose_route_is_over_is_noted_once(bench):
 
 
 def test_in_an_emergency_stop_an_order_does_not_wait_for_what_is_unknown():
-    bench = Emergency(yard(), 1, links=('the link',))
+    bench = Bench(yard(), 1, links=('the link',))
     bench.link_is_up['the link'] = None
     bench.press(True)
     bench.order(7, 1)

@@ -44,6 +44,14 @@ def _no_epoch_for(cause: MotionCause) -> Callable[..., None]:
     return begin
 
 
+def _interrupted_is_ignored(self: Any, giver: Any, why: MotionCause, reason: str, drives: bool,
+                            given: Any = None) -> None:
+    if why is MotionCause.INTERRUPTED:
+        self._keep(given)
+    else:
+        _BEGIN(self, giver, why, reason, drives, given)
+
+
 def _link_forgets(self: Any, connected: bool, now: float) -> None:
     _ON_LINK(self, connected, now)
     self._records = tuple(r for r in self._records if r.kind is not RecordKind.STOP)
@@ -101,6 +109,8 @@ FAULTS = {
     'a stop begins no epoch': (Drives, '_begin_epoch', _no_epoch_for(MotionCause.STOP)),
     'another client begins no epoch': (
         Drives, '_begin_epoch', _no_epoch_for(MotionCause.OTHER_CLIENT)),
+    'a drive that the robot broke off begins no epoch': (
+        Drives, '_begin_epoch', _interrupted_is_ignored),
     'a drive succeeds as soon as the robot sets out': (CommandQueue, 'begin', _begun_is_done),
     'who gave the newest command is the giver': (DriveMemory, 'giver', _GIVER_OF_THE_NEWEST),
     'a drive is sent again over a new link': (ModelledController, 'connect', _sends_again),

@@ -178,7 +178,7 @@ def test_of_several_reasons_the_emergency_stop_is_told_and_then_a_take_over():
     assert why_failed(robot, 0.1) == 'Failed going to goal'
     overrule(robot)
     assert why_failed(robot, 0.1) == 'taken over'
-    robot.update(RobotSeen(2, ActivityKind.STOPPED, emergency_stop=True), 0.1)
+    robot.update(MotionTold(2, 1, emergency_stop=True), 0.1)
     assert why_failed(robot, 0.1) == 'emergency stop'
 
 

@@ -8,6 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from omron_arcl import ActivityKind, Outcome
+from omron_arcl.records import MotionState
 from omron_arcl.replies import DockingState
 from omron_ld90.bridge import events as p
 from omron_ld90.bridge.route_strategies import STRATEGIES
@@ -21,11 +22,11 @@ TURNS = st.lists(st.integers(0, 3), min_size=1, max_size=4)
 
 DISTURBANCES = st.one_of(
     st.builds(p.RobotSeen, st.integers(0, 10**12), st.sampled_from(list(ActivityKind)),
-              st.one_of(st.none(), st.sampled_from(list(DockingState))), st.booleans()),
+              st.one_of(st.none(), st.sampled_from(list(DockingState)))),
     st.builds(p.CommandEnded, st.integers(0, 12), st.sampled_from(list(Outcome)),
               st.just('words')),
     st.builds(p.MotionTold, st.integers(1, 4), st.integers(1, 4), st.booleans(), st.booleans(),
-              st.booleans()),
+              st.booleans(), state=st.sampled_from(MotionState), emergency_stop=st.booleans()),
     st.builds(p.LinkReported, st.sampled_from(list(p.RobotLink)), st.booleans(), st.just('why')))
 HAPPENINGS = st.one_of(
     st.tuples(st.just('drive'), st.integers(1, 80)),

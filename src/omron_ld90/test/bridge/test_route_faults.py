@@ -48,10 +48,9 @@ def test_the_emergency_stop_fails_the_route():
     bench.tell(*bench.robot.press_emergency_stop())
     assert_failed(bench, 'emergency stop')
 
-def test_an_emergency_stop_that_only_the_status_shows_fails_the_route():
+def test_an_emergency_stop_fails_the_route_before_its_drive_ends():
     bench = under_way()
-    bench.robot.emergency = True
-    bench.look()
+    bench.press(True)
     assert_failed(bench, 'emergency stop')
 
 class TestWhatSomebodyElseDoes:
@@ -129,8 +128,7 @@ def test_nothing_is_sent_to_a_robot_that_somebody_else_may_drive():
 def test_an_interruption_by_the_emergency_stop_is_called_so():
     bench = under_way()
     end_of_drive(bench, Outcome.INTERRUPTED, 'Interrupted: Going to 7')
-    bench.robot.emergency = True
-    bench.look()
+    bench.press(True)
     assert_failed(bench, 'emergency stop')
 
 @pytest.mark.parametrize('why, reason', [

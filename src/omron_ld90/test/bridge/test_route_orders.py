@@ -229,8 +229,7 @@ def test_a_refusal_leaves_the_running_route_alone():
 def test_a_failed_route_needs_another_id():
     bench = under_way()
     bench.tell(*bench.robot.press_emergency_stop())
-    bench.robot.emergency = False
-    bench.look()
+    bench.press(False)
     bench.order(7, 1, 4)
     bench.drive(2.0)  # orders wait until the robot stands
     assert 'has failed' in refusals(bench, 7)[-1].reason.text
@@ -241,8 +240,7 @@ def test_a_failed_route_needs_another_id():
 
 def test_a_robot_in_emergency_stop_takes_no_route():
     bench = Bench(dissertation_graph(), 1)
-    bench.robot.emergency = True
-    bench.look()
+    bench.press(True)
     bench.order(7, 1)
     assert refusals(bench, 7)[0].reason.text == 'emergency stop'
     assert bench.commands == []
@@ -250,13 +248,11 @@ def test_a_robot_in_emergency_stop_takes_no_route():
 
 def test_who_tries_again_and_again_in_an_emergency_stop_does_not_fill_the_log():
     bench = Bench(dissertation_graph(), 1)
-    bench.robot.emergency = True
-    bench.look()
+    bench.press(True)
     for id in (7, 8, 9):
         bench.order(id, 1)
         assert refusals(bench, id)
-    bench.robot.emergency = False
-    bench.look()
+    bench.press(False)
     bench.order(10, 1)
     assert bench.notes == ['Route 7 was refused: emergency stop.',
                            'Route 10 is driven: the emergency stop is over.']

@@ -26,7 +26,7 @@ NEVER = float('-inf')
 def vehicle_with(*edges: int, first: int = 0) -> Vehicle:
     """The end of the protocol that has taken a route."""
     vehicle = Vehicle(lambda: 1, lambda: 0)
-    vehicle.take(RouteOrder(7, edges, order=1, first=first, master='fleet'), first)
+    vehicle.take_order(RouteOrder(7, edges, order=1, first=first, master='fleet'), first)
     return vehicle
 
 
@@ -53,8 +53,8 @@ class Drive:
     def replace(self, *edges: int, first: int = 0) -> None:
         """The vehicle takes another order, which has the same current edge."""
         state = self.vehicle.state
-        self.vehicle.take(RouteOrder(7, edges, order=state.order + 1, first=first,
-                                     master='fleet'), state.done)
+        self.vehicle.take_order(RouteOrder(7, edges, order=state.order + 1, first=first,
+                                           master='fleet'), state.done)
         self.run.replace(self.now)
 
     def see(self, x: float, y: float) -> GraphLocation:

@@ -7,7 +7,7 @@ import genpy
 import pytest
 
 from omron_arcl import ActivityKind, Outcome
-from omron_arcl.records import CommandFate
+from omron_arcl.records import CommandFate, MotionState
 from omron_arcl.replies import DockingState
 from omron_ld90.bridge.events import CommandEnded, LinkReported, MotionTold, RobotLink, RobotSeen
 from omron_ld90.nodes.bridge_messages import (
@@ -33,13 +33,12 @@ def test_a_status_tells_where_the_robot_is_and_what_it_does():
     status.pose.position.x, status.pose.position.y = 1.5, -2.0
     status.pose.orientation.z = status.pose.orientation.w = math.sqrt(0.5)
     assert robot_seen(status) == RobotSeen(
-        12_000_000_005, ActivityKind.GOING_TO_GOAL, DockingState.UNDOCKED, False, (1.5, -2.0),
+        12_000_000_005, ActivityKind.GOING_TO_GOAL, DockingState.UNDOCKED, (1.5, -2.0),
         pytest.approx(math.pi / 2.0))
 
 
 def test_a_status_without_a_pose_has_no_place():
-    assert robot_seen(RobotStatus(emergency_stop=True)) == RobotSeen(
-        0, ActivityKind.UNKNOWN, None, True, None)
+    assert robot_seen(RobotStatus()) == RobotSeen(0)
 
 
 @pytest.mark.parametrize('kind', ActivityKind)
@@ -87,11 +86,18 @@ def test_a_motion_tells_what_became_of_the_last_command_of_the_bridge(fate):
     assert (told.number, told.fate) == (2 ** 40, fate)
 
 
-@pytest.mark.parametrize('state, drives', [
-    ('UNKNOWN', False), ('STANDING', False), ('DRIVING', True), ('STOPPING', False),
-    ('DOCKING', True), ('DOCKED', False), ('UNDOCKING', True), ('MANUAL', True)])
-def test_a_motion_tells_whether_the_robot_drives(state, drives):
-    assert motion_told(Motion(state=getattr(Motion, state)), '/r').drives is drives
+@pytest.mark.parametrize('state', MotionState)
+def test_a_motion_tells_what_the_robot_does(state):
+    assert motion_told(Motion(state=getattr(Motion, state.name)), '/r').state is state
+
+
+def test_a_state_that_this_program_does_not_know_is_unknown():
+    assert motion_told(Motion(state=200), '/r').state is MotionState.UNKNOWN
+
+
+@pytest.mark.parametrize('pressed', [False, True])
+def test_a_motion_tells_whether_the_robot_is_in_its_emergency_stop(pressed):
+    assert motion_told(Motion(emergency_stop=pressed), '/r').emergency_stop is pressed
 
 
 def test_each_cause_of_the_controller_is_one_of_the_protocol():

@@ -128,10 +128,11 @@ def test_of_a_memory_on_a_disk_that_has_become_read_only_only_an_owed_stop_count
 
 
 def test_everybody_is_told_in_the_words_of_the_message():
-    told = message_of(RobotMotion(MEMORY, MotionState.STOPPING))
+    told = message_of(RobotMotion(MEMORY, MotionState.STOPPING, True))
     assert (told.epoch, told.previous_epoch, told.giver, told.state, told.goal, told.stop_owed,
-            told.cause, told.reason) == (2 ** 64 - 1, 7, '/bridge', msg.Motion.STOPPING, '', True,
-                                         msg.Motion.STOP, '"stop" of /rviz')
+            told.cause, told.reason, told.emergency_stop) == (
+                2 ** 64 - 1, 7, '/bridge', msg.Motion.STOPPING, '', True, msg.Motion.STOP,
+                '"stop" of /rviz', True)
 
 
 @pytest.mark.parametrize('kind', [MotionCause, MotionState])
@@ -141,7 +142,7 @@ def test_the_constants_are_those_of_the_message(kind):
 
 
 def test_the_last_commands_are_told_with_the_constants_of_their_message():
-    last, = message_of(RobotMotion(MEMORY, MotionState.STOPPING)).last_commands
+    last, = message_of(RobotMotion(MEMORY, MotionState.STOPPING, False)).last_commands
     assert (last.giver, last.number, last.fate) == ('/bridge', 2 ** 41, msg.LastCommand.FAILED)
     for fate in CommandFate:
         assert getattr(msg.LastCommand, fate.name) == fate

@@ -82,8 +82,8 @@ class WaitingRoute(NamedTuple):
 class Intake:
     """Receives the orders for a vehicle; see the head of the module.
 
-    take_up -- checks a due order against all that only the vehicle knows, and takes it (`take`);
-               raises RouteRefused or NotYet
+    take_up -- checks a due order against all that only the vehicle knows, and takes it
+               (`take_order`); raises RouteRefused or NotYet
     tell    -- called with each refusal
     patience -- s that a route may wait; the protocol limits it
     """
@@ -133,10 +133,10 @@ class Intake:
                 self._refuse(order, refusal.reason)
         return NO_REASON
 
-    def take(self, due: DueOrder, now: float) -> None:
+    def take_order(self, due: DueOrder, now: float) -> None:
         """The vehicle takes a due order."""
         before = self.vehicle.state.epoch
-        self.vehicle.take(due.order, due.done)
+        self.vehicle.take_order(due.order, due.done)
         self._passed(due.given, before, now)
 
     def begin_epoch(self, cause: EpochCause, reason: Reason, now: float) -> None:

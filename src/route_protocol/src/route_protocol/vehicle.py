@@ -237,7 +237,7 @@ class Vehicle:
         self.state = replace(state, route_id=order.route_id, done=done, first=done, edges=(),
                              phase=Phase.STOPPED, reason=NO_REASON)
 
-    def take(self, order: RouteOrder, done: int) -> None:
+    def take_order(self, order: RouteOrder, done: int) -> None:
         """Takes a route.
 
         done -- number of the edge on which the vehicle is, as in the judgement

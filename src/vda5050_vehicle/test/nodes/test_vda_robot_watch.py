@@ -11,6 +11,7 @@ from sensor_msgs.msg import BatteryState
 from vda_builders import PACKAGE
 
 from omron_ld90_msgs.msg import Motion
+from vda5050_protocol.values import EmergencyStop
 from vda5050_vehicle.nodes import robot_watch
 from vda5050_vehicle.nodes.robot_watch import RobotWatch, read_signals
 
@@ -55,6 +56,15 @@ def test_motion_that_was_told_once_holds_until_another_is_told(watch, topics):
     assert (watch.view().standing, watch.view().epoch) == (False, 8)
     tell(topics, 'motion', Motion(epoch=8, state=Motion.UNKNOWN))
     assert watch.view().standing is None, 'the velocity must decide'
+
+
+def test_the_emergency_stop_holds_until_motion_tells_its_end(watch, topics):
+    assert watch.view().e_stop is EmergencyStop.NONE
+    tell(topics, 'motion', Motion(epoch=7, emergency_stop=True))
+    topics_now[0] += 60.0
+    assert watch.view().e_stop is EmergencyStop.MANUAL
+    tell(topics, 'motion', Motion(epoch=8))
+    assert watch.view().e_stop is EmergencyStop.NONE
 
 
 def test_a_velocity_is_known_with_its_time_and_not_for_long(watch, topics):

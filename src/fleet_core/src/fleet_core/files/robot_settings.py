@@ -21,7 +21,7 @@ from fleet_core.supervision.settings import RobotSettings
 from trajectory_graph import strict_yaml
 from trajectory_graph.strict_yaml import WrongYaml
 
-_SHARES = ('charge_below', 'leave_above', 'reserve')  # fractions of a full battery
+_SHARES = ('charge_below', 'leave_above', 'idle_below', 'reserve')  # fractions of a full battery
 _KEYS = tuple(field.name for field in fields(RobotSettings))
 
 
@@ -43,6 +43,8 @@ def load_settings(path: Union[str, os.PathLike]) -> Dict[str, RobotSettings]:
             settings = RobotSettings(**{**types.get(kind, {}), **_numbers(entry)})
             if settings.leave_above < settings.charge_below:
                 raise WrongYaml(f'robot {name}: leave_above is less than charge_below', node)
+            if settings.leave_above < settings.idle_below:
+                raise WrongYaml(f'robot {name}: leave_above is less than idle_below', node)
             found[name] = settings
         return found
     except WrongYaml as wrong:

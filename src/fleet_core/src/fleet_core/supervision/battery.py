@@ -21,7 +21,7 @@ class Battery:
         self._settings = settings
         self._told = -math.inf
 
-    def tell(self, charge: float, now: float) -> None:
+    def report(self, charge: float, now: float) -> None:
         """The robot has reported its state of charge, from 0 to 1."""
         self.charge, self._told = charge, now
 
@@ -43,6 +43,11 @@ class Battery:
     def is_below_leaving(self) -> bool:
         """Is the charge known, and too low to leave the dock?"""
         return self.charge < self._settings.leave_above
+
+    @property
+    def is_below_idle(self) -> bool:
+        """Is the charge known, and so low that the robot charges while it has nothing to do?"""
+        return self.charge < self._settings.idle_below
 
     def range_left(self) -> float:
         """Distance (m) that the robot may drive before it needs its reserve."""

@@ -70,7 +70,7 @@ class DeviceDesk:
         if number > self._claims.number:  # the journal was lost, and the clock was set back
             self._claims.outnumber(number)
 
-    def look(self, now: float) -> None:
+    def update_open(self, now: float) -> None:
         """Tells the interlocking which devices are open now, by fresh reports."""
         self._claims.open_for = {
             name: own.number for name, report in self._reports.items() for own in (_own(report),)

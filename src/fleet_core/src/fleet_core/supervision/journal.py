@@ -71,6 +71,7 @@ class RobotMemory(NamedTuple):
     dock: Optional[int] = None
     charge: Optional[float] = None
     kind: Optional[RobotType] = None
+    charge_until: float = 0.0
 
 
 _NOTHING: Mapping[Any, Any] = MappingProxyType({})
@@ -246,7 +247,7 @@ class Journal:
 
     def works(self) -> Dict[int, Work]:
         """By serial, the progress of the steps of each open mission that has steps."""
-        return {int(serial): from_json(Work, json.loads(text))
+        return {int(serial): from_json(Work, json.loads(text), added=('group',))
                 for serial, text in self._run('SELECT serial, work FROM work')}
 
     def loads(self) -> Dict[str, RobotLoad]:
@@ -311,7 +312,7 @@ def read_request(text: str) -> Request:
         ('id', 'destinations', 'robot_type', 'robot', 'priority', 'dwells', 'stamp'), stored))
     return from_json(Request, values, added=(
         'requested_by', 'stops', 'on_cancel', 'after', 'template', 'arguments', 'earliest',
-        'deadline'))
+        'deadline', 'group'))
 
 
 def _graph_text(graph: Graph) -> str:
@@ -345,7 +346,7 @@ def _memory_text(memory: RobotMemory) -> str:
         'lost_until': master.lost.until, 'absent': master.is_absent,
         'outage': None if memory.outage is None else memory.outage.name, 'why': memory.why,
         'halted': memory.is_halted, 'resting': memory.comes_to_rest,
-        'dock': memory.dock, 'charge': memory.charge,
+        'dock': memory.dock, 'charge': memory.charge, 'charge_until': memory.charge_until,
         'type': None if kind is None else [kind.name, kind.radius, kind.speed, kind.play]})
 
 
@@ -359,7 +360,8 @@ def _memory(text: str) -> RobotMemory:
     outage, kind = stored['outage'], stored.get('type')
     return RobotMemory(master, None if outage is None else Outage[outage], stored['why'],
                        stored['halted'], stored.get('resting', False), stored.get('dock'),
-                       stored.get('charge'), None if kind is None else RobotType(*kind))
+                       stored.get('charge'), None if kind is None else RobotType(*kind),
+                       stored.get('charge_until', 0.0))
 
 
 def _areas(stored: Iterable[Sequence[Any]]) -> Tuple[Area, ...]:

@@ -160,6 +160,7 @@ class Status:
     command      -- the command to which `reason` and `command_code` refer; None: none
     asks         -- key of the step that waits for an answer; 0: none does
     template, arguments, earliest, deadline -- as in the request
+    serial       -- of the mission; 0: the request was not accepted
 
     Each attribute is a field of the published status.
     """
@@ -178,6 +179,7 @@ class Status:
     earliest: float = 0.0
     deadline: float = 0.0
     deadline_state: DeadlineState = DeadlineState.NONE
+    serial: int = 0
 
 
 @dataclass
@@ -223,7 +225,7 @@ class Mission:
         return Status(asked.id, self.state, self.robot, self.reached, self.reason, asked.stamp,
                       asks=self.asks, template=asked.template, arguments=asked.arguments,
                       earliest=asked.earliest, deadline=asked.deadline,
-                      deadline_state=self.deadline_state)
+                      deadline_state=self.deadline_state, serial=self.serial)
 
     @property
     def has_begun(self) -> bool:

@@ -11,19 +11,19 @@ from fleet_core.supervision.robots import ManagedRobot
 
 
 class OutageWatch:
-    """Compares the outage of each robot with its outage at the last look."""
+    """Compares the outage of each robot with its outage at the last comparison."""
 
     def __init__(self, book: MissionBook, robots: Mapping[str, ManagedRobot],
                  outbox: Outbox) -> None:
         self._book, self._robots, self._outbox = book, robots, outbox
         self._before: Dict[str, Optional[Outage]] = {}
 
-    def look(self) -> None:
-        """Handles all changes since the last look."""
+    def compare(self) -> None:
+        """Handles all changes since the last comparison."""
         for robot in self._robots.values():
-            self.look_at(robot)
+            self.compare_robot(robot)
 
-    def look_at(self, robot: ManagedRobot) -> None:
+    def compare_robot(self, robot: ManagedRobot) -> None:
         """Handles a change of one robot."""
         name = robot.name
         if name in self._before and self._before[name] is robot.outage:

@@ -28,7 +28,7 @@ _JOURNAL = '/journal'   # key of the journal's state in `note_state`; no robot h
 
 
 class Outbox:
-    """Collects the actions that follow an event. `take` first stores what has changed.
+    """Collects the actions that follow an event. `actions` first stores what has changed.
 
     trouble -- why nothing can be stored, as a clause; empty: it can be stored
 
@@ -95,7 +95,7 @@ class Outbox:
 
     # -- taking actions ---------------------------------------------------------------------------
 
-    def take(self, now: float) -> List[Action]:
+    def actions(self, now: float) -> List[Action]:
         """All actions to be done now, orders to robots first. Their data are on the disk."""
         self._store(now)
         orders = self._orders(now) if self._is_sending else []
@@ -104,12 +104,12 @@ class Outbox:
         actions, self._actions = self._actions, []
         return [*orders, *steps, *requests, *actions]
 
-    def take_unless_due_later(self, now: float) -> List[Action]:
-        """Like `take`, if nothing is to be stored or orders are to be sent at once.
+    def actions_unless_due_later(self, now: float) -> List[Action]:
+        """Like `actions`, if nothing is to be stored or orders are to be sent at once.
 
         Otherwise all actions wait until `due`, so that many reports share one commit.
         """
-        return self.take(now) if self._is_sending or not self._is_anything_new else []
+        return self.actions(now) if self._is_sending or not self._is_anything_new else []
 
     @property
     def due(self) -> Optional[float]:
@@ -176,4 +176,4 @@ class Outbox:
         return RobotMemory(robot.master.memory, robot.outage, robot.why, robot.is_halted,
                            robot.comes_to_rest, robot.dock,
                            None if math.isnan(robot.battery.charge) else robot.battery.charge,
-                           robot.type)
+                           robot.type, robot.charge_until)

@@ -41,8 +41,8 @@ class _Delay(NamedTuple):
 class PlanExecutor:
     """The plan in force, the open questions to the planner, and what each robot waits for.
 
-    `go_on` runs one step. It asks the interlocking for the edges that are due by the plan's order,
-    and asks the planner for a new plan if the present one is not useful any more.
+    `advance` runs one step. It asks the interlocking for the edges that are due by the plan's
+    order, and asks the planner for a new plan if the present one is not useful any more.
 
     Grants go on while the planner works. If they made its last answer useless, then until the next
     answer only the edges that the question counts as released are granted.
@@ -104,9 +104,9 @@ class PlanExecutor:
         if fault:
             self._failures += 1
             self.plan_anew()  # the plan that the planner was to keep may be the cause
-            self._tell(f'the planner sent a plan that {fault}')
+            self._note_trouble(f'the planner sent a plan that {fault}')
             return True
-        self._tell('')
+        self._note_trouble('')
         self._took.append(min(now - question.asked_at, HOLD))
         plan = question.plan(outcome, world)
         self._was_useless = plan is None
@@ -122,16 +122,16 @@ class PlanExecutor:
         if self._open.pop(number, None) is not None:
             self._failures += 1
             self.plan_anew()  # the plan that the planner was to keep may be the cause
-            self._tell(f'the planner found none: {reason}')
+            self._note_trouble(f'the planner found none: {reason}')
 
-    def _tell(self, trouble: str) -> None:
+    def _note_trouble(self, trouble: str) -> None:
         self.trouble = trouble
         self._outbox.note_state(_PLANNING, trouble and f'There is no plan: {trouble}. The planner '
                                 'is asked again until it gives one.', 'The planner answers again.')
 
     # -- execution --------------------------------------------------------------------------------
 
-    def go_on(self, world: World, now: float) -> None:
+    def advance(self, world: World, now: float) -> None:
         """Has due edges granted, and asks for another plan if this one is not useful any more."""
         is_useful = self._is_useful(world, now)
         if self._switching is not None and self.plan is not None and is_useful and not self._open:
@@ -139,7 +139,7 @@ class PlanExecutor:
         if self.plan is not None and (is_useful or self._open or self.trouble):
             self._release(self.plan, world, now)
         if self._open and now - self._asked_at > PLANNER_PATIENCE:
-            self._tell('the planner does not answer')
+            self._note_trouble('the planner does not answer')
         self._ask(world, is_useful, now)
 
     def _ends(self, now: float) -> Optional[Mapping[str, int]]:
@@ -269,7 +269,7 @@ class PlanExecutor:
         if not question.tasks:
             self._open.clear()
             self.plan = question.plan(PlanningOutcome({}, ()), world)
-            self._tell('')
+            self._note_trouble('')
             return
         self._open = {number: one for number, one in self._open.items()
                       if number > self._number - _OPEN}

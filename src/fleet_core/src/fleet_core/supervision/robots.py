@@ -52,6 +52,10 @@ class ManagedRobot:
     """Its mission was cancelled or paused: it stops at the end of its edge."""
     dock: Optional[int] = None
     """The dock at which it charges, or to which it drives for charging."""
+    charge_until: float = 0.0
+    """Charge (0..1) that it was asked to reach; 0: it was not asked."""
+    tops_up: bool = False
+    """It charges only as it has nothing to do: it gives its dock up for others and for work."""
     passed: List[int] = field(default_factory=list)
     """Vertices that it passed and that are not yet counted for its mission."""
     driven: List[Driven] = field(default_factory=list)
@@ -77,7 +81,8 @@ class ManagedRobot:
     @property
     def is_charged(self) -> bool:
         """Does the battery allow a mission?"""
-        return self.dock is None and not self.battery.is_low
+        return not (self.battery.is_low or self.charge_until
+                    or self.dock is not None and not self.tops_up)
 
     @property
     def needs_person(self) -> bool:
@@ -198,7 +203,7 @@ class ManagedRobot:
 
     # -- time -------------------------------------------------------------------------------------
 
-    def look(self, now: float, heard: float) -> None:
+    def tick(self, now: float, heard: float) -> None:
         """Detects that the robot is silent or deaf, and that its last location gets old.
 
         heard -- time until which all arrived reports were evaluated
@@ -285,7 +290,7 @@ class ManagedRobot:
         self.master.declare_absent(now)
         self.notice(Sign.DECLARED_ABSENT, 'it was declared absent')
         self.is_halted = self.comes_to_rest = False
-        self.dock = None
+        self.dock, self.charge_until = None, 0.0
         self.liveness = Liveness()
         return ''
 

@@ -12,6 +12,7 @@ class RobotSettings:
     slack         -- m that the robot may be short of its reported place, along its path
     charge_below  -- state of charge (0..1) below which it goes to charge
     leave_above   -- state of charge from which on it may leave the dock
+    idle_below    -- state of charge below which it also charges while it has nothing to do
     reserve       -- state of charge that must remain at the end of a mission
     endurance     -- m that it can drive on a full battery
     """
@@ -20,5 +21,6 @@ class RobotSettings:
     slack: float = 0.0
     charge_below: float = 0.3
     leave_above: float = 0.8
+    idle_below: float = 0.0
     reserve: float = 0.1
     endurance: float = 20000.0

@@ -8,10 +8,13 @@ from __future__ import annotations
 from typing import AbstractSet, Dict, FrozenSet, List, Mapping, NamedTuple, Optional, Set
 
 from fleet_core.interlocking.claims import Claims
+from fleet_core.planning.road_network import RoadNetwork
+from fleet_core.supervision.assignment import time_to
 from fleet_core.supervision.duties import FREE_WAY, WINDOW, Way, follows
 from fleet_core.supervision.mission_book import MissionBook
 from fleet_core.supervision.missions import Mission
 from fleet_core.supervision.robots import ManagedRobot
+from fleet_core.supervision.work_desk import WorkDesk
 from fleet_core.work.queues import NOBODY, Others, Queue, Waiter, advanced
 from fleet_core.work.stations import Station
 
@@ -32,11 +35,12 @@ class StationDesk:
     """The queues of all stations that robots must claim.
 
     stations -- by name; those that are no resource of the claims are left out
+    desk     -- of which a mission takes another place of a group
     """
 
     def __init__(self, stations: Mapping[str, Station], claims: Claims, book: MissionBook,
-                 robots: Mapping[str, ManagedRobot]) -> None:
-        self._claims, self._book, self._robots = claims, book, robots
+                 robots: Mapping[str, ManagedRobot], desk: WorkDesk) -> None:
+        self._claims, self._book, self._robots, self._desk = claims, book, robots, desk
         self._stations = {name: one for name, one in stations.items()
                           if name in claims.needs.resources}
         self._at = {place: one for one in self._stations.values() for place in one.places}
@@ -73,15 +77,16 @@ class StationDesk:
 
     # -- changes ----------------------------------------------------------------------------------
 
-    def go_on(self) -> None:
-        """Follows missions, robots and claims."""
+    def advance(self, network: RoadNetwork) -> None:
+        """Follows missions, robots and claims. Chooses among the places of groups."""
         if not self._stations:
             return
         going = {name: mission for name, mission in self._book.serving.items()
                  if mission.left and follows(mission) and self._robots[name].outage is None}
         leaving: Set[str] = set()
         for station in self._stations.values():
-            waiters = [self._waiter(name, mission, station) for name, mission in going.items()
+            waiters = [self._waiter(name, mission, station, network)
+                       for name, mission in going.items()
                        if self._at.get(mission.left[0]) is station]
             if not waiters:
                 self._queues.pop(station.name, None)
@@ -89,6 +94,9 @@ class StationDesk:
             others = self._others(station, {one.robot for one in waiters}, going)
             queue = advanced(self._queue_of(station), station, waiters, others)
             self._queues[station.name] = queue
+            for name, place in queue.turns.items():
+                if going[name].left[0] != place:
+                    self._desk.choose(going[name], place)
             if queue.waits:
                 leaving.update(name for name in self._claims.holders(station.name)
                                if name not in queue.turns)
@@ -96,11 +104,13 @@ class StationDesk:
                      for way in (self._way(name, going.get(name), name in leaving),)
                      if way != FREE_WAY}
 
-    def _waiter(self, name: str, mission: Mission, station: Station) -> Waiter:
-        places = (mission.left[0],)
+    def _waiter(self, name: str, mission: Mission, station: Station,
+                network: RoadNetwork) -> Waiter:
+        robot, places = self._robots[name], mission.left[:1]
+        if self._desk.choices(mission) == station.name:
+            places = tuple(sorted(station.places, key=lambda one: time_to(one, robot, network)))
         return Waiter(name, places, (-mission.request.priority, mission.serial),
-                      self._robots[name].record.last_vertex,
-                      station.name in self._claims.of(name))
+                      robot.record.last_vertex, station.name in self._claims.of(name))
 
     def _others(self, station: Station, waiters: AbstractSet[str],
                 going: Mapping[str, Mission]) -> Others:

@@ -28,7 +28,7 @@ from fleet_core.planning.tasks import PlanningOutcome
 from fleet_core.supervision import mission_commands, mission_progress
 from fleet_core.supervision.actions import Action, TellStatus
 from fleet_core.supervision.assumptions import World, WorldView
-from fleet_core.supervision.charging import ChargeQueue
+from fleet_core.supervision.charging import ChargeQueue, docks_of
 from fleet_core.supervision.device_desk import DeviceDesk
 from fleet_core.supervision.duties import FREE_WAY, Errand, errand_of
 from fleet_core.supervision.fleet_stop import NOT_STOPPED, FleetStop, StopCause
@@ -150,7 +150,8 @@ class Supervisor:
         self.interlocking = Interlocking(self.networks.geometry, fleet.clearance,
                                          self._everywhere, conformance, changes.follow(),
                                          self._claims)
-        self.stations = StationDesk(work.stations, self._claims, self.book, self.robots)
+        self.stations = StationDesk(work.stations, self._claims, self.book, self.robots,
+                                    self.desk)
         self.desk.may_enter = self.stations.may_go_to
         self.devices = DeviceDesk(self._claims, lambda: self.interlocking.unknown_robots)
         self._out = Outbox(journal, self.book, self.robots, self._everywhere, self.interlocking,
@@ -245,7 +246,7 @@ class Supervisor:
             self.book.withdraw(mission, before)
             self.desk.withdrawn(mission.serial)
             self._refuse(mission.request, self.trouble)
-        return [*actions, *self._out.take(now)]
+        return [*actions, *self._out.actions(now)]
 
     def _acceptance_now(self) -> Acceptance:
         """The data by which requests are checked, with the places of the robots."""
@@ -352,7 +353,7 @@ class Supervisor:
             self._out.note(problem, change is not None)
         if mission.robot:
             self._out.robot_changed(mission.robot)
-        self._go_on(now)
+        self._advance(now)
         actions = self._actions(now)
         if self.trouble:
             told = mission_commands.not_stored(before, command, self.trouble)
@@ -402,8 +403,8 @@ class Supervisor:
             self._out.robot_changed(name)
             mission_progress.follow(self.book, robot, now)
         self._separate()
-        self._outages.look_at(robot)
-        return self._checked(self._out.take_unless_due_later(now), now)
+        self._outages.compare_robot(robot)
+        return self._checked(self._out.actions_unless_due_later(now), now)
 
     def step_report(self, name: str, report: StepReport, now: float) -> List[Action]:
         """Handles a robot's report of its steps."""
@@ -420,18 +421,18 @@ class Supervisor:
         if self.trouble:
             return f'{self.trouble}.', self._actions(now)
         problem = self.desk.set_load(name, request_id)
-        self._go_on(now)
+        self._advance(now)
         return problem, self._actions(now)
 
     def device_report(self, report: DeviceReport, now: float) -> List[Action]:
         """Handles the report of a device. Its times are those of the supervisor's clock."""
         self.devices.report(report, now)
-        return self._out.take_unless_due_later(now)
+        return self._out.actions_unless_due_later(now)
 
     def _look_at_devices(self, now: float) -> None:
         """Tells the interlocking which devices are open, and people where one is not for a robot.
         """
-        self.devices.look(now)
+        self.devices.update_open(now)
         lost = set() if self._is_starting else set(self._claims.lost())
         for claim in sorted(self._lost | lost):
             name, what = claim[0], self._claims.needs.resources[claim[1]]
@@ -444,7 +445,8 @@ class Supervisor:
 
     def _work(self, now: float) -> None:
         """Lets the work at stops go on, and closes the gates of the robots that must stand."""
-        for name in self.desk.go_on(not (self.is_stopped or self.trouble or self._is_starting)):
+        may_begin = not (self.is_stopped or self.trouble or self._is_starting)
+        for name in self.desk.follow_all(may_begin):
             self._out.robot_changed(name)
             self._out.send()
         self.interlocking.at_work = self.desk.at_work
@@ -468,6 +470,9 @@ class Supervisor:
                            'are stopped, and go on when all stand.', True)
             self._is_recovering = True
             self._halt(self.robots.values())
+            self._out.send()
+        elif not robot.master.is_stopping:
+            self._halt([robot])  # to it, the stop from before this report was not a new one
             self._out.send()
 
     def _doubt_journal(self, why: str, reporting: str = '') -> None:
@@ -502,7 +507,7 @@ class Supervisor:
             robot = self.robots[name]
             robot.notice(Sign.EXCLUDED, self._too_near('it', robot))
             self._out.robot_changed(name)
-            self._outages.look_at(robot)
+            self._outages.compare_robot(robot)
             self._out.send()
 
     def _too_near(self, subject: str, robot: ManagedRobot) -> str:
@@ -513,7 +518,7 @@ class Supervisor:
     def _actions(self, now: float) -> List[Action]:
         """All actions that follow an event. Robots that exclude each other now are stopped."""
         self._separate()
-        return self._checked(self._out.take(now), now)
+        return self._checked(self._out.actions(now), now)
 
     def _checked(self, actions: List[Action], now: float) -> List[Action]:
         """Stops the fleet if the event did what the model of allocations does not allow."""
@@ -526,12 +531,12 @@ class Supervisor:
         if not self.is_stopped:
             self._stop(self._stop_now(StopCause.DEFECT, f'an error of the fleet manager: '
                                       f'{violations[0]}'))
-        return [*actions, *self._out.take(now)]
+        return [*actions, *self._out.actions(now)]
 
     def battery(self, name: str, charge: float, now: float) -> List[Action]:
         """Handles a report of the state of charge, 0..1."""
-        self.robots[name].battery.tell(charge, now)
-        return self._out.take_unless_due_later(now)
+        self.robots[name].battery.report(charge, now)
+        return self._out.actions_unless_due_later(now)
 
     # -- commands of people -----------------------------------------------------------------------
 
@@ -541,8 +546,8 @@ class Supervisor:
         robot.master.halt()
         robot.notice(Sign.TAKEN_OUT, 'it was taken out of service')
         self._out.robot_changed(name)
-        self._outages.look()
-        self._go_on(now)
+        self._outages.compare()
+        self._advance(now)
         return self._actions(now)
 
     def bring_in(self, name: str, now: float) -> Tuple[str, List[Action]]:
@@ -557,8 +562,27 @@ class Supervisor:
         if not problem and not robot.works:
             problem = robot.come_back() or self._still_too_near(robot)
             self._out.robot_changed(name)
-            self._outages.look()
-            self._go_on(now)
+            self._outages.compare()
+            self._advance(now)
+        return problem, self._actions(now)
+
+    def charge(self, name: str, until: float, now: float) -> Tuple[str, List[Action]]:
+        """Asks a robot to charge until `until` (0..1) after its mission; 0: not any more.
+
+        Also returns why not, as a clause; empty: done.
+        """
+        robot = self.robots[name]
+        problem = self.trouble
+        if until and not docks_of(robot, self.network):
+            problem = problem or 'the fleet file and the graph have no dock for its type'
+        elif not 0.0 <= until <= 1.0:
+            problem = problem or f'it cannot charge until {100.0 * until:.0f} %'
+        elif until and robot.battery.charge >= until:
+            problem = problem or f'its charge is {100.0 * robot.battery.charge:.0f} % already'
+        if not problem:
+            robot.charge_until = until
+            self._out.robot_changed(name)
+            self._advance(now)
         return problem, self._actions(now)
 
     def _stop_first(self, robot: ManagedRobot) -> str:
@@ -584,8 +608,8 @@ class Supervisor:
             self.interlocking.forget(name)
         if not problem:
             self._out.robot_changed(name)
-            self._outages.look()
-            self._go_on(now)
+            self._outages.compare()
+            self._advance(now)
         return problem, self._actions(now)
 
     @property
@@ -638,7 +662,7 @@ class Supervisor:
         self.interlocking.is_stopped = False
         self.stop = NOT_STOPPED
         self._out.stop_changed(NOT_STOPPED)
-        self._go_on(now)
+        self._advance(now)
         return '', self._actions(now)
 
     @property
@@ -665,13 +689,13 @@ class Supervisor:
         """Sets the closed edges. Edges that are granted already are driven to their end."""
         if self.networks.close(edges):
             self.interlocking.closed = self.network.closed
-            self._go_on(now)
+            self._advance(now)
         return self._actions(now)
 
     def plan_made(self, number: int, outcome: PlanningOutcome, now: float) -> List[Action]:
         """Handles the planner's answer. An answer that does not fit any more is ignored."""
         if self.plan_executor.plan_made(number, outcome, self._world(), now):
-            self._go_on(now)
+            self._advance(now)
         return self._actions(now)
 
     def plan_failed(self, number: int, reason: str, now: float) -> List[Action]:
@@ -693,7 +717,7 @@ class Supervisor:
         heard -- time until which all arrived reports were handled; silence is judged by it
         """
         self._heard = now if heard is None else heard
-        self._go_on(now)
+        self._advance(now)
         return self._actions(now)
 
     def errands(self) -> Dict[str, Errand]:
@@ -706,7 +730,7 @@ class Supervisor:
     def _world(self) -> World:
         return self._view.world(self.book.serving, self.network, self.stations.ways)
 
-    def _go_on(self, now: float) -> None:
+    def _advance(self, now: float) -> None:
         for robot in self.robots.values():
             self._follow(robot, now)
         self._look_at_devices(now)
@@ -715,7 +739,7 @@ class Supervisor:
         self._follow_times(now)
         self._work(now)
         self._shorten()
-        self._outages.look()
+        self._outages.compare()
         self._believe_journal()
         self._out.send()
         self._is_starting &= (self._heard - self._began < SILENCE and not all(
@@ -732,12 +756,12 @@ class Supervisor:
             self._out.robot_changed(name)
         for name in self._waiting.assign(self.acceptance, self.networks, now):
             mission_progress.follow(self.book, self.robots[name], now)
-        self.stations.go_on()
-        self.plan_executor.go_on(self._world(), now)
+        self.stations.advance(self.network)
+        self.plan_executor.advance(self._world(), now)
 
     def _follow(self, robot: ManagedRobot, now: float) -> None:
         """Judges what is known of a robot now, and lets it go on or stop."""
-        robot.look(now, self._heard)
+        robot.tick(now, self._heard)
         mission_progress.follow(self.book, robot, now)
         if not self.is_stopped and robot.goes_on(now):
             self._out.robot_changed(robot.name)

@@ -149,12 +149,11 @@ def _turn(robot: ManagedRobot, supervisor: Supervisor, now: float) -> Wait:
         return NO_WAIT
     station = standing.station.name
     before = standing.ahead or supervisor.stations.inside(station)
-    told = f'its turn at station {station}'
-    if before:
-        told += f', after {", ".join(before)}'
+    who, until = ', '.join(before), _until_free(before, supervisor, now)
     if standing.place is None:
-        told += '; no queue place is free, so it waits where it is'
-    return Wait(WaitCode.RESOURCE, told, _until_free(before, supervisor, now))
+        return Wait(WaitCode.RESOURCE, f'its turn at station {station}, which is full with its '
+                                       f'queue: {who}', until)
+    return Wait(WaitCode.RESOURCE, f'its turn at station {station}, after {who}', until)
 
 
 def _until_free(before: Sequence[str], supervisor: Supervisor, now: float) -> float:

@@ -177,7 +177,7 @@ class WorkDesk:
         if mission is not None:
             self.fail(mission, f'the journal is older than a step that {name} has taken')
 
-    def go_on(self, may_begin: bool) -> List[str]:
+    def follow_all(self, may_begin: bool) -> List[str]:
         """Follows all robots with such missions. Returns those for which a step has begun.
 
         may_begin -- steps may begin now
@@ -266,6 +266,18 @@ class WorkDesk:
             self._use(mission, changed)
         return problem
 
+    def choices(self, mission: Mission) -> str:
+        """The group of which any place would do for the next stop of a mission; empty: none."""
+        work = self._works.get(mission.serial)
+        if work is None or work.current == len(work.stops) or (
+                rules.has_begun(work.progress[work.current])):
+            return ''
+        return work.stops[work.current].group
+
+    def choose(self, mission: Mission, place: int) -> None:
+        """Another one of the equal places is the next stop of a mission."""
+        self._use(mission, rules.chosen(self._situation(mission), place))
+
     def answer(self, mission: Mission, answer: StepAnswer) -> str:
         """Handles an answer to a step. Returns why not, as a clause; empty: done."""
         if mission.serial not in self._works or not mission.robot:
@@ -334,7 +346,7 @@ class WorkDesk:
         self._hold(mission, phase is WorkPhase.NEEDS_PERSON or work.is_ending)
         self._ask(mission, work)
         self._let_follow(mission, work, phase)
-        self._tell(mission, phase, _words(work, load, phase, mission))
+        self._set_phase(mission, phase, _words(work, load, phase, mission))
 
     def _hold(self, mission: Mission, is_held: bool) -> None:
         if is_held and not mission.is_held:
@@ -354,7 +366,7 @@ class WorkDesk:
             mission.asks = asks
             self._book.changed.add(mission.serial)
 
-    def _tell(self, mission: Mission, phase: WorkPhase, reason: str) -> None:
+    def _set_phase(self, mission: Mission, phase: WorkPhase, reason: str) -> None:
         """Sets the state of a mission. During an outage, its reason is that outage."""
         state, robot = _STATES[phase], self._robots.get(mission.robot)
         if mission.state is MissionState.PAUSED and state.is_open:

@@ -8,7 +8,7 @@ from typing import Iterable
 from fleet_core.supervision.mission_book import MissionBook
 from fleet_core.supervision.missions import Request, RequestRefused
 from fleet_core.work.site_work import SiteWork
-from fleet_core.work.stations import UnknownPlace, places_of
+from fleet_core.work.stations import UnknownPlace, group_of, places_of
 from fleet_core.work.stops import WorkStop, dwells_of
 from fleet_core.work.templates import WrongArguments, check_arguments, filled
 from trajectory_graph import Graph
@@ -48,12 +48,15 @@ class WorkRequests:
         try:
             check_arguments(template, [name for name, _ in request.arguments])
             arguments = dict(request.arguments)
-            stops = filled(template.stops, arguments, self._place)
-            on_cancel = filled(template.on_cancel, arguments, self._place)
+            stops, on_cancel = (filled(some, arguments, self._place, self._group)
+                                for some in (template.stops, template.on_cancel))
         except (UnknownPlace, WrongArguments) as wrong:
             raise RequestRefused(str(wrong)) from None
         return replace(request, destinations=tuple(stop.place for stop in stops),
                        dwells=dwells_of(stops), stops=stops, on_cancel=on_cancel)
+
+    def _group(self, word: str) -> str:
+        return group_of(word, self._work.stations)
 
     def _place(self, word: str) -> int:
         """The place that a word names: of a group, one to which the fewest open missions go."""

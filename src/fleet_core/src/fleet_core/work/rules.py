@@ -538,6 +538,14 @@ def changed(situation: Situation, stops: Tuple[WorkStop, ...]) -> Tuple[Situatio
         progress=(*work.progress[:kept], *map(progress_of, stops)))), ''
 
 
+def chosen(situation: Situation, place: int) -> Situation:
+    """The situation after another one of its equal places is chosen for the present stop."""
+    work = situation.work
+    stops = list(work.stops)
+    stops[work.current] = replace(stops[work.current], place=place)
+    return situation._replace(work=replace(work, stops=tuple(stops)))
+
+
 def has_begun(stop: StopProgress) -> bool:
     """Is the robot at work at a stop, or was one of its steps ordered?"""
     return stop.state is StopState.AT_WORK or any(own.times_ordered for own in stop.steps)

@@ -63,6 +63,11 @@ def places_of(word: str, stations: Mapping[str, Station], graph: Graph) -> Tuple
     return (_only(word, found),)
 
 
+def group_of(word: str, stations: Mapping[str, Station]) -> str:
+    """The group that a word names; empty: it names none."""
+    return word if word in stations and stations[word].kind is StationKind.GROUP else ''
+
+
 def _places_at(station: Station) -> Tuple[int, ...]:
     if len(station.places) > 1 and station.kind is not StationKind.GROUP:
         raise UnknownPlace(f'station {station.name} is no group; give one of its places: '

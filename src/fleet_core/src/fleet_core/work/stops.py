@@ -105,12 +105,14 @@ class WorkStop:
     """One stop: a vertex, and the steps there.
 
     condition -- for a stop after a cancellation: by which load it is made
+    group     -- name of the group of which any place would do; empty: only `place` would
     """
 
     place: int
     kind: StopKind = StopKind.VISIT
     steps: Tuple[WorkStep, ...] = ()
     condition: Condition = Condition.ALWAYS
+    group: str = ''
 
 
 def dwells_of(stops: Sequence[WorkStop]) -> Tuple[float, ...]:

@@ -65,10 +65,12 @@ def check_arguments(template: Template, names: Iterable[str]) -> None:
 
 
 def filled(stops: Iterable[TemplateStop], arguments: Mapping[str, str],
-           place: Callable[[str], int]) -> Tuple[WorkStop, ...]:
+           place: Callable[[str], int],
+           group: Callable[[str], str] = lambda _: '') -> Tuple[WorkStop, ...]:
     """The stops with arguments in the place of parameters.
 
     place -- the vertex for the word of a stop; what it raises is passed on
+    group -- the group that this word names; empty: none
     """
     def text(word: str) -> str:
         return arguments[word[len(PARAMETER):]] if word.startswith(PARAMETER) else word
@@ -77,4 +79,4 @@ def filled(stops: Iterable[TemplateStop], arguments: Mapping[str, str],
         return replace(one, parameters=tuple((name, text(value))
                                              for name, value in one.parameters))
     return tuple(WorkStop(place(text(stop.at)), stop.kind, tuple(map(step, stop.steps)),
-                          stop.condition) for stop in stops)
+                          stop.condition, group(text(stop.at))) for stop in stops)

@@ -134,6 +134,7 @@ class MissionStatus:
     told     -- when the fleet manager told it, s since 1970
     deadline -- one of DEADLINE_STATES
     template -- the template and its arguments, for people; empty: none
+    serial   -- number of the mission at this site, for people; 0: it was not accepted
 
     Each attribute is a value that the page shows.
     """
@@ -149,6 +150,7 @@ class MissionStatus:
     told: float = 0.0
     deadline: str = 'NONE'
     template: str = ''
+    serial: int = 0
 
 
 @dataclass(frozen=True)

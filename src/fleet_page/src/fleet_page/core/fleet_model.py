@@ -322,8 +322,9 @@ class FleetModel:
     def _show_mission(self, key: Key) -> None:
         status, request = self.missions[key], self._requests.get(key)
         values: Dict[str, Any] = {
-            'id': status.id, 'stamp': status.stamp // 10 ** 9, 'state': status.state,
-            'robot': status.robot, 'reached': status.reached, 'reason': status.reason,
+            'id': status.id, 'serial': status.serial, 'stamp': status.stamp // 10 ** 9,
+            'state': status.state, 'robot': status.robot, 'reached': status.reached,
+            'reason': status.reason,
             'asks': str(status.asks) if status.asks else ''}  # as text: a browser rounds it
         for name, time in zip(('started', 'ended'), self._times.get(key, ())):
             if time is not None:

@@ -43,7 +43,7 @@ class ReleaseWatch:
         self.seconds = Histogram()
         self._held: Dict[str, float] = {}  # begin of each robot's wait
 
-    def take(self, plans: Mapping[str, ShownPlan], now: float) -> None:
+    def note_plans(self, plans: Mapping[str, ShownPlan], now: float) -> None:
         """Takes the plans at `now` (s)."""
         for name in [name for name in self._held if name not in plans]:
             del self._held[name]

@@ -72,7 +72,7 @@ class Page:
     def take_plans(self, plans: Dict[str, ShownPlan], now: float) -> None:
         """Takes the plans of all robots."""
         self.model.take_plans(plans)
-        self.release.take(plans, now)
+        self.release.note_plans(plans, now)
 
     def take_status(self, status: MissionStatus) -> None:
         """Takes the status of a mission, and updates the outcome in the audit list."""

@@ -55,13 +55,13 @@ class Connection(asyncio.Protocol):
     def wait_for_head(self) -> None:
         """Begins as soon as the head is there. Until then its bytes stay with the kernel."""
         self._end_after(HEAD_WITHIN)
-        self._look(0)
+        self._on_bytes(0)
 
-    def _look(self, seen: int) -> None:
-        """Looks at the bytes; `seen`: their number at the last look."""
+    def _on_bytes(self, seen: int) -> None:
+        """Bytes have come; `seen`: their number at the call before."""
         data = _peek(self._sock)
         if data is None:
-            asyncio.get_event_loop().add_reader(self._sock, self._look, 0)
+            asyncio.get_event_loop().add_reader(self._sock, self._on_bytes, 0)
         elif self._listener.is_whole(data) and not self._listener.is_foreign(data):
             self._stop_timer()
             self._look_no_more()
@@ -71,7 +71,7 @@ class Connection(asyncio.Protocol):
         else:
             # The kernel tells when there are more bytes than these.
             self._sock.setsockopt(socket.SOL_SOCKET, socket.SO_RCVLOWAT, len(data) + 1)
-            asyncio.get_event_loop().add_reader(self._sock, self._look, len(data))
+            asyncio.get_event_loop().add_reader(self._sock, self._on_bytes, len(data))
 
     def _look_no_more(self) -> None:
         asyncio.get_event_loop().remove_reader(self._sock)

@@ -173,9 +173,9 @@ class FleetPageNode:
     def _subscribe(self, map_topic: str) -> List[rospy.Subscriber]:
         def listen(topic: str, kind: Any, handler: Callable[[Any], None],
                    waiting: int = 1) -> rospy.Subscriber:
-            def take(message: Any) -> None:
+            def receive(message: Any) -> None:
                 self._loop.call_soon_threadsafe(handler, message)
-            return rospy.Subscriber(topic, kind, take, queue_size=waiting)
+            return rospy.Subscriber(topic, kind, receive, queue_size=waiting)
         return [
             FollowedGraph(self._on_graph).subscribe(),
             listen('/closed_edges_in_force', ClosedEdges, self._on_closed),

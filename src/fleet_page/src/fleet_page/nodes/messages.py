@@ -71,7 +71,8 @@ def status_of(message: msg.MissionStatus) -> MissionStatus:
                          _not_done(message), message.asks, message.header.stamp.to_sec(),
                          _word(DEADLINE_STATES, message.deadline_code),
                          ' '.join((message.template, *(f'{one.name}:={one.value}'
-                                                       for one in message.arguments))))
+                                                       for one in message.arguments))),
+                         message.serial)
 
 
 def _not_done(message: msg.MissionStatus) -> str:

@@ -37,7 +37,7 @@ class ServiceWatch:
         self._is_ready = False
         self._hung: FrozenSet[str] = frozenset()
         rospy.Subscriber('/diagnostics', DiagnosticArray, self._on_diagnostics, queue_size=100)
-        Periodic('service watch', PERIOD, self._look)
+        Periodic('service watch', PERIOD, self._on_period)
 
     def _on_diagnostics(self, message: DiagnosticArray) -> None:
         for status in message.status:
@@ -45,7 +45,7 @@ class ServiceWatch:
                 self._health.hear('/' + status.name[:-len(_ENDING)],
                                   status.level == DiagnosticStatus.OK, time.monotonic())
 
-    def _look(self) -> None:
+    def _on_period(self) -> None:
         hung = self._health.hung(time.monotonic())
         if hung - self._hung:
             rospy.logerr('No good report of the watchdog for 15 s: %s. systemd restarts this unit '

@@ -308,7 +308,7 @@ class AgvVehicle:
         if due.rest:
             self.drive.follow(due.rest, 0, find_start(due.rest, self.state, self.drive))
             self._path_begins = due.done
-        self._intake.take(due, self._time)
+        self._intake.take_order(due, self._time)
         self._giver = due.order.master
 
     def _from_here(self, due: DueOrder) -> DueOrder:

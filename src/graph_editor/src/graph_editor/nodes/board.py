@@ -178,9 +178,9 @@ class Board:
 
     def _on_feedback(self, feedback: InteractiveMarkerFeedback) -> None:
         with self._lock:
-            self._take(feedback)
+            self._handle(feedback)
 
-    def _take(self, feedback: InteractiveMarkerFeedback) -> None:
+    def _handle(self, feedback: InteractiveMarkerFeedback) -> None:
         kind = feedback.event_type
         if kind == InteractiveMarkerFeedback.MOUSE_DOWN:
             self._grab(feedback)

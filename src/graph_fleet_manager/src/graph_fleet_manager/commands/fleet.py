@@ -1,5 +1,6 @@
-"""The command `fleet`: lists all robots; stops and resumes them; takes a robot out of service, puts
-it back, declares it absent, and says what it carries.
+"""The command `fleet`: lists all robots, and says what one of them waits for; stops and resumes
+them; takes a robot out of service, puts it back, lets it charge, declares it absent, and says what
+it carries.
 
 Exit status 0: done; 1: wrong input, or no fleet manager; 2: not done, with the reason.
 """
@@ -28,6 +29,7 @@ from graph_fleet_manager.commands.stop import stop
 from graph_fleet_manager.commands.tables import (
     WIDTH,
     as_json,
+    for_about,
     offer_json,
     stop_values,
     table_with_notes,
@@ -35,7 +37,7 @@ from graph_fleet_manager.commands.tables import (
 from graph_fleet_manager.messages.missions import OUTAGE_OF_CODE, stop_of
 from itrci_nav_msgs.msg import FleetRobot, FleetState
 from itrci_nav_msgs.msg import Graph as GraphMessage
-from itrci_nav_msgs.srv import DeclareAbsent, SetLoad
+from itrci_nav_msgs.srv import ChargeRobot, DeclareAbsent, SetLoad
 from trajectory_graph import Graph
 from trajectory_graph.drawn_names import place_name, vertex_name
 from trajectory_graph.messages import graph_from_message
@@ -58,6 +60,9 @@ def _options(arguments: List[str]) -> Namespace:
     commands.required = True
     offer_json(commands.add_parser(
         'list', help='every robot: state, place, battery, mission, reason to wait'))
+    why = commands.add_parser('why', help='what a robot waits for, and until when')
+    why.add_argument('robot', metavar='ROBOT')
+    offer_json(why)
     commands.add_parser('stop', help='stops every robot at once')
     commands.add_parser('resume', help='releases the stop: every robot may drive again')
     for name, what in (('out', 'stops a robot and takes it out of service'),
@@ -72,7 +77,14 @@ def _options(arguments: List[str]) -> Namespace:
     load.add_argument('robot', metavar='ROBOT')
     load.add_argument('load', metavar='empty|MISSION',
                       help='nothing, or the load of the mission with this id, which it serves')
+    charge = commands.add_parser('charge', help='asks a robot to charge when it has no mission')
+    charge.add_argument('robot', metavar='ROBOT')
+    charge.add_argument('--until', type=float, default=80.0, metavar='PERCENT',
+                        help='the charge until which it gets no missions (80)')
+    charge.add_argument('--end', action='store_true', help='it is not asked to any more')
     options = parser.parse_args(arguments)
+    if options.command == 'charge' and not 0.0 < options.until <= 100.0:
+        charge.error('--until is above 0 and up to 100 %')
     if options.command == 'load' and not (options.load == 'empty' or options.load.isdecimal()):
         load.error('say empty, or give the id of a mission')
     if options.command == 'absent' and bool(options.robots) == options.unseen:
@@ -90,6 +102,9 @@ def _fleet(arguments: List[str]) -> int:
         graphs = TopicListener('/graph', GraphMessage)
         state, graph = TopicListener('/fleet_state', FleetState).last(), _graph(graphs)
         print(as_json(_values(state, graph)) if options.json else _listed(state, graph))
+    elif options.command == 'why':
+        robot = _robot(options.robot)
+        print(as_json(_why_values(robot)) if options.json else _why_words(robot))
     elif options.command == 'resume':
         print(call('/resume_fleet'))
     elif options.command == 'absent':
@@ -99,6 +114,10 @@ def _fleet(arguments: List[str]) -> int:
         mission = 0 if options.load == 'empty' else int(options.load)
         print(call(f'/{options.robot}/set_load', SetLoad, options.load != 'empty', mission,
                    requested_by('fleet')))
+    elif options.command == 'charge':
+        _check(options.robot)
+        print(call(f'/{options.robot}/charge', ChargeRobot,
+                   0.0 if options.end else options.until / 100.0, requested_by('fleet')))
     else:
         _check(options.robot)
         print(call(f'/{options.robot}/{"leave" if options.command == "out" else "join"}_fleet'))
@@ -110,9 +129,37 @@ def _robots() -> List[FleetRobot]:
 
 
 def _check(robot: str) -> None:
-    names = [one.name for one in _robots()]
-    if robot not in names:
-        raise CommandProblem(f'There is no robot {robot!r}; there are: {", ".join(names)}.')
+    _robot(robot)
+
+
+def _robot(name: str) -> FleetRobot:
+    """The state of a robot. Raises CommandProblem."""
+    robots = {one.name: one for one in _robots()}
+    if name not in robots:
+        raise CommandProblem(f'There is no robot {name!r}; there are: {", ".join(robots)}.')
+    return robots[name]
+
+
+def _why_words(robot: FleetRobot) -> str:
+    """One sentence: what a robot does, what it waits for, and until when."""
+    does = [] if robot.has_mission and robot.state == FleetRobot.BUSY else [
+        f'is {_state(robot)}']
+    does += [f'serves mission {robot.request_id}'] if robot.has_mission else []
+    told = f'{robot.name} {" and ".join(does)}. '
+    if robot.waits_for:
+        told += f'It waits for: {robot.waits_for}{for_about(robot.until)}.'
+    elif robot.has_mission or robot.state == FleetRobot.CHARGING:
+        told += 'It waits for nothing: it drives, or may set out.'
+    else:
+        told += 'It waits for nothing: it has nothing to do.'
+    return textwrap.fill(told, WIDTH)
+
+
+def _why_values(robot: FleetRobot) -> Dict[str, Any]:
+    return {'robot': robot.name, 'state': _NAMES.get(robot.state, str(robot.state)),
+            'mission': robot.request_id if robot.has_mission else None,
+            'code': WaitCode(robot.waits_for_code).name, 'waits_for': robot.waits_for,
+            'until': robot.until if math.isfinite(robot.until) else None}
 
 
 def _unseen() -> List[str]:
@@ -147,8 +194,7 @@ def _listed(state: FleetState, graph: Optional[Graph]) -> str:
     rows, notes = [], []
     for robot in state.robots:
         place = _place(robot, graph) if robot.pose.edge_id else 'off the graph'
-        name = (RobotState(robot.state).words_with(robot.waits_for_code)
-                if robot.state in _NAMES else str(robot.state))
+        name = _state(robot)
         if robot.state == FleetRobot.OFFLINE:
             place = f'last: {place}' if robot.seen else 'never seen'
             if robot.seen:
@@ -163,6 +209,12 @@ def _listed(state: FleetState, graph: Optional[Graph]) -> str:
     if not told:
         return listed
     return '\n'.join((*textwrap.wrap(f'{told} `fleet resume` lets it go on.', WIDTH), listed))
+
+
+def _state(robot: FleetRobot) -> str:
+    """The state of a robot as people read it."""
+    return (RobotState(robot.state).words_with(robot.waits_for_code)
+            if robot.state in _NAMES else str(robot.state))
 
 
 def _note(robot: FleetRobot) -> str:

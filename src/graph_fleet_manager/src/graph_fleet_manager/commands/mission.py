@@ -1,13 +1,16 @@
 """The command `mission`: sends a mission and shows its progress; lists, changes, shows the history.
 
     mission 18 39 52 6 16 --type omron_ld90 --wait
-    mission why ID
-    mission list | cancel ID | pause ID | resume ID | release ID | history [--csv]
-    mission modify ID --priority 3 [VERTEX ... | --stops FILE]
+    mission why MISSION
+    mission list | cancel MISSION | pause MISSION | resume MISSION | release MISSION
+    mission history [--csv]
+    mission modify MISSION --priority 3 [VERTEX ... | --stops FILE]
     mission --stops pallet.yaml --wait
     mission run pallet from:=press to:=shelves --before 14:30 --wait
     mission templates
-    mission answer ID retry|skip|fail|done
+    mission answer MISSION retry|skip|fail|done
+
+MISSION is the id of a request, or the short name of a mission, such as M42.
 
 Exit status 0: done, with --wait only when the mission succeeded; 1: wrong input, or no fleet
 manager; 2: the mission was refused or did not succeed.
@@ -51,11 +54,13 @@ from graph_fleet_manager.commands.fleet_client import (
     requested_by,
     run,
 )
+from graph_fleet_manager.commands.mission_names import MissionName, mission_name, short_name
 from graph_fleet_manager.commands.mission_watch import MissionWatch, ask_for
 from graph_fleet_manager.commands.progress import ProgressLine, line_of
 from graph_fleet_manager.commands.tables import (
     WIDTH,
     as_json,
+    for_about,
     offer_json,
     stop_values,
     table,
@@ -116,7 +121,8 @@ def _mission(arguments: List[str]) -> int:
 def _options(name: str, what: str, arguments: List[str]) -> argparse.Namespace:
     parser = Parser(f'mission {name}', description=what)
     if name in _CHANGES or name == 'why':
-        parser.add_argument('id', type=int, help='id of the mission')
+        parser.add_argument('id', type=mission_name, metavar='MISSION',
+                            help='id of the mission, or its short name, such as M42')
     if name in ('list', 'why'):
         offer_json(parser)
     if name == 'answer':
@@ -345,11 +351,11 @@ def _list(is_json: bool) -> int:
 
 
 def _listed(missions: Sequence[MissionStatus]) -> str:
-    rows = [(str(s.request_id), MissionState(s.state).name, s.robot or '-',
+    rows = [(short_name(s.serial), str(s.request_id), MissionState(s.state).name, s.robot or '-',
              str(s.destinations_reached), _clock(s.request_stamp.to_sec()), _deadline(s))
             for s in missions]
-    return table_with_notes(('mission', 'state', 'robot', 'reached', 'requested', 'deadline'),
-                            rows, ['; '.join(filter(None, (_origin(s), s.reason)))
+    head = ('mission', 'id', 'state', 'robot', 'reached', 'requested', 'deadline')
+    return table_with_notes(head, rows, ['; '.join(filter(None, (_origin(s), s.reason)))
                                    for s in missions])
 
 
@@ -368,8 +374,9 @@ def _deadline(status: MissionStatus) -> str:
 
 
 def _values(status: MissionStatus) -> Dict[str, Any]:
-    return {'mission': status.request_id, 'state': MissionState(status.state).name,
-            'robot': status.robot or None, 'destinations_reached': status.destinations_reached,
+    return {'mission': status.request_id, 'serial': status.serial or None,
+            'state': MissionState(status.state).name, 'robot': status.robot or None,
+            'destinations_reached': status.destinations_reached,
             'reason': status.reason, 'requested': status.request_stamp.to_sec() or None,
             'template': status.template or None,
             'arguments': {one.name: one.value for one in status.arguments},
@@ -392,11 +399,14 @@ def _why(arguments: List[str]) -> int:
     options = _options('why', 'says what an open mission waits for, and until when; while no robot '
                        'serves it, also why each robot does not', arguments)
     connect('mission_why')
-    told = ask('/explain_mission', ExplainMission, options.id)
+    id = options.id.number
+    if options.id.is_serial:
+        id = _open_mission(options.id, TopicListener('/mission_status', MissionStatus)).request_id
+    told = ask('/explain_mission', ExplainMission, id)
     if not told.found:
         raise CommandProblem(f'There is no open mission {options.id}; see mission list and '
                              'mission history.', NOT_DONE)
-    print(as_json(_why_values(options.id, told)) if options.json else _why_words(options.id, told))
+    print(as_json(_why_values(id, told)) if options.json else _why_words(id, told))
     return OK
 
 
@@ -404,14 +414,10 @@ def _why_words(id: int, told: ExplainMissionResponse) -> str:
     robot = f', served by {told.robot}' if told.robot else ''
     reason = told.waits_for or 'its robot drives, or sets out'
     first = (f'Mission {id} is {MissionState(told.state).name}{robot}. Reason: {reason}'
-             f'{_for_about(told.until)}.')
-    rows = [(one.robot, f'{one.reason}{_for_about(one.until)}') for one in told.robots]
+             f'{for_about(told.until)}.')
+    rows = [(one.robot, f'{one.reason}{for_about(one.until)}') for one in told.robots]
     return '\n'.join((*textwrap.wrap(first, WIDTH), *(
         [table((('robot', 'why it does not serve the mission'), *rows), WIDTH)] if rows else [])))
-
-
-def _for_about(seconds: float) -> str:
-    return f', for about {seconds:.0f} s' if math.isfinite(seconds) else ''
 
 
 def _why_values(id: int, told: ExplainMissionResponse) -> Dict[str, Any]:
@@ -431,8 +437,7 @@ def _change(word: str, arguments: List[str]) -> int:
     connect('mission_command')
     listener = TopicListener('/mission_status', MissionStatus)
     commands = connected_sender(MissionCommand)
-    message = MissionCommand(request_id=options.id, command=int(_CHANGES[word]),
-                             requested_by=requested_by('mission'))
+    message = MissionCommand(command=int(_CHANGES[word]), requested_by=requested_by('mission'))
     if word == 'answer':
         message.answer = int(_ANSWERS[options.answer])
     if word == 'modify':
@@ -443,10 +448,8 @@ def _change(word: str, arguments: List[str]) -> int:
             if found.on_cancel or options.destinations:
                 raise CommandProblem('Give either vertices, or a file of stops without on_cancel.')
             message.stops = stop_messages(found.stops)
-    known = first_message(  # a new subscriber gets the open missions
-        listener, lambda s: s.request_id == options.id and MissionState(s.state).is_open, 2.0)
-    if known is None:
-        raise CommandProblem(f'There is no open mission {options.id}; see mission list.', NOT_DONE)
+    known = _open_mission(options.id, listener)
+    message.request_id = known.request_id
     message.step_key = known.asks if word == 'answer' else 0
     commands.send(message)
     if _is_so(known, _CHANGES[word]):
@@ -454,7 +457,7 @@ def _change(word: str, arguments: List[str]) -> int:
               f'{word}.')
         return OK
     status = first_message(
-        listener, lambda s: (s.request_id == options.id
+        listener, lambda s: (s.request_id == known.request_id
                              and s.request_stamp == known.request_stamp
                              and _shows(s, _CHANGES[word])), PATIENCE)
     if status is None:
@@ -465,6 +468,15 @@ def _change(word: str, arguments: List[str]) -> int:
         raise CommandProblem(f'Mission {options.id}{reason}.', NOT_DONE)
     print(f'Mission {options.id}: {MissionState(status.state).name}{reason}')
     return OK
+
+
+def _open_mission(name: MissionName, listener: TopicListener) -> MissionStatus:
+    """The newest status of an open mission. A new subscriber gets the open missions."""
+    known = first_message(
+        listener, lambda s: name.is_of(s) and MissionState(s.state).is_open, 2.0)
+    if known is None:
+        raise CommandProblem(f'There is no open mission {name}; see mission list.', NOT_DONE)
+    return known
 
 
 def _is_so(status: MissionStatus, command: CommandKind) -> bool:

@@ -3,6 +3,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import math
 import textwrap
 from typing import Any, List, Mapping, Optional, Sequence
 
@@ -22,6 +23,11 @@ def offer_json(parser: argparse.ArgumentParser) -> None:
 def as_json(values: Mapping[str, Any]) -> str:
     """Values as one JSON object."""
     return json.dumps(values, indent=1)
+
+
+def for_about(seconds: float) -> str:
+    """How long something probably lasts, to follow a clause; empty: that is unknown."""
+    return f', for about {seconds:.0f} s' if math.isfinite(seconds) else ''
 
 
 def stop_values(stop: FleetStop) -> Optional[Mapping[str, Any]]:

@@ -124,7 +124,7 @@ def status_message(status: Status, now: genpy.Time) -> msg.MissionStatus:
         arguments=[msg.StepParameter(*one) for one in status.arguments],
         earliest=genpy.Time.from_sec(status.earliest),
         deadline=genpy.Time.from_sec(status.deadline),
-        deadline_code=int(status.deadline_state),
+        deadline_code=int(status.deadline_state), serial=status.serial,
         request_stamp=min(genpy.Time.from_sec(status.stamp), _END_OF_TIME))
     message.header.stamp = now
     return message
@@ -202,7 +202,8 @@ def state_message(robots: Iterable[RobotView], resources: Iterable[ResourceView]
             battery=robot.battery, has_mission=robot.mission is not None,
             request_id=robot.mission or 0, destination=robot.destination or 0,
             to_destination=robot.to_go.destination / rate, to_end=robot.to_go.end / rate,
-            waits_for_code=int(robot.waits_for.code), waits_for=robot.waits_for.text)
+            waits_for_code=int(robot.waits_for.code), waits_for=robot.waits_for.text,
+            until=robot.waits_for.until)
         for robot in robots])
     message.header.stamp = now
     return message

@@ -178,7 +178,7 @@ class SupervisorEvents:
         """Moves the next tick forward to `due` if it is earlier; None changes nothing."""
         self._turns.hurry(due)
 
-    def take(self) -> Event:
+    def next_event(self) -> Event:
         """Waits for the next event or tick, and returns it."""
         with self._changed:
             is_due = False

@@ -25,6 +25,9 @@ from graph_fleet_manager.messages.missions import (
 )
 from graph_fleet_manager.nodes.event_loop import SupervisorEvents
 from itrci_nav_msgs.srv import (
+    ChargeRobot,
+    ChargeRobotRequest,
+    ChargeRobotResponse,
     DeclareAbsent,
     DeclareAbsentRequest,
     DeclareAbsentResponse,
@@ -72,6 +75,7 @@ class FleetServices:
             self._services += [
                 self._offer_absence(robot, f'{robot} is absent until it reports again.'),
                 self._offer_load(robot),
+                self._offer_charging(robot),
                 self._offer(f'/{robot}/leave_fleet', _out(robot),
                             f'{robot} was told to stop and is out of service.', lasts=True),
                 self._offer(f'/{robot}/join_fleet', _back(robot), f'{robot} is in service.')]
@@ -102,6 +106,19 @@ class FleetServices:
                 'nothing.' if mission is None else f'the load of mission {mission}.'))
             return SetLoadResponse(told.success, told.message)
         return rospy.Service(name, SetLoad, answer)
+
+    def _offer_charging(self, robot: str) -> rospy.Service:
+        name = f'/{robot}/charge'
+
+        def answer(request: ChargeRobotRequest) -> ChargeRobotResponse:
+            by = person_of(request.requested_by)
+            until = f'until {100.0 * request.until:.0f} %' if request.until else 'not any more'
+            rospy.loginfo('%s: %s is requested%s.', name, until, f' by {by}' if by else '')
+            told = self._called(name, _charge(robot, request.until), (
+                f'{robot} charges {until} when it has no mission.' if request.until
+                else f'{robot} charges only when it must.'))
+            return ChargeRobotResponse(told.success, told.message)
+        return rospy.Service(name, ChargeRobot, answer)
 
     def _called(self, name: str, act: Act, done: Done, lasts: bool = False) -> TriggerResponse:
         late = 'but it will be done' if lasts else 'and it will not be done'
@@ -156,13 +173,13 @@ class FleetServices:
         """What the supervisor's thread finds. Raises ServiceException if it cannot be read now."""
         found: List[_Found] = []
 
-        def look(supervisor: Supervisor, now: float) -> Tuple[str, Sequence[Action]]:
+        def read(supervisor: Supervisor, now: float) -> Tuple[str, Sequence[Action]]:
             try:
                 found.append(find(supervisor, now))
             except JournalUnavailable as unavailable:
                 return unavailable.reason, ()
             return '', ()
-        answer = self._answer(look, '')
+        answer = self._answer(read, '')
         if not found:
             raise rospy.ServiceException(
                 answer.message if answer else f'no answer within {PATIENCE:.0f} s')
@@ -243,6 +260,10 @@ def _back(robot: str) -> Act:
 
 def _absent(robot: str) -> Act:
     return lambda supervisor, now: supervisor.declare_absent(robot, now)
+
+
+def _charge(robot: str, until: float) -> Act:
+    return lambda supervisor, now: supervisor.charge(robot, until, now)
 
 
 def _load(robot: str, mission: Optional[int]) -> Act:

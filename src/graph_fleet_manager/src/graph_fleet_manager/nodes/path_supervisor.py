@@ -25,6 +25,7 @@ Services (std_srvs/Trigger)
     /get_mission_status (itrci_nav_msgs/GetMissionStatus): the stored status of a mission
     /explain_mission (itrci_nav_msgs/ExplainMission): what an open mission waits for
     /<robot>/set_load (itrci_nav_msgs/SetLoad): a person says what a robot carries
+    /<robot>/charge (itrci_nav_msgs/ChargeRobot): a robot is asked to charge
 Parameters
     ~fleet_file   string  (required)  fleet file (YAML)
     ~work_file    string  (none)     work file (YAML) of stations, devices, templates, timetables
@@ -163,7 +164,7 @@ class PathSupervisor:
 
     def _work(self) -> None:
         while not rospy.is_shutdown():
-            event = self._events.take()
+            event = self._events.next_event()
             try:
                 self._topics.do(event(self._supervisor, time.monotonic()))
                 self._topics.do(self._begin(time.monotonic()))
@@ -191,11 +192,11 @@ class PathSupervisor:
         return f' {not_stored(trouble)}' if trouble else '', self._early.stop(now, stop)
 
     def _tell_open(self, publish: TellStatuses) -> None:
-        def tell(supervisor: Supervisor, now: float) -> Sequence[Action]:
+        def tell_statuses(supervisor: Supervisor, now: float) -> Sequence[Action]:
             for status in supervisor.book.stored_open:
                 send(publish, status_message(status))
             return ()
-        self._events.put_order(tell)
+        self._events.put_order(tell_statuses)
 
     def _publish_views(self) -> None:
         supervisor, now = self._supervisor, time.monotonic()
@@ -337,13 +338,13 @@ class PathSupervisor:
                 f'/{robot}/battery_state')
 
     def _on_answer(self, message: PlanAnswer) -> None:
-        def take(supervisor: Optional[Supervisor], now: float) -> Sequence[Action]:
+        def answered(supervisor: Optional[Supervisor], now: float) -> Sequence[Action]:
             if supervisor is None or not self._topics.is_answered(message):
                 return ()
             if message.result == PlanAnswer.PLANNED:
                 return supervisor.plan_made(message.plan_id, outcome_of(message, self._rate), now)
             return supervisor.plan_failed(message.plan_id, message.reason.rstrip('.'), now)
-        self._events.put(take)
+        self._events.put(answered)
 
 
 def _note_stop_address() -> None:

@@ -10,7 +10,7 @@ from enum import Enum
 from typing import Optional, Tuple, Union
 
 from omron_arcl import ActivityKind, Outcome
-from omron_arcl.records import CommandFate
+from omron_arcl.records import CommandFate, MotionState
 from omron_arcl.replies import DockingState
 from route_protocol.values import EpochCause, RouteOrder, RouteRefusal, RouteReport
 from route_protocol.vehicle import VehicleState
@@ -32,12 +32,11 @@ class BridgeMemory:
 
 @dataclass(frozen=True)
 class RobotSeen:
-    """One status of the robot."""
+    """One status of the robot; `activity` and `docking` are those at its place and stamp."""
 
     stamp: int
     activity: ActivityKind = ActivityKind.UNKNOWN
     docking: Optional[DockingState] = None
-    emergency_stop: bool = False
     place: Optional[Tuple[float, float]] = None  # m, map frame
     heading: Optional[float] = None  # rad, at that place
 
@@ -65,7 +64,7 @@ class MotionTold:
     reason -- why the epoch is a new one, for a person
     cause -- the same for programs
     is_unexplained -- the robot broke off a drive, and the next epoch tells why
-    drives -- the robot drives now
+    emergency_stop -- the emergency stop is pressed, or the motors are off after it
     number, fate -- the last command of the bridge that the controller has, and what became of it;
         0, None: nothing was told yet
 
@@ -79,7 +78,8 @@ class MotionTold:
     stop_owed: bool = False
     reason: str = ''
     cause: EpochCause = EpochCause.OTHER_GIVER
-    drives: bool = False
+    state: MotionState = MotionState.UNKNOWN
+    emergency_stop: bool = False
     obeys_us: bool = False
     number: int = 0
     fate: Optional[CommandFate] = None

@@ -4,8 +4,7 @@
     |------------------------------------------------------------------------|-------------------|
     | a route runs                                                           | ON_ROUTE          |
     | a link is down, or the location is unknown or old                      | UNKNOWN           |
-    | the controller names another giver that drives, or the status shows a  | MOVED             |
-    | robot that is driven by hand                                           |                   |
+    | another giver or a person's hand drives it, as the controller tells    | MOVED             |
     | it rests, and owes no stop                                             | STANDING          |
     | a route was complete, and nothing else happened since                  | ON_ROUTE          |
     | a route was lost or stopped, and nothing else happened since           | COMING_TO_REST    |
@@ -23,6 +22,7 @@ from typing import Optional
 
 from omron_arcl import ActivityKind
 from omron_arcl.activity import MOVING
+from omron_arcl.records import MotionState
 from omron_ld90.bridge import events as p
 from omron_ld90.bridge.robot_state import NANOSECONDS, MapLocation
 from route_protocol.values import Motion, Phase
@@ -30,6 +30,7 @@ from route_protocol.values import Motion, Phase
 STILL = 0.05   # m
 RESTING = 1.0  # s
 
+_DRIVEN = (MotionState.DRIVING, MotionState.DOCKING, MotionState.UNDOCKING)
 _MOVING = MOVING | {ActivityKind.STOPPING}
 
 
@@ -40,8 +41,7 @@ class MotionJudge:
         self._rests = False
         self._otherwise = Motion.UNKNOWN  # the motion of a robot that does not rest
         self._centre: Optional[MapLocation] = None
-        self._is_driven = False  # by another giver, as the controller tells
-        self._by_hand = False
+        self._is_driven = False  # by another giver or by hand
 
     def route_ended(self, phase: Phase) -> None:
         """A route is complete, or was lost or stopped: the robot may roll on for a while."""
@@ -52,17 +52,18 @@ class MotionJudge:
         self._move(Motion.MOVED)
 
     def told(self, motion: p.MotionTold) -> None:
-        """The controller tells which giver drives the robot."""
-        self._is_driven = motion.drives and not motion.is_ours
+        """The controller tells what the robot does, and which giver drives it."""
+        self._is_driven = motion.state is MotionState.MANUAL or (
+            motion.state in _DRIVEN and not motion.is_ours)
         if self._is_driven:
             self.taken_over()
 
     def seen(self, status: p.RobotSeen, location: Optional[MapLocation], runs: bool) -> None:
-        """The robot tells what it does; `location` is None if it tells no new one.
+        """The robot tells what it did at its last location; `location` is None if that is no new
+        one.
 
         runs -- a route of ours runs
         """
-        self._by_hand = status.activity is ActivityKind.TELEOPERATED
         if location is None or runs:
             return
         centre = self._centre
@@ -88,7 +89,7 @@ class MotionJudge:
             return Motion.ON_ROUTE
         if not is_known:
             return Motion.UNKNOWN
-        if self._is_driven or self._by_hand:
+        if self._is_driven:
             return Motion.MOVED
         if self._rests and not owes_stop:
             return Motion.STANDING

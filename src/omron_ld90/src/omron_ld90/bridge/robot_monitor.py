@@ -30,6 +30,7 @@ class RobotMonitor:
         self.docking: Optional[DockingState] = None
         self.docking_changed = -math.inf
         self.emergency = False
+        """Whether the emergency stop is pressed, or the motors are off after it."""
         self.seen: Optional[p.RobotSeen] = None
         """The last status."""
         self._settings = settings
@@ -146,7 +147,6 @@ class RobotMonitor:
 
     def _on_seen(self, status: p.RobotSeen, now: float) -> None:
         self.seen = status
-        self.emergency = status.emergency_stop
         if status.docking is not None and status.docking is not self.docking:
             self.docking, self.docking_changed = status.docking, now
         if status.place is not None and self.location.update(
@@ -167,7 +167,7 @@ class RobotMonitor:
             self.docking, self.docking_changed = DockingState.DOCKED, now
 
     def _on_motion(self, event: p.MotionTold, now: float) -> None:
-        self.stop_owed_by_controller = event.stop_owed
+        self.stop_owed_by_controller, self.emergency = event.stop_owed, event.emergency_stop
         self._number = max(self._number, event.number)
         self.tracker.told(event.number, event.fate, now)
         self._note_docked(now)

@@ -281,7 +281,7 @@ class RouteFollower:
         was_running, route, graph = self.running, self.route, self._here.graph
         self._check_way(due)
         under_way = route.edges_under_way if route is not None and was_running else ()
-        self.orders.take(due, now)
+        self.orders.take_order(due, now)
         self._order_notes.taken(due.given)
         self._restored = None
         if due.goes_on and route is not None and route.progress.graph is graph:

@@ -5,7 +5,7 @@ from typing import Dict, Optional
 
 from node_lifecycle.headings import yaw_from_quaternion
 from omron_arcl import ActivityKind, Outcome
-from omron_arcl.records import CommandFate
+from omron_arcl.records import CommandFate, MotionState
 from omron_arcl.replies import DockingState
 from omron_ld90.bridge.events import CommandEnded, LinkReported, MotionTold, RobotLink, RobotSeen
 from omron_ld90.nodes.support.link_reports import words_of
@@ -32,6 +32,7 @@ _ENDINGS: Dict[int, Outcome] = {
     ExecuteCommandResult.NEVER_SENT: Outcome.NEVER_SENT,
     ExecuteCommandResult.OVERRULED: Outcome.OVERRULED,
 }
+_STATES: Dict[int, MotionState] = {int(state): state for state in MotionState}
 _FATES: Dict[int, CommandFate] = {int(fate): fate for fate in CommandFate}
 _DOCKING: Dict[str, DockingState] = {state.value: state for state in DockingState}
 _CAUSES: Dict[int, EpochCause] = {getattr(Motion, cause.name): cause for cause in EpochCause
@@ -46,7 +47,7 @@ def robot_seen(status: RobotStatus) -> RobotSeen:
     position = status.pose.position
     return RobotSeen(
         status.header.stamp.to_nsec(), _KINDS.get(status.activity, ActivityKind.UNKNOWN),
-        _DOCKING.get(status.docking_state), status.emergency_stop,
+        _DOCKING.get(status.docking_state),
         (position.x, position.y) if status.has_pose else None,
         yaw_from_quaternion(status.pose.orientation) if status.has_pose else None)
 
@@ -58,13 +59,13 @@ def command_ended(number: int, result: ExecuteCommandResult) -> CommandEnded:
 
 def motion_told(message: Motion, own_name: str) -> MotionTold:
     """The event for a Motion message; `own_name` is the name of this node."""
-    drives = message.state in (Motion.DRIVING, Motion.DOCKING, Motion.UNDOCKING, Motion.MANUAL)
     is_ours = message.giver == own_name or message.cause == Motion.EMERGENCY_STOP
     number, fate = next(((last.number, last.fate) for last in message.last_commands
                          if last.giver == own_name), (0, LastCommand.NOT_OBEYED))
     return MotionTold(message.epoch, message.previous_epoch, is_ours,
                       message.cause == Motion.RESTART, message.stop_owed, message.reason,
-                      _CAUSES.get(message.cause, EpochCause.OTHER_GIVER), drives,
+                      _CAUSES.get(message.cause, EpochCause.OTHER_GIVER),
+                      _STATES.get(message.state, MotionState.UNKNOWN), message.emergency_stop,
                       message.giver == own_name and message.cause == Motion.OTHER_GIVER,
                       number, _FATES.get(fate, CommandFate.UNKNOWN),
                       message.cause == Motion.INTERRUPTED)

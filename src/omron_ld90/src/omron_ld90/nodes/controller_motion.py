@@ -95,7 +95,7 @@ def message_of(motion: RobotMotion) -> msg.Motion:
     memory = motion.memory
     return msg.Motion(
         epoch=memory.epoch, previous_epoch=memory.previous_epoch, giver=memory.giver.name,
-        state=int(motion.state), goal=memory.goal, stop_owed=memory.stop_owed,
-        cause=int(memory.cause), reason=memory.reason,
+        state=int(motion.state), emergency_stop=motion.emergency_stop, goal=memory.goal,
+        stop_owed=memory.stop_owed, cause=int(memory.cause), reason=memory.reason,
         last_commands=[msg.LastCommand(last.giver, last.number, int(last.fate))
                        for last in memory.last_commands])

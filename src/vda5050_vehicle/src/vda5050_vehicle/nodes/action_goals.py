@@ -81,7 +81,7 @@ class ActionGoals:
         if clear:
             return  # a goal sent now could overtake the cancellation and be cancelled by it
         for server in self._servers.values():
-            server.look()
+            server.count_status()
         for name, goal in list(self._goals.items()):
             if goal.sent is not None:
                 loss = goal.sent.loss()

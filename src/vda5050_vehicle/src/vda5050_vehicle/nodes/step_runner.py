@@ -65,19 +65,19 @@ class StepRunner:
     def _receive(self, command: Command) -> None:
         now = time.monotonic()
         self._steps.receive(command, now)
-        self._tell(now)
+        self._publish(now)
 
     def _ended(self, name: str, succeeded: bool, text: str) -> None:
         self._steps.ended(name, succeeded, text)
-        self._tell(time.monotonic())
+        self._publish(time.monotonic())
 
     def _tick(self) -> None:
         now = time.monotonic()
         self._actions.check()
         self._steps.tick(now)
-        self._tell(now)
+        self._publish(now)
 
-    def _tell(self, now: float) -> None:
+    def _publish(self, now: float) -> None:
         news = self._steps.news
         if news == self._told and now - self._told_at < PERIOD:
             return

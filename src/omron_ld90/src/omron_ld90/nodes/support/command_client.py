@@ -81,7 +81,7 @@ class CommandClient:
         Those are all commands once the controller is gone, and commands that were lost: a goal sent
         to a controller that has just started, or a result.
         """
-        self._server.look()
+        self._server.count_status()
         with self._lock:
             opened = list(self._open.items())
         for number, goal in opened:

@@ -1,0 +1,44 @@
+"""The names of missions on a command line: the id of the request, or a short name that people say.
+
+The short name has the serial of the mission: M42 is the 42nd mission that this site has accepted.
+"""
+from __future__ import annotations
+
+import argparse
+import re
+from typing import NamedTuple
+
+from itrci_nav_msgs.msg import MissionStatus
+
+_SHORT = re.compile(r'[Mm]([1-9]\d{0,9})')
+_ID = re.compile(r'-?\d{1,10}')
+
+
+class MissionName(NamedTuple):
+    """A mission as a person names it; `number`: its serial, or the id of its request."""
+
+    number: int
+    is_serial: bool = False
+
+    def __str__(self) -> str:
+        return short_name(self.number) if self.is_serial else str(self.number)
+
+    def is_of(self, status: MissionStatus) -> bool:
+        """Is this the name of the mission with this status?"""
+        return bool(self.number == (status.serial if self.is_serial else status.request_id))
+
+
+def mission_name(text: str) -> MissionName:
+    """Reads a name; raises ArgumentTypeError."""
+    short = _SHORT.fullmatch(text)
+    if short:
+        return MissionName(int(short.group(1)), is_serial=True)
+    if _ID.fullmatch(text):
+        return MissionName(int(text))
+    raise argparse.ArgumentTypeError(f"{text!r} is neither the id of a mission nor a short name "
+                                     'such as M42')
+
+
+def short_name(serial: int) -> str:
+    """The short name of a mission; '-' for a request that was not accepted."""
+    return f'M{serial}' if serial else '-'

@@ -1,0 +1,4 @@
+from setuptools import find_packages, setup
+
+setup(name='omron_jobs', version='1.0.0',
+      packages=find_packages('src'), package_dir={'': 'src'})

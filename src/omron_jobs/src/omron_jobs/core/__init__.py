@@ -1,0 +1,9 @@
+"""Jobs and the lines about them: no ROS, no I/O, no clock.
+
+    job_words       the words and lines of OMRON's Fleet Manager
+    jobs            a job, and what the state of its mission says about its segments
+    job_book        all jobs: accepts, changes and cancels them, follows their missions
+    command_line    the arguments of a command
+    job_commands    carries out commands of clients
+    client_session  one client: login, lines in and out
+"""

@@ -1,0 +1,130 @@
+"""One client of the job server without I/O, and the server: login, lines in, lines out.
+
+    phase   event                              next phase
+    LOGIN   the right password                 OPEN; welcome and list of commands are sent
+            another line                       CLOSED
+    OPEN    a line                             OPEN; it is carried out; CLOSED after `quit`
+    all     a line that is too long; the end   CLOSED
+
+Nothing is carried out before the password. A reply goes to its client; the changes that follow from
+it go to all clients after that, in one order.
+"""
+from __future__ import annotations
+
+import hmac
+from enum import Enum
+from typing import Iterable, List
+
+from omron_arcl.framing import LineBuffer, decode
+from omron_jobs.core import job_words as words
+from omron_jobs.core.job_commands import JobCommands, update_line
+from omron_jobs.core.jobs import SegmentChange
+
+LONGEST_COMMAND = 5000  # bytes
+MOST_UNREAD = 2 ** 23   # bytes that may wait for a client
+
+
+class ClientPhase(Enum):
+    """The phase of a client."""
+
+    LOGIN = 'login'
+    OPEN = 'open'
+    CLOSED = 'closed'
+
+
+class ClientSession:
+    """One client.
+
+    output -- bytes to be sent to it
+    echo   -- whether its lines are sent back
+    """
+
+    def __init__(self, server: JobServer) -> None:
+        self.output = bytearray()
+        self.phase = ClientPhase.LOGIN
+        self.echo = False
+        self._server = server
+        self._input = LineBuffer(LONGEST_COMMAND)
+        self.send([words.PROMPT])
+
+    def send(self, lines: Iterable[str]) -> None:
+        """Queues lines."""
+        if self.phase is not ClientPhase.CLOSED:
+            for line in lines:
+                self.output += line.encode('utf-8', 'replace') + b'\r\n'
+
+    def receive(self, data: bytes) -> None:
+        """Handles bytes of the client, in pieces of any size."""
+        for line in self._input.feed(data):
+            if self.phase is not ClientPhase.CLOSED:
+                self._receive_line(line.strip())
+                self._check_unread()
+        if self._input.overflowed and self.phase is not ClientPhase.CLOSED:
+            self.send([words.TOO_LONG])
+            self.close()
+
+    def _check_unread(self) -> None:
+        """Ends the session of a client that asks for more than it reads."""
+        if len(self.output) > MOST_UNREAD:
+            self.output.clear()
+            self.close()
+
+    def _receive_line(self, line: bytes) -> None:
+        if self.phase is ClientPhase.OPEN:
+            self._server.carry_out(self, decode(line))
+        elif hmac.compare_digest(line, self._server.password):
+            self.phase = ClientPhase.OPEN
+            self.send([*words.WELCOME])
+            self._server.carry_out(self, 'help')
+        else:
+            self.close()
+
+    def close(self) -> None:
+        """Ends the session; what is queued is still sent."""
+        self.phase = ClientPhase.CLOSED
+        self._server.forget(self)
+
+
+class JobServer:
+    """All clients, and what they are told."""
+
+    def __init__(self, commands: JobCommands, password: bytes) -> None:
+        self.password = password
+        self.sessions: List[ClientSession] = []
+        self._commands = commands
+
+    def connect(self) -> ClientSession:
+        """Begins the session of a client."""
+        session = ClientSession(self)
+        self.sessions.append(session)
+        return session
+
+    def forget(self, session: ClientSession) -> None:
+        """Removes a session that has ended."""
+        if session in self.sessions:
+            self.sessions.remove(session)
+
+    def carry_out(self, session: ClientSession, line: str) -> None:
+        """Carries out a line of a client."""
+        if session.echo:
+            session.send([words.printed(line)])
+        reply = self._commands.carry_out(line)
+        session.send(reply.lines)
+        if reply.echo is not None:
+            session.echo = reply.echo
+        self.tell(reply.changes)
+        if reply.ends:
+            session.close()
+
+    def tell(self, changes: Iterable[SegmentChange]) -> None:
+        """Tells changes to all clients that are logged in."""
+        lines = [update_line(change) for change in changes]
+        for session in list(self.sessions):
+            if session.phase is ClientPhase.OPEN:
+                session.send(lines)
+
+    def shut_down(self) -> None:
+        """Says farewell to all clients, and ends their sessions."""
+        for session in list(self.sessions):
+            session.send([words.SHUTTING_DOWN])
+            session.close()

@@ -1,0 +1,282 @@
+"""All jobs: accepts, changes and cancels them, and follows their missions.
+
+A job is stored before its client is told that it is queued, and its request is repeated, with the
+same id and stamp, until the fleet manager has shown its mission. The fleet manager knows repeats by
+id and stamp. So no loss of messages, and no restart of either side, loses a job or does it twice.
+The wish to cancel a job is stored and repeated in the same way, until its mission ends.
+
+What a mission shows is not stored before it is told. If it cannot be stored, it follows again from
+the mission.
+"""
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from enum import Enum
+from typing import Callable, Dict, Iterable, List, NamedTuple, Optional, Protocol, Sequence, Set
+
+from omron_jobs.core.job_words import SegmentKind, SegmentStatus
+from omron_jobs.core.jobs import (
+    JobMission,
+    JobMissionState,
+    JobSegment,
+    QueuedJob,
+    SegmentChange,
+    done,
+    lost,
+    news_of,
+    queued_segments,
+    with_priority,
+)
+
+REPEAT = 2.0        # s between two messages about one job to the fleet manager
+SILENCE = 10.0      # s without news of a mission after which the fleet manager is asked
+MOST_OPEN = 2000    # jobs
+MOST_ENDED = 100    # jobs that are kept after their end; OMRON's MaxNumberOfCompletedItems
+KEEP_ENDED = 60     # min for which they are kept; OMRON's DeleteCompletedItemsMinutes
+
+
+class JobRefused(Exception):
+    """A command that is not carried out. The text is the rest of a clause after its name."""
+
+
+class JobCounters(NamedTuple):
+    """Numbers of all jobs that ever were.
+
+    number -- of the next segment
+    """
+
+    number: int = 1
+    completed: int = 0
+    cancelled: int = 0
+
+
+class JobStore(Protocol):
+    """Keeps jobs on a disk."""
+
+    def write(self, jobs: Sequence[QueuedJob], forgotten: Sequence[int], counters: JobCounters,
+              ) -> None:
+        """Stores jobs in the place of those with their missions. All or nothing; raises OSError.
+
+        forgotten -- missions of jobs to be removed
+        """
+
+
+class JobGoal(NamedTuple):
+    """One goal of a job that is to be queued."""
+
+    kind: SegmentKind
+    goal: str
+    vertex: int
+    priority: int
+
+
+class FleetAct(Enum):
+    """What the fleet manager is to be told about a job."""
+
+    REQUEST = 'request'
+    CANCEL = 'cancel'
+    PRIORITY = 'priority'
+    ASK = 'ask'         # for the stored state of its mission
+
+
+class FleetMessage(NamedTuple):
+    """A message to the fleet manager about the mission of a job."""
+
+    act: FleetAct
+    job: QueuedJob
+
+
+class JobBook:
+    """The jobs of one fleet.
+
+    jobs, counters -- as stored
+    clock -- returns ms since 1970
+    new_mission -- returns a random id for a request
+    """
+
+    def __init__(self, jobs: Iterable[QueuedJob], counters: JobCounters, store: JobStore,
+                 clock: Callable[[], int], new_mission: Callable[[], int]) -> None:
+        self._jobs: Dict[int, QueuedJob] = {
+            job.mission: job for job in sorted(jobs, key=lambda job: job.segments[0].number)}
+        self.counters = counters
+        self._store, self._clock, self._new_mission = store, clock, new_mission
+        self._states: Dict[int, JobMissionState] = {}
+        self._sent: Dict[int, float] = {}
+        self._heard: Dict[int, float] = {}
+        self._unstored: Set[int] = set()
+        self._restless: Set[int] = {job.mission for job in self._jobs.values() if job.is_open}
+
+    # -- what clients ask ------------------------------------------------------------------------
+
+    @property
+    def jobs(self) -> Sequence[QueuedJob]:
+        """All jobs that are kept, the oldest first."""
+        return tuple(self._jobs.values())
+
+    @property
+    def is_behind(self) -> bool:
+        """Whether something could not be stored."""
+        return bool(self._unstored)
+
+    def find(self, matches: Callable[[QueuedJob, JobSegment], bool], only_open: bool = False,
+             ) -> List[QueuedJob]:
+        """Returns the jobs with a segment that matches, the oldest first."""
+        return [job for job in self._jobs.values() if (job.is_open or not only_open)
+                and any(matches(job, segment) for segment in job.segments)]
+
+    # -- what clients want -----------------------------------------------------------------------
+
+    def queue(self, goals: Sequence[JobGoal], id: str = '') -> QueuedJob:
+        """Accepts a job. Raises JobRefused, and OSError if it cannot be stored.
+
+        id -- given by the client; empty: the job gets that of OMRON
+        """
+        active = {job.id.lower() for job in self._jobs.values() if job.is_open}
+        if id.lower() in active:
+            raise JobRefused(f'job_id "{id}" is the id of an active job')
+        if len(active) >= MOST_OPEN:
+            raise JobRefused(f'there are {MOST_OPEN} active jobs: cancel some, or wait')
+        number = self.counters.number
+        while not id and f'job{number}' in active:
+            number += 1
+        job = QueuedJob(
+            id or f'JOB{number}',
+            queued_segments(tuple(JobSegment(number + k, *goal) for k, goal in enumerate(goals))),
+            self._clock(), self._free_mission())
+        counters = self.counters._replace(number=number + len(goals))
+        self._store.write([job], (), counters)
+        self._jobs[job.mission], self.counters = job, counters
+        self._restless.add(job.mission)
+        return job
+
+    def _free_mission(self) -> int:
+        while True:
+            mission = self._new_mission()
+            if mission not in self._jobs:
+                return mission
+
+    def cancel(self, jobs: Sequence[QueuedJob], reason: str) -> List[SegmentChange]:
+        """Cancels jobs that have not ended. Raises OSError if that cannot be stored."""
+        wanted = [replace(job, cancel=reason) for job in jobs if job.cancel is None]
+        self._keep(wanted)
+        changes: List[SegmentChange] = []
+        for job in wanted:
+            state = self._states.get(job.mission)
+            if job.is_known and state is not None:
+                served = job.current
+                changes += self._show(job, JobMission(
+                    state, served.told.robot if served else '', done(job)))
+        return changes
+
+    def set_priority(self, job: QueuedJob, segment: JobSegment, priority: int
+                     ) -> List[SegmentChange]:
+        """Changes the priority of a segment. Raises OSError if that cannot be stored."""
+        changed, changes = with_priority(job, segment.number, priority)
+        self._keep([changed])
+        return changes
+
+    def _keep(self, jobs: Sequence[QueuedJob]) -> None:
+        self._store.write(jobs, (), self.counters)
+        for job in jobs:
+            self._jobs[job.mission] = job
+            self._restless.add(job.mission)
+            if job.is_known:
+                self._sent.pop(job.mission, None)
+
+    # -- the fleet manager -----------------------------------------------------------------------
+
+    def due(self, now: float) -> List[FleetMessage]:
+        """Returns what the fleet manager must be told now; it listens. `now`: s, monotonic."""
+        found = []
+        for id in sorted(self._restless):
+            job = self._jobs[id]
+            act = self._act(job)
+            if act is None:
+                self._restless.discard(id)
+            elif now - self._sent.get(id, -math.inf) >= REPEAT:
+                self._sent[id] = now
+                found.append(FleetMessage(act, job))
+                if act is FleetAct.PRIORITY:
+                    self._jobs[id] = replace(job, moved=False)
+                    self._unstored.add(id)
+        return found
+
+    def _act(self, job: QueuedJob) -> Optional[FleetAct]:
+        if not job.is_open:
+            return None
+        if not job.is_known:
+            return FleetAct.REQUEST
+        state = self._states.get(job.mission)
+        if state is None:
+            return FleetAct.ASK
+        if job.cancel is not None and state is not JobMissionState.CANCELLING:
+            return FleetAct.CANCEL
+        return FleetAct.PRIORITY if job.moved else None
+
+    def silent(self, now: float) -> List[FleetMessage]:
+        """Returns questions for missions without news: a status may be lost. `now`: as in `due`."""
+        found = []
+        for id, job in self._jobs.items():
+            if id in self._states and job.is_open and now - max(
+                    self._heard[id], self._sent.get(id, -math.inf)) >= SILENCE:
+                self._sent[id] = now
+                found.append(FleetMessage(FleetAct.ASK, job))
+        return found
+
+    def hear(self, mission: int, stamp: int, news: JobMission, now: float) -> List[SegmentChange]:
+        """Handles the status of a mission. `stamp`: of its request, ms; `now`: as in `due`."""
+        job = self._jobs.get(mission)
+        if job is None or job.queued != stamp or not job.is_open:
+            return []
+        self._states[mission], self._heard[mission] = news.state, now
+        changes = self._show(job, news)
+        if self._jobs[mission].is_open:
+            self._restless.add(mission)
+        return changes
+
+    def hear_unknown(self, mission: int, stamp: int, asked: float) -> List[SegmentChange]:
+        """The fleet manager, asked at `asked`, does not know a mission that it had accepted."""
+        job = self._jobs.get(mission)
+        if job is None or job.queued != stamp or not job.is_open or not job.is_known or (
+                self._heard.get(mission, -math.inf) >= asked):
+            return []
+        return self._show(job, lost(job))
+
+    def _show(self, job: QueuedJob, news: JobMission) -> List[SegmentChange]:
+        shown, changes = news_of(job, news, self._clock())
+        if shown == job:
+            return []
+        self._jobs[job.mission] = shown
+        self._unstored.add(job.mission)
+        if not shown.is_open:
+            self._restless.discard(job.mission)
+            self._count(shown.segments[-1].told.status)
+        return changes
+
+    def _count(self, end: SegmentStatus) -> None:
+        counters = self.counters
+        self.counters = counters._replace(
+            completed=counters.completed + (end is SegmentStatus.COMPLETED),
+            cancelled=counters.cancelled + (end is SegmentStatus.CANCELLED))
+
+    # -- the disk --------------------------------------------------------------------------------
+
+    def store_news(self) -> None:
+        """Stores what missions have shown, and forgets old jobs. Raises OSError; call it again."""
+        forgotten = self._too_old()
+        changed = [self._jobs[id] for id in sorted(self._unstored) if id not in forgotten]
+        if changed or forgotten:
+            self._store.write(changed, forgotten, self.counters)
+        self._unstored.clear()
+        for id in forgotten:
+            del self._jobs[id]
+            for table in (self._states, self._sent, self._heard):
+                table.pop(id, None)
+
+    def _too_old(self) -> List[int]:
+        ended = sorted((job.segments[-1].ended, id) for id, job in self._jobs.items()
+                       if not job.is_open)
+        latest = self._clock() - KEEP_ENDED * 60_000
+        return [id for k, (end, id) in enumerate(ended)
+                if end < latest or k < len(ended) - MOST_ENDED]

@@ -1,0 +1,108 @@
+"""The words and lines of OMRON's Fleet Manager, in one table.
+
+Sources: docs/explanation/sources.md. Programs of warehouses split the lines at blanks, and read
+words by their number. So every blank and quotation mark counts. This table belongs to the server
+alone: simulator and drivers have their own, so that a wrong belief in one shows in another.
+"""
+from __future__ import annotations
+
+import time
+from enum import Enum
+
+PROMPT = 'Enter password:'
+WELCOME = ('Welcome to the server.',
+           "You can type 'help' at any time for the following help list.")
+COMMANDS, END_OF_COMMANDS = 'Commands:', 'End of commands'
+HELP = '{:>15}          {}'
+CLOSING = 'Closing connection'
+SHUTTING_DOWN = 'Shutting down server'
+TOO_LONG = 'String too long'
+UNKNOWN = 'Unknown command {}'
+USAGE = 'usage: {} {}'
+ERROR, ERROR_DESCRIPTION = 'CommandError: {}', 'CommandErrorDescription: {} {}'
+SET_UP_ERROR = 'SetUpError: {} {}'
+NONE, NO_DATE, NO_ECHO = 'None', 'None None', '""'
+QUOTED = '"{}"'
+
+QUEUED = ' with priority {} id {} and job_id {} successfully queued'
+PICKUP_QUEUED = 'queuepickup goal "{}"' + QUEUED
+PICKUP_DROPOFF_QUEUED = ('queuepickupdropoff goals "{}" and "{}" with priorities {} and {} ids {} '
+                         'and {} job_id {} successfully queued')
+MULTI_QUEUED = 'QueueMulti: goal "{}"' + QUEUED
+LINKED = ' and linked to {}'
+END_OF_MULTI = 'EndQueueMulti'
+CANCELLING = 'queuecancel cancelling "{}" "{}" {} "{}" from queue'
+MODIFYING_PRIORITY = 'queuemodify modifying id {} priority {}'
+
+# The blank at the end makes 15 words, which a known client demands of each of these lines.
+UPDATE = 'QueueUpdate: {segment} {job} {priority} {state} Goal "{goal}" {robot} {dates} {fails} '
+LISTED = ': {segment} {job} {priority} {state} Goal "{goal}" {robot} {dates} {echo} {fails}'
+SHOW, QUERY = 'QueueShow' + LISTED, 'QueueQuery' + LISTED
+ROBOT = 'QueueRobot: "{}" {} {} {}'
+END_OF_SHOW, END_OF_SHOW_COMPLETED = 'EndQueueShow', 'EndQueueShowCompleted'
+END_OF_QUERY, END_OF_SHOW_ROBOT = 'EndQueueQuery', 'EndQueueShowRobot'
+
+DATE = '%m/%d/%Y %H:%M:%S'
+DATE_TIME = 'DateTime: {}'
+GOAL, END_OF_GOALS = 'Goal: {}', 'End of goals'
+SECTION, END_OF_SECTIONS = 'GetConfigSectionList: {}', 'EndOfGetConfigSectionList'
+SECTION_VALUE, END_OF_SECTION_VALUES = ('GetConfigSectionValue: {} {}',
+                                        'EndOfGetConfigSectionValues')
+GROUP, END_OF_GROUPS = 'GetDataStoreGroupList: {}', 'EndOfGetDataStoreGroupList'
+GROUP_VALUE, END_OF_GROUP_VALUES = ('GetDataStoreGroupValues: {} {}',
+                                    'EndOfGetDataStoreGroupValues')
+END_OF_FAULTS = 'EndQueryFaults'
+END_OF_PAYLOADS, END_OF_SLOT_COUNT = 'EndPayloadQuery', 'EndPayloadSlotCount'
+ECHO_TURNED = 'Echo turned {}.'
+
+
+class SegmentKind(Enum):
+    """What a robot does at the goal of a segment. The value begins the segment's id."""
+
+    PICKUP = 'PICKUP'
+    DROPOFF = 'DROPOFF'
+
+
+class SegmentStatus(Enum):
+    """The status of a segment. A known client fails at any other word, so there is no other.
+
+    Nothing stays BEFORE_MODIFY or AFTER_MODIFY: they are told around a change.
+    """
+
+    PENDING = 'Pending'
+    IN_PROGRESS = 'InProgress'
+    INTERRUPTED = 'Interrupted'
+    CANCELLING = 'Cancelling'
+    COMPLETED = 'Completed'
+    CANCELLED = 'Cancelled'
+    FAILED = 'Failed'
+    BEFORE_MODIFY = 'BeforeModify'
+    AFTER_MODIFY = 'AfterModify'
+
+    @property
+    def is_final(self) -> bool:
+        """Whether a segment with this status never changes again."""
+        return self in (SegmentStatus.COMPLETED, SegmentStatus.CANCELLED, SegmentStatus.FAILED)
+
+
+UNALLOCATED, ALLOCATED, DRIVING = 'UnAllocated', 'Allocated', 'Driving'
+WAITS_FOR = 'ID_{}'
+REFUSED_BY_FLEET = 'RefusedByFleet'
+
+
+class RobotStatus(Enum):
+    """The status of a robot."""
+
+    AVAILABLE = 'Available'
+    IN_PROGRESS = 'InProgress'
+    UNAVAILABLE = 'UnAvailable'
+
+
+def date(milliseconds: int) -> str:
+    """Returns a moment (ms since 1970) in local time; 0: it has not come."""
+    return time.strftime(DATE, time.localtime(milliseconds / 1000.0)) if milliseconds else NO_DATE
+
+
+def printed(text: str) -> str:
+    """Returns a text of a client as it may be repeated to it: characters that print, no others."""
+    return ''.join(one if one.isprintable() else '?' for one in text)

@@ -1,0 +1,1 @@
+"""The port of the job server: see `job_port`."""

@@ -1,0 +1,1 @@
+"""The node `job_server` and its private parts."""

@@ -1,0 +1,78 @@
+"""What the messages of the fleet manager say about missions, goals and robots."""
+from __future__ import annotations
+
+from typing import Callable, Dict, List, Mapping, Optional
+
+from itrci_nav_msgs import msg
+from omron_jobs.core.job_commands import RobotNews
+from omron_jobs.core.job_words import DRIVING, RobotStatus, SegmentKind
+from omron_jobs.core.jobs import JobMission, JobMissionState, QueuedJob
+from trajectory_graph import Graph
+
+_KINDS = {SegmentKind.PICKUP: msg.MissionStop.PICKUP, SegmentKind.DROPOFF: msg.MissionStop.DROPOFF}
+_ROBOT = msg.FleetRobot
+_UNAVAILABLE: Mapping[int, str] = {
+    _ROBOT.OFFLINE: 'OutgoingARCLConnLost', _ROBOT.UNKNOWN: 'OutgoingARCLConnLost',
+    _ROBOT.STOPPED: 'EStopPressed', _ROBOT.TAKEN_OVER: 'Interrupted',
+    _ROBOT.FAILED: 'Fault_Driving_Application_failed', _ROBOT.OFF_GRAPH: 'Lost',
+    _ROBOT.OUT_OF_SERVICE: 'NotUsingEnterpriseManager', _ROBOT.ABSENT: 'NotUsingEnterpriseManager'}
+
+SubstatusOf = Callable[[int], Optional[str]]
+"""Returns the substatus of the segment that a mission serves; None: it is no job."""
+
+
+class WrongStatus(ValueError):
+    """A status of a mission that means nothing. The text is a clause."""
+
+
+def mission_of(status: msg.MissionStatus) -> JobMission:
+    """What a status says. Raises WrongStatus."""
+    try:
+        state = JobMissionState(status.state)
+    except ValueError:
+        raise WrongStatus(f'mission {status.request_id} has the unknown state {status.state}'
+                          ) from None
+    return JobMission(state, status.robot, max(status.destinations_reached, 0))
+
+
+def stamp_of(status: msg.MissionStatus) -> int:
+    """The stamp of the request of a mission, in ms: the fleet manager rounds less than that."""
+    return round(status.request_stamp.to_nsec() / 1e6)
+
+
+def stops_of(job: QueuedJob) -> List[msg.MissionStop]:
+    """The stops of the mission of a job."""
+    return [msg.MissionStop(vertex=one.vertex, kind=_KINDS[one.kind]) for one in job.segments]
+
+
+def goals_of(graph: Graph) -> Dict[str, int]:
+    """The goals of a graph: each vertex by its label, or by its id if the label cannot name it.
+
+    A label names no goal if it is empty, is that of another vertex too, or looks like an id, or if
+    a line could not contain it. Docks are no goals.
+    """
+    labels = [vertex.label for vertex in graph.vertices.values()]
+    return {vertex.label if is_name(vertex.label) and labels.count(vertex.label) == 1
+            else str(vertex.id): vertex.id
+            for vertex in graph.vertices.values() if not vertex.dock}
+
+
+def is_name(label: str) -> bool:
+    """Whether a label can be the name of a goal in a line."""
+    return (label.isprintable() and '"' not in label and label == label.strip()
+            and bool(label) and not label.isdecimal())
+
+
+def robots_of(state: msg.FleetState, substatus_of: SubstatusOf) -> Dict[str, RobotNews]:
+    """What is shown of each robot."""
+    return {robot.name: _robot_of(robot, substatus_of) for robot in state.robots}
+
+
+def _robot_of(robot: msg.FleetRobot, substatus_of: SubstatusOf) -> RobotNews:
+    if robot.state in _UNAVAILABLE:
+        return RobotNews(RobotStatus.UNAVAILABLE, _UNAVAILABLE[robot.state])
+    if robot.state == _ROBOT.CHARGING:
+        return RobotNews(RobotStatus.AVAILABLE, 'DockParked')
+    if robot.has_mission:
+        return RobotNews(RobotStatus.IN_PROGRESS, substatus_of(robot.request_id) or DRIVING)
+    return RobotNews(RobotStatus.AVAILABLE, 'Parking' if robot.destination else 'Available')

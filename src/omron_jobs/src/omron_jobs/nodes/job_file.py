@@ -1,0 +1,83 @@
+"""The SQLite file that keeps the jobs over a restart and a power cut."""
+from __future__ import annotations
+
+import json
+import os
+import sqlite3
+from typing import List, Sequence, Tuple
+
+from json_records import from_json, to_json
+from node_lifecycle import ConfigurationError
+from node_lifecycle.kept_files import hold, in_ros_home
+from omron_jobs.core.job_book import JobCounters
+from omron_jobs.core.jobs import QueuedJob
+
+VERSION = 1
+_LAYOUT = '''
+CREATE TABLE job (mission INTEGER PRIMARY KEY, record TEXT NOT NULL);
+CREATE TABLE counters (one INTEGER PRIMARY KEY CHECK (one = 1), record TEXT NOT NULL);
+PRAGMA user_version = 1;
+'''
+
+
+class JobFile:
+    """Keeps jobs and counters; a relative path begins in ROS_HOME."""
+
+    def __init__(self, path: str, parameter: str) -> None:
+        """Raises ConfigurationError if the file cannot be used, or another process uses it."""
+        self._path, self._parameter = in_ros_home(path), parameter
+        hold(self._path, parameter)
+        try:
+            os.makedirs(os.path.dirname(os.path.abspath(self._path)), exist_ok=True)
+            self._database = sqlite3.connect(self._path, isolation_level=None,
+                                             check_same_thread=False)
+            self._database.execute('PRAGMA journal_mode=WAL')
+            self._database.execute('PRAGMA synchronous=FULL')
+            found, = self._database.execute('PRAGMA user_version').fetchone()
+            if found == 0:
+                self._database.executescript(f'BEGIN; {_LAYOUT} COMMIT;')
+            elif found != VERSION:
+                raise self._unusable(f'it has the unknown version {found}')
+        except (OSError, sqlite3.Error) as error:
+            raise self._unusable(str(error)) from None
+
+    def _unusable(self, problem: str) -> ConfigurationError:
+        return ConfigurationError(
+            f'The jobs cannot be kept in {self._path} ({problem}): mend it, or give this node '
+            f'another one with {self._parameter}. With another file it does not know its jobs.')
+
+    def read(self) -> Tuple[List[QueuedJob], JobCounters]:
+        """Returns what was stored. Raises ConfigurationError: without it, jobs would be lost."""
+        try:
+            jobs = [from_json(QueuedJob, json.loads(record)) for record, in
+                    self._database.execute('SELECT record FROM job')]
+            counters = [from_json(JobCounters, json.loads(record)) for record, in
+                        self._database.execute('SELECT record FROM counters')]
+        except (sqlite3.Error, ValueError, TypeError, RecursionError) as error:
+            raise self._unusable(str(error)) from None
+        return jobs, counters[0] if counters else JobCounters()
+
+    def write(self, jobs: Sequence[QueuedJob], forgotten: Sequence[int],
+              counters: JobCounters) -> None:
+        """Stores jobs and counters, forced to the disk: all or nothing. Raises OSError."""
+        try:
+            self._database.execute('BEGIN IMMEDIATE')
+            try:
+                self._database.executemany(
+                    'INSERT OR REPLACE INTO job VALUES (?, ?)',
+                    [(job.mission, json.dumps(to_json(job))) for job in jobs])
+                self._database.executemany('DELETE FROM job WHERE mission = ?',
+                                           [(id,) for id in forgotten])
+                self._database.execute('INSERT OR REPLACE INTO counters VALUES (1, ?)',
+                                       (json.dumps(to_json(counters)),))
+                self._database.execute('COMMIT')
+            except sqlite3.Error:
+                if self._database.in_transaction:
+                    self._database.execute('ROLLBACK')
+                raise
+        except sqlite3.Error as error:
+            raise OSError(0, str(error)) from None
+
+    def close(self) -> None:
+        """Closes the file."""
+        self._database.close()

@@ -1,0 +1,230 @@
+"""job_server: takes jobs of warehouse programs as OMRON's Fleet Manager does, over ARCL.
+
+Each job is a mission of the fleet manager.
+
+Subscribes
+    /graph (itrci_nav_msgs/Graph), /fleet_state (itrci_nav_msgs/FleetState): latched
+    /mission_status (itrci_nav_msgs/MissionStatus)
+Publishes
+    /mission_request (itrci_nav_msgs/MissionRequest)
+    /mission_command (itrci_nav_msgs/MissionCommand)
+    /diagnostics
+Calls
+    /get_mission_status (itrci_nav_msgs/GetMissionStatus), if a mission has no news for long
+Parameters
+    ~password_file  string  (required)  contains the password of the clients, and nothing else
+    ~host           string  127.0.0.1   the address on which clients may connect
+    ~port           int     7171
+    ~peers          string  ''          addresses and networks of clients on other computers,
+                                        separated by commas
+    ~jobs_file      string  omron_jobs/jobs.sqlite  keeps the jobs; a relative path begins in
+                                        ROS_HOME
+    ~robot_type     string  ''          robots that serve jobs; empty: all
+"""
+from __future__ import annotations
+
+import asyncio
+import queue
+import random
+import time
+from functools import partial
+from typing import Any, Callable, Optional, Set, Tuple
+
+import genpy
+import rospy
+from diagnostic_msgs.msg import DiagnosticStatus
+from diagnostic_updater import DiagnosticStatusWrapper
+
+from fleet_requests import Sender, mission_request, stored_status
+from graph_topic import FollowedGraph
+from itrci_nav_msgs.msg import FleetState, MissionCommand, MissionRequest, MissionStatus
+from node_lifecycle import ConfigurationError, parameter, publish_diagnostics, run, warn
+from node_lifecycle.secret_files import read_password_file
+from node_lifecycle.worker import start_worker
+from omron_jobs.core.client_session import JobServer
+from omron_jobs.core.job_book import FleetAct, FleetMessage, JobBook
+from omron_jobs.core.job_commands import JobCommands, JobSite
+from omron_jobs.core.job_words import SegmentStatus
+from omron_jobs.core.jobs import QueuedJob
+from omron_jobs.network.job_port import JobPort, WrongPeer, read_peers
+from omron_jobs.nodes.fleet_news import (
+    WrongStatus,
+    goals_of,
+    mission_of,
+    robots_of,
+    stamp_of,
+    stops_of,
+)
+from omron_jobs.nodes.job_file import JobFile
+from trajectory_graph import Graph
+
+TICK = 0.2          # s between two checks for what is due
+_NAME = 'job_server'
+
+
+class JobServerNode:
+    """The node: see the module's text. One thread owns the jobs and the clients."""
+
+    def __init__(self) -> None:
+        password = read_password_file(parameter('~password_file'), 'password of the job server')
+        self._robot_type = parameter('~robot_type', '')
+        self._jobs_file = JobFile(parameter('~jobs_file', 'omron_jobs/jobs.sqlite'), '~jobs_file')
+        ids = random.SystemRandom()
+        jobs, counters = self._jobs_file.read()
+        self._book = JobBook(jobs, counters, self._jobs_file, lambda: int(time.time() * 1000),
+                             lambda: ids.randint(1, 2 ** 31 - 1))
+        self._site = JobSite()
+        self._server = JobServer(JobCommands(self._book, self._site), password)
+        self._port = JobPort(self._server, peers(), self._work)
+        self._requests, self._commands = Sender(MissionRequest), Sender(MissionCommand)
+        self._problem = ''
+        self._questions: queue.SimpleQueue[Tuple[QueuedJob, float]] = queue.SimpleQueue()
+        self._asked: Set[int] = set()  # missions of questions without an answer
+        self._loop = asyncio.new_event_loop()
+        self.port = self._listen(parameter('~host', '127.0.0.1'), parameter('~port', 7171, int))
+        publish_diagnostics('none', {'jobs': self._show})
+        rospy.on_shutdown(self._end)
+        start_worker('questions', self._ask)
+        start_worker('jobs', self._run)
+        FollowedGraph(self._on_graph).subscribe()
+        rospy.Subscriber('/fleet_state', FleetState, self._on_state, queue_size=1)
+        rospy.Subscriber('/mission_status', MissionStatus, self._on_status, queue_size=10_000,
+                         tcp_nodelay=True)
+
+    def _listen(self, host: str, port: int) -> int:
+        try:
+            return self._loop.run_until_complete(self._port.listen(host, port))
+        except (OSError, OverflowError) as error:
+            raise ConfigurationError(f'Port {port} of {host} cannot be listened on ({error}): free '
+                                     'it, or set ~host and ~port.') from None
+
+    # --- callbacks --------------------------------------------------------------------------------
+
+    def _on_graph(self, graph: Graph, _stamp: rospy.Time) -> None:
+        goals = goals_of(graph)
+
+        def put() -> None:
+            self._site.goals = goals
+        self._put(put)
+
+    def _on_state(self, message: FleetState) -> None:
+        def put() -> None:
+            self._site.robots = robots_of(message, self._substatus)
+        self._put(put)
+
+    def _on_status(self, message: MissionStatus) -> None:
+        self._put(lambda: self._hear(message))
+
+    def _put(self, call: Callable[[], Any]) -> None:
+        if not self._loop.is_closed():
+            self._loop.call_soon_threadsafe(call)
+
+    def _ask(self) -> None:
+        """Asks the fleet manager for missions without news, one after the other."""
+        while True:
+            job, asked = self._questions.get()
+            self._put(partial(self._hear_answer, job, asked,
+                              stored_status(job.mission, stamp(job))))
+
+    # --- in the thread that owns the jobs ---------------------------------------------------------
+
+    def _run(self) -> None:
+        asyncio.set_event_loop(self._loop)
+        self._loop.call_soon(self._tick)
+        self._loop.run_forever()
+
+    def _tick(self) -> None:
+        self._loop.call_later(TICK, self._tick)
+        for message in self._book.silent(time.monotonic()):
+            self._send(message)
+        self._work()
+
+    def _hear(self, message: MissionStatus) -> None:
+        try:
+            news = mission_of(message)
+        except WrongStatus as wrong:
+            warn('status', f'A status is ignored: {wrong}.')
+            return
+        self._server.tell(self._book.hear(message.request_id, stamp_of(message), news,
+                                          time.monotonic()))
+        self._work()
+
+    def _hear_answer(self, job: QueuedJob, asked: float, answer: Any) -> None:
+        self._asked.discard(job.mission)
+        if answer is None:  # the fleet manager restarts: it is asked again
+            return
+        if answer.found:
+            self._hear(answer.status)
+        else:
+            self._server.tell(self._book.hear_unknown(job.mission, job.queued, asked))
+            self._work()
+
+    def _work(self) -> None:
+        """Sends what is due to fleet manager and clients, and stores what was heard."""
+        self._port.flush()
+        if self._requests.is_heard and self._commands.is_heard:
+            for message in self._book.due(time.monotonic()):
+                self._send(message)
+        try:
+            self._book.store_news()
+            self._problem = ''
+        except OSError as error:
+            self._problem = f'jobs cannot be stored: {error.strerror}'
+
+    def _send(self, message: FleetMessage) -> None:
+        act, job = message
+        if act is FleetAct.REQUEST:
+            request = mission_request((), request_id=job.mission, stops=stops_of(job),
+                                      priority=job.segments[0].priority, requested_by=_NAME,
+                                      robot_type=self._robot_type)
+            request.header.stamp = stamp(job)
+            self._requests.repeat(request)
+        elif act is FleetAct.ASK:
+            if job.mission not in self._asked:
+                self._asked.add(job.mission)
+                self._questions.put((job, time.monotonic()))
+        else:
+            command = MissionCommand(
+                request_id=job.mission, requested_by=_NAME, priority=job.segments[0].priority,
+                command=MissionCommand.CANCEL if act is FleetAct.CANCEL else MissionCommand.MODIFY)
+            command.header.stamp = rospy.Time.now()
+            self._commands.repeat(command)
+
+    def _substatus(self, mission: int) -> Optional[str]:
+        current = next((job.current for job in self._book.jobs if job.mission == mission), None)
+        return (current.told.substatus if current is not None
+                and current.told.status is SegmentStatus.IN_PROGRESS else None)
+
+    def _show(self, status: DiagnosticStatusWrapper) -> DiagnosticStatusWrapper:
+        if self._problem:
+            status.summary(DiagnosticStatus.ERROR, self._problem)
+        elif not self._requests.is_heard:
+            status.summary(DiagnosticStatus.WARN, self._requests.complaint)
+        else:
+            status.summary(DiagnosticStatus.OK, f'{len(self._server.sessions)} clients')
+        status.add('active jobs', str(sum(job.is_open for job in self._book.jobs)))
+        return status
+
+    def _end(self) -> None:
+        def end() -> None:
+            self._port.close()
+            self._loop.stop()
+        self._put(end)
+
+
+def stamp(job: QueuedJob) -> genpy.Time:
+    """The stamp of the request of a job's mission: it tells requests with one id apart."""
+    return genpy.Time(job.queued // 1000, job.queued % 1000 * 1_000_000)
+
+
+def peers() -> Any:
+    """The networks of ~peers. Raises ConfigurationError."""
+    try:
+        return read_peers(parameter('~peers', ''))
+    except WrongPeer as wrong:
+        raise ConfigurationError(f'Parameter {rospy.resolve_name("~peers")}: {wrong}.') from None
+
+
+def main() -> None:
+    """Runs the node."""
+    run(_NAME, JobServerNode)

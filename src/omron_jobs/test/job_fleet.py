@@ -1,0 +1,91 @@
+"""A fleet manager for tests of the job server, and a disk that can fail.
+
+It keeps to what docs/reference/path_supervisor.md says: it knows a repeat by id and stamp, shows a
+mission after each change, and answers questions from its journal.
+"""
+from __future__ import annotations
+
+from typing import Dict, Iterator, List, NamedTuple, Optional, Sequence, Tuple
+
+from omron_jobs.core.job_book import FleetAct, FleetMessage, JobBook, JobCounters
+from omron_jobs.core.jobs import JobMission, JobMissionState, QueuedJob, SegmentChange
+
+Key = Tuple[int, int]
+
+
+class Disk:
+    """Keeps jobs. While `is_full`, nothing is stored."""
+
+    def __init__(self) -> None:
+        self.jobs: Dict[int, QueuedJob] = {}
+        self.counters = JobCounters()
+        self.is_full = False
+
+    def write(self, jobs: Sequence[QueuedJob], forgotten: Sequence[int],
+              counters: JobCounters) -> None:
+        if self.is_full:
+            raise OSError(28, 'No space left on device')
+        self.jobs.update((job.mission, job) for job in jobs)
+        for id in forgotten:
+            del self.jobs[id]
+        self.counters = counters
+
+
+class Mission(NamedTuple):
+    """A mission as the fleet manager has it."""
+
+    stops: int
+    priority: int
+    shown: JobMission = JobMission(JobMissionState.PENDING)
+
+
+class FakeFleet:
+    """Accepts missions. Everything else happens when a test says so.
+
+    driven -- for each mission, each stop at which a robot has been, as (mission, stop)
+    """
+
+    def __init__(self) -> None:
+        self.missions: Dict[Key, Mission] = {}
+        self.driven: List[Tuple[Key, int]] = []
+        self.refuses = False
+
+    def handle(self, message: FleetMessage) -> Iterator[Tuple[Key, Optional[JobMission]]]:
+        """Handles a message, and returns the statuses that it sends. None: it is unknown."""
+        key = message.job.mission, message.job.queued
+        if message.act is FleetAct.REQUEST and key not in self.missions:
+            self.missions[key] = Mission(
+                len(message.job.segments), message.job.segments[0].priority,
+                JobMission(JobMissionState.REFUSED if self.refuses else JobMissionState.PENDING))
+        mission = self.missions.get(key)
+        if mission is None:
+            if message.act is FleetAct.ASK:
+                yield key, None
+            return
+        if message.act is FleetAct.CANCEL and mission.shown.state.is_open:
+            self.set(key, JobMissionState.CANCELLED)
+        if message.act is FleetAct.PRIORITY:
+            self.missions[key] = mission._replace(priority=message.job.segments[0].priority)
+        yield key, self.missions[key].shown
+
+    def set(self, key: Key, state: JobMissionState, robot: Optional[str] = None) -> None:
+        mission = self.missions[key]
+        shown = mission.shown._replace(state=state)
+        self.missions[key] = mission._replace(
+            shown=shown if robot is None else shown._replace(robot=robot))
+
+    def reach(self, key: Key) -> None:
+        """The robot of an active mission does its next stop."""
+        mission = self.missions[key]
+        self.driven.append((key, mission.shown.reached))
+        reached = mission.shown.reached + 1
+        state = mission.shown.state if reached < mission.stops else JobMissionState.SUCCEEDED
+        self.missions[key] = mission._replace(shown=mission.shown._replace(
+            state=state, reached=reached))
+
+
+def tell(book: JobBook, key: Key, shown: Optional[JobMission], now: float) -> List[SegmentChange]:
+    """Lets a book hear what the fleet manager has sent."""
+    if shown is None:
+        return book.hear_unknown(*key, asked=now)
+    return book.hear(*key, shown, now)

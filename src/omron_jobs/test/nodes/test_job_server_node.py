@@ -1,0 +1,147 @@
+"""The parts of the node: its file, and what the messages of the fleet manager say."""
+from __future__ import annotations
+
+import sqlite3
+
+import pytest
+
+from itrci_nav_msgs.msg import FleetRobot, FleetState, MissionStatus, MissionStop
+from node_lifecycle import ConfigurationError
+from omron_jobs.core.job_book import JobCounters
+from omron_jobs.core.job_commands import RobotNews
+from omron_jobs.core.job_words import RobotStatus, SegmentKind, SegmentStatus
+from omron_jobs.core.jobs import (
+    JobMission,
+    JobMissionState,
+    JobSegment,
+    QueuedJob,
+    Told,
+)
+from omron_jobs.nodes.fleet_news import (
+    WrongStatus,
+    goals_of,
+    mission_of,
+    robots_of,
+    stamp_of,
+    stops_of,
+)
+from omron_jobs.nodes.job_file import JobFile
+from omron_jobs.nodes.job_server import stamp
+from trajectory_graph import Graph, Vertex
+
+JOB = QueuedJob('own', (
+    JobSegment(7, SegmentKind.PICKUP, 'x', 1, 10, Told(SegmentStatus.COMPLETED, 'None', 'r'), 9),
+    JobSegment(8, SegmentKind.DROPOFF, 'y', 2, 20, Told(SegmentStatus.IN_PROGRESS, 'Driving', 'r')),
+), 1324277658123, 41, True, 'late', True)
+OTHER = QueuedJob('JOB9', (JobSegment(9, SegmentKind.PICKUP, 'x', 1, 10),), 1, 42)
+COUNTERS = JobCounters(10, 3, 2)
+
+# -- the file --------------------------------------------------------------------------------------
+
+
+def test_jobs_come_back(tmp_path):
+    path = str(tmp_path / 'new' / 'jobs.sqlite')
+    file = JobFile(path, '~jobs_file')
+    assert file.read() == ([], JobCounters())
+    file.write([JOB, OTHER], (), COUNTERS)
+    file.write([], [42], COUNTERS)
+    file.close()
+    connection = sqlite3.connect(path)
+    assert connection.execute('SELECT mission FROM job').fetchall() == [(41,)]
+    connection.close()
+    assert JobFile(str(tmp_path / 'new' / '..' / 'new' / 'jobs.sqlite'), '~jobs_file').read() == (
+        [JOB], COUNTERS)
+
+
+@pytest.mark.parametrize('content', [b'no database at all' * 100, None])
+def test_a_file_that_cannot_be_read_is_no_empty_one(tmp_path, content):
+    path = tmp_path / 'jobs.sqlite'
+    if content is None:
+        with sqlite3.connect(str(path)) as connection:
+            connection.execute('PRAGMA user_version = 7')
+    else:
+        path.write_bytes(content)
+    with pytest.raises(ConfigurationError, match='~jobs_file'):
+        JobFile(str(path), '~jobs_file').read()
+
+
+def test_a_record_that_is_none_is_refused(tmp_path):
+    file = JobFile(str(tmp_path / 'jobs.sqlite'), '~jobs_file')
+    file._database.execute("INSERT INTO job VALUES (1, '{}')")
+    with pytest.raises(ConfigurationError, match='other fields'):
+        file.read()
+
+
+def test_a_full_disk_raises_and_stores_nothing(tmp_path, on_small_disk):
+    def act(disk):
+        file = JobFile(str(disk.folder / 'jobs.sqlite'), '~jobs_file')
+        file.write([OTHER], (), COUNTERS)
+        many = [QueuedJob(f'{k}' * 100, JOB.segments, 1, k) for k in range(100, 2000)]
+        with disk.full(), pytest.raises(OSError):
+            file.write(many, (), JobCounters(5000))
+        assert file.read() == ([OTHER], COUNTERS)
+        file.close()
+    on_small_disk(act)
+
+
+# -- messages --------------------------------------------------------------------------------------
+
+
+def test_the_states_of_missions_have_the_numbers_of_the_message():
+    assert {state.name: state.value for state in JobMissionState} == {
+        state.name: getattr(MissionStatus, state.name) for state in JobMissionState}
+
+
+def test_a_status_is_read():
+    status = MissionStatus(request_id=41, state=MissionStatus.ACTIVE, robot='r',
+                           destinations_reached=1)
+    assert mission_of(status) == JobMission(JobMissionState.ACTIVE, 'r', 1)
+    status.state = 99
+    with pytest.raises(WrongStatus):
+        mission_of(status)
+
+
+@pytest.mark.parametrize('queued', [1, 999, 1000, 1324277658123, 1774277658999])
+def test_a_stamp_comes_back_although_the_fleet_manager_rounds_it(queued):
+    job = QueuedJob('j', JOB.segments, queued, 41)
+    status = MissionStatus()
+    status.request_stamp = type(stamp(job)).from_sec(stamp(job).to_sec())
+    assert stamp_of(status) == queued
+
+
+def test_segments_become_stops():
+    assert [(stop.vertex, stop.kind) for stop in stops_of(JOB)] == [
+        (1, MissionStop.PICKUP), (2, MissionStop.DROPOFF)]
+
+
+@pytest.mark.parametrize('label, name', [
+    ('press', 'press'), ('twice', '1'), ('', '1'), ('12', '1'), ('a"b', '1'), (' a', '1'),
+    ('a\nb', '1'), ('two words', 'two words')])
+def test_a_goal_is_named_by_a_label_that_can_name_it(label, name):
+    graph = Graph([Vertex(1, 0.0, 0.0, 0.0, label=label), Vertex(2, 1.0, 0.0, 0.0, label='twice'),
+                   Vertex(3, 2.0, 0.0, 0.0, label='d', dock=True)], [])
+    assert goals_of(graph) == {name: 1, '2' if label == 'twice' else 'twice': 2}
+
+
+@pytest.mark.parametrize('robot, shown', [
+    (FleetRobot(state=FleetRobot.IDLE), RobotNews(RobotStatus.AVAILABLE, 'Available')),
+    (FleetRobot(state=FleetRobot.BUSY, destination=3), RobotNews(RobotStatus.AVAILABLE, 'Parking')),
+    (FleetRobot(state=FleetRobot.CHARGING), RobotNews(RobotStatus.AVAILABLE, 'DockParked')),
+    (FleetRobot(state=FleetRobot.BUSY, has_mission=True, request_id=41),
+     RobotNews(RobotStatus.IN_PROGRESS, 'Allocated')),
+    (FleetRobot(state=FleetRobot.BUSY, has_mission=True, request_id=5),
+     RobotNews(RobotStatus.IN_PROGRESS, 'Driving')),
+    (FleetRobot(state=FleetRobot.STOPPED, has_mission=True, request_id=41),
+     RobotNews(RobotStatus.UNAVAILABLE, 'EStopPressed'))])
+def test_a_robot_is_shown_in_the_words_of_omron(robot, shown):
+    robot.name = 'r'
+    assert robots_of(FleetState(robots=[robot]), {41: 'Allocated'}.get) == {'r': shown}
+
+
+def test_every_state_of_a_robot_has_its_words():
+    states = [value for name, value in vars(FleetRobot).items()
+              if name.isupper() and not name.startswith('OUTAGE') and isinstance(value, int)]
+    assert len(states) == 11
+    shown = [robots_of(FleetState(robots=[FleetRobot(name='r', state=state)]), {}.get)['r']
+             for state in states]
+    assert sum(one.status is RobotStatus.UNAVAILABLE for one in shown) == 8

@@ -1,0 +1,482 @@
+"""Command lines of clients, and all that follows from them, byte for byte."""
+from __future__ import annotations
+
+import calendar
+import time
+from typing import Iterator, List, Optional, Tuple
+
+import pytest
+from job_fleet import Disk, FakeFleet, Key, tell
+
+from omron_jobs.core.client_session import ClientSession, JobServer
+from omron_jobs.core.job_book import JobBook
+from omron_jobs.core.job_commands import JobCommands, JobSite, RobotNews
+from omron_jobs.core.job_words import RobotStatus
+from omron_jobs.core.jobs import JobMissionState
+
+BEGIN = calendar.timegm((2011, 12, 19, 6, 54, 18)) * 1000
+AT, LATER = '12/19/2011 06:54:18', '12/19/2011 06:54:34'
+LOGIN = b'secret\n'
+ACTIVE = JobMissionState.ACTIVE
+
+
+class Line:
+    """A job server with two clients, its disk and its fleet manager."""
+
+    def __init__(self, disk: Optional[Disk] = None, fleet: Optional[FakeFleet] = None) -> None:
+        self.disk, self.fleet = disk or Disk(), fleet or FakeFleet()
+        self.now_ms, self.now = BEGIN, 0.0
+        ids = iter(range(1000 + self.disk.counters.number, 10 ** 6))
+        self.book = JobBook(self.disk.jobs.values(), self.disk.counters, self.disk,
+                            lambda: self.now_ms, lambda: next(ids))
+        self.site = JobSite()
+        self.site.goals = {'x': 1, 'y': 2, 'z': 3, 'goal 4': 4}
+        self.server = JobServer(JobCommands(self.book, self.site, lambda: time.gmtime(
+            self.now_ms / 1000)), b'secret')
+        self.client, self.other = self.log_in(), self.log_in()
+
+    def log_in(self) -> ClientSession:
+        client = self.server.connect()
+        client.receive(LOGIN)
+        self.heard(client)
+        return client
+
+    def heard(self, client: Optional[ClientSession] = None) -> List[str]:
+        """The lines for a client since the last call."""
+        client = client or self.client
+        lines = client.output.decode().split('\r\n')
+        client.output.clear()
+        assert lines.pop() == ''
+        return lines
+
+    def say(self, line: str) -> List[str]:
+        """The lines that answer a line."""
+        self.client.receive(line.encode() + b'\r\n')
+        return self.heard()
+
+    def exchange(self) -> List[str]:
+        """Lets the fleet manager handle what is due; the lines that follow."""
+        for message in self.book.due(self.now):
+            for key, shown in self.fleet.handle(message):
+                self.server.tell(tell(self.book, key, shown, self.now))
+        return self.heard()
+
+    def key(self, number: int = -1) -> Key:
+        job = self.book.jobs[number]
+        return job.mission, job.queued
+
+    def show(self, key: Key) -> List[str]:
+        """The fleet manager shows a mission; the lines that follow."""
+        self.server.tell(tell(self.book, key, self.fleet.missions[key].shown, self.now))
+        return self.heard()
+
+    def set(self, state: JobMissionState, robot: Optional[str] = None, number: int = -1,
+            ) -> List[str]:
+        self.fleet.set(self.key(number), state, robot)
+        return self.show(self.key(number))
+
+    def reach(self, number: int = -1) -> List[str]:
+        self.fleet.reach(self.key(number))
+        return self.show(self.key(number))
+
+    def wait(self, seconds: float) -> None:
+        self.now_ms += int(1000 * seconds)
+        self.now += seconds
+
+
+@pytest.fixture
+def line(monkeypatch: pytest.MonkeyPatch) -> Iterator[Line]:
+    monkeypatch.setenv('TZ', 'UTC')
+    time.tzset()
+    yield Line()
+    monkeypatch.undo()
+    time.tzset()
+
+
+def updates(lines: List[str]) -> List[Tuple[str, ...]]:
+    """Segment, status and substatus of each line."""
+    assert all(line.startswith('QueueUpdate: ') for line in lines)
+    return [tuple(line.split()[k] for k in (1, 4, 5)) for line in lines]
+
+
+# -- a pickup from its line to its end -------------------------------------------------------------
+
+
+def test_a_pickup_is_queued_served_and_completed(line):
+    line.disk.counters = line.book.counters = line.book.counters._replace(number=13)
+    assert line.say('queuePickup z 11 xyz') == [
+        'queuepickup goal "z" with priority 11 id PICKUP13 and job_id xyz successfully queued',
+        f'QueueUpdate: PICKUP13 xyz 11 Pending None Goal "z" "None" {AT} None None 0 ']
+    assert line.exchange() == []
+    assert line.set(ACTIVE, 'Lynx1') == [
+        f'QueueUpdate: PICKUP13 xyz 11 InProgress {sub} Goal "z" "Lynx1" {AT} None None 0 '
+        for sub in ('UnAllocated', 'Allocated', 'Driving')]
+    line.wait(16)
+    assert line.reach() == [
+        f'QueueUpdate: PICKUP13 xyz 11 Completed None Goal "z" "Lynx1" {AT} {LATER} 0 ']
+    assert line.say('queueQuery jobId XYZ') == [
+        f'QueueQuery: PICKUP13 xyz 11 Completed None Goal "z" "Lynx1" {AT} {LATER} "" 0',
+        'EndQueueQuery']
+
+
+def test_the_other_client_hears_the_changes_and_no_reply(line):
+    mine = line.say('queuepickup z')
+    assert line.heard(line.other) == mine[1:] and len(mine) == 2
+
+
+@pytest.mark.parametrize('goals', ['x y', 'x y 10 20', 'x y default 20', 'x y default default'])
+def test_a_pickup_and_its_drop_off(line, goals):
+    line.book.counters = line.book.counters._replace(number=12)
+    assert line.say(f'queuePickupDropoff {goals}') == [
+        'queuepickupdropoff goals "x" and "y" with priorities 10 and 20 ids PICKUP12 and DROPOFF13 '
+        'job_id JOB12 successfully queued',
+        f'QueueUpdate: PICKUP12 JOB12 10 Pending None Goal "x" "None" {AT} None None 0 ',
+        f'QueueUpdate: DROPOFF13 JOB12 20 Pending ID_PICKUP12 Goal "y" "None" {AT} None None 0 ']
+    line.exchange()
+    line.set(ACTIVE, 'Lynx1')
+    assert updates(line.reach()) == [
+        ('PICKUP12', 'Completed', 'None'), ('DROPOFF13', 'InProgress', 'UnAllocated'),
+        ('DROPOFF13', 'InProgress', 'Allocated'), ('DROPOFF13', 'InProgress', 'Driving')]
+    assert line.reach() == [
+        f'QueueUpdate: DROPOFF13 JOB12 20 Completed None Goal "y" "Lynx1" {AT} {AT} 0 ']
+
+
+def test_a_job_of_several_goals(line):
+    replies = [
+        'QueueMulti: goal "x" with priority 10 id PICKUP1 and job_id JOB1 successfully queued',
+        'QueueMulti: goal "y" with priority 19 id PICKUP2 and job_id JOB1 successfully queued and '
+        'linked to PICKUP1',
+        'QueueMulti: goal "z" with priority 20 id DROPOFF3 and job_id JOB1 successfully queued and '
+        'linked to PICKUP2',
+        'QueueMulti: goal "x" with priority 20 id DROPOFF4 and job_id JOB1 successfully queued and '
+        'linked to DROPOFF3',
+        'EndQueueMulti']
+    told = line.say('queueMulti 4 2 x pickup 10 y pickup 19 z dropoff 20 x dropoff default')
+    assert told[:5] == replies
+    assert updates(told[5:]) == [
+        ('PICKUP1', 'Pending', 'None'), ('PICKUP2', 'Pending', 'ID_PICKUP1'),
+        ('DROPOFF3', 'Pending', 'ID_PICKUP2'), ('DROPOFF4', 'Pending', 'ID_DROPOFF3')]
+    line.exchange()
+    assert line.fleet.missions[line.key()].priority == 10
+    line.set(ACTIVE, '21')
+    chain = []
+    for _ in range(4):
+        chain += [told for told in updates(line.reach()) if told[1] == 'Completed']
+    assert [one for one, *_ in chain] == ['PICKUP1', 'PICKUP2', 'DROPOFF3', 'DROPOFF4']
+
+
+def test_ids_of_jobs_are_those_of_their_first_segments_and_can_be_used_again(line):
+    line.say('queuePickupDropoff x y')
+    line.say('queuePickup x default own')
+    assert [(job.id, [one.id for one in job.segments]) for job in line.book.jobs] == [
+        ('JOB1', ['PICKUP1', 'DROPOFF2']), ('own', ['PICKUP3'])]
+    assert line.say('qp x 10 OWN') == [
+        'CommandError: qp x 10 OWN',
+        'CommandErrorDescription: queuePickup job_id "OWN" is the id of an active job']
+    line.exchange()
+    line.set(ACTIVE, 'r')
+    line.reach()
+    assert line.say('queuePickup x 10 own')[0] == (
+        'queuepickup goal "x" with priority 10 id PICKUP4 and job_id own successfully queued')
+
+
+def test_an_id_made_here_is_never_that_of_an_active_job(line):
+    line.say('queuePickup x default JOB2')
+    assert 'id PICKUP3 and job_id JOB3' in line.say('queuePickup x')[0]
+
+
+def test_the_number_of_segments_grows_over_restarts(line):
+    line.say('queuePickup x')
+    assert 'id PICKUP2 and job_id JOB2' in Line(line.disk, line.fleet).say('queuePickup x')[0]
+
+
+# -- cancel and modify -----------------------------------------------------------------------------
+
+
+def test_a_pending_job_is_cancelled(line):
+    line.say('queuePickup x 10 j')
+    line.exchange()
+    assert line.say('queueCancel id pickup1 default reason') == [
+        'queuecancel cancelling "id" "pickup1" "" "reason" from queue']
+    line.wait(16)
+    assert line.exchange() == [
+        f'QueueUpdate: PICKUP1 j 10 Cancelled reason Goal "x" "None" {AT} {LATER} 0 ']
+
+
+def test_a_job_in_progress_is_cancelled_with_all_that_follows(line):
+    line.say('queuePickupDropoff x y')
+    line.exchange()
+    line.set(ACTIVE, 'r')
+    told = line.say('queueCancel jobId job1')
+    assert told[0] == 'queuecancel cancelling "jobId" "job1" "" "None" from queue'
+    assert updates(told[1:]) == [('PICKUP1', 'Cancelling', 'None')]
+    assert updates(line.exchange()) == [
+        ('PICKUP1', 'Interrupted', 'None'), ('PICKUP1', 'Cancelled', 'None'),
+        ('DROPOFF2', 'Cancelled', 'None')]
+
+
+@pytest.mark.parametrize('words, cancelled', [
+    ('status pending', {'a', 'b'}), ('status inprogress', {'c'}), ('status INTERRUPTED', set()),
+    ('robotName R1', {'c'}), ('robotname r2', set()), ('jobid b', {'b'}), ('id pickup2', {'b'})])
+def test_jobs_are_cancelled_by_what_they_have_in_common(line, words, cancelled):
+    for id in 'abc':
+        line.say(f'queuePickup x 10 {id}')
+    line.exchange()
+    line.set(ACTIVE, 'r1')
+    assert line.say(f'queueCancel {words}')[0].startswith('queuecancel cancelling ')
+    line.exchange()
+    assert {job.id for job in line.book.jobs if not job.is_open} == cancelled
+
+
+@pytest.mark.parametrize('words', ['jobId none', 'id PICKUP9'])
+def test_a_job_that_is_not_there_cannot_be_cancelled(line, words):
+    kind, value = words.split()
+    assert line.say(f'queueCancel {words}') == [
+        f'CommandError: queueCancel {words}',
+        f'CommandErrorDescription: queueCancel failed: there is no active job with {kind.lower()} '
+        f'"{value}"']
+
+
+def test_a_cancellation_is_repeated_until_the_mission_has_ended_also_after_a_restart(line):
+    line.say('queuePickup x 10 j')
+    line.exchange()
+    line.say('queueCancel jobId j')
+    again = Line(line.disk, line.fleet)  # the command was lost with the first server
+    for _ in range(3):
+        again.exchange()
+        again.wait(3)
+    assert [one.told.status.value for one in again.book.jobs[0].segments] == ['Cancelled']
+
+
+def test_a_priority_changes_while_a_segment_waits(line):
+    line.say('queuePickup x 10 j')
+    line.exchange()
+    assert line.say('queueModify pickup1 priority 6') == [
+        'queuemodify modifying id pickup1 priority 6', *(
+            f'QueueUpdate: PICKUP1 j {told} None Goal "x" "None" {AT} None None 0 '
+            for told in ('10 BeforeModify', '6 AfterModify', '6 Pending'))]
+    line.exchange()
+    assert line.fleet.missions[line.key()].priority == 6
+    line.set(ACTIVE, 'r')
+    assert line.say('queueModify pickup1 priority 7')[1] == (
+        'CommandErrorDescription: queueModify failed: no segment "pickup1" is pending')
+
+
+# -- lists -----------------------------------------------------------------------------------------
+
+
+def test_jobs_and_robots_are_listed(line):
+    line.book.counters = line.book.counters._replace(number=4)
+    line.site.robots = {'21': RobotNews(RobotStatus.IN_PROGRESS, 'Driving'),
+                        'robot_1': RobotNews(RobotStatus.AVAILABLE, 'Parked')}
+    line.site.goals['7'] = 7
+    line.say('queuePickup 7')
+    line.exchange()
+    line.set(ACTIVE, '21')
+    driving = f'PICKUP4 JOB4 10 InProgress Driving Goal "7" "21" {AT} None None'
+    assert line.say('queueShow') == [
+        'QueueRobot: "21" InProgress Driving ""', 'QueueRobot: "robot_1" Available Parked ""',
+        f'QueueShow: {driving} "" 0', 'EndQueueShow']
+    assert line.say('queueShow echoit')[2] == f'QueueShow: {driving} echoit 0'
+    assert line.say('queueShowRobot default echoit') == [
+        'QueueRobot: "21" InProgress Driving echoit',
+        'QueueRobot: "robot_1" Available Parked echoit',
+        'EndQueueShowRobot']
+    assert line.say('qsr ROBOT_1') == ['QueueRobot: "robot_1" Available Parked ""',
+                                       'EndQueueShowRobot']
+    assert line.say('queueShowCompleted') == ['EndQueueShowCompleted']
+    line.reach()
+    assert line.say('queueShowCompleted') == [
+        f'QueueShow: PICKUP4 JOB4 10 Completed None Goal "7" "21" {AT} {AT} "" 0',
+        'EndQueueShowCompleted']
+
+
+def test_a_query_lists_the_higher_priority_first(line):
+    for priority in (1, 30, 2):
+        line.say(f'queuePickup x {priority}')
+    assert [told.split()[1] for told in line.say('queueQuery status pending')[:-1]] == [
+        'PICKUP2', 'PICKUP3', 'PICKUP1']
+    assert line.say('queueQuery id pickup9') == ['EndQueueQuery']
+
+
+def test_the_list_has_all_open_segments_and_the_last_ones_that_have_ended(line):
+    for k in range(15):
+        line.say(f'queuePickup x 10 j{k}')
+        line.exchange()
+        if k:
+            line.set(ACTIVE, 'r')
+            line.reach()
+    assert [told.split()[2] for told in line.say('queueShow')[:-1]] == [
+        'j0', *(f'j{k}' for k in range(4, 15))]
+
+
+def test_what_clients_ask_beside(line):
+    assert line.say('getGoals') == ['Goal: x', 'Goal: y', 'Goal: z', 'Goal: goal 4', 'End of goals']
+    assert line.say('getDateTime') == [f'DateTime: {AT}']
+    assert line.say('queryFaults') == ['EndQueryFaults']
+    assert line.say('payloadQuery') == ['EndPayloadQuery']
+    assert line.say('payloadSlotCount') == ['EndPayloadSlotCount']
+    assert line.say('getConfigSectionList') == ['GetConfigSectionList: Queuing Manager',
+                                                'EndOfGetConfigSectionList']
+    assert line.say('getConfigSectionValues Queuing Manager')[:2] == [
+        'GetConfigSectionValue: DefaultPickupPriority 10',
+        'GetConfigSectionValue: DefaultDropoffPriority 20']
+    line.say('queuePickup x')
+    assert line.say('getDataStoreGroupValues QueueInformation') == [
+        'GetDataStoreGroupValues: QueueSizePending 1', 'EndOfGetDataStoreGroupValues']
+    assert line.say('getDataStoreGroupValues JobCounts') == [
+        'GetDataStoreGroupValues: CompletedJobs 0', 'GetDataStoreGroupValues: CancelledJobs 0',
+        'EndOfGetDataStoreGroupValues']
+    assert line.say('') == []
+
+
+# -- bad input -------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize('text, told', [
+    ('queuePickup goal6', ['CommandError: queuePickup goal6',
+                           'CommandErrorDescription: queuePickup no such goal "goal6"']),
+    ('queuePickup', ['usage: queuePickup <goal> [priority or "default"] [job_id]']),
+    ('goto x', ['Unknown command goto']),
+    ('aVeryLongNameOfACommand', ['Unknown command aVeryLongNameOfA']),
+    ('queuePickup x ten', [
+        'CommandError: queuePickup x ten',
+        'CommandErrorDescription: queuePickup needs a whole number in the place of "ten"']),
+    ('queuePickup x 2147483648', [
+        'CommandError: queuePickup x 2147483648',
+        'CommandErrorDescription: queuePickup needs a whole number in the place of "2147483648"']),
+    ('queueMulti 1 2 x dropoff 10', [
+        'CommandError: queueMulti 1 2 x dropoff 10',
+        'CommandErrorDescription: queueMulti needs a pickup as its first goal']),
+    ('queueDropoff x', [
+        'CommandError: queueDropoff x',
+        'CommandErrorDescription: queueDropoff is a command of a robot; the fleet manager does not '
+        'take it']),
+    ('queueModify PICKUP1 goal y', [
+        'CommandError: queueModify PICKUP1 goal y',
+        'CommandErrorDescription: queueModify cannot change a goal: cancel the job, and queue '
+        'another one'])])
+def test_bad_input_is_answered_in_words_and_queues_nothing(line, text, told):
+    assert line.say(text) == told
+    assert line.book.jobs == ()
+
+
+def test_extra_arguments_are_ignored_and_quoted_goals_are_read(line):
+    assert 'goal "goal 4"' in line.say('queuePickup "goal 4" 10 j more')[0]
+
+
+def test_a_goal_is_also_named_by_the_id_of_its_vertex(line):
+    assert 'goal "2"' in line.say('queuePickup 2')[0]
+    assert line.book.jobs[0].segments[0].vertex == 2
+    assert line.say('queuePickup 02')[0] == 'CommandError: queuePickup 02'
+
+
+@pytest.mark.parametrize('text', [
+    'queueMulti', 'queueMulti 2 2 x pickup 1', 'queueMulti 51 2', 'queueMulti 0 2',
+    'queueMulti 1 3 x pickup 1', 'queueMulti 1 2 x lift 1', 'queueCancel colour red',
+    'queueCancel status lost', 'queueQuery status x', 'queueModify a b c', 'queueShowRobot none',
+    'getConfigSectionValues Files', 'getDataStoreGroupValues X', 'echo loud',
+    f'queuePickup x 10 {"j" * 128}', 'queuePickup x 10 "a b"'])
+def test_other_bad_input_is_refused(line, text):
+    told = line.say(text)
+    assert told[0].startswith(('CommandError: ', 'usage: '))
+    assert line.book.jobs == ()
+
+
+def test_without_a_graph_or_a_disk_nothing_is_queued(line):
+    line.disk.is_full = True
+    assert line.say('queuePickup x') == [
+        'SetUpError: queuePickup is not done: jobs cannot be stored (No space left on device)']
+    assert line.exchange() == [] and line.fleet.missions == {} and line.book.jobs == ()
+    line.disk.is_full = False
+    assert 'id PICKUP1 ' in line.say('queuePickup x')[0]
+    line.site.goals = None
+    assert line.say('queuePickup x')[1] == (
+        'CommandErrorDescription: queuePickup knows no goals yet: is the fleet manager running?')
+
+
+# -- login -----------------------------------------------------------------------------------------
+
+
+def test_the_login_shows_the_commands(line):
+    client = line.server.connect()
+    assert line.heard(client) == ['Enter password:']
+    client.receive(b'\r\n  secret\r')
+    told = line.heard(client)
+    assert told[:3] == ['Welcome to the server.', "You can type 'help' at any time for the "
+                        'following help list.', 'Commands:']
+    assert told[-1] == 'End of commands'
+    assert '    queuePickup          Queues a pickup goal for any appropriate robot [qp]' in told
+
+
+def test_before_the_password_nothing_is_carried_out_and_nothing_is_told(line):
+    client = line.server.connect()
+    line.heard(client)
+    line.say('queuePickup x')
+    assert line.heard(client) == []
+    client.receive(b'queuePickup x\r\nsecret\r\nqueuePickup x\r\n')
+    assert client.phase.value == 'closed' and line.heard(client) == []
+    assert len(line.book.jobs) == 1
+
+
+def test_a_line_that_is_too_long_ends_its_client(line):
+    line.client.receive(b'x' * 5001)
+    assert line.heard() == ['String too long']
+    assert line.client not in line.server.sessions
+
+
+def test_lines_are_echoed_after_echo_on(line):
+    assert line.say('echo on') == ['Echo turned on.']
+    assert line.say('getDateTime') == ['getDateTime', f'DateTime: {AT}']
+    assert line.say('echo off') == ['echo off', 'Echo turned off.']
+    assert line.say('quit') == ['Closing connection']
+
+
+# -- how missions end ------------------------------------------------------------------------------
+
+
+def test_a_mission_that_fails_fails_its_job(line):
+    line.say('queuePickupDropoff x y')
+    line.exchange()
+    line.set(ACTIVE, 'r')
+    line.reach()
+    assert updates(line.set(JobMissionState.FAILED)) == [('DROPOFF2', 'Failed', 'None')]
+    assert [one.told.status.value for one in line.book.jobs[0].segments] == ['Completed', 'Failed']
+
+
+def test_a_mission_that_is_refused_cancels_its_job(line):
+    line.fleet.refuses = True
+    line.say('queuePickup x')
+    assert updates(line.exchange()) == [('PICKUP1', 'Cancelled', 'RefusedByFleet')]
+
+
+def test_a_job_that_another_robot_gets_is_interrupted(line):
+    line.say('queuePickup x')
+    line.exchange()
+    line.set(ACTIVE, 'r1')
+    assert updates(line.set(JobMissionState.PENDING, '')) == [
+        ('PICKUP1', 'Interrupted', 'None'), ('PICKUP1', 'Pending', 'None')]
+    told = line.set(ACTIVE, 'r2')
+    assert [one.split()[8] for one in told] == ['"r2"'] * 3
+
+
+def test_a_paused_mission_is_interrupted_until_it_goes_on(line):
+    line.say('queuePickup x')
+    line.exchange()
+    line.set(ACTIVE, 'r1')
+    assert updates(line.set(JobMissionState.PAUSED)) == [('PICKUP1', 'Interrupted', 'None')]
+    assert updates(line.set(ACTIVE)) == [('PICKUP1', 'InProgress', sub)
+                                         for sub in ('UnAllocated', 'Allocated', 'Driving')]
+
+
+def test_a_mission_that_the_fleet_manager_has_lost_is_not_done_again(line):
+    line.say('queuePickup x')
+    line.exchange()
+    line.book.store_news()
+    line.fleet.missions.clear()
+    line.wait(11)
+    for message in line.book.silent(line.now):
+        for key, shown in line.fleet.handle(message):
+            line.server.tell(tell(line.book, key, shown, line.now))
+    assert updates(line.heard()) == [('PICKUP1', 'Failed', 'None')]
+    assert line.fleet.missions == {}

@@ -1,0 +1,215 @@
+"""Jobs, cancellations, lost messages and clients, full disks and restarts, in any order.
+
+The model is what clients were told: each job that was `successfully queued` is done once, or ends
+otherwise, and what is told of it is what its mission did.
+"""
+from __future__ import annotations
+
+from typing import Dict, List, Tuple
+
+from hypothesis import strategies as st
+from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, rule
+from job_fleet import Disk, FakeFleet, Key, tell
+
+from omron_jobs.core.client_session import ClientSession, JobServer
+from omron_jobs.core.job_book import JobBook
+from omron_jobs.core.job_commands import JobCommands, JobSite
+from omron_jobs.core.jobs import JobMissionState
+
+State = JobMissionState
+FINAL = ('Completed', 'Cancelled', 'Failed')
+ENDS = {State.SUCCEEDED: 'Completed', State.CANCELLED: 'Cancelled', State.REFUSED: 'Cancelled',
+        State.FAILED: 'Failed'}
+PICK = st.integers(0, 30)
+
+
+class JobsInAnyOrder(RuleBasedStateMachine):
+    @initialize()
+    def begin(self) -> None:
+        self.disk, self.fleet = Disk(), FakeFleet()
+        self.now = 0.0
+        self.ids = iter(range(1, 10 ** 6))
+        self.queued: Dict[str, int] = {}
+        """By the id of its first segment, the number of segments of each job that was accepted."""
+        self.cancelled: List[str] = []
+        self.start()
+
+    def start(self) -> None:
+        self.book = JobBook(self.disk.jobs.values(), self.disk.counters, self.disk,
+                            lambda: 1 + int(self.now * 1000), lambda: next(self.ids))
+        site = JobSite()
+        site.goals = {'x': 1, 'y': 2}
+        self.server = JobServer(JobCommands(self.book, site), b'p')
+        self.clients: List[ClientSession] = []
+        self.told: Dict[ClientSession, Dict[str, str]] = {}
+        self.connect()
+
+    def say(self, line: str) -> List[str]:
+        """The replies to a line of the first client."""
+        self.clients[0].receive(line.encode() + b'\n')
+        return [told for told in self.hear(self.clients[0]) if not told.startswith('QueueUpdate')]
+
+    def hear(self, client: ClientSession) -> List[str]:
+        lines = client.output.decode().split('\r\n')[:-1]
+        client.output.clear()
+        for line in lines:
+            if line.startswith('QueueUpdate: '):
+                segment, status = line.split()[1], line.split()[4]
+                assert self.told[client].get(segment) not in FINAL, 'told after its end'
+                self.told[client][segment] = status
+        return lines
+
+    # -- clients -----------------------------------------------------------------------------------
+
+    @rule()
+    def connect(self) -> None:
+        client = self.server.connect()
+        client.receive(b'p\n')
+        client.output.clear()
+        self.clients.append(client)
+        self.told[client] = {}
+
+    @rule(which=PICK)
+    def lose_client(self, which: int) -> None:
+        if len(self.clients) > 1:
+            self.clients.pop(which % len(self.clients)).close()
+
+    @rule(command=st.sampled_from((
+        ('queuePickup x', 1), ('queuePickupDropoff x y 5 6', 2), ('queuePickup x 3 JOB4', 1),
+        ('queueMulti 3 2 x pickup 1 y pickup default y dropoff 2', 3))))
+    def queue(self, command: Tuple[str, int]) -> None:
+        line, count = command
+        told = self.say(line)
+        if 'successfully queued' in told[0]:
+            words = told[0].split()
+            first = words[words.index('ids' if 'ids' in words else 'id') + 1]
+            assert first not in self.queued, 'an id is used twice'
+            self.queued[first] = count
+        else:
+            assert self.disk.is_full or 'is the id of an active job' in told[1]
+
+    @rule(which=PICK)
+    def cancel(self, which: int) -> None:
+        if self.queued:
+            first = sorted(self.queued)[which % len(self.queued)]
+            if self.say(f'queueCancel id {first}')[0].startswith('queuecancel cancelling'):
+                self.cancelled.append(first)
+
+    @rule(which=PICK, priority=st.integers(0, 40))
+    def modify(self, which: int, priority: int) -> None:
+        if self.queued:
+            first = sorted(self.queued)[which % len(self.queued)]
+            self.say(f'queueModify {first} priority {priority}')
+
+    # -- the fleet ---------------------------------------------------------------------------------
+
+    @rule(lost=st.lists(st.booleans(), max_size=6), twice=st.booleans())
+    def exchange(self, lost: List[bool], twice: bool) -> None:
+        """What is due is sent. Some messages and answers are lost; others arrive twice."""
+        losses = iter(lost)
+        for message in self.book.due(self.now) + self.book.silent(self.now):
+            for _ in range(1 + twice):
+                if not next(losses, False):
+                    for key, shown in list(self.fleet.handle(message)):
+                        if not next(losses, False):
+                            self.server.tell(tell(self.book, key, shown, self.now))
+        self.after_news()
+
+    def after_news(self) -> None:
+        try:
+            self.book.store_news()
+        except OSError:
+            assert self.disk.is_full
+        for client in self.clients:
+            self.hear(client)
+
+    @rule(which=PICK, robot=st.sampled_from(('r1', 'r2')), is_heard=st.booleans(),
+          event=st.sampled_from(('begin', 'begin', 'reach', 'reach', 'reach', 'fail', 'pause',
+                                 'drop', 'cancel')))
+    def event_of_a_mission(self, which: int, robot: str, is_heard: bool, event: str) -> None:
+        open_ones = [key for key, one in self.fleet.missions.items() if one.shown.state.is_open]
+        if not open_ones:
+            return
+        key = open_ones[which % len(open_ones)]
+        shown = self.fleet.missions[key].shown
+        if event == 'begin':
+            self.fleet.set(key, State.ACTIVE, shown.robot or robot)
+        elif event == 'reach' and shown.state is State.ACTIVE:
+            self.fleet.reach(key)
+        elif event == 'fail':
+            self.fleet.set(key, State.FAILED)
+        elif event == 'pause':
+            self.fleet.set(key, State.PAUSED)
+        elif event == 'drop' and not shown.reached:
+            self.fleet.set(key, State.PENDING, '')
+        elif event == 'cancel':
+            self.fleet.set(key, State.CANCELLED)
+        if is_heard:
+            self.show(key)
+
+    def show(self, key: Key) -> None:
+        self.server.tell(tell(self.book, key, self.fleet.missions[key].shown, self.now))
+        self.after_news()
+
+    # -- the computer ------------------------------------------------------------------------------
+
+    @rule(seconds=st.sampled_from((0.1, 3.0, 11.0)))
+    def wait(self, seconds: float) -> None:
+        self.now += seconds
+
+    @rule(is_full=st.booleans())
+    def disk_changes(self, is_full: bool) -> None:
+        self.disk.is_full = is_full
+
+    @rule()
+    def restart(self) -> None:
+        self.start()
+
+    # -- what holds --------------------------------------------------------------------------------
+
+    @invariant()
+    def every_mission_is_one_job_and_no_stop_is_driven_twice(self) -> None:
+        jobs = {(job.mission, job.queued): job for job in self.book.jobs}
+        assert set(self.fleet.missions) <= set(jobs)
+        firsts = [job.segments[0].id for job in self.book.jobs]
+        assert len(firsts) == len(set(firsts)) and set(firsts) == set(self.queued)
+        assert len(self.fleet.driven) == len(set(self.fleet.driven))
+
+    @invariant()
+    def nothing_is_completed_that_was_not_driven(self) -> None:
+        for job in self.book.jobs:
+            mission = self.fleet.missions.get((job.mission, job.queued))
+            done = [one.told.status.value == 'Completed' for one in job.segments]
+            assert sum(done) <= (mission.shown.reached if mission else 0)
+            assert done == sorted(done, reverse=True)
+
+    def teardown(self) -> None:
+        """All losses end: then each job ends, and is shown as its mission has ended."""
+        if not hasattr(self, 'disk'):
+            return
+        self.disk.is_full = False
+        for _ in range(12):
+            self.now += 11.0
+            self.exchange([], False)
+            for key, mission in list(self.fleet.missions.items()):
+                if mission.shown.state.is_open:
+                    self.fleet.set(key, State.ACTIVE, mission.shown.robot or 'r1')
+                    self.fleet.reach(key)
+                    self.show(key)
+        assert {job.segments[0].id for job in self.book.jobs} == set(self.queued)
+        for job in self.book.jobs:
+            shown = self.fleet.missions[job.mission, job.queued].shown
+            assert not job.is_open
+            assert [one.told.status.value for one in job.segments] == [
+                'Completed' if k < shown.reached else ENDS[shown.state]
+                for k in range(len(job.segments))]
+        self.check_what_clients_heard()
+
+    def check_what_clients_heard(self) -> None:
+        shown = {one.id: one.told.status.value for job in self.book.jobs for one in job.segments}
+        for client in self.clients:
+            for segment, status in self.told[client].items():
+                assert status == shown[segment]
+
+
+TestJobsInAnyOrder = JobsInAnyOrder.TestCase

@@ -1,0 +1,135 @@
+#!/usr/bin/env python3
+"""Jobs under a ROS master: a program sends them over ARCL, and simulated AGVs drive them."""
+from __future__ import annotations
+
+import os
+import socket
+import time
+import unittest
+from pathlib import Path
+from typing import List
+
+import rospy
+
+from itrci_nav_msgs.msg import FleetRobot, FleetState, MissionStatus
+from system_support import Recorder, kill_node, run_cases, wait_until
+
+PORT = int(os.environ.get('LD90_ARCL_PORT', '17171'))
+PASSWORD = (Path(__file__).resolve().parents[1]
+            / 'src/omron_ld90_sim/config/simulator_password').read_bytes().strip()
+PATIENCE = 90.0
+
+
+class Warehouse:
+    """A program that splits lines at blanks, as those of warehouses do."""
+
+    def __init__(self) -> None:
+        self._socket = socket.create_connection(('127.0.0.1', PORT), timeout=PATIENCE)
+        self._lines = self._socket.makefile('r', newline='\r\n')
+        self.say(PASSWORD.decode())
+        self.until('End of commands')
+
+    def say(self, line: str) -> None:
+        self._socket.sendall(line.encode() + b'\n')
+
+    def until(self, *words: str) -> List[str]:
+        """The words of the first line that has all of these; fails at the end of the connection."""
+        for line in self._lines:
+            found = line.rstrip('\r\n').split(' ')
+            if all(word in line for word in words):
+                return found
+        raise AssertionError(f'the connection ended before {words}')
+
+    def close(self) -> None:
+        self._lines.close()
+        self._socket.close()
+
+
+def connected() -> Warehouse:
+    """A warehouse program that is logged in, as soon as the server listens."""
+    end = time.monotonic() + PATIENCE
+    while True:
+        try:
+            return Warehouse()
+        except (OSError, AssertionError):
+            if time.monotonic() > end:
+                raise
+            time.sleep(0.2)
+
+
+class JobsTest(unittest.TestCase):
+    """All tests use the same fleet; each test has its own jobs."""
+
+    @classmethod
+    def setUpClass(cls) -> None:
+        rospy.init_node('jobs_test')
+        cls.statuses = Recorder('/mission_status', MissionStatus)
+        Recorder('/fleet_state', FleetState).wait_for(
+            lambda state: all(robot.state == FleetRobot.IDLE for robot in state.robots), 60,
+            'all robots')
+        wait_until(lambda: cls.has_goals(), 60, 'the goals')
+
+    @staticmethod
+    def has_goals() -> bool:
+        program = connected()
+        program.say('getGoals')
+        found = program.until('Goal')[0] == 'Goal:'
+        program.close()
+        return found
+
+    def test_a_pickup_and_its_drop_off_are_driven_in_order(self) -> None:
+        program, other = connected(), connected()
+        program.say('queuePickupDropoff 18 39 default default one')
+        reply = program.until('successfully queued')
+        self.assertEqual((reply[0], reply[15]), ('queuepickupdropoff', 'one'))
+        for listener in (program, other):
+            for words in ((reply[11], 'Pending'), (reply[11], 'Driving'), (reply[11], 'Completed'),
+                          (reply[13], 'Driving'), (reply[13], 'Completed')):
+                line = listener.until('QueueUpdate: ', *words)
+                self.assertEqual((15, 'one'), (len(line), line[2]))
+        program.close()
+        other.close()
+
+    def test_a_job_outlives_the_server_and_the_fleet_manager_and_is_done_once(self) -> None:
+        program = connected()
+        program.say('queuePickupDropoff 6 52 default default two')
+        program.until('two', 'Driving')
+        before = len(self.missions())
+        for node in ('/job_server', '/path_supervisor'):
+            kill_node(node)
+        program.close()
+        again = connected()
+        again.say('queueQuery jobId two')
+        again.until('two', 'PICKUP')
+
+        def is_done() -> bool:
+            again.say('queueQuery jobId two')
+            states = [again.until('QueueQuery: ')[4] for _ in range(2)]
+            return states == ['Completed', 'Completed']
+        wait_until(is_done, PATIENCE, 'the end of the job')
+        self.assertEqual(before, len(self.missions()))
+        again.close()
+
+    def test_a_job_is_cancelled_on_its_way(self) -> None:
+        program = connected()
+        program.say('queuePickup 52 10 three')
+        program.until('three', 'Driving')
+        program.say('queueCancel jobId three default tooLate')
+        program.until('queuecancel cancelling "jobId" "three" "" "tooLate" from queue')
+        program.until('QueueUpdate: ', 'three', 'Cancelled tooLate')
+        program.close()
+
+    def test_a_wrong_goal_makes_no_mission(self) -> None:
+        program, before = connected(), len(self.missions())
+        program.say('queuePickup nowhere')
+        program.until('CommandError: queuePickup nowhere')
+        program.until('CommandErrorDescription: queuePickup no such goal "nowhere"')
+        self.assertEqual(before, len(self.missions()))
+        program.close()
+
+    def missions(self) -> List[int]:
+        return sorted({status.request_id for status in self.statuses.messages})
+
+
+if __name__ == '__main__':
+    run_cases(__file__)
