@@ -24,7 +24,8 @@ SETTLED = 3.0  # s without another registration
 FROM_OUTSIDE: Dict[str, Set[str]] = {
     'clicked_point': {'rviz'}, 'move_base_simple/goal': {'rviz'},
     'initialpose': {'rviz', 'vda5050_vehicle'}, 'send_command': set(),
-    'closed_edges': set(), 'device_states': {'fleet_devices'}, 'edge_command': {'fleet_visualisation'},
+    'closed_edges': set(), 'device_states': {'fleet_devices'},
+    'edge_command': {'fleet_visualisation'},
     'interactive_goals/feedback': {'rviz'}, 'graph_editor/feedback': {'rviz'},
     'fleet_handles/feedback': {'rviz'}, 'move_base/cancel': set(),
     'mission_request': {'goal_sender'}, 'mission_command': {'goal_sender', 'fleet_visualisation'}}
