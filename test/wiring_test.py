@@ -24,7 +24,8 @@ SETTLED = 3.0  # s without another registration
 FROM_OUTSIDE: Dict[str, Set[str]] = {
     'clicked_point': {'rviz'}, 'move_base_simple/goal': {'rviz'},
     'initialpose': {'rviz', 'vda5050_vehicle'}, 'send_command': set(),
-    'closed_edges': set(), 'edge_command': {'fleet_visualisation'},
+    'closed_edges': set(), 'device_states': {'fleet_devices'},
+    'edge_command': {'fleet_visualisation'},
     'interactive_goals/feedback': {'rviz'}, 'graph_editor/feedback': {'rviz'},
     'fleet_handles/feedback': {'rviz'}, 'move_base/cancel': set(),
     'mission_request': {'goal_sender'}, 'mission_command': {'goal_sender', 'fleet_visualisation'}}
@@ -47,6 +48,7 @@ TO_OUTSIDE: Dict[str, Tuple[str, ...]] = {
     'of the fleet, for its display and its page': (
         '/docking_points', '/fleet_plan', '/fleet_poses'),
     'of the fleet, for the command mission': ('/mission_templates',),
+    'for fleet_devices, which need not run': ('/device_request',),
     'for a fleet manager or an adapter, which need not run': (
         '/mission_request', 'battery_state', 'route_refused')}
 #: The services of our nodes by the end of their names: type, and our program that calls it.

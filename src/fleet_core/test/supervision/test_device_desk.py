@@ -95,14 +95,14 @@ def test_only_an_open_device_is_open(mode: DeviceMode) -> None:
 def test_a_device_that_is_open_for_another_reason_is_not_open(use: DeviceUse) -> None:
     desk = Desk()
     desk.hear(10.0, obeyed=use)
-    desk.look(10.0)
+    desk.update_open(10.0)
     assert desk.claims.state('a', 'door') is ClaimState.ASKED
 
 
 def test_a_report_of_what_is_no_device_changes_nothing() -> None:
     desk = Desk()
     desk.report(DeviceReport('gate', OPEN, 0.0, 10.0, count=1), 10.0)
-    desk.look(10.0)
+    desk.update_open(10.0)
     assert desk.claims.open_for == {}
 
 
