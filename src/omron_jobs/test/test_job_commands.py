@@ -310,10 +310,13 @@ def test_the_list_has_all_open_segments_and_the_last_ones_that_have_ended(line):
         'j0', *(f'j{k}' for k in range(4, 15))]
 
 
+def test_no_list_of_faults_says_that_there_is_none(line):
+    assert line.say('queryFaults')[0].startswith('CommandError: ')
+
+
 def test_what_clients_ask_beside(line):
     assert line.say('getGoals') == ['Goal: x', 'Goal: y', 'Goal: z', 'Goal: goal 4', 'End of goals']
     assert line.say('getDateTime') == [f'DateTime: {AT}']
-    assert line.say('queryFaults') == ['EndQueryFaults']
     assert line.say('payloadQuery') == ['EndPayloadQuery']
     assert line.say('payloadSlotCount') == ['EndPayloadSlotCount']
     assert line.say('getConfigSectionList') == ['GetConfigSectionList: Queuing Manager',

@@ -236,8 +236,11 @@ class JobCommands:
         return JobReply((words.DATE_TIME.format(now),))
 
     def query_faults(self, command: CommandLine) -> JobReply:
-        """Lists the faults of robots: this fleet manager shows none in OMRON's form."""
-        return JobReply((words.END_OF_FAULTS,))
+        """Refuses: an empty list would say that no robot has a fault.
+
+        OMRON's form of a fault is not known.
+        """
+        raise JobRefused("faults of robots are not told in OMRON's form; see 'fleet list'")
 
     def payload_query(self, command: CommandLine) -> JobReply:
         """Lists the payload slots: the robots of this fleet have none."""

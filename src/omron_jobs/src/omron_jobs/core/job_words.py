@@ -51,7 +51,6 @@ SECTION_VALUE, END_OF_SECTION_VALUES = ('GetConfigSectionValue: {} {}',
 GROUP, END_OF_GROUPS = 'GetDataStoreGroupList: {}', 'EndOfGetDataStoreGroupList'
 GROUP_VALUE, END_OF_GROUP_VALUES = ('GetDataStoreGroupValues: {} {}',
                                     'EndOfGetDataStoreGroupValues')
-END_OF_FAULTS = 'EndQueryFaults'
 END_OF_PAYLOADS, END_OF_SLOT_COUNT = 'EndPayloadQuery', 'EndPayloadSlotCount'
 ECHO_TURNED = 'Echo turned {}.'
 
