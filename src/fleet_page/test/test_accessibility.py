@@ -1,10 +1,11 @@
-"""axe-core finds no problem on any tab, light or dark.
+"""axe-core finds no problem on any tab, light or dark, on a phone and on a desktop, in trouble.
 
 Runs only with `scripts/test.sh --long`, which installs axe-core in build/axe.
 """
 from __future__ import annotations
 
 import os
+import time
 from pathlib import Path
 
 import pytest
@@ -12,6 +13,9 @@ import pytest
 pytest.importorskip('aiohttp')
 
 from browser import Browser, ServedPage, needs_browser  # noqa: E402
+from page_builders import status  # noqa: E402
+
+from fleet_core.supervision.fleet_stop import FleetStop, StopCause  # noqa: E402
 
 AXE = next(Path(__file__).resolve().parents[3].glob('build/axe/lib/*/site-packages/*/axe.min.js'),
            None)
@@ -30,6 +34,14 @@ def window(tmp_path_factory):
     window.open(shown.url)
     window.one('.robot[data-name=a]')
     window.click('#stop')
+    shown.do(lambda: (
+        shown.page.model.show_stop(FleetStop(StopCause.PERSON, 'anna (page)', time.time())),
+        shown.page.take_status(status(7, 'NEEDS_PERSON', serial=42, reason='no pallet', asks=5)),
+        shown.page.records.keep_charges(time.time() - 600.0, {'a': 0.8})))
+    window.click('#tab_button_robots')
+    window.click('#robots li[data-key=a] [data-act=choose]')
+    window.one('#robots .curve')
+    window.script("localStorage.setItem('alarms', 'open')")
     window.driver.set_script_timeout(30)
     window.driver.execute_cdp_cmd('Page.setBypassCSP', {'enabled': True})
     window.script(AXE.read_text())
@@ -38,9 +50,11 @@ def window(tmp_path_factory):
     shown.close()
 
 
+@pytest.mark.parametrize('width', [390, 1400])
 @pytest.mark.parametrize('theme', ['light', 'dark'])
 @pytest.mark.parametrize('tab', ['missions', 'robots', 'edges', 'history', 'replay', 'audit'])
-def test_axe_finds_nothing(window, tab, theme):
+def test_axe_finds_nothing(window, tab, theme, width):
+    window.resize(width, 900)
     window.click(f'#tab_button_{tab}')
     window.script(f'document.documentElement.dataset.theme = "{theme}"')
     judged, found = window.driver.execute_async_script(RUN)

@@ -269,6 +269,16 @@ def test_people_say_a_short_name_and_see_the_id_of_the_request_beside_it(window,
     assert 'agv · Mission M42' in window.text('#robots')
 
 
+@pytest.mark.parametrize('width, height', [(390, 844), (820, 1180)])
+def test_the_answer_to_an_act_covers_no_tab(window, served, width, height):
+    window.resize(width, height)
+    window.click('#stop')
+    window.wait(lambda: window.one('#said').is_displayed())
+    for tab in ('robots', 'missions'):
+        window.one(f'#tab_button_{tab}').click()
+        assert window.one(f'#tab_{tab}').is_displayed() and window.one('#said').is_displayed()
+
+
 def test_a_chosen_robot_shows_its_battery_its_missions_and_what_happened_to_it(window, served):
     begun = time.time() - 3600.0
 

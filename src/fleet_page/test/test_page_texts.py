@@ -1,5 +1,6 @@
 """Each text of the page is in both language tables, and the page loads nothing from elsewhere."""
 import ast
+import gzip
 import json
 import re
 from pathlib import Path
@@ -17,6 +18,7 @@ from fleet_page.core.fleet import (
     ROBOT_STATES,
     RobotGroup,
 )
+from fleet_page.door.files import CHART
 
 SOURCES = {path.name: path.read_text() for path in PAGE_FOLDER.iterdir()
            if path.suffix in ('.js', '.html', '.css')}
@@ -60,6 +62,12 @@ def test_no_text_is_left_over():
     used = used_keys()
     assert [key for key in TABLES['en'] if key not in used and f"'{key}'" not in text
             and not key.startswith(('todo_', 'mission_', 'robot_', 'words_', 'outage_'))] == []
+
+
+def test_the_whole_page_is_sent_in_less_than_300_kb():
+    chart = [Path(CHART)] if Path(CHART).is_file() else []
+    sent = [len(gzip.compress(path.read_bytes())) for path in (*PAGE_FOLDER.iterdir(), *chart)]
+    assert sum(sent) < 300_000
 
 
 @pytest.mark.parametrize('name', SOURCES)
