@@ -3,11 +3,13 @@ const LANGUAGES = ['en', 'de'];
 let table = {}, patterns = [];
 export let language = 'en';
 
+const textsOf = async name => (await fetch(`/page/${name}.json`)).json();
+
 export async function useLanguage(wanted) {
-  language = LANGUAGES.includes(wanted) ? wanted : 'en';
-  const texts = async name => (await fetch(`/page/${name}.json`)).json();
-  table = await texts(language);
-  patterns = patternsOf(language === 'en' ? table : await texts('en'));
+  const name = LANGUAGES.includes(wanted) ? wanted : 'en', english = textsOf('en');
+  const [own, spoken] = await Promise.all([name === 'en' ? english : textsOf(name), english]);
+  // The name changes together with the texts: a list that is shown meanwhile is in the language that it says.
+  language = name; table = own; patterns = patternsOf(spoken);
   document.documentElement.lang = language;
   for (const element of document.querySelectorAll('[data-t]')) element.textContent = t(element.dataset.t);
   for (const element of document.querySelectorAll('[data-label]')) element.setAttribute('aria-label', t(element.dataset.label));

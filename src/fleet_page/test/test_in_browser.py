@@ -269,6 +269,23 @@ def test_people_say_a_short_name_and_see_the_id_of_the_request_beside_it(window,
     assert 'agv · Mission M42' in window.text('#robots')
 
 
+def test_a_list_that_changes_while_a_language_is_loaded_is_in_that_language_afterwards(
+        window, served):
+    window.script('''const real = window.fetch, language = document.getElementById('language');
+        const released = new Promise(done => { window.release = done; });
+        window.fetch = async (path, ...more) => {
+            if (String(path).endsWith('de.json')) await released;
+            return real(path, ...more);
+        };
+        language.value = 'de'; language.dispatchEvent(new Event('change'));''')
+    served.do(lambda: served.page.model.take_robots([robot('a', wait='STEP')], time.time()))
+    window.wait(lambda: window.text('#counts [data-act=working] b') == '1')
+    window.script('window.release()')
+    window.wait(lambda: 'Auftr' in window.text('#tab_button_missions'))
+    window.wait(lambda: 'arbeiten' in window.text('#counts'))
+    window.script('localStorage.clear()')
+
+
 @pytest.mark.parametrize('width, height', [(390, 844), (820, 1180)])
 def test_the_answer_to_an_act_covers_no_tab(window, served, width, height):
     window.resize(width, height)
