@@ -26,7 +26,7 @@ def with_port(act: Callable[[JobPort, int], Awaitable[None]]) -> None:
         ids = iter(range(1, 10 ** 6))
         book = JobBook((), JobCounters(), Disk(), lambda: 1, lambda: next(ids))
         port = JobPort(JobServer(JobCommands(book, site), b'secret'), (), lambda: None)
-        number = await port.listen('127.0.0.1', 0)
+        number = await port.open('127.0.0.1', 0)
         try:
             await asyncio.wait_for(act(port, number), PATIENCE)
         finally:

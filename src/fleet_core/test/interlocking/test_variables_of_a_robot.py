@@ -29,7 +29,7 @@ OTHERS: Dict[str, Set[str]] = {
     # missions, charging, outages, learned times, and when to try again
     'ManagedRobot': {'name', 'type', 'settings', 'master', 'outage', 'why', 'battery', 'liveness',
                      'is_halted', 'comes_to_rest', 'dock', 'passed', 'driven', 'timer', 'refusals',
-                     'has_refused', 'unready', 'retried'}}
+                     'has_refused', 'unready', 'retried', 'charge_until', 'tops_up'}}
 
 
 def listed() -> Dict[str, Set[str]]:

@@ -42,7 +42,7 @@ def is_peer(address: str, peers: Sequence[Network]) -> bool:
 
 
 class JobPort:
-    """Listens, and lets clients talk to a server, in the loop in which `listen` was called.
+    """Listens, and lets clients talk to a server, in the loop in which `open` was called.
 
     on_input -- called after each input of a client was handled, in the loop
     """
@@ -53,7 +53,7 @@ class JobPort:
         self._clients: Set[_Client] = set()
         self._listening: Optional[asyncio.AbstractServer] = None
 
-    async def listen(self, host: str, port: int) -> int:
+    async def open(self, host: str, port: int) -> int:
         """Begins to listen, and returns the port. `port` 0: any. Raises OSError."""
         self._listening = await asyncio.get_running_loop().create_server(
             lambda: _Client(self), host, port)

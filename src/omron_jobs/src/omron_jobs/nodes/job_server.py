@@ -93,7 +93,7 @@ class JobServerNode:
 
     def _listen(self, host: str, port: int) -> int:
         try:
-            return self._loop.run_until_complete(self._port.listen(host, port))
+            return self._loop.run_until_complete(self._port.open(host, port))
         except (OSError, OverflowError) as error:
             raise ConfigurationError(f'Port {port} of {host} cannot be listened on ({error}): free '
                                      'it, or set ~host and ~port.') from None
