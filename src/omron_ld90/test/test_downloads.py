@@ -1,6 +1,7 @@
 """Each download is pinned, so that only this project decides which code its scripts run."""
 from __future__ import annotations
 
+import configparser
 import json
 import re
 import subprocess
@@ -83,6 +84,22 @@ def test_every_package_of_pypi_has_the_hashes_of_its_files():
                   file.with_suffix('.in').read_text(encoding='utf-8').splitlines()
                   if line and not line.startswith('#')}
         assert wanted <= names, f'{file} is older than its .in file: run scripts/pins/renew.sh'
+
+
+def test_each_dependency_of_the_libraries_without_ros_is_among_their_downloads():
+    """Without one of them, the wheels cannot be installed."""
+    asked = (PINS / 'wheels_run.in').read_text(encoding='utf-8').lower().split()
+    table = re.search(r'^pure_libraries=\((.*?)\)', (
+        ROOT / 'scripts/common.sh').read_text(encoding='utf-8'), re.MULTILINE)
+    assert table is not None
+    libraries = table.group(1).split()
+    needed = set()
+    for library in libraries:
+        setup = configparser.ConfigParser()
+        setup.read(ROOT / 'src' / library / 'setup.cfg', encoding='utf-8')
+        needed.update(setup.get('options', 'install_requires', fallback='').split())
+    assert len(needed - set(libraries)) >= 6
+    assert sorted(name.lower() for name in needed - set(libraries)) == sorted(asked)
 
 
 def test_every_package_of_npm_has_a_hash():
