@@ -284,5 +284,5 @@ def test_a_planted_fault_is_found(book: Type[JobBook]) -> None:
     faulty = type('Faulty', (JobsInAnyOrder,), {'Book': book})
     with pytest.raises((AssertionError, KeyError)):
         run_state_machine_as_test(faulty, settings=settings(
-            max_examples=300, deadline=None, derandomize=True, database=None,
+            max_examples=2000, deadline=None, derandomize=True, database=None,
             phases=[Phase.generate], suppress_health_check=list(HealthCheck)))

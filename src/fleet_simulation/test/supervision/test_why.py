@@ -2,6 +2,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from math import isnan
 from typing import Optional
 
 import pytest
@@ -124,8 +125,10 @@ def test_a_robot_of_another_type_or_name_does_not_serve_a_mission():
     fleet.run(1.0)
     assert why_not(fleet, 1).hindrance is Hindrance.OTHER_TYPE
     assert why_not(fleet, 2).hindrance is Hindrance.OTHER_ROBOT
-    assert why_not(fleet, 1, 'b') == RobotReason(
+    reason = why_not(fleet, 1, 'b')
+    assert (reason.robot, reason.hindrance, reason.text) == (
         'b', Hindrance.OUTAGE, 'it cannot work: it was taken out of service')
+    assert reason.mission is None and isnan(reason.until)
     assert why(fleet, 1).wait.text == fleet.supervisor.book.find(1).reason
 
 

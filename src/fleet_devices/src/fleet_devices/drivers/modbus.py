@@ -8,6 +8,7 @@ from __future__ import annotations
 import inspect
 import logging
 import time
+from importlib import import_module
 from typing import Any, Callable, Dict, NoReturn, Optional
 
 from fleet_core.work.devices import ModbusAddress
@@ -122,8 +123,7 @@ def client_class() -> Any:
     from pymodbus import client
     if hasattr(client, 'ModbusTcpClient'):
         return client.ModbusTcpClient
-    from pymodbus.client import sync  # before 3.0
-    return sync.ModbusTcpClient
+    return import_module('pymodbus.client.sync').ModbusTcpClient  # before 3.0
 
 
 def new_client(host: str, port: int) -> Any:
