@@ -6,7 +6,7 @@ import sqlite3
 
 import pytest
 
-from itrci_nav_msgs.msg import FleetRobot, FleetState, MissionStatus, MissionStop
+from itrci_nav_msgs.msg import FleetRobot, FleetState, MissionCommand, MissionStatus, MissionStop
 from node_lifecycle import ConfigurationError
 from omron_jobs.core.job_book import JobCounters
 from omron_jobs.core.job_commands import RobotNews
@@ -33,7 +33,7 @@ from trajectory_graph import Vertex
 JOB = QueuedJob('own', (
     JobSegment(7, SegmentKind.PICKUP, 'x', 1, 10, Told(SegmentStatus.COMPLETED, 'None', 'r'), 9),
     JobSegment(8, SegmentKind.DROPOFF, 'y', 2, 20, Told(SegmentStatus.IN_PROGRESS, 'Driving', 'r')),
-), 1324277658123, 41, True, 'late', True)
+), 1324277658123, 41, True, 'late')
 OTHER = QueuedJob('JOB9', (JobSegment(9, SegmentKind.PICKUP, 'x', 1, 10),), 1, 42)
 COUNTERS = JobCounters(10, 3, 2)
 
@@ -93,8 +93,12 @@ def test_the_states_of_missions_have_the_numbers_of_the_message():
 
 def test_a_status_is_read():
     status = MissionStatus(request_id=41, state=MissionStatus.ACTIVE, robot='r',
-                           destinations_reached=1)
-    assert mission_of(status) == JobMission(JobMissionState.ACTIVE, 'r', 1)
+                           destinations_reached=1, priority=-3, destinations=[4, 5])
+    assert mission_of(status) == JobMission(JobMissionState.ACTIVE, 'r', 1, -3, (4, 5))
+    status.command_code = MissionStatus.COMMAND_NOT_DONE
+    for command in (MissionCommand.MODIFY, MissionCommand.CANCEL):
+        status.command = command
+        assert mission_of(status).is_refusal == (command == MissionCommand.MODIFY)
     status.state = 99
     with pytest.raises(WrongStatus):
         mission_of(status)

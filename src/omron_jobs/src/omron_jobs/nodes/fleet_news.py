@@ -33,7 +33,10 @@ def mission_of(status: msg.MissionStatus) -> JobMission:
     except ValueError:
         raise WrongStatus(f'mission {status.request_id} has the unknown state {status.state}'
                           ) from None
-    return JobMission(state, status.robot, max(status.destinations_reached, 0))
+    is_refusal = (status.command == msg.MissionCommand.MODIFY
+                  and status.command_code == msg.MissionStatus.COMMAND_NOT_DONE)
+    return JobMission(state, status.robot, max(status.destinations_reached, 0), status.priority,
+                      tuple(status.destinations), is_refusal)
 
 
 def stamp_of(status: msg.MissionStatus) -> int:

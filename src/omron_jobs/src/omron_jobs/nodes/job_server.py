@@ -172,7 +172,7 @@ class JobServerNode:
             self._problem = f'jobs cannot be stored: {error.strerror}'
 
     def _send(self, message: FleetMessage) -> None:
-        act, job = message
+        act, job, first = message
         if act is FleetAct.REQUEST:
             request = mission_request((), request_id=job.mission, stops=stops_of(job),
                                       priority=job.segments[0].priority, requested_by=_NAME,
@@ -186,7 +186,8 @@ class JobServerNode:
         else:
             command = MissionCommand(
                 request_id=job.mission, requested_by=_NAME, priority=job.segments[0].priority,
-                command=MissionCommand.CANCEL if act is FleetAct.CANCEL else MissionCommand.MODIFY)
+                command=MissionCommand.CANCEL if act is FleetAct.CANCEL else MissionCommand.MODIFY,
+                first_stop=first, stops=stops_of(job)[first - 1:] if first else [])
             command.header.stamp = rospy.Time.now()
             self._commands.repeat(command)
 
