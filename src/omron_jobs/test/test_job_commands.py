@@ -12,7 +12,7 @@ from omron_jobs.core.client_session import ClientSession, JobServer
 from omron_jobs.core.job_book import FleetAct, JobBook
 from omron_jobs.core.job_commands import JobCommands, JobSite, RobotNews
 from omron_jobs.core.job_words import RobotStatus
-from omron_jobs.core.jobs import JobMissionState
+from omron_jobs.core.jobs import Drive, JobMissionState
 
 BEGIN = calendar.timegm((2011, 12, 19, 6, 54, 18)) * 1000
 AT, LATER = '12/19/2011 06:54:18', '12/19/2011 06:54:34'
@@ -72,12 +72,18 @@ class Line:
 
     def set(self, state: JobMissionState, robot: Optional[str] = None, number: int = -1,
             ) -> List[str]:
+        """A mission gets a state. Its robot, if it has one, drives."""
         self.fleet.set(self.key(number), state, robot)
-        return self.show(self.key(number))
+        return [*self.show(self.key(number)), *self.drive()]
+
+    def drive(self) -> List[str]:
+        """The fleet manager shows that robots drive to their next stops; the lines that follow."""
+        self.server.tell(self.book.hear_drives(self.fleet.drives()))
+        return self.heard()
 
     def reach(self, number: int = -1) -> List[str]:
         self.fleet.reach(self.key(number))
-        return self.show(self.key(number))
+        return [*self.show(self.key(number)), *self.drive()]
 
     def wait(self, seconds: float) -> None:
         self.now_ms += int(1000 * seconds)
@@ -279,6 +285,25 @@ def test_a_change_of_priority_that_is_lost_or_refused_is_sent_again(line):
     assert again.book.due(again.now) == []
 
 
+def test_a_segment_is_driving_when_its_robot_drives_to_its_goal(line):
+    line.say('queuePickupDropoff x y 10 20 j')
+    line.exchange()
+    line.fleet.set(line.key(), ACTIVE, 'r')
+    assert updates(line.show(line.key())) == [
+        ('PICKUP1', 'InProgress', 'UnAllocated'), ('PICKUP1', 'InProgress', 'Allocated')]
+    for other in (Drive('r2', 1), Drive('r', 2)):
+        assert line.book.hear_drives({line.key()[0]: other}) == []
+    assert updates(line.drive()) == [('PICKUP1', 'InProgress', 'Driving')]
+    assert line.book.hear_drives({}) == []  # it waits for another robot on its way
+    line.fleet.reach(line.key())
+    assert updates(line.show(line.key())) == [
+        ('PICKUP1', 'Completed', 'None'), ('DROPOFF2', 'InProgress', 'UnAllocated'),
+        ('DROPOFF2', 'InProgress', 'Allocated')]
+    line.fleet.reach(line.key())
+    assert updates(line.show(line.key())) == [
+        ('DROPOFF2', 'InProgress', 'Driving'), ('DROPOFF2', 'Completed', 'None')]
+
+
 def test_the_goal_of_a_segment_that_waits_changes(line):
     line.say('queuePickupDropoff x y 10 20 j')
     line.exchange()
@@ -304,9 +329,10 @@ def test_the_goal_of_a_segment_changes_while_its_robot_drives(line):
         f'QueueUpdate: PICKUP1 j 10 {told} {AT} None None 0 ' for told in (
             'BeforeModify Driving Goal "x" "r"', 'InterruptedByModify None Goal "x" "r"',
             'AfterModify None Goal "y" "r"', 'Pending None Goal "y" "None"',
-            'InProgress UnAllocated Goal "y" "r"', 'InProgress Allocated Goal "y" "r"',
-            'InProgress Driving Goal "y" "r"')]
+            'InProgress UnAllocated Goal "y" "r"', 'InProgress Allocated Goal "y" "r"')]
+    assert line.drive() == []  # it still drives to the old one
     line.exchange()
+    assert updates(line.drive()) == [('PICKUP1', 'InProgress', 'Driving')]
     assert line.fleet.missions[line.key()].shown.places == (2,)
 
 
@@ -316,10 +342,11 @@ def test_a_change_of_goal_that_races_the_arrival_goes_back_and_every_client_is_t
     line.set(ACTIVE, 'r')
     line.fleet.reach(line.key())  # the job server has not heard of it
     line.say('queueModify pickup1 goal z')
-    assert line.exchange()[:4] == [
+    assert line.exchange()[:5] == [
         f'QueueUpdate: PICKUP1 j 10 {told} "r" {AT} {end} 0 ' for told, end in (
-            ('BeforeModify Driving Goal "z"', 'None None'),
+            ('BeforeModify Allocated Goal "z"', 'None None'),
             ('AfterModify None Goal "x"', 'None None'),
+            ('InProgress Allocated Goal "x"', 'None None'),
             ('InProgress Driving Goal "x"', 'None None'), ('Completed None Goal "x"', AT))]
     assert line.say('queueQuery id pickup1')[0].startswith(
         'QueueQuery: PICKUP1 j 10 Completed None Goal "x"')

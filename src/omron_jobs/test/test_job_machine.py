@@ -112,6 +112,11 @@ class JobsInAnyOrder(RuleBasedStateMachine):
             first = sorted(self.queued)[which % len(self.queued)]
             self.say(f'queueModify {first} priority {priority}')
 
+    @rule()
+    def show_drives(self) -> None:
+        self.server.tell(self.book.hear_drives(self.fleet.drives()))
+        self.after_news()
+
     @rule(which=PICK, later=st.integers(0, 2), goal=st.sampled_from('xyz'))
     def change_goal(self, which: int, later: int, goal: str) -> None:
         segments = [one for job in self.book.jobs for one in job.segments]

@@ -14,10 +14,22 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 from enum import Enum
-from typing import Callable, Dict, Iterable, List, NamedTuple, Optional, Protocol, Sequence, Set
+from typing import (
+    Callable,
+    Dict,
+    Iterable,
+    List,
+    Mapping,
+    NamedTuple,
+    Optional,
+    Protocol,
+    Sequence,
+    Set,
+)
 
 from omron_jobs.core.job_words import SegmentKind, SegmentStatus
 from omron_jobs.core.jobs import (
+    Drive,
     JobMission,
     JobMissionState,
     JobSegment,
@@ -109,6 +121,7 @@ class JobBook:
         self.counters = counters
         self._store, self._clock, self._new_mission = store, clock, new_mission
         self._news: Dict[int, JobMission] = {}
+        self._drives: Mapping[int, Drive] = {}
         self._sent: Dict[int, float] = {}
         self._heard: Dict[int, float] = {}
         self._unstored: Set[int] = set()
@@ -174,7 +187,9 @@ class JobBook:
 
     def _show_again(self, job: QueuedJob) -> List[SegmentChange]:
         news = self._news.get(job.mission)
-        return [] if news is None else self._show(job, news._replace(is_refusal=False))
+        if news is None or not job.is_open:
+            return []
+        return self._show(job, news._replace(is_refusal=False))
 
     def set_priority(self, job: QueuedJob, segment: JobSegment, priority: int
                      ) -> List[SegmentChange]:
@@ -255,6 +270,13 @@ class JobBook:
             self._restless.add(mission)
         return changes
 
+    def hear_drives(self, drives: Mapping[int, Drive]) -> List[SegmentChange]:
+        """Handles the drives of all robots, by the mission that each one serves."""
+        before, self._drives = self._drives, drives
+        return [change for mission, drive in drives.items()
+                if mission in self._jobs and before.get(mission) != drive
+                for change in self._show_again(self._jobs[mission])]
+
     def hear_unknown(self, mission: int, stamp: int, asked: float) -> List[SegmentChange]:
         """The fleet manager, asked at `asked`, does not know a mission that it had accepted."""
         job = self._jobs.get(mission)
@@ -264,7 +286,8 @@ class JobBook:
         return self._show(job, lost(job))
 
     def _show(self, job: QueuedJob, news: JobMission) -> List[SegmentChange]:
-        shown, changes = news_of(job, news, self._clock())
+        drive = self._drives.get(job.mission)
+        shown, changes = news_of(job, news._replace(drive=drive), self._clock())
         if shown == job:
             return []
         self._jobs[job.mission] = shown

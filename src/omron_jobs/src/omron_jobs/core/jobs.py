@@ -5,6 +5,7 @@ own: `news_of` derives the status of each segment from the last status of the mi
 keeps what was last told of it, because clients hear each change once, and in OMRON's order:
 
     change                              told on the way
+    Pending -> InProgress Allocated     InProgress UnAllocated
     Pending -> InProgress Driving       InProgress UnAllocated, InProgress Allocated
     InProgress -> Cancelled             Cancelling, Interrupted
     InProgress -> Pending               Interrupted; another robot gets it
@@ -63,6 +64,13 @@ _ENDED = frozenset((JobMissionState.SUCCEEDED, JobMissionState.FAILED, JobMissio
                     JobMissionState.CANCELLED, JobMissionState.EXPIRED))
 
 
+class Drive(NamedTuple):
+    """A robot, and the vertex to which it drives."""
+
+    robot: str
+    vertex: int
+
+
 class JobMission(NamedTuple):
     """What the fleet manager says of the mission of a job.
 
@@ -71,6 +79,7 @@ class JobMission(NamedTuple):
     priority   -- in force
     places     -- vertices of its stops, in force; empty: it is not known
     is_refusal -- it says that a change was not done
+    drive      -- of its robot; None: it was not seen
     """
 
     state: JobMissionState
@@ -79,6 +88,7 @@ class JobMission(NamedTuple):
     priority: int = 0
     places: Tuple[int, ...] = ()
     is_refusal: bool = False
+    drive: Optional[Drive] = None
 
 
 class Told(NamedTuple):
@@ -233,7 +243,9 @@ def _target(job: QueuedJob, segments: Tuple[JobSegment, ...], index: int, missio
         return (Told(SegmentStatus.IN_PROGRESS, UNALLOCATED)
                 if state is JobMissionState.ACTIVE else _waiting(segments, index))
     if state is JobMissionState.ACTIVE:
-        return Told(SegmentStatus.IN_PROGRESS, DRIVING, robot)
+        driving = Told(SegmentStatus.IN_PROGRESS, DRIVING, robot)
+        drives = before == driving or mission.drive == (robot, segments[index].vertex)
+        return driving if drives else Told(SegmentStatus.IN_PROGRESS, ALLOCATED, robot)
     return Told(SegmentStatus.INTERRUPTED, NONE, robot)
 
 
@@ -247,14 +259,14 @@ def _course(before: Told, target: Told) -> List[Told]:
     interrupted = Told(SegmentStatus.INTERRUPTED, NONE, before.robot)
     told: List[Told] = []
     is_served = before.status is SegmentStatus.IN_PROGRESS
-    if status is SegmentStatus.IN_PROGRESS and target.substatus == DRIVING:
+    course = [*begun, driving]
+    if target in course[1:]:
         if is_served and before.robot not in ('', robot):
-            told = [interrupted, *begun]
-        elif not (is_served and before.substatus == ALLOCATED):
-            told = begun[is_served and before == begun[0]:]
+            told = [interrupted]
+        told += course[course.index(before) + 1 if before in course else 0:course.index(target)]
     elif status is SegmentStatus.COMPLETED:
-        if not is_served and before.status is not SegmentStatus.CANCELLING:
-            told = [*begun, driving]
+        if before.status is not SegmentStatus.CANCELLING:
+            told = course[course.index(before) + 1 if before in course else 0:]
     elif status is SegmentStatus.CANCELLED and before.status is not SegmentStatus.PENDING:
         cancelling = Told(SegmentStatus.CANCELLING, target.substatus, before.robot)
         told = ([] if before.status is SegmentStatus.CANCELLING else [cancelling]) + [interrupted]
