@@ -33,11 +33,13 @@ class Warehouse:
         self._socket.sendall(line.encode() + b'\n')
 
     def until(self, *words: str) -> List[str]:
-        """The words of the first line that has all of these; fails at the end of the connection."""
+        """The words of the first line that has all of these; fails at an error and at the end."""
         for line in self._lines:
             found = line.rstrip('\r\n').split(' ')
             if all(word in line for word in words):
                 return found
+            if found[0] == 'CommandErrorDescription:':
+                raise AssertionError(line)
         raise AssertionError(f'the connection ended before {words}')
 
     def close(self) -> None:
@@ -117,6 +119,20 @@ class JobsTest(unittest.TestCase):
         program.say('queueCancel jobId three default tooLate')
         program.until('queuecancel cancelling "jobId" "three" "" "tooLate" from queue')
         program.until('QueueUpdate: ', 'three', 'Cancelled tooLate')
+        program.close()
+
+    def test_goals_of_a_job_change_while_its_robot_drives(self) -> None:
+        program = connected()  # no robot is near vertex 27 after the other tests
+        program.say('queuePickupDropoff 27 18 default default four')
+        pickup = program.until('successfully queued')[11]
+        program.until(pickup, 'Driving')
+        program.say(f'queueModify {pickup} goal 6')
+        program.until(f'queuemodify modifying id {pickup} goal "6"')
+        for words in ('InterruptedByModify None Goal "27"', 'InProgress Driving Goal "6"',
+                      'Completed None Goal "6"', 'Completed None Goal "18"'):
+            program.until('QueueUpdate: ', 'four', words)
+        self.assertIn([6, 18], [list(status.destinations) for status in self.statuses.messages
+                                if status.state == MissionStatus.SUCCEEDED])
         program.close()
 
     def test_a_wrong_goal_makes_no_mission(self) -> None:

@@ -8,7 +8,7 @@ from __future__ import annotations
 from typing import Dict, Iterator, List, NamedTuple, Optional, Sequence, Tuple
 
 from omron_jobs.core.job_book import FleetAct, FleetMessage, JobBook, JobCounters
-from omron_jobs.core.jobs import JobMission, JobMissionState, QueuedJob, SegmentChange
+from omron_jobs.core.jobs import Drive, JobMission, JobMissionState, QueuedJob, SegmentChange
 
 Key = Tuple[int, int]
 
@@ -35,8 +35,7 @@ class Mission(NamedTuple):
     """A mission as the fleet manager has it."""
 
     stops: int
-    priority: int
-    shown: JobMission = JobMission(JobMissionState.PENDING)
+    shown: JobMission
 
 
 class FakeFleet:
@@ -48,15 +47,16 @@ class FakeFleet:
     def __init__(self) -> None:
         self.missions: Dict[Key, Mission] = {}
         self.driven: List[Tuple[Key, int]] = []
-        self.refuses = False
+        self.refuses = self.refuses_changes = False
 
     def handle(self, message: FleetMessage) -> Iterator[Tuple[Key, Optional[JobMission]]]:
         """Handles a message, and returns the statuses that it sends. None: it is unknown."""
         key = message.job.mission, message.job.queued
         if message.act is FleetAct.REQUEST and key not in self.missions:
             self.missions[key] = Mission(
-                len(message.job.segments), message.job.segments[0].priority,
-                JobMission(JobMissionState.REFUSED if self.refuses else JobMissionState.PENDING))
+                len(message.job.segments), JobMission(
+                    JobMissionState.REFUSED if self.refuses else JobMissionState.PENDING,
+                    priority=message.job.segments[0].priority, places=places_of(message.job)))
         mission = self.missions.get(key)
         if mission is None:
             if message.act is FleetAct.ASK:
@@ -64,8 +64,14 @@ class FakeFleet:
             return
         if message.act is FleetAct.CANCEL and mission.shown.state.is_open:
             self.set(key, JobMissionState.CANCELLED)
-        if message.act is FleetAct.PRIORITY:
-            self.missions[key] = mission._replace(priority=message.job.segments[0].priority)
+        if message.act is FleetAct.CHANGE and mission.shown.state.is_open:
+            if self.refuses_changes or message.first and message.first <= mission.shown.reached:
+                yield key, mission.shown._replace(is_refusal=True)
+                return
+            kept = message.first - 1 if message.first else mission.stops
+            self.missions[key] = mission._replace(shown=mission.shown._replace(
+                priority=message.job.segments[0].priority,
+                places=(*mission.shown.places[:kept], *places_of(message.job)[kept:])))
         yield key, self.missions[key].shown
 
     def set(self, key: Key, state: JobMissionState, robot: Optional[str] = None) -> None:
@@ -73,6 +79,12 @@ class FakeFleet:
         shown = mission.shown._replace(state=state)
         self.missions[key] = mission._replace(
             shown=shown if robot is None else shown._replace(robot=robot))
+
+    def drives(self) -> Dict[int, Drive]:
+        """Where the robots of all active missions drive."""
+        return {key[0]: Drive(one.shown.robot, one.shown.places[one.shown.reached])
+                for key, one in self.missions.items()
+                if one.shown.state is JobMissionState.ACTIVE and one.shown.robot}
 
     def reach(self, key: Key) -> None:
         """The robot of an active mission does its next stop."""
@@ -82,6 +94,10 @@ class FakeFleet:
         state = mission.shown.state if reached < mission.stops else JobMissionState.SUCCEEDED
         self.missions[key] = mission._replace(shown=mission.shown._replace(
             state=state, reached=reached))
+
+
+def places_of(job: QueuedJob) -> Tuple[int, ...]:
+    return tuple(one.vertex for one in job.segments)
 
 
 def tell(book: JobBook, key: Key, shown: Optional[JobMission], now: float) -> List[SegmentChange]:

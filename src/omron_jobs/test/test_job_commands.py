@@ -9,10 +9,10 @@ import pytest
 from job_fleet import Disk, FakeFleet, Key, tell
 
 from omron_jobs.core.client_session import ClientSession, JobServer
-from omron_jobs.core.job_book import JobBook
+from omron_jobs.core.job_book import FleetAct, JobBook
 from omron_jobs.core.job_commands import JobCommands, JobSite, RobotNews
 from omron_jobs.core.job_words import RobotStatus
-from omron_jobs.core.jobs import JobMissionState
+from omron_jobs.core.jobs import Drive, JobMissionState
 
 BEGIN = calendar.timegm((2011, 12, 19, 6, 54, 18)) * 1000
 AT, LATER = '12/19/2011 06:54:18', '12/19/2011 06:54:34'
@@ -72,12 +72,18 @@ class Line:
 
     def set(self, state: JobMissionState, robot: Optional[str] = None, number: int = -1,
             ) -> List[str]:
+        """A mission gets a state. Its robot, if it has one, drives."""
         self.fleet.set(self.key(number), state, robot)
-        return self.show(self.key(number))
+        return [*self.show(self.key(number)), *self.drive()]
+
+    def drive(self) -> List[str]:
+        """The fleet manager shows that robots drive to their next stops; the lines that follow."""
+        self.server.tell(self.book.hear_drives(self.fleet.drives()))
+        return self.heard()
 
     def reach(self, number: int = -1) -> List[str]:
         self.fleet.reach(self.key(number))
-        return self.show(self.key(number))
+        return [*self.show(self.key(number)), *self.drive()]
 
     def wait(self, seconds: float) -> None:
         self.now_ms += int(1000 * seconds)
@@ -157,7 +163,7 @@ def test_a_job_of_several_goals(line):
         ('PICKUP1', 'Pending', 'None'), ('PICKUP2', 'Pending', 'ID_PICKUP1'),
         ('DROPOFF3', 'Pending', 'ID_PICKUP2'), ('DROPOFF4', 'Pending', 'ID_DROPOFF3')]
     line.exchange()
-    assert line.fleet.missions[line.key()].priority == 10
+    assert line.fleet.missions[line.key()].shown.priority == 10
     line.set(ACTIVE, '21')
     chain = []
     for _ in range(4):
@@ -256,10 +262,108 @@ def test_a_priority_changes_while_a_segment_waits(line):
             f'QueueUpdate: PICKUP1 j {told} None Goal "x" "None" {AT} None None 0 '
             for told in ('10 BeforeModify', '6 AfterModify', '6 Pending'))]
     line.exchange()
-    assert line.fleet.missions[line.key()].priority == 6
+    assert line.fleet.missions[line.key()].shown.priority == 6
     line.set(ACTIVE, 'r')
     assert line.say('queueModify pickup1 priority 7')[1] == (
-        'CommandErrorDescription: queueModify failed: no segment "pickup1" is pending')
+        'CommandErrorDescription: queueModify failed: no segment "pickup1" is Pending')
+
+
+def test_a_change_of_priority_that_is_lost_or_refused_is_sent_again(line):
+    line.say('queuePickup x 10 j')
+    line.exchange()
+    line.fleet.refuses_changes = True
+    line.say('queueModify pickup1 priority 6')
+    assert line.exchange() == []
+    line.fleet.refuses_changes = False
+    line.wait(3)
+    assert line.book.due(line.now)[0].act is FleetAct.CHANGE  # and the message is lost
+    again = Line(line.disk, line.fleet)
+    for _ in range(3):
+        again.exchange()
+        again.wait(3)
+    assert line.fleet.missions[line.key()].shown.priority == 6
+    assert again.book.due(again.now) == []
+
+
+def test_a_segment_is_driving_when_its_robot_drives_to_its_goal(line):
+    line.say('queuePickupDropoff x y 10 20 j')
+    line.exchange()
+    line.fleet.set(line.key(), ACTIVE, 'r')
+    assert updates(line.show(line.key())) == [
+        ('PICKUP1', 'InProgress', 'UnAllocated'), ('PICKUP1', 'InProgress', 'Allocated')]
+    for other in (Drive('r2', 1), Drive('r', 2)):
+        assert line.book.hear_drives({line.key()[0]: other}) == []
+    assert updates(line.drive()) == [('PICKUP1', 'InProgress', 'Driving')]
+    assert line.book.hear_drives({}) == []  # it waits for another robot on its way
+    line.fleet.reach(line.key())
+    assert updates(line.show(line.key())) == [
+        ('PICKUP1', 'Completed', 'None'), ('DROPOFF2', 'InProgress', 'UnAllocated'),
+        ('DROPOFF2', 'InProgress', 'Allocated')]
+    line.fleet.reach(line.key())
+    assert updates(line.show(line.key())) == [
+        ('DROPOFF2', 'InProgress', 'Driving'), ('DROPOFF2', 'Completed', 'None')]
+
+
+def test_the_goal_of_a_segment_that_waits_changes(line):
+    line.say('queuePickupDropoff x y 10 20 j')
+    line.exchange()
+    line.set(ACTIVE, 'r')
+    assert line.say('queueModify dropoff2 goal z') == [
+        'queuemodify modifying id dropoff2 goal "z"',
+        f'QueueUpdate: DROPOFF2 j 20 BeforeModify ID_PICKUP1 Goal "y" "None" {AT} None None 0 ',
+        f'QueueUpdate: DROPOFF2 j 20 AfterModify None Goal "z" "None" {AT} None None 0 ',
+        f'QueueUpdate: DROPOFF2 j 20 Pending ID_PICKUP1 Goal "z" "None" {AT} None None 0 ']
+    assert line.say('queueModify dropoff2 goal y')[1].endswith('is just being changed: try again')
+    assert line.exchange() == []
+    assert line.fleet.missions[line.key()].shown.places == (1, 3)
+    line.reach()
+    assert line.reach() == [
+        f'QueueUpdate: DROPOFF2 j 20 Completed None Goal "z" "r" {AT} {AT} 0 ']
+
+
+def test_the_goal_of_a_segment_changes_while_its_robot_drives(line):
+    line.say('queuePickup x 10 j')
+    line.exchange()
+    line.set(ACTIVE, 'r')
+    assert line.say('queueModify pickup1 goal y')[1:] == [
+        f'QueueUpdate: PICKUP1 j 10 {told} {AT} None None 0 ' for told in (
+            'BeforeModify Driving Goal "x" "r"', 'InterruptedByModify None Goal "x" "r"',
+            'AfterModify None Goal "y" "r"', 'Pending None Goal "y" "None"',
+            'InProgress UnAllocated Goal "y" "r"', 'InProgress Allocated Goal "y" "r"')]
+    assert line.drive() == []  # it still drives to the old one
+    line.exchange()
+    assert updates(line.drive()) == [('PICKUP1', 'InProgress', 'Driving')]
+    assert line.fleet.missions[line.key()].shown.places == (2,)
+
+
+def test_a_change_of_goal_that_races_the_arrival_goes_back_and_every_client_is_told(line):
+    line.say('queuePickupDropoff x y 10 20 j')
+    line.exchange()
+    line.set(ACTIVE, 'r')
+    line.fleet.reach(line.key())  # the job server has not heard of it
+    line.say('queueModify pickup1 goal z')
+    assert line.exchange()[:5] == [
+        f'QueueUpdate: PICKUP1 j 10 {told} "r" {AT} {end} 0 ' for told, end in (
+            ('BeforeModify Allocated Goal "z"', 'None None'),
+            ('AfterModify None Goal "x"', 'None None'),
+            ('InProgress Allocated Goal "x"', 'None None'),
+            ('InProgress Driving Goal "x"', 'None None'), ('Completed None Goal "x"', AT))]
+    assert line.say('queueQuery id pickup1')[0].startswith(
+        'QueueQuery: PICKUP1 j 10 Completed None Goal "x"')
+    assert line.fleet.missions[line.key()].shown.places == (1, 2)
+    assert line.say('queueModify pickup1 goal z')[1].endswith('is Pending or InProgress')
+
+
+def test_a_change_of_goal_that_the_fleet_manager_refuses_goes_back(line):
+    line.say('queuePickup x 10 j')
+    line.exchange()
+    line.fleet.refuses_changes = True
+    line.say('queueModify pickup1 goal y')
+    assert updates(line.exchange()) == [('PICKUP1', told, 'None') for told in (
+        'BeforeModify', 'AfterModify', 'Pending')]
+    assert line.say('queueShow')[-2].startswith('QueueShow: PICKUP1 j 10 Pending None Goal "x"')
+    line.wait(3)
+    assert line.exchange() == [] and line.book.due(line.now + 3) == []
 
 
 # -- lists -----------------------------------------------------------------------------------------
@@ -357,8 +461,11 @@ def test_what_clients_ask_beside(line):
         'take it']),
     ('queueModify PICKUP1 goal y', [
         'CommandError: queueModify PICKUP1 goal y',
-        'CommandErrorDescription: queueModify cannot change a goal: cancel the job, and queue '
-        'another one'])])
+        'CommandErrorDescription: queueModify failed: no segment "PICKUP1" is Pending or '
+        'InProgress']),
+    ('queueModify PICKUP1 goal nowhere', [
+        'CommandError: queueModify PICKUP1 goal nowhere',
+        'CommandErrorDescription: queueModify no such goal "nowhere"'])])
 def test_bad_input_is_answered_in_words_and_queues_nothing(line, text, told):
     assert line.say(text) == told
     assert line.book.jobs == ()

@@ -18,12 +18,12 @@ from hypothesis.stateful import (
     rule,
     run_state_machine_as_test,
 )
-from job_fleet import Disk, FakeFleet, Key, tell
+from job_fleet import Disk, FakeFleet, Key, places_of, tell
 
 from omron_jobs.core.client_session import ClientSession, JobServer
 from omron_jobs.core.job_book import FleetAct, FleetMessage, JobBook, JobCounters, JobGoal
 from omron_jobs.core.job_commands import JobCommands, JobSite
-from omron_jobs.core.jobs import JobMissionState, QueuedJob
+from omron_jobs.core.jobs import JobMission, JobMissionState, QueuedJob, SegmentChange
 
 State = JobMissionState
 FINAL = ('Completed', 'Cancelled', 'Failed')
@@ -49,7 +49,7 @@ class JobsInAnyOrder(RuleBasedStateMachine):
         self.book = self.Book(self.disk.jobs.values(), self.disk.counters, self.disk,
                               lambda: 1 + int(self.now * 1000), lambda: next(self.ids))
         site = JobSite()
-        site.goals = {'x': 1, 'y': 2}
+        site.goals = {'x': 1, 'y': 2, 'z': 3}
         self.server = JobServer(JobCommands(self.book, site), b'p')
         self.clients: List[ClientSession] = []
         self.told: Dict[ClientSession, Dict[str, str]] = {}
@@ -111,6 +111,21 @@ class JobsInAnyOrder(RuleBasedStateMachine):
         if self.queued:
             first = sorted(self.queued)[which % len(self.queued)]
             self.say(f'queueModify {first} priority {priority}')
+
+    @rule()
+    def show_drives(self) -> None:
+        self.server.tell(self.book.hear_drives(self.fleet.drives()))
+        self.after_news()
+
+    @rule(which=PICK, later=st.integers(0, 2), goal=st.sampled_from('xyz'))
+    def change_goal(self, which: int, later: int, goal: str) -> None:
+        segments = [one for job in self.book.jobs for one in job.segments]
+        if segments:
+            self.say(f'queueModify {segments[(which + later) % len(segments)].id} goal {goal}')
+
+    @rule(refuses=st.booleans())
+    def fleet_refuses_changes(self, refuses: bool) -> None:
+        self.fleet.refuses_changes = refuses
 
     # -- the fleet ---------------------------------------------------------------------------------
 
@@ -191,6 +206,9 @@ class JobsInAnyOrder(RuleBasedStateMachine):
         for job in self.book.jobs:
             mission = self.fleet.missions.get((job.mission, job.queued))
             done = [one.told.status.value == 'Completed' for one in job.segments]
+            assert mission is None or [
+                one.vertex for one, is_done in zip(job.segments, done) if is_done] == [
+                place for place, is_done in zip(mission.shown.places, done) if is_done]
             assert sum(done) <= (mission.shown.reached if mission else 0)
             assert done == sorted(done, reverse=True)
 
@@ -198,7 +216,7 @@ class JobsInAnyOrder(RuleBasedStateMachine):
         """All losses end: then each job ends, and is shown as its mission has ended."""
         if not hasattr(self, 'disk'):
             return
-        self.disk.is_full = False
+        self.disk.is_full = self.fleet.refuses_changes = False
         cancelled = {key for key, mission in self.fleet.missions.items()
                      if mission.shown.state.is_open and any(
                          (job.mission, job.queued) == key and job.segments[0].id in self.cancelled
@@ -208,6 +226,9 @@ class JobsInAnyOrder(RuleBasedStateMachine):
             self.exchange([], False)
             for key, mission in list(self.fleet.missions.items()):
                 if mission.shown.state.is_open and k > 2:
+                    assert all((job.segments[0].priority, places_of(job)) == (
+                        mission.shown.priority, mission.shown.places) for job in self.book.jobs
+                        if (job.mission, job.queued) == key and job.cancel is None)
                     self.fleet.set(key, State.ACTIVE, mission.shown.robot or 'r1')
                     self.fleet.reach(key)
                     self.show(key)
@@ -264,6 +285,24 @@ class CancelsOnce(JobBook):
         return found
 
 
+class ChangesOnce(JobBook):
+    """Sends a change once, and does not look whether it is done."""
+
+    def due(self, now: float) -> List[FleetMessage]:
+        sent = self.__dict__.setdefault('changed', set())
+        found = [message for message in super().due(now) if message.act is not FleetAct.CHANGE or (
+            message.job.mission, message.job.segments) not in sent]
+        sent.update((message.job.mission, message.job.segments) for message in found)
+        return found
+
+
+class KeepsTheNewGoal(JobBook):
+    """Takes a change of goal as done although the robot was at the old one before."""
+
+    def hear(self, mission: int, stamp: int, news: JobMission, now: float) -> List[SegmentChange]:
+        return super().hear(mission, stamp, news._replace(places=()), now)
+
+
 class ForgetsItsCounter(JobBook):
     """Begins to count anew at each start."""
 
@@ -278,8 +317,8 @@ class AsksNobody(JobBook):
         return []
 
 
-@pytest.mark.parametrize('book', [StoresLate, StampsAnew, CancelsOnce, ForgetsItsCounter,
-                                  AsksNobody])
+@pytest.mark.parametrize('book', [StoresLate, StampsAnew, CancelsOnce, ChangesOnce,
+                                  KeepsTheNewGoal, ForgetsItsCounter, AsksNobody])
 def test_a_planted_fault_is_found(book: Type[JobBook]) -> None:
     faulty = type('Faulty', (JobsInAnyOrder,), {'Book': book})
     with pytest.raises((AssertionError, KeyError)):

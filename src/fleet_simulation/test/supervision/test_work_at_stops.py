@@ -485,11 +485,12 @@ def test_without_its_gate_a_robot_enters_a_stop_before_the_step_has_ended(monkey
 # -- other stops ----------------------------------------------------------------------------------
 
 
-def modify(fleet: WorkingFleet, id: int, *stops: Stop, priority: int = 0) -> str:
+def modify(fleet: WorkingFleet, id: int, *stops: Stop, priority: int = 0,
+           first_stop: int = 0) -> str:
     """Gives a mission other stops; returns why not, or an empty text."""
     count = len(fleet.statuses)
     fleet.do(fleet.supervisor.command(id, CommandKind.MODIFY, fleet.now,
-                                      MissionChange(priority, (), stops)))
+                                      MissionChange(priority, (), stops, first_stop)))
     return next((status.reason for status in fleet.statuses[count:]
                  if status.command is CommandKind.MODIFY), '')
 
@@ -516,6 +517,32 @@ def test_a_stop_at_which_the_robot_works_is_not_replaced():
     fleet.answer(1, StepDecision.DONE)
     fleet.run_until_done(1)
     assert fleet.told(1)[-1] is MissionState.SUCCEEDED and fleet.done() == ['give']
+
+
+@pytest.mark.parametrize('first_stop, places', [(2, [3, 5]), (3, [3, 8, 5]), (4, [3, 8, 2, 5])])
+def test_stops_before_the_first_one_that_is_replaced_are_kept(first_stop, places):
+    fleet = WorkingFleet()
+    fleet.send(1, Stop(3), Stop(8), Stop(2))
+    assert modify(fleet, 1, Stop(5), first_stop=first_stop) == ''
+    assert fleet.statuses[-1].destinations == tuple(places)
+    fleet.restart()
+    fleet.run_until_done(1)
+    status = fleet.supervisor.stored_status(1, 0.0)
+    assert (status.state, status.reached) == (MissionState.SUCCEEDED, len(places))
+    assert status.destinations == tuple(places)
+
+
+def test_a_change_that_comes_after_the_stop_that_it_replaces_has_begun_is_not_done():
+    fleet = WorkingFleet()
+    take = replace(TAKE, actor=Actor.PERSON)
+    fleet.send(1, Stop(3, steps=(take,)), Stop(8))
+    assert modify(fleet, 1, Stop(4, steps=(take,)), Stop(8), priority=5, first_stop=1) == ''
+    assert (fleet.statuses[-1].priority, fleet.statuses[-1].destinations) == (5, (4, 8))
+    assert 'none of number 4' in modify(fleet, 1, Stop(5), first_stop=4)
+    fleet.run_until(lambda: fleet.reason(1).startswith('step 1'))
+    assert 'stop 1 has begun' in modify(fleet, 1, Stop(5), Stop(8), first_stop=1)
+    assert 'but no stops' in modify(fleet, 1, first_stop=2)
+    assert fleet.supervisor.book.find(1).request.destinations == (4, 8)
 
 
 def test_a_stop_that_would_have_been_passed_gets_work_at_the_same_place():

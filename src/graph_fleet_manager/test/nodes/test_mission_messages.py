@@ -130,6 +130,11 @@ def test_a_status_tells_which_command_it_answers():
         code.name: int(code) for code in CommandCode}
 
 
+def test_a_status_tells_the_priority_and_the_destinations_in_force():
+    message = status_message(Status(7, MissionState.ACTIVE, priority=-4, destinations=(3, 8)), NOW)
+    assert (message.priority, message.destinations) == (-4, [3, 8])
+
+
 LATEST = (genpy.Time(2 ** 32 - 1, 10 ** 9 - 1), genpy.Time(2 ** 32 - 1, 2 ** 32 - 1))
 """Times that a message can have, and that the fleet manager keeps as a number of seconds."""
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 import queue
 import threading
 import time
+from pathlib import Path
 from typing import Callable, List
 
 import pytest
@@ -87,6 +88,13 @@ def test_threads_that_wait_for_something_to_do_do_not_stand_still(running):
     jobs.put(None)
     with condition:
         condition.notify_all()
+
+
+def test_no_thread_waits_without_an_end_in_a_queue_that_cannot_be_watched():
+    """A SimpleQueue waits outside threading: a thread that idles in it would be reported."""
+    sources = Path(__file__).resolve().parents[3].glob('*/src/**/*.py')
+    users = [path.name for path in sources if 'SimpleQueue' in path.read_text(encoding='utf-8')]
+    assert users == ['event_loop.py']  # each of its waits has an end
 
 
 def test_a_thread_that_sleeps_or_works_again_and_again_does_not_stand_still(running):

@@ -1,25 +1,30 @@
 """The parts of the node: its file, and what the messages of the fleet manager say."""
 from __future__ import annotations
 
+import copy
 import shutil
 import sqlite3
 
 import pytest
 
-from itrci_nav_msgs.msg import FleetRobot, FleetState, MissionStatus, MissionStop
+from itrci_nav_msgs.msg import FleetRobot, FleetState, MissionCommand, MissionStatus, MissionStop
+from itrci_nav_msgs.srv import ExplainMissionResponse
 from node_lifecycle import ConfigurationError
 from omron_jobs.core.job_book import JobCounters
 from omron_jobs.core.job_commands import RobotNews
 from omron_jobs.core.job_words import RobotStatus, SegmentKind, SegmentStatus
 from omron_jobs.core.jobs import (
+    Drive,
     JobMission,
     JobMissionState,
     JobSegment,
+    Place,
     QueuedJob,
     Told,
 )
 from omron_jobs.nodes.fleet_news import (
     WrongStatus,
+    drives_of,
     goals_of,
     mission_of,
     robots_of,
@@ -32,8 +37,9 @@ from trajectory_graph import Vertex
 
 JOB = QueuedJob('own', (
     JobSegment(7, SegmentKind.PICKUP, 'x', 1, 10, Told(SegmentStatus.COMPLETED, 'None', 'r'), 9),
-    JobSegment(8, SegmentKind.DROPOFF, 'y', 2, 20, Told(SegmentStatus.IN_PROGRESS, 'Driving', 'r')),
-), 1324277658123, 41, True, 'late', True)
+    JobSegment(8, SegmentKind.DROPOFF, 'y', 2, 20, Told(SegmentStatus.IN_PROGRESS, 'Driving', 'r'),
+               0, Place('z', 3)),
+), 1324277658123, 41, True, 'late')
 OTHER = QueuedJob('JOB9', (JobSegment(9, SegmentKind.PICKUP, 'x', 1, 10),), 1, 42)
 COUNTERS = JobCounters(10, 3, 2)
 
@@ -93,8 +99,12 @@ def test_the_states_of_missions_have_the_numbers_of_the_message():
 
 def test_a_status_is_read():
     status = MissionStatus(request_id=41, state=MissionStatus.ACTIVE, robot='r',
-                           destinations_reached=1)
-    assert mission_of(status) == JobMission(JobMissionState.ACTIVE, 'r', 1)
+                           destinations_reached=1, priority=-3, destinations=[4, 5])
+    assert mission_of(status) == JobMission(JobMissionState.ACTIVE, 'r', 1, -3, (4, 5))
+    status.command_code = MissionStatus.COMMAND_NOT_DONE
+    for command in (MissionCommand.MODIFY, MissionCommand.CANCEL):
+        status.command = command
+        assert mission_of(status).is_refusal == (command == MissionCommand.MODIFY)
     status.state = 99
     with pytest.raises(WrongStatus):
         mission_of(status)
@@ -135,6 +145,17 @@ def test_a_goal_is_named_by_a_label_that_can_name_it(label, name):
 def test_a_robot_is_shown_in_the_words_of_omron(robot, shown):
     robot.name = 'r'
     assert robots_of(FleetState(robots=[robot]), {41: 'Allocated'}.get) == {'r': shown}
+
+
+def test_a_robot_drives_for_its_mission_unless_it_waits_or_cannot_work():
+    driving = FleetRobot(name='r', state=FleetRobot.BUSY, has_mission=True, request_id=41,
+                         destination=3, waits_for_code=ExplainMissionResponse.NOTHING)
+    assert drives_of(FleetState(robots=[driving])) == {41: Drive('r', 3)}
+    for field, value in (('waits_for_code', ExplainMissionResponse.STEP), ('has_mission', False),
+                         ('state', FleetRobot.STOPPED), ('destination', 0)):
+        other = copy.copy(driving)
+        setattr(other, field, value)
+        assert drives_of(FleetState(robots=[other])) == {}
 
 
 def test_every_state_of_a_robot_has_its_words():

@@ -64,11 +64,13 @@ def modify(mission: Mission, change: MissionChange, book: MissionBook, acceptanc
         return 'a mission with steps gets other stops, not destinations'
     if change.stops and not mission.request.stops:
         return 'a mission without steps gets other destinations, not stops'
+    if change.first_stop and not change.stops:
+        return 'it names a first stop to be replaced, but no stops'
     try:
         acceptance.check_change(mission, change)
     except RequestRefused as refusal:
         return str(refusal)
-    problem = desk.change(mission, change.stops) if change.stops else ''
+    problem = desk.change(mission, change) if change.stops else ''
     if problem:
         return problem
     before = mission.left

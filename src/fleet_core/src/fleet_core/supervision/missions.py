@@ -133,12 +133,15 @@ class MissionChange:
     """The changes that MODIFY makes to a request.
 
     destinations -- to be visited from now on, without stays; empty: no change
-    stops        -- to be made after those that have begun; empty: no change
+    stops        -- to be made from `first_stop` on; empty: no change
+    first_stop   -- number, from 1, of the first stop that is replaced; 0: the first one that has
+                    not begun
     """
 
     priority: int
     destinations: Tuple[int, ...] = ()
     stops: Tuple[WorkStop, ...] = ()
+    first_stop: int = 0
 
 
 @dataclass(frozen=True)
@@ -161,6 +164,7 @@ class Status:
     asks         -- key of the step that waits for an answer; 0: none does
     template, arguments, earliest, deadline -- as in the request
     serial       -- of the mission; 0: the request was not accepted
+    priority, destinations -- in force
 
     Each attribute is a field of the published status.
     """
@@ -180,6 +184,8 @@ class Status:
     deadline: float = 0.0
     deadline_state: DeadlineState = DeadlineState.NONE
     serial: int = 0
+    priority: int = 0
+    destinations: Tuple[int, ...] = ()
 
 
 @dataclass
@@ -225,7 +231,8 @@ class Mission:
         return Status(asked.id, self.state, self.robot, self.reached, self.reason, asked.stamp,
                       asks=self.asks, template=asked.template, arguments=asked.arguments,
                       earliest=asked.earliest, deadline=asked.deadline,
-                      deadline_state=self.deadline_state, serial=self.serial)
+                      deadline_state=self.deadline_state, serial=self.serial,
+                      priority=asked.priority, destinations=asked.destinations)
 
     @property
     def has_begun(self) -> bool:

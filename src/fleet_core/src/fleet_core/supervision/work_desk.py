@@ -11,12 +11,12 @@ from typing import AbstractSet, Callable, Dict, FrozenSet, List, Mapping, Option
 
 from fleet_core.supervision.actions import SendStep
 from fleet_core.supervision.mission_book import MissionBook
-from fleet_core.supervision.missions import Mission, MissionState, StepAnswer
+from fleet_core.supervision.missions import Mission, MissionChange, MissionState, StepAnswer
 from fleet_core.supervision.robots import ManagedRobot
 from fleet_core.supervision.waits import NO_WAIT, Wait, WaitCode
 from fleet_core.work import rules
 from fleet_core.work.rules import Where, WorkPhase
-from fleet_core.work.stops import Actor, WorkStop, dwells_of
+from fleet_core.work.stops import Actor, dwells_of
 from fleet_core.work.tables import LOAD, LoadEvent, LoadState, StepState, after
 from fleet_core.work.work import Ending, RobotLoad, Situation, Work, work_of
 from route_protocol.steps import MOST_KEY, StepAct, StepReport
@@ -257,9 +257,9 @@ class WorkDesk:
         self._use(mission, rules.fail(self._situation(mission), reason))
         return True
 
-    def change(self, mission: Mission, stops: Tuple[WorkStop, ...]) -> str:
-        """Replaces the stops that have not begun. Returns why not, as a clause; empty: done."""
-        changed, problem = rules.changed(self._situation(mission), stops)
+    def change(self, mission: Mission, change: MissionChange) -> str:
+        """Replaces stops that have not begun. Returns why not, as a clause; empty: done."""
+        changed, problem = rules.changed(self._situation(mission), change.stops, change.first_stop)
         if not problem:
             mission.request = replace(mission.request, stops=changed.work.stops)
             self._book.changed.add(mission.serial)

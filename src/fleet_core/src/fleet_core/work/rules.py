@@ -523,8 +523,11 @@ def _with_clean_up(work: Work, situation: Situation) -> Work:
 # -- other stops ----------------------------------------------------------------------------------
 
 
-def changed(situation: Situation, stops: Tuple[WorkStop, ...]) -> Tuple[Situation, str]:
-    """The situation after other stops take the place of those that have not begun.
+def changed(situation: Situation, stops: Tuple[WorkStop, ...], first: int = 0,
+            ) -> Tuple[Situation, str]:
+    """The situation after other stops take the place of some that have not begun.
+
+    first -- number, from 1, of the first one that they replace; 0: all that have not begun
 
     Also returns why not, as a clause; empty: done.
     """
@@ -532,7 +535,12 @@ def changed(situation: Situation, stops: Tuple[WorkStop, ...]) -> Tuple[Situatio
     if work.ending is not Ending.NONE:
         return situation, f'it ends already: {work.reason}'
     number = work.current
-    kept = number + (number < len(work.progress) and has_begun(work.progress[number]))
+    begun = number + (number < len(work.progress) and has_begun(work.progress[number]))
+    kept = first - 1 if first else begun
+    if kept < begun:
+        return situation, f'stop {first} has begun'
+    if kept > len(work.stops):
+        return situation, f'it has {len(work.stops)} stops, and none of number {first}'
     return situation._replace(work=replace(
         work, stops=(*work.stops[:kept], *stops),
         progress=(*work.progress[:kept], *map(progress_of, stops)))), ''

@@ -33,8 +33,7 @@ class ExchangeQueue:
 
     def __init__(self, on_end: OnEnd) -> None:
         self._on_end = on_end
-        self._waiting: queue.SimpleQueue[Optional[Tuple[str, DevicePort, Exchange]]] = (
-            queue.SimpleQueue())
+        self._waiting: queue.Queue[Optional[Tuple[str, DevicePort, Exchange]]] = queue.Queue()
 
     def put(self, name: str, driver: DevicePort, exchange: Exchange) -> None:
         """Queues an exchange; never waits."""

@@ -125,6 +125,7 @@ def status_message(status: Status, now: genpy.Time) -> msg.MissionStatus:
         earliest=genpy.Time.from_sec(status.earliest),
         deadline=genpy.Time.from_sec(status.deadline),
         deadline_code=int(status.deadline_state), serial=status.serial,
+        priority=status.priority, destinations=list(status.destinations),
         request_stamp=min(genpy.Time.from_sec(status.stamp), _END_OF_TIME))
     message.header.stamp = now
     return message

@@ -285,7 +285,7 @@ class PathSupervisor:
         try:
             if command is CommandKind.MODIFY:
                 details = MissionChange(message.priority, tuple(message.destination_vertices_id),
-                                        stops_of(message.stops))
+                                        stops_of(message.stops), message.first_stop)
             elif command is CommandKind.ANSWER:
                 details = answer_of(message)
         except WrongStopMessage as wrong:

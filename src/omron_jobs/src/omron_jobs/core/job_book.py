@@ -3,7 +3,8 @@
 A job is stored before its client is told that it is queued, and its request is repeated, with the
 same id and stamp, until the fleet manager has shown its mission. The fleet manager knows repeats by
 id and stamp. So no loss of messages, and no restart of either side, loses a job or does it twice.
-The wish to cancel a job is stored and repeated in the same way, until its mission ends.
+The wish to cancel a job is stored and repeated in the same way, until its mission ends; another
+priority or goal, until its mission shows it, or refuses the goal.
 
 What a mission shows is not stored before it is told. If it cannot be stored, it follows again from
 the mission.
@@ -13,19 +14,33 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 from enum import Enum
-from typing import Callable, Dict, Iterable, List, NamedTuple, Optional, Protocol, Sequence, Set
+from typing import (
+    Callable,
+    Dict,
+    Iterable,
+    List,
+    Mapping,
+    NamedTuple,
+    Optional,
+    Protocol,
+    Sequence,
+    Set,
+)
 
 from omron_jobs.core.job_words import SegmentKind, SegmentStatus
 from omron_jobs.core.jobs import (
+    Drive,
     JobMission,
     JobMissionState,
     JobSegment,
+    Place,
     QueuedJob,
     SegmentChange,
-    done,
+    first_misplaced,
     lost,
     news_of,
     queued_segments,
+    with_goal,
     with_priority,
 )
 
@@ -76,15 +91,19 @@ class FleetAct(Enum):
 
     REQUEST = 'request'
     CANCEL = 'cancel'
-    PRIORITY = 'priority'
+    CHANGE = 'change'   # to the priority of its first segment, and its stops from `first` on
     ASK = 'ask'         # for the stored state of its mission
 
 
 class FleetMessage(NamedTuple):
-    """A message to the fleet manager about the mission of a job."""
+    """A message to the fleet manager about the mission of a job.
+
+    first -- number, from 1, of the first stop to be changed; 0: none is
+    """
 
     act: FleetAct
     job: QueuedJob
+    first: int = 0
 
 
 class JobBook:
@@ -101,7 +120,8 @@ class JobBook:
             job.mission: job for job in sorted(jobs, key=lambda job: job.segments[0].number)}
         self.counters = counters
         self._store, self._clock, self._new_mission = store, clock, new_mission
-        self._states: Dict[int, JobMissionState] = {}
+        self._news: Dict[int, JobMission] = {}
+        self._drives: Mapping[int, Drive] = {}
         self._sent: Dict[int, float] = {}
         self._heard: Dict[int, float] = {}
         self._unstored: Set[int] = set()
@@ -162,12 +182,14 @@ class JobBook:
         self._keep(wanted)
         changes: List[SegmentChange] = []
         for job in wanted:
-            state = self._states.get(job.mission)
-            if job.is_known and state is not None:
-                served = job.current
-                changes += self._show(job, JobMission(
-                    state, served.told.robot if served else '', done(job)))
+            changes += self._show_again(job)
         return changes
+
+    def _show_again(self, job: QueuedJob) -> List[SegmentChange]:
+        news = self._news.get(job.mission)
+        if news is None or not job.is_open:
+            return []
+        return self._show(job, news._replace(is_refusal=False))
 
     def set_priority(self, job: QueuedJob, segment: JobSegment, priority: int
                      ) -> List[SegmentChange]:
@@ -175,6 +197,17 @@ class JobBook:
         changed, changes = with_priority(job, segment.number, priority)
         self._keep([changed])
         return changes
+
+    def set_goal(self, job: QueuedJob, segment: JobSegment, place: Place) -> List[SegmentChange]:
+        """Changes the goal of a segment, unless its mission shows in time that it cannot be done.
+
+        Raises JobRefused, and OSError if it cannot be stored.
+        """
+        if segment.other is not None:
+            raise JobRefused(f'failed: "{segment.id}" is just being changed: try again')
+        changed, changes = with_goal(job, segment.number, place)
+        self._keep([changed])
+        return [*changes, *self._show_again(changed)]
 
     def _keep(self, jobs: Sequence[QueuedJob]) -> None:
         self._store.write(jobs, (), self.counters)
@@ -196,10 +229,8 @@ class JobBook:
                 self._restless.discard(id)
             elif now - self._sent.get(id, -math.inf) >= REPEAT:
                 self._sent[id] = now
-                found.append(FleetMessage(act, job))
-                if act is FleetAct.PRIORITY:
-                    self._jobs[id] = replace(job, moved=False)
-                    self._unstored.add(id)
+                first = first_misplaced(job, self._news[id]) if act is FleetAct.CHANGE else None
+                found.append(FleetMessage(act, job, 0 if first is None else first + 1))
         return found
 
     def _act(self, job: QueuedJob) -> Optional[FleetAct]:
@@ -207,18 +238,22 @@ class JobBook:
             return None
         if not job.is_known:
             return FleetAct.REQUEST
-        state = self._states.get(job.mission)
-        if state is None:
+        news = self._news.get(job.mission)
+        if news is None:
             return FleetAct.ASK
-        if job.cancel is not None and state is not JobMissionState.CANCELLING:
+        if news.state is JobMissionState.CANCELLING:
+            return None
+        if job.cancel is not None:
             return FleetAct.CANCEL
-        return FleetAct.PRIORITY if job.moved else None
+        is_other = (news.priority != job.segments[0].priority
+                    or first_misplaced(job, news) is not None)
+        return FleetAct.CHANGE if is_other else None
 
     def silent(self, now: float) -> List[FleetMessage]:
         """Returns questions for missions without news: a status may be lost. `now`: as in `due`."""
         found = []
         for id, job in self._jobs.items():
-            if id in self._states and job.is_open and now - max(
+            if id in self._news and job.is_open and now - max(
                     self._heard[id], self._sent.get(id, -math.inf)) >= SILENCE:
                 self._sent[id] = now
                 found.append(FleetMessage(FleetAct.ASK, job))
@@ -229,11 +264,18 @@ class JobBook:
         job = self._jobs.get(mission)
         if job is None or job.queued != stamp or not job.is_open:
             return []
-        self._states[mission], self._heard[mission] = news.state, now
+        self._news[mission], self._heard[mission] = news, now
         changes = self._show(job, news)
         if self._jobs[mission].is_open:
             self._restless.add(mission)
         return changes
+
+    def hear_drives(self, drives: Mapping[int, Drive]) -> List[SegmentChange]:
+        """Handles the drives of all robots, by the mission that each one serves."""
+        before, self._drives = self._drives, drives
+        return [change for mission, drive in drives.items()
+                if mission in self._jobs and before.get(mission) != drive
+                for change in self._show_again(self._jobs[mission])]
 
     def hear_unknown(self, mission: int, stamp: int, asked: float) -> List[SegmentChange]:
         """The fleet manager, asked at `asked`, does not know a mission that it had accepted."""
@@ -244,7 +286,8 @@ class JobBook:
         return self._show(job, lost(job))
 
     def _show(self, job: QueuedJob, news: JobMission) -> List[SegmentChange]:
-        shown, changes = news_of(job, news, self._clock())
+        drive = self._drives.get(job.mission)
+        shown, changes = news_of(job, news._replace(drive=drive), self._clock())
         if shown == job:
             return []
         self._jobs[job.mission] = shown
@@ -271,7 +314,7 @@ class JobBook:
         self._unstored.clear()
         for id in forgotten:
             del self._jobs[id]
-            for table in (self._states, self._sent, self._heard):
+            for table in (self._news, self._sent, self._heard):
                 table.pop(id, None)
 
     def _too_old(self) -> List[int]:

@@ -6,7 +6,7 @@ told after that. A wrong argument has OMRON's pair of error lines.
 from __future__ import annotations
 
 import time
-from typing import Callable, Dict, Iterable, List, Mapping, NamedTuple, Optional, Tuple
+from typing import Callable, Dict, Iterable, List, Mapping, NamedTuple, Optional, Sequence, Tuple
 
 from omron_jobs.core import job_words as words
 from omron_jobs.core.command_line import CommandLine, read_line
@@ -18,7 +18,7 @@ from omron_jobs.core.job_book import (
     JobRefused,
 )
 from omron_jobs.core.job_words import RobotStatus, SegmentKind, SegmentStatus
-from omron_jobs.core.jobs import JobSegment, QueuedJob, SegmentChange
+from omron_jobs.core.jobs import JobSegment, Place, QueuedJob, SegmentChange
 
 MOST_GOALS = 50         # of one job
 SHOWN_ENDED = 11        # segments that have ended in the list of queueShow
@@ -140,11 +140,14 @@ class JobCommands:
 
     def _goal(self, command: CommandLine, kind: SegmentKind, name: int, priority: int) -> JobGoal:
         """The goal at this argument. `priority`: the argument that is its priority."""
-        goal = command.words[name]
+        return JobGoal(kind, *self._place(command.words[name]),
+                       command.number(priority, _DEFAULTS[kind]))
+
+    def _place(self, goal: str) -> Place:
         vertex = self._site.vertex_of(goal)
         if vertex is None:
             raise JobRefused(f'no such goal "{goal}"')
-        return JobGoal(kind, goal, vertex, command.number(priority, _DEFAULTS[kind]))
+        return Place(goal, vertex)
 
     def queue_cancel(self, command: CommandLine) -> JobReply:
         """Cancels the jobs that match. The rest of a job ends with the segment that is named."""
@@ -161,20 +164,32 @@ class JobCommands:
             reason or words.NONE),), tuple(changes))
 
     def queue_modify(self, command: CommandLine) -> JobReply:
-        """Changes the priority of a segment that waits."""
+        """Changes the priority of a segment that waits, or the goal of one until it is reached."""
         id, what = command.words[0], command.words[1].lower()
-        if what == 'goal':
-            raise JobRefused('cannot change a goal: cancel the job, and queue another one')
-        if what != 'priority':
-            raise JobRefused(f'needs "priority" in the place of "{command.words[1]}"')
-        priority = command.number(2, 0)
+        if what == 'priority':
+            priority = command.number(2, 0)
+            job, one = self._modifiable(id, (SegmentStatus.PENDING,))
+            changes = self._book.set_priority(job, one, priority)
+            return JobReply((words.MODIFYING_PRIORITY.format(words.printed(id), priority),),
+                            tuple(changes))
+        if what != 'goal':
+            raise JobRefused(f'needs goal or priority in the place of "{command.words[1]}"')
+        place = self._place(command.words[2])
+        job, one = self._modifiable(id, (SegmentStatus.PENDING, SegmentStatus.IN_PROGRESS))
+        changes = self._book.set_goal(job, one, place)
+        return JobReply((words.MODIFYING_GOAL.format(words.printed(id), place.goal),),
+                        tuple(changes))
+
+    def _modifiable(self, id: str, statuses: Sequence[SegmentStatus]
+                    ) -> Tuple[QueuedJob, JobSegment]:
+        """The segment with an id, if it has one of these statuses. Raises JobRefused."""
         for job in self._book.find(_matching('id', id), only_open=True):
             for one in job.segments:
-                if one.id.lower() == id.lower() and one.told.status is SegmentStatus.PENDING:
-                    changes = self._book.set_priority(job, one, priority)
-                    return JobReply((words.MODIFYING_PRIORITY.format(
-                        words.printed(id), priority),), tuple(changes))
-        raise JobRefused(f'failed: no segment "{id}" is pending')
+                if (one.id.lower() == id.lower() and one.told.status in statuses
+                        and job.cancel is None):
+                    return job, one
+        names = ' or '.join(status.value for status in statuses)
+        raise JobRefused(f'failed: no segment "{id}" is {names}')
 
     def of_a_robot(self, command: CommandLine) -> JobReply:
         """Refuses a command that OMRON's robots take, and its Fleet Manager does not."""

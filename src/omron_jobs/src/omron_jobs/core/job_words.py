@@ -33,6 +33,7 @@ LINKED = ' and linked to {}'
 END_OF_MULTI = 'EndQueueMulti'
 CANCELLING = 'queuecancel cancelling "{}" "{}" {} "{}" from queue'
 MODIFYING_PRIORITY = 'queuemodify modifying id {} priority {}'
+MODIFYING_GOAL = 'queuemodify modifying id {} goal "{}"'
 
 # The blank at the end makes 15 words, which a known client demands of each of these lines.
 UPDATE = 'QueueUpdate: {segment} {job} {priority} {state} Goal "{goal}" {robot} {dates} {fails} '
@@ -65,7 +66,8 @@ class SegmentKind(Enum):
 class SegmentStatus(Enum):
     """The status of a segment. A known client fails at any other word, so there is no other.
 
-    Nothing stays BEFORE_MODIFY or AFTER_MODIFY: they are told around a change.
+    Nothing stays BEFORE_MODIFY, INTERRUPTED_BY_MODIFY or AFTER_MODIFY: they are told around a
+    change.
     """
 
     PENDING = 'Pending'
@@ -76,6 +78,7 @@ class SegmentStatus(Enum):
     CANCELLED = 'Cancelled'
     FAILED = 'Failed'
     BEFORE_MODIFY = 'BeforeModify'
+    INTERRUPTED_BY_MODIFY = 'InterruptedByModify'
     AFTER_MODIFY = 'AfterModify'
 
     @property

@@ -5,11 +5,17 @@ own: `news_of` derives the status of each segment from the last status of the mi
 keeps what was last told of it, because clients hear each change once, and in OMRON's order:
 
     change                              told on the way
+    Pending -> InProgress Allocated     InProgress UnAllocated
     Pending -> InProgress Driving       InProgress UnAllocated, InProgress Allocated
     InProgress -> Cancelled             Cancelling, Interrupted
     InProgress -> Pending               Interrupted; another robot gets it
     Interrupted -> InProgress           InProgress UnAllocated, InProgress Allocated
     anything -> Completed               as to InProgress Driving, if that was not told
+    another priority or goal            BeforeModify, AfterModify, and the status again
+    another goal, InProgress            BeforeModify, InterruptedByModify, AfterModify, Pending
+
+A job owns the priority and the places of its mission. Whenever the mission shows others, it is to
+be changed. So a change is repeated until the mission shows it, and what crosses it does not matter.
 
 Invariants: a final status never changes; a segment is Completed only if the mission counts its stop
 as reached; segments are completed in their order.
@@ -18,7 +24,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from enum import IntEnum
-from typing import List, NamedTuple, Optional, Tuple
+from typing import Callable, List, NamedTuple, Optional, Tuple
 
 from omron_jobs.core.job_words import (
     ALLOCATED,
@@ -58,16 +64,31 @@ _ENDED = frozenset((JobMissionState.SUCCEEDED, JobMissionState.FAILED, JobMissio
                     JobMissionState.CANCELLED, JobMissionState.EXPIRED))
 
 
+class Drive(NamedTuple):
+    """A robot, and the vertex to which it drives."""
+
+    robot: str
+    vertex: int
+
+
 class JobMission(NamedTuple):
     """What the fleet manager says of the mission of a job.
 
-    robot   -- that serves it; empty: none does
-    reached -- number of its stops that are done
+    robot      -- that serves it; empty: none does
+    reached    -- number of its stops that are done
+    priority   -- in force
+    places     -- vertices of its stops, in force; empty: it is not known
+    is_refusal -- it says that a change was not done
+    drive      -- of its robot; None: it was not seen
     """
 
     state: JobMissionState
     robot: str = ''
     reached: int = 0
+    priority: int = 0
+    places: Tuple[int, ...] = ()
+    is_refusal: bool = False
+    drive: Optional[Drive] = None
 
 
 class Told(NamedTuple):
@@ -78,12 +99,20 @@ class Told(NamedTuple):
     robot: str = ''
 
 
+class Place(NamedTuple):
+    """The goal of a segment: its name, and its vertex."""
+
+    goal: str
+    vertex: int
+
+
 @dataclass(frozen=True)
 class JobSegment:
     """One goal of a job.
 
     number -- no other segment has it, neither a pickup nor a drop-off
     ended  -- ms since 1970; 0: it has not ended
+    other  -- the place that its mission may still have; None: the mission has shown this one
     """
 
     number: int
@@ -93,6 +122,7 @@ class JobSegment:
     priority: int
     told: Told = Told(SegmentStatus.PENDING)
     ended: int = 0
+    other: Optional[Place] = None
 
     @property
     def id(self) -> str:
@@ -109,7 +139,6 @@ class QueuedJob:
     mission  -- id of the request
     is_known -- the fleet manager has the mission
     cancel   -- why it is to be cancelled; None: it is not. Empty: no reason was given
-    moved    -- its priority was changed, and the fleet manager was not told yet
     """
 
     id: str
@@ -118,7 +147,6 @@ class QueuedJob:
     mission: int
     is_known: bool = False
     cancel: Optional[str] = None
-    moved: bool = False
 
     @property
     def is_open(self) -> bool:
@@ -163,11 +191,34 @@ def news_of(job: QueuedJob, mission: JobMission, now: int
     for k, segment in enumerate(segments):
         if segment.told.status.is_final:
             continue
+        segment, reverted = _as_placed(job, segment, k, mission)
+        changes += reverted
         for told in _course(segment.told, _target(job, tuple(segments), k, mission)):
             segment = replace(segment, told=told, ended=now if told.status.is_final else 0)
             changes.append(SegmentChange(job.id, job.queued, segment))
         segments[k] = segment
     return replace(job, segments=tuple(segments), is_known=True), changes
+
+
+def _as_placed(job: QueuedJob, segment: JobSegment, index: int, mission: JobMission
+               ) -> Tuple[JobSegment, List[SegmentChange]]:
+    """A segment whose change of goal has been done, or goes back because it cannot be done."""
+    other = segment.other
+    if other is None or index >= len(mission.places):
+        return segment, []
+    shown = mission.places[index]
+    if shown == segment.vertex:
+        return replace(segment, other=None), []
+    is_late = index < mission.reached or not mission.state.is_open
+    if shown != other.vertex or not (is_late or mission.is_refusal):
+        return segment, []
+    back = _replaced(segment, other)
+    return back, _modification(job, segment, back)
+
+
+def _replaced(segment: JobSegment, place: Place) -> JobSegment:
+    return replace(segment, goal=place.goal, vertex=place.vertex,
+                   other=Place(segment.goal, segment.vertex))
 
 
 def _target(job: QueuedJob, segments: Tuple[JobSegment, ...], index: int, mission: JobMission
@@ -192,7 +243,9 @@ def _target(job: QueuedJob, segments: Tuple[JobSegment, ...], index: int, missio
         return (Told(SegmentStatus.IN_PROGRESS, UNALLOCATED)
                 if state is JobMissionState.ACTIVE else _waiting(segments, index))
     if state is JobMissionState.ACTIVE:
-        return Told(SegmentStatus.IN_PROGRESS, DRIVING, robot)
+        driving = Told(SegmentStatus.IN_PROGRESS, DRIVING, robot)
+        drives = before == driving or mission.drive == (robot, segments[index].vertex)
+        return driving if drives else Told(SegmentStatus.IN_PROGRESS, ALLOCATED, robot)
     return Told(SegmentStatus.INTERRUPTED, NONE, robot)
 
 
@@ -206,14 +259,14 @@ def _course(before: Told, target: Told) -> List[Told]:
     interrupted = Told(SegmentStatus.INTERRUPTED, NONE, before.robot)
     told: List[Told] = []
     is_served = before.status is SegmentStatus.IN_PROGRESS
-    if status is SegmentStatus.IN_PROGRESS and target.substatus == DRIVING:
+    course = [*begun, driving]
+    if target in course[1:]:
         if is_served and before.robot not in ('', robot):
-            told = [interrupted, *begun]
-        elif not (is_served and before.substatus == ALLOCATED):
-            told = begun[is_served and before == begun[0]:]
+            told = [interrupted]
+        told += course[course.index(before) + 1 if before in course else 0:course.index(target)]
     elif status is SegmentStatus.COMPLETED:
-        if not is_served and before.status is not SegmentStatus.CANCELLING:
-            told = [*begun, driving]
+        if before.status is not SegmentStatus.CANCELLING:
+            told = course[course.index(before) + 1 if before in course else 0:]
     elif status is SegmentStatus.CANCELLED and before.status is not SegmentStatus.PENDING:
         cancelling = Told(SegmentStatus.CANCELLING, target.substatus, before.robot)
         told = ([] if before.status is SegmentStatus.CANCELLING else [cancelling]) + [interrupted]
@@ -232,16 +285,48 @@ def lost(job: QueuedJob) -> JobMission:
     return JobMission(JobMissionState.FAILED, '', done(job))
 
 
+def first_misplaced(job: QueuedJob, mission: JobMission) -> Optional[int]:
+    """Returns the first segment to come that the mission has at another place; None: there is none.
+
+    A mission with another number of stops was changed by a person: it is left alone.
+    """
+    if len(mission.places) != len(job.segments):
+        return None
+    return next((k for k, one in enumerate(job.segments)
+                 if k >= mission.reached and one.vertex != mission.places[k]), None)
+
+
 def with_priority(job: QueuedJob, number: int, priority: int
                   ) -> Tuple[QueuedJob, List[SegmentChange]]:
     """Returns a job in which a segment has another priority, and the changes to be told."""
+    return _modified(job, number, lambda old: replace(old, priority=priority))
+
+
+def with_goal(job: QueuedJob, number: int, place: Place) -> Tuple[QueuedJob, List[SegmentChange]]:
+    """Returns a job in which a segment has another goal, and the changes to be told."""
+    def modified(old: JobSegment) -> JobSegment:
+        new = _replaced(old, place)
+        is_served = old.told.status is SegmentStatus.IN_PROGRESS
+        return replace(new, told=Told(SegmentStatus.PENDING)) if is_served else new
+    return _modified(job, number, modified)
+
+
+def _modified(job: QueuedJob, number: int, change: Callable[[JobSegment], JobSegment]
+              ) -> Tuple[QueuedJob, List[SegmentChange]]:
     changes: List[SegmentChange] = []
     segments = list(job.segments)
     for k, old in enumerate(segments):
         if old.number == number:
-            segments[k] = new = replace(old, priority=priority)
-            changes = [SegmentChange(job.id, job.queued, one) for one in (
-                replace(old, told=old.told._replace(status=SegmentStatus.BEFORE_MODIFY)),
-                replace(new, told=Told(SegmentStatus.AFTER_MODIFY, NONE, old.told.robot)), new)]
-    return replace(job, moved=job.moved or job.segments[0].number == number,
-                   segments=tuple(segments)), changes
+            segments[k] = change(old)
+            changes = _modification(job, old, segments[k])
+    return replace(job, segments=tuple(segments)), changes
+
+
+def _modification(job: QueuedJob, old: JobSegment, new: JobSegment) -> List[SegmentChange]:
+    """What is told of a segment that is modified."""
+    robot = old.told.robot
+    told = [replace(old, told=old.told._replace(status=SegmentStatus.BEFORE_MODIFY))]
+    if new.told.status is not old.told.status:
+        told.append(replace(old, told=Told(SegmentStatus.INTERRUPTED_BY_MODIFY, NONE, robot)))
+    told += [replace(new, told=Told(SegmentStatus.AFTER_MODIFY, NONE, robot)), new]
+    return [SegmentChange(job.id, job.queued, one) for one in told]

@@ -4,10 +4,10 @@ from __future__ import annotations
 from collections import Counter
 from typing import Callable, Collection, Dict, List, Mapping, Optional
 
-from itrci_nav_msgs import msg
+from itrci_nav_msgs import msg, srv
 from omron_jobs.core.job_commands import RobotNews
 from omron_jobs.core.job_words import DRIVING, RobotStatus, SegmentKind
-from omron_jobs.core.jobs import JobMission, JobMissionState, QueuedJob
+from omron_jobs.core.jobs import Drive, JobMission, JobMissionState, QueuedJob
 from trajectory_graph import Vertex
 
 _KINDS = {SegmentKind.PICKUP: msg.MissionStop.PICKUP, SegmentKind.DROPOFF: msg.MissionStop.DROPOFF}
@@ -33,7 +33,10 @@ def mission_of(status: msg.MissionStatus) -> JobMission:
     except ValueError:
         raise WrongStatus(f'mission {status.request_id} has the unknown state {status.state}'
                           ) from None
-    return JobMission(state, status.robot, max(status.destinations_reached, 0))
+    is_refusal = (status.command == msg.MissionCommand.MODIFY
+                  and status.command_code == msg.MissionStatus.COMMAND_NOT_DONE)
+    return JobMission(state, status.robot, max(status.destinations_reached, 0), status.priority,
+                      tuple(status.destinations), is_refusal)
 
 
 def stamp_of(status: msg.MissionStatus) -> int:
@@ -67,6 +70,13 @@ def is_name(label: str) -> bool:
 def robots_of(state: msg.FleetState, substatus_of: SubstatusOf) -> Dict[str, RobotNews]:
     """What is shown of each robot."""
     return {robot.name: _robot_of(robot, substatus_of) for robot in state.robots}
+
+
+def drives_of(state: msg.FleetState) -> Dict[int, Drive]:
+    """The drives of all robots, by the mission that each one serves."""
+    return {robot.request_id: Drive(robot.name, robot.destination) for robot in state.robots
+            if robot.has_mission and robot.state == _ROBOT.BUSY and robot.destination
+            and robot.waits_for_code == srv.ExplainMissionResponse.NOTHING}
 
 
 def _robot_of(robot: msg.FleetRobot, substatus_of: SubstatusOf) -> RobotNews:

@@ -49,6 +49,7 @@ from omron_jobs.core.jobs import QueuedJob
 from omron_jobs.network.job_port import JobPort, WrongPeer, read_peers
 from omron_jobs.nodes.fleet_news import (
     WrongStatus,
+    drives_of,
     goals_of,
     mission_of,
     robots_of,
@@ -78,7 +79,7 @@ class JobServerNode:
         self._port = JobPort(self._server, peers(), self._work)
         self._requests, self._commands = Sender(MissionRequest), Sender(MissionCommand)
         self._problem = ''
-        self._questions: queue.SimpleQueue[Tuple[QueuedJob, float]] = queue.SimpleQueue()
+        self._questions: queue.Queue[Tuple[QueuedJob, float]] = queue.Queue()
         self._asked: Set[int] = set()  # missions of questions without an answer
         self._loop = asyncio.new_event_loop()
         self.port = self._listen(parameter('~host', '127.0.0.1'), parameter('~port', 7171, int))
@@ -109,7 +110,9 @@ class JobServerNode:
 
     def _on_state(self, message: FleetState) -> None:
         def put() -> None:
+            self._server.tell(self._book.hear_drives(drives_of(message)))
             self._site.robots = robots_of(message, self._substatus)
+            self._work()
         self._put(put)
 
     def _on_status(self, message: MissionStatus) -> None:
@@ -172,7 +175,7 @@ class JobServerNode:
             self._problem = f'jobs cannot be stored: {error.strerror}'
 
     def _send(self, message: FleetMessage) -> None:
-        act, job = message
+        act, job, first = message
         if act is FleetAct.REQUEST:
             request = mission_request((), request_id=job.mission, stops=stops_of(job),
                                       priority=job.segments[0].priority, requested_by=_NAME,
@@ -186,7 +189,8 @@ class JobServerNode:
         else:
             command = MissionCommand(
                 request_id=job.mission, requested_by=_NAME, priority=job.segments[0].priority,
-                command=MissionCommand.CANCEL if act is FleetAct.CANCEL else MissionCommand.MODIFY)
+                command=MissionCommand.CANCEL if act is FleetAct.CANCEL else MissionCommand.MODIFY,
+                first_stop=first, stops=stops_of(job)[first - 1:] if first else [])
             command.header.stamp = rospy.Time.now()
             self._commands.repeat(command)
 
