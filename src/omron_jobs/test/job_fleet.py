@@ -8,7 +8,7 @@ from __future__ import annotations
 from typing import Dict, Iterator, List, NamedTuple, Optional, Sequence, Tuple
 
 from omron_jobs.core.job_book import FleetAct, FleetMessage, JobBook, JobCounters
-from omron_jobs.core.jobs import Drive, JobMission, JobMissionState, QueuedJob, SegmentChange
+from omron_jobs.core.jobs import JobDrive, JobMission, JobMissionState, QueuedJob, SegmentChange
 
 Key = Tuple[int, int]
 
@@ -80,9 +80,9 @@ class FakeFleet:
         self.missions[key] = mission._replace(
             shown=shown if robot is None else shown._replace(robot=robot))
 
-    def drives(self) -> Dict[int, Drive]:
+    def drives(self) -> Dict[int, JobDrive]:
         """Where the robots of all active missions drive."""
-        return {key[0]: Drive(one.shown.robot, one.shown.places[one.shown.reached])
+        return {key[0]: JobDrive(one.shown.robot, one.shown.places[one.shown.reached])
                 for key, one in self.missions.items()
                 if one.shown.state is JobMissionState.ACTIVE and one.shown.robot}
 

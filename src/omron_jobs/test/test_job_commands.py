@@ -12,7 +12,7 @@ from omron_jobs.core.client_session import ClientSession, JobServer
 from omron_jobs.core.job_book import FleetAct, JobBook
 from omron_jobs.core.job_commands import JobCommands, JobSite, RobotNews
 from omron_jobs.core.job_words import RobotStatus
-from omron_jobs.core.jobs import Drive, JobMissionState
+from omron_jobs.core.jobs import JobDrive, JobMissionState
 
 BEGIN = calendar.timegm((2011, 12, 19, 6, 54, 18)) * 1000
 AT, LATER = '12/19/2011 06:54:18', '12/19/2011 06:54:34'
@@ -291,7 +291,7 @@ def test_a_segment_is_driving_when_its_robot_drives_to_its_goal(line):
     line.fleet.set(line.key(), ACTIVE, 'r')
     assert updates(line.show(line.key())) == [
         ('PICKUP1', 'InProgress', 'UnAllocated'), ('PICKUP1', 'InProgress', 'Allocated')]
-    for other in (Drive('r2', 1), Drive('r', 2)):
+    for other in (JobDrive('r2', 1), JobDrive('r', 2)):
         assert line.book.hear_drives({line.key()[0]: other}) == []
     assert updates(line.drive()) == [('PICKUP1', 'InProgress', 'Driving')]
     assert line.book.hear_drives({}) == []  # it waits for another robot on its way

@@ -14,7 +14,7 @@ from omron_jobs.core.job_book import JobCounters
 from omron_jobs.core.job_commands import RobotNews
 from omron_jobs.core.job_words import RobotStatus, SegmentKind, SegmentStatus
 from omron_jobs.core.jobs import (
-    Drive,
+    JobDrive,
     JobMission,
     JobMissionState,
     JobSegment,
@@ -150,7 +150,7 @@ def test_a_robot_is_shown_in_the_words_of_omron(robot, shown):
 def test_a_robot_drives_for_its_mission_unless_it_waits_or_cannot_work():
     driving = FleetRobot(name='r', state=FleetRobot.BUSY, has_mission=True, request_id=41,
                          destination=3, waits_for_code=ExplainMissionResponse.NOTHING)
-    assert drives_of(FleetState(robots=[driving])) == {41: Drive('r', 3)}
+    assert drives_of(FleetState(robots=[driving])) == {41: JobDrive('r', 3)}
     for field, value in (('waits_for_code', ExplainMissionResponse.STEP), ('has_mission', False),
                          ('state', FleetRobot.STOPPED), ('destination', 0)):
         other = copy.copy(driving)

@@ -29,7 +29,7 @@ from typing import (
 
 from omron_jobs.core.job_words import SegmentKind, SegmentStatus
 from omron_jobs.core.jobs import (
-    Drive,
+    JobDrive,
     JobMission,
     JobMissionState,
     JobSegment,
@@ -121,7 +121,7 @@ class JobBook:
         self.counters = counters
         self._store, self._clock, self._new_mission = store, clock, new_mission
         self._news: Dict[int, JobMission] = {}
-        self._drives: Mapping[int, Drive] = {}
+        self._drives: Mapping[int, JobDrive] = {}
         self._sent: Dict[int, float] = {}
         self._heard: Dict[int, float] = {}
         self._unstored: Set[int] = set()
@@ -270,7 +270,7 @@ class JobBook:
             self._restless.add(mission)
         return changes
 
-    def hear_drives(self, drives: Mapping[int, Drive]) -> List[SegmentChange]:
+    def hear_drives(self, drives: Mapping[int, JobDrive]) -> List[SegmentChange]:
         """Handles the drives of all robots, by the mission that each one serves."""
         before, self._drives = self._drives, drives
         return [change for mission, drive in drives.items()

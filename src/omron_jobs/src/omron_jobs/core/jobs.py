@@ -64,7 +64,7 @@ _ENDED = frozenset((JobMissionState.SUCCEEDED, JobMissionState.FAILED, JobMissio
                     JobMissionState.CANCELLED, JobMissionState.EXPIRED))
 
 
-class Drive(NamedTuple):
+class JobDrive(NamedTuple):
     """A robot, and the vertex to which it drives."""
 
     robot: str
@@ -88,7 +88,7 @@ class JobMission(NamedTuple):
     priority: int = 0
     places: Tuple[int, ...] = ()
     is_refusal: bool = False
-    drive: Optional[Drive] = None
+    drive: Optional[JobDrive] = None
 
 
 class Told(NamedTuple):

@@ -7,7 +7,7 @@ from typing import Callable, Collection, Dict, List, Mapping, Optional
 from itrci_nav_msgs import msg, srv
 from omron_jobs.core.job_commands import RobotNews
 from omron_jobs.core.job_words import DRIVING, RobotStatus, SegmentKind
-from omron_jobs.core.jobs import Drive, JobMission, JobMissionState, QueuedJob
+from omron_jobs.core.jobs import JobDrive, JobMission, JobMissionState, QueuedJob
 from trajectory_graph import Vertex
 
 _KINDS = {SegmentKind.PICKUP: msg.MissionStop.PICKUP, SegmentKind.DROPOFF: msg.MissionStop.DROPOFF}
@@ -72,9 +72,9 @@ def robots_of(state: msg.FleetState, substatus_of: SubstatusOf) -> Dict[str, Rob
     return {robot.name: _robot_of(robot, substatus_of) for robot in state.robots}
 
 
-def drives_of(state: msg.FleetState) -> Dict[int, Drive]:
+def drives_of(state: msg.FleetState) -> Dict[int, JobDrive]:
     """The drives of all robots, by the mission that each one serves."""
-    return {robot.request_id: Drive(robot.name, robot.destination) for robot in state.robots
+    return {robot.request_id: JobDrive(robot.name, robot.destination) for robot in state.robots
             if robot.has_mission and robot.state == _ROBOT.BUSY and robot.destination
             and robot.waits_for_code == srv.ExplainMissionResponse.NOTHING}
 
