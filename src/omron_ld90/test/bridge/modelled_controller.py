@@ -135,7 +135,7 @@ class ModelledController:
 
     def say(self, line: str) -> None:
         """The robot sends a line."""
-        self._carry(self._delays.from_robot, partial(self._hear, line))
+        self.carry(self._delays.from_robot, partial(self._hear, line))
 
     def _hear(self, line: str) -> None:
         reply = parse_line(line)
@@ -152,9 +152,10 @@ class ModelledController:
 
     def transmit(self, line: str) -> None:
         """Puts a line on its way to the robot."""
-        self._carry(self._delays.to_robot, partial(self._send_line, line))
+        self.carry(self._delays.to_robot, partial(self._send_line, line))
 
-    def _carry(self, seconds: float, call: Callable[[], None]) -> None:
+    def carry(self, seconds: float, call: Callable[[], None]) -> None:
+        """Calls at the arrival of a line that is sent now; never, if the link is lost before."""
         connection = self._connection
         if self.connected:
             self._timeline.later(

@@ -385,18 +385,20 @@ class Witness(DelayedDrive):
             self._arrived_at[line.split()[-1]] = self.now
         elif line.startswith('DockingState: Docked'):
             self._arrived_at['dock'] = self.now
-        seconds = self._controller.on_the_way(self.delays.from_robot)
+        seconds, arrives = self.delays.from_robot, self._controller.carry
         if line == 'Stopped':  # which of two stops it answers cannot be told if they cross
-            self.later(seconds, self._hear_stopped)
+            arrives(seconds, self._hear_stopped)
         if line == 'Motors enabled':
-            self.later(seconds, self._hear_motors)
-        if line == 'EStop pressed' or self.foreign and (
-                line == 'Stopping' or line.startswith('Going to')):
-            stopped = self._stopped
-            self.later(seconds, lambda: self._heard(line, stopped))
+            arrives(seconds, self._hear_motors)
+        stopped = self._stopped
+        if line == 'EStop pressed' or self.foreign and line.startswith('Going to'):
+            # a status shows it, too, if the link that should carry the line is lost
+            self.later(self._controller.on_the_way(seconds), lambda: self._heard(line, stopped))
+        elif self.foreign and line == 'Stopping':
+            arrives(seconds, lambda: self._heard(line, stopped))
         elif self.foreign and line.startswith('Interrupted: '):
             drive = self._obeyed
-            self.later(seconds, lambda: self._heard_broken_off(line, drive))
+            arrives(seconds, lambda: self._heard_broken_off(line, drive))
         super()._say(line)
         if self._stalls:
             self.stall(self._stalls)

@@ -4,6 +4,7 @@ from __future__ import annotations
 from delayed_drive import PERSON
 from modelled_controller import Delays
 from motion_witness import Witness
+from test_motion_property import Robots
 
 from omron_ld90.bridge import events as p
 
@@ -72,3 +73,14 @@ def test_a_stop_lost_before_the_foreign_drive_is_heard_is_obeyed_once_it_is_sent
     world.run(4.0)
     assert _givers(world) == [None, PERSON, PERSON]
     assert world.robot.goal is None
+
+
+def test_a_drive_broken_off_while_the_controller_has_no_link_is_not_heard():
+    robots = Robots()
+    robots.begin('rolling', 'name', 0.0, Delays())
+    robots.person_drives('3')
+    robots.controller_restarts(0.0)
+    robots.passes(0.3)
+    robots.another_client_is_heard_in_parts('stop', 3.0)
+    robots.passes(3.0)
+    assert _givers(robots.world) == [PERSON]
