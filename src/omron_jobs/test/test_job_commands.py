@@ -58,7 +58,7 @@ class Line:
         """Lets the fleet manager handle what is due; the lines that follow."""
         for message in self.book.due(self.now):
             for key, shown in self.fleet.handle(message):
-                self.server.tell(tell(self.book, key, shown, self.now))
+                self.server.announce(tell(self.book, key, shown, self.now))
         return self.heard()
 
     def key(self, number: int = -1) -> Key:
@@ -67,7 +67,7 @@ class Line:
 
     def show(self, key: Key) -> List[str]:
         """The fleet manager shows a mission; the lines that follow."""
-        self.server.tell(tell(self.book, key, self.fleet.missions[key].shown, self.now))
+        self.server.announce(tell(self.book, key, self.fleet.missions[key].shown, self.now))
         return self.heard()
 
     def set(self, state: JobMissionState, robot: Optional[str] = None, number: int = -1,
@@ -78,7 +78,7 @@ class Line:
 
     def drive(self) -> List[str]:
         """The fleet manager shows that robots drive to their next stops; the lines that follow."""
-        self.server.tell(self.book.hear_drives(self.fleet.drives()))
+        self.server.announce(self.book.hear_drives(self.fleet.drives()))
         return self.heard()
 
     def reach(self, number: int = -1) -> List[str]:
@@ -587,6 +587,6 @@ def test_a_mission_that_the_fleet_manager_has_lost_is_not_done_again(line):
     line.wait(11)
     for message in line.book.silent(line.now):
         for key, shown in line.fleet.handle(message):
-            line.server.tell(tell(line.book, key, shown, line.now))
+            line.server.announce(tell(line.book, key, shown, line.now))
     assert updates(line.heard()) == [('PICKUP1', 'Failed', 'None')]
     assert line.fleet.missions == {}

@@ -114,7 +114,7 @@ class JobsInAnyOrder(RuleBasedStateMachine):
 
     @rule()
     def show_drives(self) -> None:
-        self.server.tell(self.book.hear_drives(self.fleet.drives()))
+        self.server.announce(self.book.hear_drives(self.fleet.drives()))
         self.after_news()
 
     @rule(which=PICK, later=st.integers(0, 2), goal=st.sampled_from('xyz'))
@@ -138,7 +138,7 @@ class JobsInAnyOrder(RuleBasedStateMachine):
                 if not next(losses, False):
                     for key, shown in list(self.fleet.handle(message)):
                         if not next(losses, False):
-                            self.server.tell(tell(self.book, key, shown, self.now))
+                            self.server.announce(tell(self.book, key, shown, self.now))
         self.after_news()
 
     def after_news(self) -> None:
@@ -174,7 +174,7 @@ class JobsInAnyOrder(RuleBasedStateMachine):
             self.show(key)
 
     def show(self, key: Key) -> None:
-        self.server.tell(tell(self.book, key, self.fleet.missions[key].shown, self.now))
+        self.server.announce(tell(self.book, key, self.fleet.missions[key].shown, self.now))
         self.after_news()
 
     # -- the computer ------------------------------------------------------------------------------

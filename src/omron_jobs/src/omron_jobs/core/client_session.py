@@ -112,11 +112,11 @@ class JobServer:
         session.send(reply.lines)
         if reply.echo is not None:
             session.echo = reply.echo
-        self.tell(reply.changes)
+        self.announce(reply.changes)
         if reply.ends:
             session.close()
 
-    def tell(self, changes: Iterable[SegmentChange]) -> None:
+    def announce(self, changes: Iterable[SegmentChange]) -> None:
         """Tells changes to all clients that are logged in."""
         lines = [update_line(change) for change in changes]
         for session in list(self.sessions):

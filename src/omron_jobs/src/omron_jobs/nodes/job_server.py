@@ -110,7 +110,7 @@ class JobServerNode:
 
     def _on_state(self, message: FleetState) -> None:
         def put() -> None:
-            self._server.tell(self._book.hear_drives(drives_of(message)))
+            self._server.announce(self._book.hear_drives(drives_of(message)))
             self._site.robots = robots_of(message, self._substatus)
             self._work()
         self._put(put)
@@ -148,7 +148,7 @@ class JobServerNode:
         except WrongStatus as wrong:
             warn('status', f'A status is ignored: {wrong}.')
             return
-        self._server.tell(self._book.hear(message.request_id, stamp_of(message), news,
+        self._server.announce(self._book.hear(message.request_id, stamp_of(message), news,
                                           time.monotonic()))
         self._work()
 
@@ -159,7 +159,7 @@ class JobServerNode:
         if answer.found:
             self._hear(answer.status)
         else:
-            self._server.tell(self._book.hear_unknown(job.mission, job.queued, asked))
+            self._server.announce(self._book.hear_unknown(job.mission, job.queued, asked))
             self._work()
 
     def _work(self) -> None:
