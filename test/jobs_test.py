@@ -131,8 +131,10 @@ class JobsTest(unittest.TestCase):
         for words in ('InterruptedByModify None Goal "27"', 'InProgress Driving Goal "6"',
                       'Completed None Goal "6"', 'Completed None Goal "18"'):
             program.until('QueueUpdate: ', 'four', words)
-        self.assertIn([6, 18], [list(status.destinations) for status in self.statuses.messages
-                                if status.state == MissionStatus.SUCCEEDED])
+        self.statuses.wait_for(  # the last segment may end before its mission
+            lambda status: (status.state == MissionStatus.SUCCEEDED
+                            and list(status.destinations) == [6, 18]),
+            PATIENCE, 'the mission to 6 and 18')
         program.close()
 
     def test_a_wrong_goal_makes_no_mission(self) -> None:
