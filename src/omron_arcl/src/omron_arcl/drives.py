@@ -8,9 +8,8 @@ for what others did. Everything else is derived from the records and from what t
 I/O and no clock. `attribution` decides whose a line of the robot is, in one table, and tells the
 events here.
 
-Since when and why the robot seems not to obey a drive (its doubt) is no part of the record, because
-it lasts only while the command is under way. `drive_watch` alone keeps it, in
-`Execution.progress.doubt`, and ends the command if it lasts. Here it only refuses drives meanwhile.
+A record that something newer has replaced is dropped: nothing is derived from it any more. If its
+command is still under way for its giver, the record is kept aside until that ends.
 
 The fate of a drive, and its next fate after an event (`Event`):
 
@@ -31,6 +30,18 @@ The fate of a drive, and its next fate after an event (`Event`):
 A stop is GIVEN until the robot stands after it, which drops the records before it; then it is OVER.
 A stop that failed or was lost is sent again.
 
+The *doubt* of a record under way, also of one that is kept aside: since when and why the robot
+seems not to obey. `judgements` says what an activity of the robot means for a command.
+
+    an activity                                        not doubted    doubted
+    contradicts it                                     doubted        counted
+    the same, arrived instead of broken off, or the    -              doubted since now
+    other way round
+    confirms it; it is acknowledged                    -              not doubted
+    `Stopped` after `Interrupted` of something unknown -              ended
+    SETTLE s with two contradictions, SETTLE_ONCE s    -              ended
+    more with one
+
 Derived:
 - The *ruling* record is the newest one that is not a drive in the state GIVEN. Its giver drives the
   robot. While its fate is unknown, the published giver is empty.
@@ -40,6 +51,8 @@ Derived:
   line or status about its motion begins another: an emergency stop may be the reason, or another
   client. Until then no drive that names an epoch is sent.
 - A stop is owed while its record is not OVER.
+- While a begun drive is doubted because another client may have stopped the robot, no drive that
+  names an epoch is sent.
 - The *last command* of each giver that numbers its commands, and what became of it. So a program
   whose connection broke, or which was restarted, need not guess whether the robot obeys it.
 
@@ -49,6 +62,8 @@ Invariants:
 - Each event that interrupts, cancels or overrules the last drive of a giver begins an epoch of
   another, at the latest when the drives are answered that the robot had not answered yet.
 - No time between two lines decides on their meaning: the order of lines does.
+- Nothing ends a command before it was doubted for SETTLE s, except lines about it, and `Stopped`
+  after an interruption of something unknown.
 
 docs/reference/omron_controller.md states the limits of what can be known.
 """
@@ -59,7 +74,7 @@ import secrets
 from collections import deque
 from dataclasses import replace
 from enum import Enum
-from typing import Callable, Deque, Dict, Mapping, NamedTuple, Optional, Tuple
+from typing import Callable, Deque, Dict, List, Mapping, NamedTuple, Optional, Tuple
 
 from omron_arcl import replies
 from omron_arcl.activity import MOVING, STANDING, Activity, ActivityKind
@@ -67,8 +82,17 @@ from omron_arcl.commands import Command, DriveCourse
 from omron_arcl.errors import ArclError
 from omron_arcl.execution import NO_GIVER, Execution, Giver, Outcome
 from omron_arcl.heard import RobotWords, StopOf
+from omron_arcl.judgements import (
+    DriveSign,
+    Observation,
+    is_settled,
+    judge_drive,
+    judge_stop,
+    next_doubt,
+)
 from omron_arcl.records import (
     CommandFate,
+    Doubt,
     DriveMemory,
     DriveRecord,
     Fate,
@@ -189,7 +213,8 @@ class Drives:
         self._changes: Deque[_Change] = deque(maxlen=_KEPT_EPOCHS)
         self._memory = stored or DriveMemory(0)
         self._number = max((r.number for r in self._records), default=0)
-        self._executions: Dict[int, Execution] = {}  # by the number of the record
+        self._executions: Dict[int, Execution] = {}  # commands under way, by number of the record
+        self._aside: Tuple[DriveRecord, ...] = ()  # dropped records of commands under way
         self._connected = False
         # Whether nothing shows yet what happened to the robot before this connection.
         self._unseen = stored is not None
@@ -204,6 +229,9 @@ class Drives:
 
     @_records.setter
     def _records(self, records: Tuple[DriveRecord, ...]) -> None:
+        kept = {record.number for record in records}
+        self._aside = tuple(r for r in (*self._aside, *self._records)
+                            if r.number in self._executions and r.number not in kept)
         self._memory = replace(self._memory, records=records)
 
     # --- derived answers --------------------------------------------------------------------------
@@ -262,8 +290,9 @@ class Drives:
         other = next((r for r in self._records if r.pending and r.giver != giver), None)
         if other:
             return f'the robot has not answered {other.words} yet'
-        newest = list(self._executions.values())[-1:]
-        if self._memory.drives and any(self.has_begun(e) and e.progress.is_doubted for e in newest):
+        newest = next(reversed(list(self._executions.values())), None)
+        doubt = self._doubt_of(newest) if newest and self.has_begun(newest) else None
+        if self._memory.drives and doubt and doubt.outcome is Outcome.INTERRUPTED:
             return 'the robot may have been stopped by another client'
         return ''
 
@@ -338,15 +367,16 @@ class Drives:
 
     # --- progress of commands ---------------------------------------------------------------------
 
-    def acknowledged(self, execution: Execution) -> None:
+    def acknowledged(self, execution: Execution, line: str) -> None:
         """The robot obeys a drive; called before older motions end because of it."""
         self.heard.acknowledged = execution.order
         record = self._record_of(execution)
         if record and record.kind is RecordKind.DRIVE:
-            self._obeyed(record)
+            self._obeyed(record, line)
 
     def ended(self, execution: Execution, outcome: Outcome, words: str, now: float) -> None:
         """A command has ended, or could not be sent."""
+        self._set_doubt(execution, None)
         record = self._record_of(execution)
         if execution.command.spec.stops and outcome in UNHEEDED and not self.has_begun(execution):
             self.heard.forget_stop()
@@ -394,6 +424,56 @@ class Drives:
         elif event is Event.EMERGENCY_STOP and record.pending and execution.sent:
             self._add(RecordKind.STOP, NO_GIVER, words)  # it may come when the motors are on again
             self._keep()
+
+    # --- doubts -----------------------------------------------------------------------------------
+
+    def record_of(self, execution: Execution) -> Optional[DriveRecord]:
+        """The record of a drive or stop under way, also of one that is kept aside."""
+        return next((r for r in (*self._records, *self._aside)
+                     if self._executions.get(r.number) is execution), None)
+
+    @property
+    def in_doubt(self) -> bool:
+        """Whether a status of the robot would show whether a drive or stop is over, or why."""
+        return self.is_unexplained or any(map(self._doubt_of, self._executions.values()))
+
+    def observed(self, seen: Observation, now: float) -> List[Execution]:
+        """The robot shows an activity. Returns the drives that it confirms, the oldest first."""
+        confirmed = []
+        sent = sorted((e for e in self._executions.values() if e.sent), key=lambda e: e.order)
+        drives = [e for e in sent if e.command.spec.drives]
+        for execution in sent:
+            if seen.asked is not None and seen.asked < execution.order:
+                continue  # the status says nothing about a command that was sent after its question
+            doubt, begun = self._doubt_of(execution), self.has_begun(execution)
+            verdict = (judge_drive(execution, seen, begun) if execution in drives
+                       else judge_stop(execution, seen, drives))
+            if (doubt and doubt.broken_off and not seen.is_status
+                    and seen.activity.kind is ActivityKind.STOPPED):
+                self._set_doubt(execution, replace(doubt, is_certain=True))
+            elif isinstance(verdict, Outcome):
+                self._set_doubt(execution, next_doubt(doubt, verdict, seen, now, begun))
+            elif verdict is DriveSign.CONFIRMED:
+                self._set_doubt(execution, None)
+                confirmed += [execution] if execution in drives else []
+        return confirmed
+
+    def settled(self, now: float) -> List[Tuple[Execution, Doubt]]:
+        """The commands whose doubt has lasted so long that it ends them."""
+        doubted = [(e, self._doubt_of(e)) for e in self._executions.values()]
+        return [(execution, doubt) for execution, doubt in doubted
+                if doubt and is_settled(doubt, execution.command.spec.course, now)]
+
+    def _doubt_of(self, execution: Execution) -> Optional[Doubt]:
+        record = self.record_of(execution)
+        return record.doubt if record else None
+
+    def _set_doubt(self, execution: Execution, doubt: Optional[Doubt]) -> None:
+        def marked(records: Tuple[DriveRecord, ...]) -> Tuple[DriveRecord, ...]:
+            return tuple(replace(r, doubt=doubt) if self._executions.get(r.number) is execution
+                         else r for r in records)
+        if self._doubt_of(execution) != doubt:
+            self._records, self._aside = marked(self._records), marked(self._aside)
 
     # --- lines of the robot -----------------------------------------------------------------------
 
@@ -455,12 +535,12 @@ class Drives:
             r.fate is Fate.UNKNOWN and goal.casefold() in r.names
             for r in before[:before.index(stop)])
 
-    def begins_late(self, goal: str) -> None:
+    def begins_late(self, goal: str, line: str) -> None:
         """The robot sets out for a drive of ours whose command has ended for its giver."""
         record = next((r for r in reversed(self._records) if r.fate is Fate.UNKNOWN
                        and goal.casefold() in r.names), None)
         if record and not self._memory.stop_owed:
-            self._obeyed(record)
+            self._obeyed(record, line)
 
     def driven_by_others(self, cause: MotionCause, activity: Activity, text: str) -> None:
         """The robot begins a motion that no program here asked for."""
@@ -494,7 +574,7 @@ class Drives:
             if not owed:
                 moves = activity.kind in MOVING
                 self._records = (replace(record, fate=Fate.OBEYED if moves else Fate.OVER,
-                                         ending=CommandFate.COMPLETED),)
+                                         ending=CommandFate.COMPLETED, acknowledged_by=text),)
                 self._keep()
         elif not self.heard.emergency:
             words = f'after an outage the robot shows "{text}"'
@@ -588,7 +668,7 @@ class Drives:
                               for one in (following if r is record else (r,)))
         self._keep()
 
-    def _obeyed(self, record: DriveRecord) -> None:
+    def _obeyed(self, record: DriveRecord, line: str) -> None:
         """The robot carries a drive out: what came before it is over, and its giver drives."""
         if record.fate is Fate.OBEYED:
             return
@@ -597,6 +677,7 @@ class Drives:
         # the robot answers in order: all stops sent before are answered, and none sent after
         self.heard.unheard_stops = sum(r.kind is RecordKind.STOP and (
             r.fate is Fate.OVER or self._was_sent(r)) for r in self._records[at + 1:])
+        record = replace(record, acknowledged_by=line, doubt=None)
         self._records = (record, *(
             r for r in self._records[at + 1:] if r.kind in (RecordKind.DRIVE, RecordKind.STOP)))
         self._happens(Event.ACKNOWLEDGED, record)
@@ -666,7 +747,8 @@ class Drives:
                     LastCommand(given.giver.name, given.command, CommandFate.GIVEN))
         self._memory = replace(self._memory, last_commands=tuple(
             replace(one, fate=self._fate_of(one)) for one in last)[-_KEPT_GIVERS:])
-        self._store(self._memory)
+        self._store(replace(self._memory, records=tuple(
+            replace(record, doubt=None) for record in self._records)))
 
     def _fate_of(self, last: LastCommand) -> CommandFate:
         record = next((r for r in reversed(self._records)
