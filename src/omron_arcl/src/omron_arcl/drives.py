@@ -74,7 +74,17 @@ import secrets
 from collections import deque
 from dataclasses import replace
 from enum import Enum
-from typing import Callable, Deque, Dict, List, Mapping, NamedTuple, Optional, Tuple
+from typing import (
+    Callable,
+    Deque,
+    Dict,
+    List,
+    Mapping,
+    NamedTuple,
+    Optional,
+    Sequence,
+    Tuple,
+)
 
 from omron_arcl import replies
 from omron_arcl.activity import MOVING, STANDING, Activity, ActivityKind
@@ -86,8 +96,7 @@ from omron_arcl.judgements import (
     DriveSign,
     Observation,
     is_settled,
-    judge_drive,
-    judge_stop,
+    judge,
     next_doubt,
 )
 from omron_arcl.records import (
@@ -439,24 +448,21 @@ class Drives:
 
     def observed(self, seen: Observation, now: float) -> List[Execution]:
         """The robot shows an activity. Returns the drives that it confirms, the oldest first."""
-        confirmed = []
         sent = sorted((e for e in self._executions.values() if e.sent), key=lambda e: e.order)
         drives = [e for e in sent if e.command.spec.drives]
-        for execution in sent:
-            if seen.asked is not None and seen.asked < execution.order:
-                continue  # the status says nothing about a command that was sent after its question
-            doubt, begun = self._doubt_of(execution), self.has_begun(execution)
-            verdict = (judge_drive(execution, seen, begun) if execution in drives
-                       else judge_stop(execution, seen, drives))
-            if (doubt and doubt.broken_off and not seen.is_status
-                    and seen.activity.kind is ActivityKind.STOPPED):
-                self._set_doubt(execution, replace(doubt, is_certain=True))
-            elif isinstance(verdict, Outcome):
-                self._set_doubt(execution, next_doubt(doubt, verdict, seen, now, begun))
-            elif verdict is DriveSign.CONFIRMED:
-                self._set_doubt(execution, None)
-                confirmed += [execution] if execution in drives else []
-        return confirmed
+        return [e for e in sent if self._is_confirmed(e, drives, seen, now) and e in drives]
+
+    def _is_confirmed(self, execution: Execution, drives: Sequence[Execution], seen: Observation,
+                      now: float) -> bool:
+        doubt, begun = self._doubt_of(execution), self.has_begun(execution)
+        verdict = judge(execution, seen, begun, drives)
+        if doubt and doubt.broken_off and seen.is_line_of(ActivityKind.STOPPED):
+            self._set_doubt(execution, replace(doubt, is_certain=True))
+        elif isinstance(verdict, Outcome):
+            self._set_doubt(execution, next_doubt(doubt, verdict, seen, now, begun))
+        elif verdict is DriveSign.CONFIRMED:
+            self._set_doubt(execution, None)
+        return verdict is DriveSign.CONFIRMED
 
     def settled(self, now: float) -> List[Tuple[Execution, Doubt]]:
         """The commands whose doubt has lasted so long that it ends them."""

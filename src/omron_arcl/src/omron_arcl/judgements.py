@@ -67,6 +67,10 @@ class Observation(NamedTuple):
         """The words for the giver of the command."""
         return f'the robot\'s status is "{self.text}"' if self.is_status else self.text
 
+    def is_line_of(self, kind: ActivityKind) -> bool:
+        """Whether it is a line, not a status, about this activity."""
+        return self.activity.kind is kind and not self.is_status
+
     @property
     def point(self) -> Tuple[float, ...]:
         """The coordinates that the robot shows as its goal."""
@@ -163,22 +167,27 @@ def acknowledges(execution: Execution, reply: Reply) -> bool:
     return fits(execution.command.spec.acknowledged_by, execution, reply)
 
 
-def judge_drive(drive: Execution, seen: Observation, begun: bool) -> Verdict:
-    """What the robot's activity says about a drive."""
+def judge(execution: Execution, seen: Observation, begun: bool, drives: Sequence[Execution]
+          ) -> Verdict:
+    """What the robot's activity says about a drive or stop that was sent.
+
+    drives -- all drives that were sent
+    """
+    if seen.asked is not None and seen.asked < execution.order:
+        return DriveSign.NONE  # the status answers an older question
+    if execution.command.spec.stops:
+        return _judge_stop(execution, seen, drives)
     for row in JUDGEMENTS:
-        if row.begun in (None, begun) and row.holds(drive, seen):
+        if row.begun in (None, begun) and row.holds(execution, seen):
             return row.verdict
-    course = drive.command.spec.course
+    course = execution.command.spec.course
     if not begun or course is None:
         return DriveSign.NONE
     return VERDICTS[course].get(seen.activity.kind, DriveSign.NONE)
 
 
-def judge_stop(stop: Execution, seen: Observation, drives: Sequence[Execution]) -> Verdict:
-    """A stop is obeyed if the robot stands, and overtaken if the robot drives elsewhere.
-
-    drives -- those that the robot may carry out
-    """
+def _judge_stop(stop: Execution, seen: Observation, drives: Sequence[Execution]) -> Verdict:
+    """A stop is obeyed if the robot stands, and overtaken if the robot drives elsewhere."""
     kind = seen.activity.kind
     if seen.is_status and kind in STANDING:
         return Outcome.SUCCEEDED
@@ -192,7 +201,7 @@ def judge_stop(stop: Execution, seen: Observation, drives: Sequence[Execution]) 
 def next_doubt(doubt: Optional[Doubt], outcome: Outcome, seen: Observation, now: float,
                begun: bool) -> Doubt:
     """The doubt after another activity that contradicts a command."""
-    broken_off = (isinstance(seen.activity.reply, replies.Interrupted) and not seen.is_status
+    broken_off = (seen.is_line_of(ActivityKind.INTERRUPTED)
                   and (not seen.activity.goal or not begun))
     if doubt is None or (outcome is not doubt.outcome
                          and Outcome.SUCCEEDED in (outcome, doubt.outcome)):
