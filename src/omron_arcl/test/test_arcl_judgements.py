@@ -6,8 +6,7 @@ from typing import Optional, Tuple
 import pytest
 from arcl_builders import DOCK, Conversation, outcome
 
-from omron_arcl import ActivityKind, Execution, Outcome
-from omron_arcl import judgements
+from omron_arcl import ActivityKind, Execution, Outcome, judgements
 from omron_arcl.commands import DriveCourse
 
 

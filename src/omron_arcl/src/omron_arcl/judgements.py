@@ -16,7 +16,6 @@ from dataclasses import replace
 from enum import Enum
 from typing import Callable, Dict, Mapping, NamedTuple, Optional, Sequence, Tuple, Union
 
-from omron_arcl import replies
 from omron_arcl.activity import MOVING, STANDING, Activity, ActivityKind
 from omron_arcl.commands import DriveCourse, Predicate
 from omron_arcl.execution import Execution, Outcome
@@ -137,7 +136,8 @@ JUDGEMENTS: Tuple[ObservationRule, ...] = (
     ObservationRule('no power', Outcome.FAILED,
               lambda execution, seen: seen.activity.kind is _K.MOTORS_DISABLED),
     ObservationRule('arrived', Outcome.SUCCEEDED, lambda execution, seen: (
-        seen.is_status and fits(execution.command.spec.completed_by, execution, seen.activity.reply))),
+        seen.is_status
+        and fits(execution.command.spec.completed_by, execution, seen.activity.reply))),
     ObservationRule('its goal', DriveSign.CONFIRMED,
               lambda execution, seen: acknowledges(execution, seen.activity.reply)),
     ObservationRule('its point', DriveSign.CONFIRMED,
