@@ -75,6 +75,7 @@ from collections import deque
 from dataclasses import replace
 from enum import Enum
 from typing import (
+    Any,
     Callable,
     Deque,
     Dict,
@@ -314,7 +315,8 @@ class Drives:
         """Whether the robot obeys a command, or has begun to answer it. It answers in the order of
         sending, and a drive that it acknowledges ends all before it."""
         if execution.command.spec.drives:
-            return 0 < execution.order <= self.heard.acknowledged
+            record = self.record_of(execution)
+            return record is not None and bool(record.acknowledged_by)
         if execution.command.spec.stops:
             stops = [e for e in self._executions.values() if e.command.spec.stops and e.sent]
             return execution in stops[:max(len(stops) - self.heard.unheard_stops, 0)]
@@ -378,14 +380,15 @@ class Drives:
 
     def acknowledged(self, execution: Execution, line: str) -> None:
         """The robot obeys a drive; called before older motions end because of it."""
-        self.heard.acknowledged = execution.order
-        record = self._record_of(execution)
-        if record and record.kind is RecordKind.DRIVE:
-            self._obeyed(record, line)
+        record = self.record_of(execution)
+        if record is not None:
+            self._obeyed(record.number, line)
 
     def ended(self, execution: Execution, outcome: Outcome, words: str, now: float) -> None:
         """A command has ended, or could not be sent."""
-        self._set_doubt(execution, None)
+        under_way = self.record_of(execution)
+        if under_way is not None:
+            self._mark(under_way.number, doubt=None)
         record = self._record_of(execution)
         if execution.command.spec.stops and outcome in UNHEEDED and not self.has_begun(execution):
             self.heard.forget_stop()
@@ -454,14 +457,16 @@ class Drives:
 
     def _is_confirmed(self, execution: Execution, drives: Sequence[Execution], seen: Observation,
                       now: float) -> bool:
-        doubt, begun = self._doubt_of(execution), self.has_begun(execution)
+        record, begun = self.record_of(execution), self.has_begun(execution)
         verdict = judge(execution, seen, begun, drives)
-        if doubt and doubt.broken_off and seen.is_line_of(ActivityKind.STOPPED):
-            self._set_doubt(execution, replace(doubt, is_certain=True))
+        if record is None:
+            return False
+        if record.doubt and record.doubt.broken_off and seen.is_line_of(ActivityKind.STOPPED):
+            self._mark(record.number, doubt=replace(record.doubt, is_certain=True))
         elif isinstance(verdict, Outcome):
-            self._set_doubt(execution, next_doubt(doubt, verdict, seen, now, begun))
+            self._mark(record.number, doubt=next_doubt(record.doubt, verdict, seen, now, begun))
         elif verdict is DriveSign.CONFIRMED:
-            self._set_doubt(execution, None)
+            self._mark(record.number, doubt=None)
         return verdict is DriveSign.CONFIRMED
 
     def settled(self, now: float) -> List[Tuple[Execution, Doubt]]:
@@ -474,12 +479,11 @@ class Drives:
         record = self.record_of(execution)
         return record.doubt if record else None
 
-    def _set_doubt(self, execution: Execution, doubt: Optional[Doubt]) -> None:
+    def _mark(self, number: int, **changes: Any) -> None:
+        """Changes what is told of a drive or stop, but not what becomes of it."""
         def marked(records: Tuple[DriveRecord, ...]) -> Tuple[DriveRecord, ...]:
-            return tuple(replace(r, doubt=doubt) if self._executions.get(r.number) is execution
-                         else r for r in records)
-        if self._doubt_of(execution) != doubt:
-            self._records, self._aside = marked(self._records), marked(self._aside)
+            return tuple(replace(r, **changes) if r.number == number else r for r in records)
+        self._records, self._aside = marked(self._records), marked(self._aside)
 
     # --- lines of the robot -----------------------------------------------------------------------
 
@@ -546,7 +550,7 @@ class Drives:
         record = next((r for r in reversed(self._records) if r.fate is Fate.UNKNOWN
                        and goal.casefold() in r.names), None)
         if record and not self._memory.stop_owed:
-            self._obeyed(record, line)
+            self._obeyed(record.number, line)
 
     def driven_by_others(self, cause: MotionCause, activity: Activity, text: str) -> None:
         """The robot begins a motion that no program here asked for."""
@@ -674,16 +678,18 @@ class Drives:
                               for one in (following if r is record else (r,)))
         self._keep()
 
-    def _obeyed(self, record: DriveRecord, line: str) -> None:
-        """The robot carries a drive out: what came before it is over, and its giver drives."""
-        if record.fate is Fate.OBEYED:
+    def _obeyed(self, number: int, line: str) -> None:
+        """The robot carries a drive out, as a line says: what came before it is over, and its giver
+        drives."""
+        self._mark(number, acknowledged_by=line, doubt=None)
+        record = next((r for r in self._records if r.number == number), None)
+        if record is None or record.fate is Fate.OBEYED:
             return
         ruling, at = self._memory.ruling, self._records.index(record)
         self.heard.replacing = False
         # the robot answers in order: all stops sent before are answered, and none sent after
         self.heard.unheard_stops = sum(r.kind is RecordKind.STOP and (
             r.fate is Fate.OVER or self._was_sent(r)) for r in self._records[at + 1:])
-        record = replace(record, acknowledged_by=line, doubt=None)
         self._records = (record, *(
             r for r in self._records[at + 1:] if r.kind in (RecordKind.DRIVE, RecordKind.STOP)))
         self._happens(Event.ACKNOWLEDGED, record)
