@@ -26,10 +26,11 @@ from omron_arcl.heard import SelfStop, StopOf
 from omron_arcl.judgements import ABOUT_THE_DOCK, Observation, acknowledges, fits
 from omron_arcl.parser import parse_line
 from omron_arcl.records import MotionCause
-from omron_arcl.replies import Reply, coordinates
+from omron_arcl.replies import Reply, coordinates, readable
 from omron_arcl.secret import redact_passwords
 
 _CUT_NAME = 16  # length to which the robot shortens the name of an unknown command
+_ROUNDED = 2.0  # mm or degrees by which the robot may repeat a point otherwise
 _NO_GOAL = re.compile(r'\bno (such )?goal\b|\bgoal\b.*\b(not found|not exist|unknown)\b|'
                       r'\b(unknown|invalid) goal\b', re.IGNORECASE)
 _EMERGENCY_STOP = re.compile(r'e-?stop|emergency stop', re.IGNORECASE)
@@ -368,6 +369,20 @@ def _repeats(is_same: Callable[[str, str], bool]) -> Callable[[Execution, Any], 
         _plain(redact_passwords(execution.command.line).decode('utf-8', 'replace')))
 
 
+def _repeats_its_name(execution: Execution, reply: replies.CommandError) -> bool:
+    """Whether a line begins with the name of a command, and names no other goal or point. With
+    another one it is the late answer to a command that has ended for its giver."""
+    command, said = execution.command, _plain(reply.command).split()[1:]
+    if not _repeats(lambda said, given: said.split()[:1] == given.split()[:1])(execution, reply):
+        return False
+    if command.goals and said:
+        at = command.spec.goal_at or 0
+        goals = [_plain(readable(goal)).split() for goal in command.goals]
+        return any(said[at:at + len(goal)] == goal for goal in goals)
+    point, own = coordinates(' '.join(said)), coordinates(' '.join(command.arguments[:len(said)]))
+    return all(abs(one - other) <= _ROUNDED for one, other in zip(point, own))
+
+
 def _plain(command: str) -> str:
     return ' '.join(command.replace('"', ' ').split()).casefold()
 
@@ -501,8 +516,7 @@ ATTRIBUTIONS: Mapping[LinePart, Tuple[Row, ...]] = {
                 lambda said, given: len(said) >= _CUT_NAME and given.startswith(said))),
             Means.REFUSED_SOON, 'observed: long names are cut'),
         Row('refused: name', (replies.CommandError,),
-            _first(_not_refused,
-                   _repeats(lambda said, given: said.split()[:1] == given.split()[:1])),
+            _first(_not_refused, _repeats_its_name),
             Means.REFUSED_SOON, 'observed: arguments are left out or written otherwise'),
         Row('no goal', (replies.CommandErrorDescription,), _first(_refused, _lacks_goal),
             Outcome.NO_GOAL, 'p. 46: `No goal`'),
