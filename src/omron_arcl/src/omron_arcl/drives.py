@@ -74,18 +74,7 @@ import secrets
 from collections import deque
 from dataclasses import replace
 from enum import Enum
-from typing import (
-    Any,
-    Callable,
-    Deque,
-    Dict,
-    List,
-    Mapping,
-    NamedTuple,
-    Optional,
-    Sequence,
-    Tuple,
-)
+from typing import Any, Callable, Deque, Dict, List, Mapping, NamedTuple, Optional, Sequence, Tuple
 
 from omron_arcl import replies
 from omron_arcl.activity import MOVING, STANDING, Activity, ActivityKind
@@ -93,13 +82,7 @@ from omron_arcl.commands import Command, DriveCourse
 from omron_arcl.errors import ArclError
 from omron_arcl.execution import NO_GIVER, Execution, Giver, Outcome
 from omron_arcl.heard import RobotWords, StopOf
-from omron_arcl.judgements import (
-    DriveSign,
-    Observation,
-    is_settled,
-    judge,
-    next_doubt,
-)
+from omron_arcl.judgements import DriveSign, Observation, is_settled, judge, next_doubt
 from omron_arcl.records import (
     CommandFate,
     Doubt,
@@ -651,14 +634,13 @@ class Drives:
     # --- records and epochs -----------------------------------------------------------------------
 
     def _record(self, kind: RecordKind, giver: Giver, words: str, fate: Fate = Fate.GIVEN,
-                goal: str = '', names: Tuple[str, ...] = (), command: int = 0) -> DriveRecord:
+                **fields: Any) -> DriveRecord:
         self._number += 1
-        return DriveRecord(self._number, kind, fate, giver, goal, names, words, command)
+        return DriveRecord(self._number, kind, fate, giver, words=words, **fields)
 
     def _add(self, kind: RecordKind, giver: Giver, words: str,
-             execution: Optional[Execution] = None, fate: Fate = Fate.GIVEN, goal: str = '',
-             names: Tuple[str, ...] = (), command: int = 0) -> None:
-        record = self._record(kind, giver, words, fate, goal, names, command)
+             execution: Optional[Execution] = None, **fields: Any) -> None:
+        record = self._record(kind, giver, words, **fields)
         self._records = (*self._records, record)[-_KEPT_RECORDS:]
         if execution:
             self._executions[record.number] = execution
@@ -732,9 +714,8 @@ class Drives:
         given = any(r.pending for r in self._records)
         self._records = (
             *(r for r in self._records if r.pending or r.owed and (given or not drives)),
-            replace(self._record(
-                RecordKind.FOREIGN_DRIVE if drives else RecordKind.FOREIGN_STOP, NO_GIVER, words,
-                Fate.OVER), shown=_shown(activity) if activity and drives else ''))
+            self._record(RecordKind.FOREIGN_DRIVE if drives else RecordKind.FOREIGN_STOP, NO_GIVER,
+                         words, Fate.OVER, shown=_shown(activity) if activity and drives else ''))
         self._begin_epoch(None, cause, words, drives)
 
     def note_emergency(self, words: str) -> None:
