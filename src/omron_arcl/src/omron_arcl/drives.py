@@ -434,7 +434,7 @@ class Drives:
 
     def observed(self, seen: Observation, now: float) -> List[Execution]:
         """The robot shows an activity. Returns the drives that it confirms, the oldest first."""
-        sent = sorted((e for e in self._executions.values() if e.sent), key=lambda e: e.order)
+        sent = self._sent
         drives = [e for e in sent if e.command.spec.drives]
         return [e for e in sent if self._is_confirmed(e, drives, seen, now) and e in drives]
 
@@ -453,10 +453,15 @@ class Drives:
         return verdict is DriveSign.CONFIRMED
 
     def settled(self, now: float) -> List[Tuple[Execution, Doubt]]:
-        """The commands whose doubt has lasted so long that it ends them."""
-        doubted = [(e, self._doubt_of(e)) for e in self._executions.values()]
+        """The commands whose doubt has lasted so long that it ends them, the oldest first."""
+        doubted = [(execution, self._doubt_of(execution)) for execution in self._sent]
         return [(execution, doubt) for execution, doubt in doubted
                 if doubt and is_settled(doubt, execution.command.spec.course, now)]
+
+    @property
+    def _sent(self) -> List[Execution]:
+        """The drives and stops under way that were sent, in the order of sending."""
+        return sorted((e for e in self._executions.values() if e.sent), key=lambda e: e.order)
 
     def _doubt_of(self, execution: Execution) -> Optional[Doubt]:
         record = self.record_of(execution)
