@@ -8,10 +8,11 @@ import socket
 import struct
 import threading
 import time
-from typing import Any, Callable, List, Set, Tuple
+from typing import Any, Callable, List, Optional, Set, Tuple
 
 from omron_arcl import Execution, Outcome, Received, parse_command, parse_line
 from omron_arcl.dispatcher import Dispatcher
+from omron_arcl.records import Doubt
 from omron_arcl.session import Closed, Event, Session
 
 PASSWORD = b'adept'
@@ -132,6 +133,11 @@ class Conversation:
     def has_begun(self, execution: Execution) -> bool:
         """Whether the robot has acknowledged a command."""
         return self.dispatcher.records.has_begun(execution)
+
+    def doubt_of(self, execution: Execution) -> Optional[Doubt]:
+        """The doubt on the record of a command under way."""
+        record = self.dispatcher.records.record_of(execution)
+        return record.doubt if record else None
 
     def cancel(self, execution: Execution) -> None:
         """Cancels a command; lines that this requires are sent later."""

@@ -287,3 +287,29 @@ def test_a_docking_state_with_a_field_of_a_newer_robot_is_understood(talk):
     dock = talk.give('dock')
     talk.robot(*(f'{line} BatteryState: Good' for line in DOCK[:4]))
     assert outcome(dock) is Outcome.SUCCEEDED
+
+
+@pytest.mark.parametrize('former, command', [
+    ('goto 99', 'goto 3'), ('goto 99 90', 'goto 3 90'), ('gotoPoint 100 200', 'gotoPoint 300 400'),
+    ('gotoRouteGoal r 99', 'gotoRouteGoal r 3')])
+def test_a_refusal_that_names_another_goal_is_of_a_command_that_has_ended(talk, former, command):
+    """The robot answers the first one late. The person's drive goes on, and must not be told as
+    refused: the robot would drive without an owner."""
+    first = talk.give(former)
+    talk.robot('EStop pressed', 'EStop relieved but motors still disabled', 'Motors enabled')
+    assert outcome(first) is Outcome.EMERGENCY_STOPPED
+    drive = talk.give(command)
+    talk.robot(f'CommandError: {former}', "CommandErrorDescription: No goal '99'")
+    assert drive.result is None
+    talk.robot('Going to point' if 'Point' in command else 'Going to 3')
+    assert talk.has_begun(drive)
+
+
+@pytest.mark.parametrize('command, said', [
+    ('goto 3 90', 'goto'), ('goto 3 90', 'goto "3"'), ('goto 3 90', 'GOTO 3 90.0'),
+    ('gotoPoint 100.4 200', 'gotoPoint 100 200'), ('gotoRouteGoal r 3', 'gotoRouteGoal "r" 3'),
+    ('gotoPoint 100 200', 'gotoPoint 100 200 0'), ('goto Goal 3', 'goto "Goal 3"')])
+def test_a_refusal_may_spell_the_command_in_another_way(talk, command, said):
+    drive = talk.give(command)
+    talk.robot(f'CommandError: {said}', 'CommandErrorDescription: no')
+    assert outcome(drive) is Outcome.REJECTED

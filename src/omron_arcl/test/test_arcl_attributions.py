@@ -52,8 +52,8 @@ OCCASIONS: Dict[str, Occasion] = {
                                ['sent'], OTHERS),
     'stop of another client': Occasion('Going to 5', [], ['Stopping'], [], OTHERS),
     # refusals
-    'refused: whole line': Occasion('Stopped', ['goto 98', 'goto 99'],
-                                    ['CommandError: goto 99', REASON], ['sent', 'rejected']),
+    'refused: whole line': Occasion('Stopped', ['gotoPoint 1 2', 'gotoPoint 3 4'],
+                                    ['CommandError: gotoPoint 3 4', REASON], ['sent', 'rejected']),
     'refused: beginning': Occasion(
         'Stopped', ['executeMacro Adept 1', 'executeMacro Adept Greeting'],
         ['CommandError: executeMacro Adept Gr', REASON], ['sent', 'rejected']),

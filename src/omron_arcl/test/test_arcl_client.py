@@ -30,8 +30,8 @@ from omron_arcl import (
     SessionLog,
 )
 from omron_arcl.commands import DriveCourse
-from omron_arcl.drive_watch import SETTLE
 from omron_arcl.errors import StopOwed
+from omron_arcl.judgements import SETTLE
 from omron_arcl.transport import TICK
 
 

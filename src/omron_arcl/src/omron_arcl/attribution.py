@@ -3,8 +3,8 @@
 The robot answers in the order of sending, and its lines carry no id. Only their text, and what the
 robot did before, connect them with a command. A line may concern several parts of this program
 (`LinePart`); in each part the first row that holds decides. A row that ends, acknowledges or
-continues commands finds them among those that were sent. `drives` keeps what follows from that, and
-`drive_watch` judges drives by the robot's activity where no line names them.
+continues commands finds them among those that were sent. `drives` keeps what follows from that. It
+judges drives by the robot's activity where no line names them; see `judgements`.
 
 Sources are pages of OMRON's ARCL manual I617-E-01, or of I617-E-02 where that is named. `observed`:
 programs for real robots rely on it. `assumed`: no source says it; check it with a robot.
@@ -15,21 +15,22 @@ import math
 import re
 from dataclasses import dataclass
 from enum import Enum
-from typing import Any, Callable, Iterable, List, Mapping, Optional, Sequence, Tuple, Type, Union
+from typing import Any, Callable, Iterable, List, Mapping, Sequence, Tuple, Type, Union
 
 from omron_arcl import replies
 from omron_arcl.activity import STANDING, ActivityKind, activity_of, read_activity
 from omron_arcl.command_queue import CommandQueue
-from omron_arcl.commands import DriveCourse, Predicate
-from omron_arcl.drive_watch import ABOUT_THE_DOCK, DriveWatch, Observation
+from omron_arcl.commands import DriveCourse
 from omron_arcl.execution import Execution, Outcome
 from omron_arcl.heard import SelfStop, StopOf
+from omron_arcl.judgements import ABOUT_THE_DOCK, Observation, acknowledges, fits
 from omron_arcl.parser import parse_line
 from omron_arcl.records import MotionCause
-from omron_arcl.replies import Reply, coordinates
+from omron_arcl.replies import Reply, coordinates, readable
 from omron_arcl.secret import redact_passwords
 
 _CUT_NAME = 16  # length to which the robot shortens the name of an unknown command
+_ROUNDED = 2.0  # mm or degrees by which the robot may repeat a point otherwise
 _NO_GOAL = re.compile(r'\bno (such )?goal\b|\bgoal\b.*\b(not found|not exist|unknown)\b|'
                       r'\b(unknown|invalid) goal\b', re.IGNORECASE)
 _EMERGENCY_STOP = re.compile(r'e-?stop|emergency stop', re.IGNORECASE)
@@ -96,7 +97,6 @@ class Attribution:
 
     def __init__(self, commands: CommandQueue) -> None:
         self._commands = commands
-        self.watch = DriveWatch(commands)
 
     def on_reply(self, reply: Reply, text: str, now: float) -> None:
         """Processes a line of the robot: `reply` is its meaning, `text` its words."""
@@ -111,7 +111,7 @@ class Attribution:
             for row, _ in self._decide(LinePart.START, reply):
                 self._starts(Begins(row.meaning), reply, text)
         answered = self._apply(LinePart.ANSWER, reply, text, now, bool(claimed))
-        self._watch(reply, text, now, answered)
+        self._activity(reply, text, now, answered)
 
     def _decide(self, part: LinePart, reply: Reply, claimed: bool = False
                 ) -> Iterable[Tuple[Row, Sequence[Execution]]]:
@@ -140,7 +140,7 @@ class Attribution:
 
     def _acknowledged(self, execution: Execution, reply: Reply, text: str, now: float) -> None:
         self._commands.add_line(execution, text, now)
-        self._commands.begin(execution)
+        self._commands.begin(execution, text)
 
     def _goes_on(self, execution: Execution, reply: Reply, text: str, now: float) -> None:
         """A line of a drive. A robot that stands gives no sign that its drive goes on.
@@ -172,7 +172,7 @@ class Attribution:
         """
         records = self._commands.records
         if why is Begins.LATE:
-            records.begins_late(activity_of(reply).goal)
+            records.begins_late(activity_of(reply).goal, text)
         else:
             records.driven_by_others(
                 MotionCause.ROBOT if why is Begins.ITSELF else MotionCause.OTHER_CLIENT,
@@ -181,18 +181,27 @@ class Attribution:
             self._commands.end_before(execution, f'taken over: {text}')
             self._commands.end(execution, Outcome.INTERRUPTED, f'taken over: {text}')
 
-    def _watch(self, reply: Reply, text: str, now: float, asked: Sequence[Execution]) -> None:
+    def _activity(self, reply: Reply, text: str, now: float, asked: Sequence[Execution]) -> None:
+        """The line, or the status that answers the question `asked`, may say what the robot does.
+        """
         if isinstance(reply, (replies.StatusText, replies.OneLineStatus)):
             shown = reply.text if isinstance(reply, replies.StatusText) else reply.status
             if shown:
                 activity = read_activity(shown)
-                self.watch.observe(Observation(
+                self._observe(Observation(
                     activity, shown, True, asked[0].order if asked else None), now)
                 self._commands.records.showed(activity, shown)
-        elif self._commands.motion_executions:
-            activity = activity_of(reply)
-            if activity.kind is not ActivityKind.UNKNOWN:
-                self.watch.observe(Observation(activity, text, False), now)
+        elif activity_of(reply).kind is not ActivityKind.UNKNOWN:
+            self._observe(Observation(activity_of(reply), text, False), now)
+
+    def _observe(self, seen: Observation, now: float) -> None:
+        for drive in self._commands.records.observed(seen, now):
+            if seen.activity.kind is ActivityKind.GOING_TO_POINT:
+                drive.progress.points.add(seen.point)
+            if seen.is_status:
+                drive.progress.heard = now
+                if acknowledges(drive, seen.activity.reply):
+                    self._commands.begin(drive, seen.words)
 
 
 _HANDLERS: Mapping[Means, Callable[[Attribution, Execution, Reply, str, float], None]] = {
@@ -277,7 +286,7 @@ def _to_acknowledge(commands: CommandQueue, reply: Reply) -> List[Execution]:
     although its command has ended comes first, if a stop was sent between the two."""
     goal = activity_of(reply).goal
     fresh = [e for e in _fresh(commands) if not commands.records.comes_earlier(goal, e)]
-    return [e for e in fresh + _began(commands) if _acknowledges(e, reply)][:1]
+    return [e for e in fresh + _began(commands) if acknowledges(e, reply)][:1]
 
 
 def _present(commands: CommandQueue) -> Sequence[Execution]:
@@ -307,7 +316,7 @@ def _need_motors(commands: CommandQueue) -> Sequence[Execution]:
 def _obeyed_stops(commands: CommandQueue, reply: Reply) -> List[Execution]:
     """The stops that a `Stopped` ends. A stop behind a drive of which the robot has said nothing is
     not answered yet, because the robot answers in the order of sending: another client stopped the
-    robot. If the robot never says a word about that drive, `drive_watch` ends the stop."""
+    robot. If the robot never says a word about that drive, `drives` ends the stop."""
     if not commands.records.heard.stopped_by_us:
         return []
     first = next((e.order for e in _fresh(commands) if not e.has_lines), math.inf)
@@ -321,19 +330,15 @@ def _any(execution: Execution, reply: Reply) -> bool:
 
 
 def _completes(execution: Execution, reply: Reply) -> bool:
-    return _fits(execution.command.spec.completed_by, execution, reply)
+    return fits(execution.command.spec.completed_by, execution, reply)
 
 
 def _aborts(execution: Execution, reply: Reply) -> bool:
-    return _fits(execution.command.spec.aborted_by, execution, reply)
-
-
-def _acknowledges(execution: Execution, reply: Reply) -> bool:
-    return _fits(execution.command.spec.acknowledged_by, execution, reply)
+    return fits(execution.command.spec.aborted_by, execution, reply)
 
 
 def _continues(execution: Execution, reply: Reply) -> bool:
-    return _fits(execution.command.spec.related, execution, reply)
+    return fits(execution.command.spec.related, execution, reply)
 
 
 def _leads_elsewhere(execution: Execution, reply: Reply) -> bool:
@@ -350,10 +355,6 @@ def _under_way(commands: CommandQueue, reply: Reply) -> Found:
     return [e for e in _began_first(commands) if _continues(e, reply) and e not in elsewhere][:1]
 
 
-def _fits(predicate: Optional[Predicate], execution: Execution, reply: Reply) -> bool:
-    return predicate is not None and predicate(execution.command, reply)
-
-
 def _may_be_answered(execution: Execution, reply: Reply) -> bool:
     return execution.command.spec.completed_by is None and type(reply) not in _NO_ANSWER
 
@@ -366,6 +367,20 @@ def _repeats(is_same: Callable[[str, str], bool]) -> Callable[[Execution, Any], 
     return lambda execution, reply: is_same(
         _plain(reply.command),
         _plain(redact_passwords(execution.command.line).decode('utf-8', 'replace')))
+
+
+def _repeats_its_name(execution: Execution, reply: replies.CommandError) -> bool:
+    """Whether a line begins with the name of a command, and names no other goal or point. With
+    another one it is the late answer to a command that has ended for its giver."""
+    command, said = execution.command, _plain(reply.command).split()[1:]
+    if not _repeats(lambda said, given: said.split()[:1] == given.split()[:1])(execution, reply):
+        return False
+    if command.goals and said:
+        at = command.spec.goal_at or 0
+        goals = [_plain(readable(goal)).split() for goal in command.goals]
+        return any(said[at:at + len(goal)] == goal for goal in goals)
+    point, own = coordinates(' '.join(said)), coordinates(' '.join(command.arguments[:len(said)]))
+    return all(abs(one - other) <= _ROUNDED for one, other in zip(point, own))
 
 
 def _plain(command: str) -> str:
@@ -405,7 +420,7 @@ def _is_misused(execution: Execution, reply: replies.Usage) -> bool:
 
 def _was_interrupted(execution: Execution, reply: replies.Interrupted) -> bool:
     spec, ran = execution.command.spec, parse_line(reply.text)
-    return (_fits(spec.acknowledged_by, execution, ran) or _fits(spec.related, execution, ran))
+    return (fits(spec.acknowledged_by, execution, ran) or fits(spec.related, execution, ran))
 
 
 def _was_at_its_point(execution: Execution, reply: replies.Interrupted) -> bool:
@@ -434,7 +449,7 @@ def _fails_to_localize(execution: Execution, reply: replies.Failure) -> bool:
 
 
 def _fails_to_begin(commands: CommandQueue, reply: replies.Failure) -> Found:
-    """A drive that has begun goes on: `drive_watch` decides."""
+    """A drive that has begun goes on: the robot's status decides."""
     about = _ABOUT_DRIVING.search(reply.text) and not commands.begun_drives
     return commands.drives[:1] if about else []
 
@@ -501,8 +516,7 @@ ATTRIBUTIONS: Mapping[LinePart, Tuple[Row, ...]] = {
                 lambda said, given: len(said) >= _CUT_NAME and given.startswith(said))),
             Means.REFUSED_SOON, 'observed: long names are cut'),
         Row('refused: name', (replies.CommandError,),
-            _first(_not_refused,
-                   _repeats(lambda said, given: said.split()[:1] == given.split()[:1])),
+            _first(_not_refused, _repeats_its_name),
             Means.REFUSED_SOON, 'observed: arguments are left out or written otherwise'),
         Row('no goal', (replies.CommandErrorDescription,), _first(_refused, _lacks_goal),
             Outcome.NO_GOAL, 'p. 46: `No goal`'),

@@ -103,11 +103,10 @@ class CommandQueue:
                 on_line = execution.on_line
                 self._callbacks.append(lambda: on_line(text))
 
-    def begin(self, execution: Execution) -> None:
-        """The robot obeys a drive, which ends the motions before it."""
+    def begin(self, execution: Execution, line: str) -> None:
+        """The robot obeys a drive, as a line or status says, which ends the motions before it."""
         if not self.records.has_begun(execution):
-            execution.progress.doubt = None
-            self.records.acknowledged(execution)
+            self.records.acknowledged(execution, line)
             self.end_before(execution, f'replaced by "{execution.command.text}"')
 
     def end(self, execution: Execution, outcome: Outcome, words: str, keep: bool = False) -> None:
@@ -115,7 +114,7 @@ class CommandQueue:
         if execution.progress.cancel_requested is not None and outcome is Outcome.INTERRUPTED:
             outcome = Outcome.CANCELLED
         if execution.command.spec.drives and outcome is Outcome.SUCCEEDED:
-            self.begin(execution)  # the robot may complete a drive at once
+            self.begin(execution, words)  # the robot may complete a drive at once
         if execution.end(outcome, words):
             self._callbacks.append(execution.announce)
         if not keep:

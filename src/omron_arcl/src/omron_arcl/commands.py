@@ -3,7 +3,7 @@
 ARCL has no request ids. Only the text of the robot's lines connects them with a command. A
 specification therefore contains predicates on replies: which reply acknowledges the command, which
 replies are related to it, which reply completes it. Failures and refusals are the same for all
-commands: see `attribution`. `drive_watch` judges drives by the robot's status.
+commands: see `attribution`. `judgements` judges drives by the robot's status.
 """
 from __future__ import annotations
 

@@ -1,8 +1,8 @@
 """The commands of one connection: takes commands, lines and time; gives lines to send and results.
 No I/O, and no clock.
 
-`drives` keeps the records of drives and stops, `command_queue` the order, `attribution` decides on
-the meaning of lines, and `drive_watch` judges drives by the robot's status. The rules:
+`drives` keeps the records of drives and stops, `command_queue` the order, and `attribution` decides
+on the meaning of lines. The rules:
 - Queries of one name wait for each other, so that each answer has one asker.
 - A line that names the goal of a driving command acknowledges it. The command then replaces all
   motions before it, including a stop that is under way.
@@ -103,24 +103,31 @@ class Dispatcher:
     @property
     def in_doubt(self) -> bool:
         """Whether a status of the robot would show whether a drive or stop is over, or why."""
-        return self._attribution.watch.in_doubt or self.records.is_unexplained
+        return self.records.in_doubt
 
     def on_reply(self, reply: Reply, text: str, now: float) -> None:
         """Processes a line of the robot."""
         self._commands.now = now
         self._attribution.on_reply(reply, text, now)
+        self._end_doubted(now)
         self._stop_if_cancelled(now)
         self._stop_if_owed(now)
 
     def on_time(self, now: float) -> None:
         """Processes the passage of time: timeouts, doubts and due stops."""
         self._commands.now = now
-        self._attribution.watch.on_time(now)
+        self._end_doubted(now)
         for execution in list(self._commands.sent):
             if execution in self._commands.sent:  # it may have ended with another command
                 self._check_time(execution, now)
         self._stop_if_cancelled(now)
         self._stop_if_owed(now)
+
+    def _end_doubted(self, now: float) -> None:
+        """Ends the commands that the robot has contradicted for long enough."""
+        for execution, doubt in self.records.settled(now):
+            if execution in self._commands.sent:  # it may have ended with another command
+                self._commands.end(execution, doubt.outcome, doubt.why)
 
     def _check_time(self, execution: Execution, now: float) -> None:
         spec, progress = execution.command.spec, execution.progress

@@ -8,9 +8,8 @@ for what others did. Everything else is derived from the records and from what t
 I/O and no clock. `attribution` decides whose a line of the robot is, in one table, and tells the
 events here.
 
-Since when and why the robot seems not to obey a drive (its doubt) is no part of the record, because
-it lasts only while the command is under way. `drive_watch` alone keeps it, in
-`Execution.progress.doubt`, and ends the command if it lasts. Here it only refuses drives meanwhile.
+A record that something newer has replaced is dropped: nothing is derived from it any more. If its
+command is still under way for its giver, the record is kept aside until that ends.
 
 The fate of a drive, and its next fate after an event (`Event`):
 
@@ -31,6 +30,18 @@ The fate of a drive, and its next fate after an event (`Event`):
 A stop is GIVEN until the robot stands after it, which drops the records before it; then it is OVER.
 A stop that failed or was lost is sent again.
 
+The *doubt* of a record under way, also of one that is kept aside: since when and why the robot
+seems not to obey. `judgements` says what an activity of the robot means for a command.
+
+    an activity                                        not doubted    doubted
+    contradicts it                                     doubted        counted
+    the same, arrived instead of broken off, or the    -              doubted since now
+    other way round
+    confirms it; it is acknowledged                    -              not doubted
+    `Stopped` after `Interrupted` of something unknown -              ended
+    SETTLE s with two contradictions, SETTLE_ONCE s    -              ended
+    more with one
+
 Derived:
 - The *ruling* record is the newest one that is not a drive in the state GIVEN. Its giver drives the
   robot. While its fate is unknown, the published giver is empty.
@@ -40,6 +51,8 @@ Derived:
   line or status about its motion begins another: an emergency stop may be the reason, or another
   client. Until then no drive that names an epoch is sent.
 - A stop is owed while its record is not OVER.
+- While a begun drive is doubted because another client may have stopped the robot, no drive that
+  names an epoch is sent.
 - The *last command* of each giver that numbers its commands, and what became of it. So a program
   whose connection broke, or which was restarted, need not guess whether the robot obeys it.
 
@@ -49,6 +62,8 @@ Invariants:
 - Each event that interrupts, cancels or overrules the last drive of a giver begins an epoch of
   another, at the latest when the drives are answered that the robot had not answered yet.
 - No time between two lines decides on their meaning: the order of lines does.
+- Nothing ends a command before it was doubted for SETTLE s, except lines about it, and `Stopped`
+  after an interruption of something unknown.
 
 docs/reference/omron_controller.md states the limits of what can be known.
 """
@@ -59,7 +74,7 @@ import secrets
 from collections import deque
 from dataclasses import replace
 from enum import Enum
-from typing import Callable, Deque, Dict, Mapping, NamedTuple, Optional, Tuple
+from typing import Any, Callable, Deque, Dict, List, Mapping, NamedTuple, Optional, Sequence, Tuple
 
 from omron_arcl import replies
 from omron_arcl.activity import MOVING, STANDING, Activity, ActivityKind
@@ -67,8 +82,10 @@ from omron_arcl.commands import Command, DriveCourse
 from omron_arcl.errors import ArclError
 from omron_arcl.execution import NO_GIVER, Execution, Giver, Outcome
 from omron_arcl.heard import RobotWords, StopOf
+from omron_arcl.judgements import DriveSign, Observation, is_settled, judge, next_doubt
 from omron_arcl.records import (
     CommandFate,
+    Doubt,
     DriveMemory,
     DriveRecord,
     Fate,
@@ -189,7 +206,8 @@ class Drives:
         self._changes: Deque[_Change] = deque(maxlen=_KEPT_EPOCHS)
         self._memory = stored or DriveMemory(0)
         self._number = max((r.number for r in self._records), default=0)
-        self._executions: Dict[int, Execution] = {}  # by the number of the record
+        self._executions: Dict[int, Execution] = {}  # commands under way, by number of the record
+        self._aside: Tuple[DriveRecord, ...] = ()  # dropped records of commands under way
         self._connected = False
         # Whether nothing shows yet what happened to the robot before this connection.
         self._unseen = stored is not None
@@ -204,6 +222,9 @@ class Drives:
 
     @_records.setter
     def _records(self, records: Tuple[DriveRecord, ...]) -> None:
+        kept = {record.number for record in records}
+        self._aside = tuple(r for r in (*self._aside, *self._records)
+                            if r.number in self._executions and r.number not in kept)
         self._memory = replace(self._memory, records=records)
 
     # --- derived answers --------------------------------------------------------------------------
@@ -262,8 +283,9 @@ class Drives:
         other = next((r for r in self._records if r.pending and r.giver != giver), None)
         if other:
             return f'the robot has not answered {other.words} yet'
-        newest = list(self._executions.values())[-1:]
-        if self._memory.drives and any(self.has_begun(e) and e.progress.is_doubted for e in newest):
+        newest = next(reversed(list(self._executions.values())), None)
+        doubt = self._doubt_of(newest) if newest and self.has_begun(newest) else None
+        if self._memory.drives and doubt and doubt.outcome is Outcome.INTERRUPTED:
             return 'the robot may have been stopped by another client'
         return ''
 
@@ -276,7 +298,8 @@ class Drives:
         """Whether the robot obeys a command, or has begun to answer it. It answers in the order of
         sending, and a drive that it acknowledges ends all before it."""
         if execution.command.spec.drives:
-            return 0 < execution.order <= self.heard.acknowledged
+            record = self.record_of(execution)
+            return record is not None and bool(record.acknowledged_by)
         if execution.command.spec.stops:
             stops = [e for e in self._executions.values() if e.command.spec.stops and e.sent]
             return execution in stops[:max(len(stops) - self.heard.unheard_stops, 0)]
@@ -338,15 +361,17 @@ class Drives:
 
     # --- progress of commands ---------------------------------------------------------------------
 
-    def acknowledged(self, execution: Execution) -> None:
+    def acknowledged(self, execution: Execution, line: str) -> None:
         """The robot obeys a drive; called before older motions end because of it."""
-        self.heard.acknowledged = execution.order
-        record = self._record_of(execution)
-        if record and record.kind is RecordKind.DRIVE:
-            self._obeyed(record)
+        record = self.record_of(execution)
+        if record is not None:
+            self._obeyed(record.number, line)
 
     def ended(self, execution: Execution, outcome: Outcome, words: str, now: float) -> None:
         """A command has ended, or could not be sent."""
+        under_way = self.record_of(execution)
+        if under_way is not None:
+            self._mark(under_way.number, doubt=None)
         record = self._record_of(execution)
         if execution.command.spec.stops and outcome in UNHEEDED and not self.has_begun(execution):
             self.heard.forget_stop()
@@ -394,6 +419,59 @@ class Drives:
         elif event is Event.EMERGENCY_STOP and record.pending and execution.sent:
             self._add(RecordKind.STOP, NO_GIVER, words)  # it may come when the motors are on again
             self._keep()
+
+    # --- doubts -----------------------------------------------------------------------------------
+
+    def record_of(self, execution: Execution) -> Optional[DriveRecord]:
+        """The record of a drive or stop under way, also of one that is kept aside."""
+        return next((r for r in (*self._records, *self._aside)
+                     if self._executions.get(r.number) is execution), None)
+
+    @property
+    def in_doubt(self) -> bool:
+        """Whether a status of the robot would show whether a drive or stop is over, or why."""
+        return self.is_unexplained or any(map(self._doubt_of, self._executions.values()))
+
+    def observed(self, seen: Observation, now: float) -> List[Execution]:
+        """The robot shows an activity. Returns the drives that it confirms, the oldest first."""
+        sent = self._sent
+        drives = [e for e in sent if e.command.spec.drives]
+        return [e for e in sent if self._is_confirmed(e, drives, seen, now) and e in drives]
+
+    def _is_confirmed(self, execution: Execution, drives: Sequence[Execution], seen: Observation,
+                      now: float) -> bool:
+        record, begun = self.record_of(execution), self.has_begun(execution)
+        verdict = judge(execution, seen, begun, drives)
+        if record is None:
+            return False
+        if record.doubt and record.doubt.broken_off and seen.is_line_of(ActivityKind.STOPPED):
+            self._mark(record.number, doubt=replace(record.doubt, is_certain=True))
+        elif isinstance(verdict, Outcome):
+            self._mark(record.number, doubt=next_doubt(record.doubt, verdict, seen, now, begun))
+        elif verdict is DriveSign.CONFIRMED:
+            self._mark(record.number, doubt=None)
+        return verdict is DriveSign.CONFIRMED
+
+    def settled(self, now: float) -> List[Tuple[Execution, Doubt]]:
+        """The commands whose doubt has lasted so long that it ends them, the oldest first."""
+        doubted = [(execution, self._doubt_of(execution)) for execution in self._sent]
+        return [(execution, doubt) for execution, doubt in doubted
+                if doubt and is_settled(doubt, execution.command.spec.course, now)]
+
+    @property
+    def _sent(self) -> List[Execution]:
+        """The drives and stops under way that were sent, in the order of sending."""
+        return sorted((e for e in self._executions.values() if e.sent), key=lambda e: e.order)
+
+    def _doubt_of(self, execution: Execution) -> Optional[Doubt]:
+        record = self.record_of(execution)
+        return record.doubt if record else None
+
+    def _mark(self, number: int, **changes: Any) -> None:
+        """Changes what is told of a drive or stop, but not what becomes of it."""
+        def marked(records: Tuple[DriveRecord, ...]) -> Tuple[DriveRecord, ...]:
+            return tuple(replace(r, **changes) if r.number == number else r for r in records)
+        self._records, self._aside = marked(self._records), marked(self._aside)
 
     # --- lines of the robot -----------------------------------------------------------------------
 
@@ -455,12 +533,12 @@ class Drives:
             r.fate is Fate.UNKNOWN and goal.casefold() in r.names
             for r in before[:before.index(stop)])
 
-    def begins_late(self, goal: str) -> None:
+    def begins_late(self, goal: str, line: str) -> None:
         """The robot sets out for a drive of ours whose command has ended for its giver."""
         record = next((r for r in reversed(self._records) if r.fate is Fate.UNKNOWN
                        and goal.casefold() in r.names), None)
         if record and not self._memory.stop_owed:
-            self._obeyed(record)
+            self._obeyed(record.number, line)
 
     def driven_by_others(self, cause: MotionCause, activity: Activity, text: str) -> None:
         """The robot begins a motion that no program here asked for."""
@@ -494,7 +572,7 @@ class Drives:
             if not owed:
                 moves = activity.kind in MOVING
                 self._records = (replace(record, fate=Fate.OBEYED if moves else Fate.OVER,
-                                         ending=CommandFate.COMPLETED),)
+                                         ending=CommandFate.COMPLETED, acknowledged_by=text),)
                 self._keep()
         elif not self.heard.emergency:
             words = f'after an outage the robot shows "{text}"'
@@ -561,14 +639,13 @@ class Drives:
     # --- records and epochs -----------------------------------------------------------------------
 
     def _record(self, kind: RecordKind, giver: Giver, words: str, fate: Fate = Fate.GIVEN,
-                goal: str = '', names: Tuple[str, ...] = (), command: int = 0) -> DriveRecord:
+                **fields: Any) -> DriveRecord:
         self._number += 1
-        return DriveRecord(self._number, kind, fate, giver, goal, names, words, command)
+        return DriveRecord(self._number, kind, fate, giver, words=words, **fields)
 
     def _add(self, kind: RecordKind, giver: Giver, words: str,
-             execution: Optional[Execution] = None, fate: Fate = Fate.GIVEN, goal: str = '',
-             names: Tuple[str, ...] = (), command: int = 0) -> None:
-        record = self._record(kind, giver, words, fate, goal, names, command)
+             execution: Optional[Execution] = None, **fields: Any) -> None:
+        record = self._record(kind, giver, words, **fields)
         self._records = (*self._records, record)[-_KEPT_RECORDS:]
         if execution:
             self._executions[record.number] = execution
@@ -588,9 +665,12 @@ class Drives:
                               for one in (following if r is record else (r,)))
         self._keep()
 
-    def _obeyed(self, record: DriveRecord) -> None:
-        """The robot carries a drive out: what came before it is over, and its giver drives."""
-        if record.fate is Fate.OBEYED:
+    def _obeyed(self, number: int, line: str) -> None:
+        """The robot carries a drive out, as a line says: what came before it is over, and its giver
+        drives."""
+        self._mark(number, acknowledged_by=line, doubt=None)
+        record = next((r for r in self._records if r.number == number), None)
+        if record is None or record.fate is Fate.OBEYED:
             return
         ruling, at = self._memory.ruling, self._records.index(record)
         self.heard.replacing = False
@@ -639,9 +719,8 @@ class Drives:
         given = any(r.pending for r in self._records)
         self._records = (
             *(r for r in self._records if r.pending or r.owed and (given or not drives)),
-            replace(self._record(
-                RecordKind.FOREIGN_DRIVE if drives else RecordKind.FOREIGN_STOP, NO_GIVER, words,
-                Fate.OVER), shown=_shown(activity) if activity and drives else ''))
+            self._record(RecordKind.FOREIGN_DRIVE if drives else RecordKind.FOREIGN_STOP, NO_GIVER,
+                         words, Fate.OVER, shown=_shown(activity) if activity and drives else ''))
         self._begin_epoch(None, cause, words, drives)
 
     def note_emergency(self, words: str) -> None:
@@ -666,7 +745,8 @@ class Drives:
                     LastCommand(given.giver.name, given.command, CommandFate.GIVEN))
         self._memory = replace(self._memory, last_commands=tuple(
             replace(one, fate=self._fate_of(one)) for one in last)[-_KEPT_GIVERS:])
-        self._store(self._memory)
+        self._store(replace(self._memory, records=tuple(
+            replace(record, doubt=None) for record in self._records)))
 
     def _fate_of(self, last: LastCommand) -> CommandFate:
         record = next((r for r in reversed(self._records)

@@ -44,25 +44,9 @@ class Result:
 
 
 @dataclass
-class Doubt:
-    """The robot reports an activity other than the command.
-
-    outcome, words -- how the command ends if the doubt persists
-    since -- when the robot first contradicted the command; `count`: how often since then
-    broken_off -- the robot sent an `Interrupted` that names something unknown
-    """
-
-    outcome: Outcome
-    words: str
-    since: float
-    count: int = 1
-    broken_off: bool = False
-
-
-@dataclass
 class CommandProgress:
-    """What happened to a command since it was sent. The queue, the attribution and the watch keep
-    it, each its own part. Whether the robot obeys the command follows from `drives`.
+    """What happened to a command since it was sent, as the queue and the attribution keep it.
+    Whether the robot obeys the command, and a doubt of that, stand in its record; see `drives`.
 
     epoch -- in which the command was taken
     sent_at, heard -- when it was sent, and when its last line came
@@ -84,7 +68,6 @@ class CommandProgress:
     cancel_requested: Optional[float] = None
     stopping: bool = False
     rejected_at: Optional[float] = None
-    doubt: Optional[Doubt] = None
     points: Set[Tuple[float, ...]] = field(default_factory=set)
     dock_name: str = ''
 
@@ -92,11 +75,6 @@ class CommandProgress:
         """The command is sent."""
         self.heard = self.sent_at = now
         self.shown_when_sent = shown
-
-    @property
-    def is_doubted(self) -> bool:
-        """Whether the robot may have been stopped, or sent elsewhere, by another client."""
-        return self.doubt is not None and self.doubt.outcome is Outcome.INTERRUPTED
 
 
 class Giver(NamedTuple):

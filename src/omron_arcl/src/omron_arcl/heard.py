@@ -63,8 +63,6 @@ class RobotWords:
         """Whether the robot broke off a motion, and has not said yet what it does now."""
         self.sets_out = False
         """Whether the last line begins a motion."""
-        self.acknowledged = 0
-        """Number, in the order of sending, of the newest drive that the robot has acknowledged."""
         self.unheard_stops = 0
         """Number of stops that were sent and whose `Stopping` has not come."""
         self.stopped_by_us = False

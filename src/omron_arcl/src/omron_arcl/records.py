@@ -1,11 +1,11 @@
 """The values of `drives`: a record of a drive or stop, what is stored, and what is published."""
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import Enum, IntEnum
 from typing import NamedTuple, Optional, Tuple
 
-from omron_arcl.execution import NO_GIVER, Giver
+from omron_arcl.execution import NO_GIVER, Giver, Outcome
 
 
 class MotionCause(IntEnum):
@@ -70,6 +70,24 @@ class CommandFate(IntEnum):
 
 
 @dataclass(frozen=True)
+class Doubt:
+    """The robot reports an activity that contradicts a command.
+
+    since, why -- when it first contradicted the command, and in which words
+    outcome -- how the command ends if the doubt lasts; `count`: how often it was contradicted
+    broken_off -- the robot sent an `Interrupted` that names something unknown
+    is_certain -- after which it said `Stopped`
+    """
+
+    since: float
+    why: str
+    outcome: Outcome
+    count: int = 1
+    broken_off: bool = False
+    is_certain: bool = False
+
+
+@dataclass(frozen=True)
 class DriveRecord:
     """One drive or stop, or what others did.
 
@@ -91,6 +109,10 @@ class DriveRecord:
     """How a drive that is OVER ended."""
     shown: str = ''
     """The motion of a drive of others, by which it is recognised."""
+    acknowledged_by: str = ''
+    """The line or status by which the robot acknowledged a drive."""
+    doubt: Optional[Doubt] = field(default=None, compare=False)
+    """Set while the robot seems not to obey a command under way. It is not stored."""
 
     @property
     def command_fate(self) -> CommandFate:

@@ -142,8 +142,13 @@ class Witness(DelayedDrive):
         # the last known word, by process and number of the stop
         self._known_to_stops: Dict[Tuple[str, int], Word] = {}
         self._known_to_stop: Optional[Word] = None  # the same word for the stop that arrives now
-        # the last word before the bridge's stop, until the bridge drives
-        self._demanded: Optional[Word] = None
+        # drives of all but the bridge that the controller took; by epoch: their number when the
+        # epoch was published
+        self._others_drives: List[Execution] = []
+        self._others_of_epoch: Dict[int, int] = {}
+        # the last word that the giver of the bridge's stop knew, and the number of the drives of
+        # others before it, until the bridge drives
+        self._demanded: Optional[Tuple[Word, int]] = None
         self._ignored_since: Optional[float] = None  # time since when that stop is ignored
         # goal of each drive of the bridge that the controller took, and the time
         self._sent_to: Dict[int, Tuple[str, float]] = {}
@@ -195,6 +200,8 @@ class Witness(DelayedDrive):
                 self._judge_stop(giver, known)
             return
         self._taken[command] += 1
+        if giver.name != BRIDGE:
+            self._others_drives.append(self._given[-1])
         if giver == PERSON:
             self.persons, self.came, self._is_number = command, False, self._taken[command]
         passed = [word for word in self._words_after(known or NO_WORD)
@@ -258,7 +265,9 @@ class Witness(DelayedDrive):
             if not self._is_ordered:
                 self._known_to_stops[str(self._generation), give.number] = self._bridge_knows
             if self._demanded is None:
-                self._demanded = self.words_of_epoch.get(give.known_epoch, self._newest_word)
+                epoch = give.known_epoch
+                self._demanded = (self.words_of_epoch.get(epoch, self._newest_word),
+                                  self._others_of_epoch.get(epoch, len(self._others_drives)))
         super()._give(give)
 
     def _take_from_bridge(self, give: p.Give, giver: Giver,
@@ -322,6 +331,7 @@ class Witness(DelayedDrive):
 
     def _on_motion(self, motion: RobotMotion) -> None:
         self.words_of_epoch.setdefault(motion.memory.epoch, self._newest_word)
+        self._others_of_epoch.setdefault(motion.memory.epoch, len(self._others_drives))
         if self.is_alone and motion.memory.cause in (
                 MotionCause.OTHER_CLIENT, MotionCause.ROBOT, MotionCause.INTERRUPTED):
             self.broken.append(f'there is no other client: {motion.memory.reason}')
@@ -517,13 +527,22 @@ class Witness(DelayedDrive):
         """Checks that the robot stands after a stop of the bridge, even after failed attempts."""
         if (self._demanded is None or not self.is_well or not self.is_heard or self._anothers
                 or not self._can_be_reached
-                or self.robot.goal is None
-                or any(word.drives for word in self._words_after(self._demanded))):
+                or self.robot.goal is None or self._came_later(*self._demanded)):
             self._ignored_since = None
         elif self._ignored_since is None:
             self._ignored_since = self.now
         elif self.now > self._ignored_since + SENT_WITHIN + GIVEN_WITHIN:
             self.broken.append(f'{self.now:.1f} the robot drives on after a stop of the bridge')
+
+    def _came_later(self, known: Word, drives: int) -> bool:
+        """Tells whether somebody drives of whom the bridge did not know when it gave its stop.
+
+        Drives of one giver that follow each other are one word, but the later one may have begun
+        an epoch.
+        """
+        return any(word.drives for word in self._words_after(known)) or any(
+            drive.result is None or drive.result.outcome not in REFUSED_OUTCOMES
+            for drive in self._others_drives[drives:])
 
     def _watch_owed_stop(self) -> None:
         memory = self._controller.motion.memory

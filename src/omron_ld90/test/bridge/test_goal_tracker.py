@@ -43,9 +43,9 @@ def test_a_drive_that_others_ended_waits_for_the_next_epoch_and_only_one_never_s
         ending, again, fate):
     tracker = ended(ending, 'replaced by "goto 3"')
     tracker.told(1, fate, 5.1)
-    assert (tracker.reached, tracker.failure, tracker.is_doubtful) == (False, None, True)
+    assert (tracker.reached, tracker.failure, tracker.awaits_motion) == (False, None, True)
     tracker.goes_on(5.2)
-    assert (tracker.word.due(True, 5.2), tracker.is_doubtful) == (again, not again)
+    assert (tracker.word.due(True, 5.2), tracker.awaits_motion) == (again, not again)
 
 
 def test_an_overruled_one_is_given_again_if_a_newer_command_of_this_program_came_before_it():
@@ -60,7 +60,7 @@ def test_only_the_last_command_counts():
     tracker.word.give(2, 0)
     for ending in Outcome:
         tracker.ended(CommandEnded(1, ending), 5.0)
-    assert (tracker.reached, tracker.failure, tracker.is_doubtful) == (False, None, False)
+    assert (tracker.reached, tracker.failure, tracker.awaits_motion) == (False, None, False)
 
 
 @pytest.mark.parametrize('told_before', [False, True])
@@ -70,11 +70,11 @@ def test_the_arrival_of_a_lost_drive_is_told_by_the_controller(told_before):
         tracker.told(1, CommandFate.COMPLETED, 4.0)
     tracker.ended(CommandEnded(1, Outcome.LOST), 5.0)
     if not told_before:
-        assert tracker.is_doubtful
+        assert tracker.awaits_motion
         tracker.told(1, CommandFate.OBEYED, 6.0)
         assert not tracker.reached
         tracker.told(1, CommandFate.COMPLETED, 7.0)
-    assert (tracker.reached, tracker.is_doubtful) == (True, False)
+    assert (tracker.reached, tracker.awaits_motion) == (True, False)
 
 
 def test_so_is_its_failure():
@@ -98,14 +98,15 @@ def test_after_a_restart_a_drive_that_was_not_given_yet_is_given():
     tracker = GoalTracker()
     tracker.told(6, CommandFate.COMPLETED, 0.0)
     tracker.resume('12', 'goto 12', 0, 1.0)
-    assert (tracker.word.due(True, 1.0), tracker.is_doubtful) == (True, False)
+    assert (tracker.word.due(True, 1.0), tracker.awaits_motion) == (True, False)
 
 
 def test_after_a_restart_a_newer_drive_than_the_known_one_makes_the_goal_unknown():
     tracker = GoalTracker()
     tracker.told(8, CommandFate.OBEYED, 0.0)
     tracker.resume('12', 'goto 12', 7, 1.0)
-    assert (tracker.goal, tracker.is_doubtful, tracker.word.due(True, 1.0)) == (None, False, False)
+    assert tracker.goal is None
+    assert (tracker.awaits_motion, tracker.word.due(True, 1.0)) == (False, False)
 
 
 def test_a_robot_that_has_docked():

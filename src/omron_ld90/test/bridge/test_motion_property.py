@@ -207,7 +207,7 @@ class Robots(RuleBasedStateMachine):
         assert not world.broken, world.broken
         memory = world._controller.motion.memory
         assert not memory.stop_owed
-        assert not (world.bridge.running and world.bridge.robot.tracker.is_doubtful), (
+        assert not (world.bridge.running and world.bridge.robot.tracker.awaits_motion), (
             'the bridge waits for ever to hear what became of its drive')
         if world.robot.goal is not None and not world._anothers:
             assert memory.giver.name, f'the robot drives to {world.robot.goal} without an owner'

@@ -84,3 +84,34 @@ def test_a_drive_broken_off_while_the_controller_has_no_link_is_not_heard():
     robots.another_client_is_heard_in_parts('stop', 3.0)
     robots.passes(3.0)
     assert _givers(robots.world) == [PERSON]
+
+
+def _robots_with_an_unheard_stop_of_the_bridge() -> Robots:
+    """A person drives, the bridge fails to follow its route, and no controller hears its stop."""
+    robots = Robots()
+    robots.begin('rolling', 'name', 0.0, Delays(ends=0.05))
+    robots.person_drives('3')
+    robots.passes(1.0)
+    robots.person_stops()
+    robots.passes(4.0)
+    robots.person_drives('6')
+    robots.controller_restarts(4.0)
+    robots.order(0, 1, False)
+    robots.passes(4.0)
+    assert robots.world.robot.goal == '6' and robots.world._demanded
+    return robots
+
+
+def test_a_stop_of_the_bridge_does_not_end_a_later_drive_even_of_a_person_who_drove_before():
+    robots = _robots_with_an_unheard_stop_of_the_bridge()
+    robots.person_drives('4')
+    robots.passes(20.0)
+    assert robots.world.robot.status == 'Arrived at 4'
+    assert not robots.world.broken
+
+
+def test_without_a_later_drive_it_is_found_that_the_stop_of_the_bridge_is_ignored(monkeypatch):
+    robots = _robots_with_an_unheard_stop_of_the_bridge()
+    monkeypatch.setattr(robots.world, '_take_from_bridge', lambda *_: None)
+    robots.passes(20.0)
+    assert any('drives on after a stop of the bridge' in words for words in robots.world.broken)

@@ -80,9 +80,9 @@ def _drives_alone(self: Any, giver: Any, command: Command, known_epoch: int,
         _CHECK(self, giver, command, known_epoch, number)
 
 
-def _begun_is_done(self: Any, execution: Execution) -> None:
+def _begun_is_done(self: Any, execution: Execution, line: str) -> None:
     is_new = not self.records.has_begun(execution)
-    _OBEYED(self, execution)
+    _OBEYED(self, execution, line)
     if is_new:
         self.end(execution, Outcome.SUCCEEDED, '')
 

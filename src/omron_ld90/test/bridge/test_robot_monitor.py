@@ -110,7 +110,7 @@ def test_a_drive_that_somebody_else_lost_is_none_of_ours():
     robot = monitor()
     robot.update(MotionTold(1), 0.0)
     robot.update(MotionTold(2, 1, is_unexplained=True), 0.0)
-    assert not robot.tracker.is_doubtful
+    assert not robot.tracker.awaits_motion
 
 
 def test_a_location_is_overdue_only_while_its_link_stands():

@@ -84,8 +84,8 @@ class GoalTracker:
         return self.goal == DOCK and self.reached
 
     @property
-    def is_doubtful(self) -> bool:
-        """Whether it is unknown if the robot obeys the last command, or why it does not."""
+    def awaits_motion(self) -> bool:
+        """Whether `motion` has still to tell what became of the last command, or who ended it."""
         return self.word.is_lost or self._unexplained is not None
 
     # --- our commands ----------------------------------------------------------------------------

@@ -145,7 +145,7 @@ class RouteRun:
         With each strategy, the robot first drives to a vertex that it missed. Nothing is sent while
         it is unknown whether the robot obeys the last command.
         """
-        if self.progress.done or self._tracker.is_doubtful:
+        if self.progress.done or self._tracker.awaits_motion:
             return
         if self._tracker.goal is None:
             self.target = None

@@ -37,7 +37,8 @@ class MotionFile:
         try:
             with open(self._path, encoding='utf-8') as stream:
                 content = json.load(stream)
-            memory = from_json(DriveMemory, content, added=('last_commands', 'ending'))
+            memory = from_json(DriveMemory, content, added=(
+                'last_commands', 'ending', 'acknowledged_by', 'doubt'))
         except FileNotFoundError:
             return None
         except (OSError, ValueError, TypeError) as error:

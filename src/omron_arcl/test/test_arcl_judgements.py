@@ -6,8 +6,7 @@ from typing import Optional, Tuple
 import pytest
 from arcl_builders import DOCK, Conversation, outcome
 
-from omron_arcl import ActivityKind, Execution, Outcome
-from omron_arcl import drive_watch as watch
+from omron_arcl import ActivityKind, Execution, Outcome, judgements
 from omron_arcl.commands import DriveCourse
 
 
@@ -361,7 +360,7 @@ def sight(talk: Conversation, command: str, lines: Tuple[str, ...], status: str,
     execution = talk.give(command)
     talk.robot(*lines)
     shows(talk, status, 1.5)
-    doubt, heard = execution.progress.doubt, execution.progress.heard
+    doubt, heard = talk.doubt_of(execution), execution.progress.heard
     return talk.has_begun(execution), doubt and doubt.outcome, heard
 
 
@@ -380,18 +379,18 @@ SIGHTS = {
 
 
 def test_each_judgement_has_a_sight():
-    assert list(SIGHTS) == [row.name for row in watch.JUDGEMENTS]
+    assert list(SIGHTS) == [row.name for row in judgements.JUDGEMENTS]
 
 
-@pytest.mark.parametrize('row', watch.JUDGEMENTS, ids=lambda row: row.name)
+@pytest.mark.parametrize('row', judgements.JUDGEMENTS, ids=lambda row: row.name)
 def test_a_judgement_decides_and_nothing_else_stands_for_it(row, monkeypatch):
     begun, doubted, heard = expected = sight(Conversation(), *SIGHTS[row.name])
     if isinstance(row.verdict, Outcome):
         assert doubted is row.verdict
     else:
         assert (doubted, heard > 2.0) == (None, True)
-    monkeypatch.setattr(watch, 'JUDGEMENTS',
-                        tuple(one for one in watch.JUDGEMENTS if one is not row))
+    monkeypatch.setattr(judgements, 'JUDGEMENTS',
+                        tuple(one for one in judgements.JUDGEMENTS if one is not row))
     assert sight(Conversation(), *SIGHTS[row.name]) != expected
 
 
@@ -411,11 +410,11 @@ TEXTS = {
 
 
 @pytest.mark.parametrize(('course', 'kind'), [
-    (course, kind) for course, verdicts in watch.VERDICTS.items() for kind in verdicts])
+    (course, kind) for course, verdicts in judgements.VERDICTS.items() for kind in verdicts])
 def test_an_activity_says_this_about_a_drive_that_has_begun(course, kind, monkeypatch):
-    verdict = watch.VERDICTS[course][kind]
+    verdict = judgements.VERDICTS[course][kind]
     begun, doubted, heard = expected = sight(Conversation(), *BEGUN[course], TEXTS[kind])
     assert begun
     assert doubted is (verdict if isinstance(verdict, Outcome) else None)
-    monkeypatch.delitem(watch.VERDICTS[course], kind)
+    monkeypatch.delitem(judgements.VERDICTS[course], kind)
     assert sight(Conversation(), *BEGUN[course], TEXTS[kind]) != expected

@@ -1,37 +1,26 @@
-"""Decides by the robot's reported activity whether a drive still goes on.
+"""What the robot's reported activity says about a drive or stop that is under way.
 
 The robot does not always name a drive that ends. If another client stops it, it may say no more
 than `Stopping`, `Stopped`, or name a point instead of the goal. Every line and status about the
-robot's activity is therefore compared with the drive that it was sent on. An activity that
-contradicts the drive for some seconds ends it. One contradiction is not enough: right after a
-command the status may be out of date, or be `Stopping`, `Stopped` for an instant (observed). No
-line says which of the two it is; only that it lasts shows it. A status that answers an older
-question than the command says nothing about the command.
+robot's activity is therefore compared with the drive that it was sent on. One contradiction is not
+enough: right after a command the status may be out of date, or be `Stopping`, `Stopped` for an
+instant (observed). No line says which of the two it is; only that it lasts shows it. So an activity
+that contradicts a command makes it doubted, and a doubt that lasts ends it; see `drives`.
 
-    event                                              not doubted    doubted
-    an activity contradicts it                         doubted        counted
-    the same, arrived instead of broken off, or the    -              doubted since now
-    other way round
-    an activity confirms it; it is acknowledged; a     -              not doubted
-    stop: the robot still drives as before it
-    `Stopped` after `Interrupted` of something unknown -              ended
-    SETTLE s with two contradictions, SETTLE_ONCE s    -              ended
-    more with one
-
-Invariants: nothing ends a command before it was contradicted for SETTLE s, except that `Stopped`. A
-drive that is not acknowledged is judged only by the rules that say so.
+These are tables and pure functions. A drive that is not acknowledged is judged only by the rules
+that say so.
 """
 from __future__ import annotations
 
+from dataclasses import replace
 from enum import Enum
-from typing import Callable, Dict, Mapping, NamedTuple, Optional, Tuple, Union
+from typing import Callable, Dict, Mapping, NamedTuple, Optional, Sequence, Tuple, Union
 
-from omron_arcl import replies
 from omron_arcl.activity import MOVING, STANDING, Activity, ActivityKind
-from omron_arcl.command_queue import CommandQueue
 from omron_arcl.commands import DriveCourse, Predicate
-from omron_arcl.execution import Doubt, Execution, Outcome
-from omron_arcl.replies import coordinates
+from omron_arcl.execution import Execution, Outcome
+from omron_arcl.records import Doubt
+from omron_arcl.replies import Reply, coordinates
 
 # s after which an activity that contradicted a command at least twice ends it
 SETTLE: Mapping[DriveCourse, float] = {
@@ -59,6 +48,7 @@ class DriveSign(Enum):
 
 Verdict = Union[DriveSign, Outcome]
 
+
 class Observation(NamedTuple):
     """An activity that the robot reports, in a status or in a line sent when it changes.
 
@@ -75,6 +65,15 @@ class Observation(NamedTuple):
     def words(self) -> str:
         """The words for the giver of the command."""
         return f'the robot\'s status is "{self.text}"' if self.is_status else self.text
+
+    def is_line_of(self, kind: ActivityKind) -> bool:
+        """Whether it is a line, not a status, about this activity."""
+        return self.activity.kind is kind and not self.is_status
+
+    @property
+    def point(self) -> Tuple[float, ...]:
+        """The coordinates that the robot shows as its goal."""
+        return coordinates(getattr(self.activity.reply, 'goal', ''))
 
 
 _K = ActivityKind
@@ -120,10 +119,6 @@ class ObservationRule(NamedTuple):
     begun: Optional[bool] = None
 
 
-def _point(seen: Observation) -> Tuple[float, ...]:
-    return coordinates(getattr(seen.activity.reply, 'goal', ''))
-
-
 def _to_a_point(execution: Execution, seen: Observation, kind: ActivityKind) -> bool:
     """Whether the robot shows coordinates for a drive to a place.
 
@@ -131,7 +126,7 @@ def _to_a_point(execution: Execution, seen: Observation, kind: ActivityKind) -> 
     that names a point itself is confirmed by no other point.
     """
     return (seen.activity.kind is kind and execution.command.spec.course is DriveCourse.TO_A_PLACE
-            and bool(execution.command.goals or not _point(seen)))
+            and bool(execution.command.goals or not seen.point))
 
 
 # The first row that holds decides; without one, VERDICTS does.
@@ -141,15 +136,16 @@ JUDGEMENTS: Tuple[ObservationRule, ...] = (
     ObservationRule('no power', Outcome.FAILED,
               lambda execution, seen: seen.activity.kind is _K.MOTORS_DISABLED),
     ObservationRule('arrived', Outcome.SUCCEEDED, lambda execution, seen: (
-        seen.is_status and _fits(execution.command.spec.completed_by, execution, seen.activity))),
+        seen.is_status
+        and fits(execution.command.spec.completed_by, execution, seen.activity.reply))),
     ObservationRule('its goal', DriveSign.CONFIRMED,
-              lambda execution, seen: _acknowledges(execution, seen.activity)),
+              lambda execution, seen: acknowledges(execution, seen.activity.reply)),
     ObservationRule('its point', DriveSign.CONFIRMED,
               lambda execution, seen: _to_a_point(execution, seen, _K.GOING_TO_POINT),
               begun=True),
     ObservationRule('at its point', Outcome.SUCCEEDED, lambda execution, seen: (
         _to_a_point(execution, seen, _K.ARRIVED_AT_POINT)
-        and _point(seen) in execution.progress.points), begun=True),
+        and seen.point in execution.progress.points), begun=True),
     ObservationRule('broken off', Outcome.INTERRUPTED, lambda execution, seen: (
         execution.progress.set_out and seen.activity.kind is _K.INTERRUPTED), begun=False),
     # the robot drives to its dock before it reports that it docks
@@ -161,72 +157,26 @@ JUDGEMENTS: Tuple[ObservationRule, ...] = (
 )
 
 
-class DriveWatch:
-    """Compares the robot's activity with the motions that a queue has sent."""
-
-    def __init__(self, commands: CommandQueue) -> None:
-        self._commands = commands
-
-    @property
-    def in_doubt(self) -> bool:
-        """Whether another status would help to decide on a motion under way."""
-        return any(execution.progress.doubt for execution in self._commands.motion_executions)
-
-    def observe(self, seen: Observation, now: float) -> None:
-        """Processes an activity that the robot reports."""
-        for execution in self._commands.motion_executions:
-            if seen.asked is not None and seen.asked < execution.order:
-                continue
-            if execution.command.spec.stops:
-                self._observe_stop(execution, seen, now)
-            else:
-                self._observe_drive(execution, seen, now)
-
-    def on_time(self, now: float) -> None:
-        """Ends the commands that have been contradicted for long enough."""
-        for execution in self._commands.motion_executions:
-            doubt = execution.progress.doubt
-            if doubt is None or execution not in self._commands.sent:  # it ended with another
-                continue
-            since, settle = now - doubt.since, _settle_time(execution, doubt)
-            if since >= settle and (doubt.count > 1 or since >= settle + SETTLE_ONCE):
-                self._commands.end(execution, doubt.outcome, doubt.words)
-
-    def _observe_drive(self, execution: Execution, seen: Observation, now: float) -> None:
-        kind, progress = seen.activity.kind, execution.progress
-        if (kind is ActivityKind.STOPPED and not seen.is_status and progress.doubt
-                and progress.doubt.broken_off):
-            self._commands.end(execution, Outcome.INTERRUPTED, progress.doubt.words)
-            return
-        begun = self._commands.records.has_begun(execution)
-        verdict = _judge(execution, seen, begun)
-        if verdict is DriveSign.CONFIRMED:
-            progress.doubt = None
-            if kind is ActivityKind.GOING_TO_POINT:
-                progress.points.add(_point(seen))
-            if seen.is_status:
-                progress.heard = now
-                if _acknowledges(execution, seen.activity):
-                    self._commands.begin(execution)
-        elif isinstance(verdict, Outcome):
-            _doubt(execution, verdict, seen, now, begun)
-
-    def _observe_stop(self, stop: Execution, seen: Observation, now: float) -> None:
-        """A stop is obeyed if the robot stands, and overtaken if the robot drives elsewhere."""
-        kind = seen.activity.kind
-        if not seen.is_status:
-            return
-        if kind in STANDING:
-            _doubt(stop, Outcome.SUCCEEDED, seen, now)
-        elif kind in MOVING and seen.activity != stop.progress.shown_when_sent and not any(
-                _acknowledges(drive, seen.activity) for drive in self._commands.drives):
-            _doubt(stop, Outcome.INTERRUPTED, seen, now)
-        elif kind in MOVING:
-            stop.progress.doubt = None
+def fits(predicate: Optional[Predicate], execution: Execution, reply: Reply) -> bool:
+    """Whether a line is the one that this predicate of a command awaits."""
+    return predicate is not None and predicate(execution.command, reply)
 
 
-def _judge(execution: Execution, seen: Observation, begun: bool) -> Verdict:
-    """The verdict of the robot's activity on a drive."""
+def acknowledges(execution: Execution, reply: Reply) -> bool:
+    """Whether a line, or a status of this form, shows that the robot obeys a drive."""
+    return fits(execution.command.spec.acknowledged_by, execution, reply)
+
+
+def judge(execution: Execution, seen: Observation, begun: bool, drives: Sequence[Execution]
+          ) -> Verdict:
+    """What the robot's activity says about a drive or stop that was sent.
+
+    drives -- all drives that were sent
+    """
+    if seen.asked is not None and seen.asked < execution.order:
+        return DriveSign.NONE  # the status answers an older question
+    if execution.command.spec.stops:
+        return _judge_stop(execution, seen, drives)
     for row in JUDGEMENTS:
         if row.begun in (None, begun) and row.holds(execution, seen):
             return row.verdict
@@ -236,32 +186,37 @@ def _judge(execution: Execution, seen: Observation, begun: bool) -> Verdict:
     return VERDICTS[course].get(seen.activity.kind, DriveSign.NONE)
 
 
-def _acknowledges(execution: Execution, activity: Activity) -> bool:
-    return _fits(execution.command.spec.acknowledged_by, execution, activity)
+def _judge_stop(stop: Execution, seen: Observation, drives: Sequence[Execution]) -> Verdict:
+    """A stop is obeyed if the robot stands, and overtaken if the robot drives elsewhere."""
+    kind = seen.activity.kind
+    if seen.is_status and kind in STANDING:
+        return Outcome.SUCCEEDED
+    if not seen.is_status or kind not in MOVING:
+        return DriveSign.NONE
+    is_elsewhere = seen.activity != stop.progress.shown_when_sent and not any(
+        acknowledges(drive, seen.activity.reply) for drive in drives)
+    return Outcome.INTERRUPTED if is_elsewhere else DriveSign.CONFIRMED
 
 
-def _fits(predicate: Optional[Predicate], execution: Execution, activity: Activity) -> bool:
-    return predicate is not None and predicate(execution.command, activity.reply)
-
-
-def _doubt(execution: Execution, outcome: Outcome, seen: Observation, now: float,
-           begun: bool = True) -> None:
-    broken_off = (isinstance(seen.activity.reply, replies.Interrupted) and not seen.is_status
+def next_doubt(doubt: Optional[Doubt], outcome: Outcome, seen: Observation, now: float,
+               begun: bool) -> Doubt:
+    """The doubt after another activity that contradicts a command."""
+    broken_off = (seen.is_line_of(ActivityKind.INTERRUPTED)
                   and (not seen.activity.goal or not begun))
-    doubt = execution.progress.doubt
     if doubt is None or (outcome is not doubt.outcome
                          and Outcome.SUCCEEDED in (outcome, doubt.outcome)):
-        execution.progress.doubt = Doubt(outcome, seen.words, now, broken_off=broken_off)
-        return
-    doubt.count += 1
-    doubt.broken_off = doubt.broken_off or broken_off
+        return Doubt(now, seen.words, outcome, broken_off=broken_off)
     if outcome is not doubt.outcome or broken_off:
-        doubt.outcome, doubt.words = outcome, seen.words
+        doubt = replace(doubt, outcome=outcome, why=seen.words)
+    return replace(doubt, count=doubt.count + 1, broken_off=doubt.broken_off or broken_off)
 
 
-def _settle_time(execution: Execution, doubt: Doubt) -> float:
-    course = execution.command.spec.course
-    if course is None:
-        return SETTLE_STOP if doubt.outcome is Outcome.SUCCEEDED else SETTLE_OVERTAKEN
+def is_settled(doubt: Doubt, course: Optional[DriveCourse], now: float) -> bool:
+    """Whether a doubt has lasted so long that it ends its command; course: None for a stop."""
     certain: Tuple[Outcome, ...] = (Outcome.SUCCEEDED, Outcome.EMERGENCY_STOPPED)
-    return SETTLE_CERTAIN if doubt.outcome in certain else SETTLE[course]
+    if course is None:
+        settle = SETTLE_STOP if doubt.outcome is Outcome.SUCCEEDED else SETTLE_OVERTAKEN
+    else:
+        settle = SETTLE_CERTAIN if doubt.outcome in certain else SETTLE[course]
+    lasted = now - doubt.since
+    return doubt.is_certain or lasted >= settle + (SETTLE_ONCE if doubt.count == 1 else 0.0)
