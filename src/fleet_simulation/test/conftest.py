@@ -39,11 +39,15 @@ def yard() -> Graph:
 
 @pytest.fixture
 def files(yard: Graph, tmp_path: Path) -> Callable[..., Dict[str, str]]:
-    """A function that writes the files of graph, fleet and demand, and returns their paths by name.
+    """A function that writes the files of graph, fleet, demand and, if it is given, work.
+
+    It returns their paths by name.
     """
-    def write(demand: str = DEMAND, fleet: str = FLEET) -> Dict[str, str]:
+    def write(demand: str = DEMAND, fleet: str = FLEET, work: str = '') -> Dict[str, str]:
         save_graph(yard, tmp_path / 'graph.yaml')
         (tmp_path / 'fleet.yaml').write_text(fleet)
         (tmp_path / 'demand.yaml').write_text(demand)
-        return {name: str(tmp_path / f'{name}.yaml') for name in ('graph', 'fleet', 'demand')}
+        (tmp_path / 'work.yaml').write_text(work)
+        names = ('graph', 'fleet', 'demand', *(('work',) if work else ()))
+        return {name: str(tmp_path / f'{name}.yaml') for name in names}
     return write

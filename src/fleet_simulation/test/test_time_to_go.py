@@ -4,12 +4,13 @@ from __future__ import annotations
 import math
 import random
 from pathlib import Path
+from typing import Optional, Sequence
 
 import pytest
 
 from fleet_core.fleet import RobotType
 from fleet_core.supervision.fleet_view import robot_views
-from fleet_core.supervision.missions import Request
+from fleet_core.supervision.missions import CommandKind, Request
 from fleet_core.supervision.settings import RobotSettings
 from fleet_simulation.driven_robot import AGV, LD90, Delays, DrivenRobot, RandomStops
 from fleet_simulation.virtual_fleet import VirtualFleet
@@ -27,7 +28,8 @@ TYPES = {
 class Driving:
     """One robot that serves missions on the laboratory's graph, without people in its way."""
 
-    def __init__(self, name: str, longest: float) -> None:
+    def __init__(self, name: str, longest: float, parking: Optional[Sequence[int]] = None,
+                 planning: float = 0.1) -> None:
         kind, mechanics = TYPES[name]
         graph = load_graph(LAB)
         self.graph = split_edges(graph, longest) if longest else graph
@@ -37,7 +39,8 @@ class Driving:
             return DrivenRobot(robot, self.graph, kind, vertex, mechanics, delays,
                                random.Random(5), 1.0)
         self.fleet = VirtualFleet(self.graph, {'a': (kind, PLACES[0])}, make, check_every=100,
-                                  settings=RobotSettings(release_ahead=8.0))
+                                  planning=planning, settings=RobotSettings(release_ahead=8.0),
+                                  parking=parking)
         self._random, self._count, self._at = random.Random(1), 0, PLACES[0]
 
     def run(self, seconds: float) -> None:
@@ -91,3 +94,24 @@ def test_the_time_to_go_is_unknown_while_the_robot_must_stand():
     fleet.do(fleet.supervisor.stop_fleet(fleet.now))
     assert math.isnan(driving.shown.destination)
     fleet.end()
+
+
+def test_the_time_to_go_is_unknown_while_the_plan_is_that_of_the_last_mission():
+    driving = Driving('agv', 0.0, parking=PLACES[:1], planning=1.0)
+    fleet = driving.fleet
+    executor, book = fleet.supervisor.plan_executor, fleet.supervisor.book
+    fleet.do(fleet.supervisor.request(Request(1, (18,), dwells=(-1.0,)), fleet.now))
+    while not book.find(1).dwell_until:
+        driving.run(0.1)
+    driving.run(1.0)
+    assert executor.plan.plan_of('a').drives, 'after its stay it is to drive to a parking vertex'
+    fleet.do(fleet.supervisor.request(Request(2, (PLACES[0], 39)), fleet.now))
+    fleet.do(fleet.supervisor.command(1, CommandKind.RELEASE, fleet.now))
+    shown = []
+    while not (shown and not math.isnan(shown[-1])):
+        driving.run(0.1)
+        if book.of_robot('a') is book.find(2):
+            shown.append(driving.shown.destination)
+    fleet.end()
+    assert math.isnan(shown[0]), 'that plan has the stay of mission 1, which has ended'
+    assert shown[-1] < 100.0

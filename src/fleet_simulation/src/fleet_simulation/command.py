@@ -21,6 +21,8 @@ from typing import Dict, FrozenSet, List, NoReturn, Optional, Sequence, Tuple
 from fleet_core.files.errors import FileError
 from fleet_core.files.fleet_file import load_fleet
 from fleet_core.files.robot_settings import load_settings
+from fleet_core.files.work_file import load_work
+from fleet_core.work.site_work import SiteWork
 from fleet_simulation.batch import Done, Job, ProgressBar, run_all
 from fleet_simulation.demand_file import load_demand
 from fleet_simulation.figures import Figures
@@ -79,6 +81,7 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument('--graph', required=True, help='trajectory graph (YAML)')
     parser.add_argument('--fleet', required=True, help='robot types and robots (YAML)')
     parser.add_argument('--demand', required=True, help='missions (YAML)')
+    parser.add_argument('--work', help='stations, devices and templates of missions (YAML)')
     parser.add_argument('--output', required=True, type=Path, help='folder for the report')
     parser.add_argument('--robots', type=_counts, metavar='N|N..M|N,M', default=(),
                         help='fleet sizes (default: the number of robots in the fleet file)')
@@ -143,8 +146,9 @@ def _site(options: argparse.Namespace, graph: Optional[Graph] = None,
         if options.longest_edge:
             graph = split_edges(graph, options.longest_edge)
     fleet = with_docks(load_fleet(options.fleet), docks)
-    site = site_of(graph, fleet, load_settings(options.fleet), load_demand(options.demand, graph),
-                   options.latency, options.rounds)
+    work = load_work(options.work, graph) if options.work else SiteWork()
+    site = site_of(graph, fleet, load_settings(options.fleet),
+                   load_demand(options.demand, graph, work), options.latency, options.rounds)
     return replace(site, order=options.order)
 
 

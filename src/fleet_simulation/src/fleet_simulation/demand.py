@@ -2,6 +2,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import chain, product
 from random import Random
 from typing import Dict, Iterator, List, Sequence, Tuple, Union
 
@@ -37,6 +38,7 @@ class Flow:
     priority     -- of the missions; the higher is served first
     stay         -- mean dwell at each destination, in s
     scatter      -- 0..1; each dwell is drawn between (1 - scatter) and (1 + scatter) times `stay`
+    deadline     -- s from the request by which a mission is to be done; 0: there is none
     """
 
     name: str
@@ -46,6 +48,12 @@ class Flow:
     priority: int = 0
     stay: float = 0.0
     scatter: float = 0.0
+    deadline: float = 0.0
+
+    @property
+    def visits(self) -> Tuple[Tuple[int, ...], ...]:
+        """For each destination of a mission, the vertices from which it is drawn."""
+        return (*((self.sources,) if self.sources else ()), self.targets)
 
     def draw(self, random: Random, id: int, stamp: float) -> Request:
         """Draws one mission with this id and stamp (virtual s)."""
@@ -54,7 +62,36 @@ class Flow:
         destinations = (*first, random.choice(targets))
         stays = tuple(self.stay * random.uniform(1.0 - self.scatter, 1.0 + self.scatter)
                       for _ in destinations) if self.stay else ()
-        return Request(id, destinations, priority=self.priority, dwells=stays, stamp=stamp)
+        return Request(id, destinations, priority=self.priority, dwells=stays, stamp=stamp,
+                       deadline=stamp + self.deadline if self.deadline else 0.0)
+
+
+@dataclass(frozen=True)
+class WorkFlow:
+    """Missions of a template of the work file.
+
+    arguments -- of the template, by parameter: each mission has one of these values, drawn evenly
+    visits    -- for each stop, the vertices to which it may lead
+    arrivals, priority, deadline -- as of a `Flow`
+    """
+
+    name: str
+    template: str
+    arguments: Tuple[Tuple[str, Tuple[str, ...]], ...]
+    visits: Tuple[Tuple[int, ...], ...]
+    arrivals: Union[Tuple[Shift, ...], Saturated]
+    priority: int = 0
+    deadline: float = 0.0
+
+    def draw(self, random: Random, id: int, stamp: float) -> Request:
+        """Draws one mission with this id and stamp (virtual s)."""
+        return Request(id, (), priority=self.priority, stamp=stamp, template=self.template,
+                       arguments=tuple((name, random.choice(values))
+                                       for name, values in self.arguments),
+                       deadline=stamp + self.deadline if self.deadline else 0.0)
+
+
+AnyFlow = Union[Flow, WorkFlow]
 
 
 @dataclass(frozen=True)
@@ -75,36 +112,38 @@ class Recorded:
 class Demand:
     """All flows and all recorded missions of a site."""
 
-    flows: Tuple[Flow, ...] = ()
+    flows: Tuple[AnyFlow, ...] = ()
     recorded: Tuple[Recorded, ...] = ()
 
     @property
-    def saturated(self) -> Tuple[Flow, ...]:
+    def saturated(self) -> Tuple[AnyFlow, ...]:
         """The flows with as many missions as the fleet can serve."""
         return tuple(flow for flow in self.flows if isinstance(flow.arrivals, Saturated))
 
     def places(self) -> Iterator[int]:
         """Yields the vertices that missions visit; a vertex may come several times."""
         for flow in self.flows:
-            yield from (*flow.sources, *flow.targets)
+            yield from chain.from_iterable(flow.visits)
         for mission in self.recorded:
             yield from mission.destinations
 
     def pairs(self) -> Iterator[Tuple[int, int]]:
         """Yields pairs of vertices that one mission visits one after the other."""
         for flow in self.flows:
-            yield from ((source, target) for source in flow.sources for target in flow.targets
-                        if source != target)
+            for before, after in zip(flow.visits, flow.visits[1:]):
+                yield from ((one, other) for one, other in product(before, after) if one != other)
         for mission in self.recorded:
             yield from zip(mission.destinations, mission.destinations[1:])
 
     def draw(self, seed: int, hours: float) -> List[Request]:
         """Returns the missions of shifts and recordings, sorted by time; their ids begin at 1.
 
+        Their times, deadlines included, are virtual s.
+
         Missions of saturated flows are not included: they depend on the fleet.
         """
         random = Random(f'demand {seed}')
-        drawn: List[Tuple[float, int, Union[Flow, Recorded]]] = []
+        drawn: List[Tuple[float, int, Union[AnyFlow, Recorded]]] = []
         for flow in self.flows:
             if isinstance(flow.arrivals, Saturated):
                 continue
@@ -117,9 +156,9 @@ class Demand:
                     drawn.append((at, len(drawn), flow))
         drawn += [(mission.at, len(drawn) + number, mission)
                   for number, mission in enumerate(self.recorded) if mission.at < hours * HOUR]
-        return [what.draw(random, id, at) if isinstance(what, Flow) else
-                Request(id, what.destinations, priority=what.priority, stamp=at,
+        return [Request(id, what.destinations, priority=what.priority, stamp=at,
                         dwells=(what.stay,) * len(what.destinations) if what.stay else ())
+                if isinstance(what, Recorded) else what.draw(random, id, at)
                 for id, (at, _, what) in enumerate(sorted(drawn, key=lambda d: d[:2]), 1)]
 
 

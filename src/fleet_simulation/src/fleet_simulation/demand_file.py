@@ -5,11 +5,16 @@
     flows:
     - {name: supply, from: 16, to: stations, per_hour: 40, priority: 1, stay: 10, scatter: 0.3}
     - {to: stations, timetable: [{begin: 0, end: 2, per_hour: 20}]}  # hours
-    - {to: stations, saturated: 1.0}
+    - {to: stations, saturated: 1.0, deadline: 600}
+    - {template: pallet, arguments: {from: press, to: stations}, per_hour: 20}
+    steps: [{type: handshake, at: press, seconds: 40, scatter: 0.3}]
+    devices: {gate_north: 5}
     csv: day.csv
 
-`csv` names a file beside the demand file. Its columns are `time` (s from the beginning) and
-`destinations` (vertex ids, separated by blanks); `priority` and `stay` (s) are optional.
+`template`, `steps` and `devices` belong to a work file: missions of its templates, how long steps
+take, and the s that its devices take to open or to close. `csv` names a file beside the demand
+file. Its columns are `time` (s from the beginning) and `destinations` (vertex ids, separated by
+blanks); `priority` and `stay` (s) are optional.
 """
 from __future__ import annotations
 
@@ -18,20 +23,29 @@ import difflib
 import math
 import os
 from pathlib import Path
-from typing import Callable, Dict, List, Mapping, NamedTuple, Optional, Sequence, Tuple, Union
+from typing import Dict, List, Mapping, NamedTuple, Optional, Sequence, Tuple, Union
 
 import yaml
 
 from fleet_core.files.errors import FileError
-from fleet_simulation.demand import Demand, Flow, Recorded, Saturated, Shift
+from fleet_core.files.strict_fields import meant
+from fleet_core.work.site_work import SiteWork
+from fleet_core.work.stations import places_of
+from fleet_core.work.templates import PARAMETER, TemplateStop, check_arguments
+from fleet_simulation.demand import AnyFlow, Demand, Flow, Recorded, Saturated, Shift, WorkFlow
 from fleet_simulation.driven_robot import Delays, RandomStops
+from fleet_simulation.step_times import WorkTimes
+from fleet_simulation.work_times_file import number_to, read_times
 from trajectory_graph import Graph, strict_yaml
 from trajectory_graph.strict_yaml import Field, WrongYaml
 
-_FILE = ('groups', 'delays', 'flows', 'csv')
-_FLOW = ('name', 'from', 'to', 'per_hour', 'timetable', 'saturated', 'priority', 'stay', 'scatter')
+_FILE = ('groups', 'delays', 'flows', 'csv', 'steps', 'devices')
+_EVERY_FLOW = ('name', 'per_hour', 'timetable', 'saturated', 'priority', 'deadline')
+_FLOW = (*_EVERY_FLOW, 'from', 'to', 'stay', 'scatter')
+_WORK_FLOW = (*_EVERY_FLOW, 'template', 'arguments')
 _COLUMNS = ('time', 'destinations', 'priority', 'stay')
 _LONGEST_DAY = 1e4  # hours
+NO_WORK = SiteWork()
 Groups = Dict[str, Tuple[int, ...]]
 Line = Tuple[str, int]
 """The path of a file, and a line number in it."""
@@ -42,16 +56,21 @@ class Wanted(NamedTuple):
 
     places -- by vertex: the file and line that first name it
     pairs  -- by two vertices that a mission visits one after the other: file and line likewise
+    work   -- what the site says about work
+    times  -- how long steps and devices take
     """
 
     demand: Demand
     delays: Delays
     places: Dict[int, Line]
     pairs: Dict[Tuple[int, int], Line]
+    work: SiteWork = NO_WORK
+    times: WorkTimes = WorkTimes()
 
 
-def load_demand(path: Union[str, os.PathLike], graph: Graph) -> Wanted:
-    """Reads a demand file and checks it with the graph; raises FileError."""
+def load_demand(path: Union[str, os.PathLike], graph: Graph,
+                work: SiteWork = NO_WORK) -> Wanted:
+    """Reads a demand file and checks it with the graph and the work file; raises FileError."""
     try:
         root = strict_yaml.compose(path)
         fields = _known(root, 'the file', _FILE)
@@ -64,10 +83,10 @@ def load_demand(path: Union[str, os.PathLike], graph: Graph) -> Wanted:
                 places.setdefault(place, (os.fspath(file), line))
             for pair in part.pairs():
                 pairs.setdefault(pair, (os.fspath(file), line))
-        flows: List[Flow] = []
+        flows: List[AnyFlow] = []
         for number, node in enumerate(strict_yaml.items(('flows', fields['flows']))
                                       if 'flows' in fields else (), 1):
-            flows.append(_flow(node, number, groups, graph))
+            flows.append(_any_flow(node, number, groups, graph, work))
             note(Demand((flows[-1],)), path, strict_yaml.line_of(node))
         recorded: Tuple[Recorded, ...] = ()
         if 'csv' in fields:
@@ -78,7 +97,8 @@ def load_demand(path: Union[str, os.PathLike], graph: Graph) -> Wanted:
                 note(Demand((), (mission,)), name, line)
         if not flows and not recorded:
             raise WrongYaml('the demand has no missions: give flows or csv', root)
-        return Wanted(Demand(tuple(flows), recorded), _delays(fields), places, pairs)
+        return Wanted(Demand(tuple(flows), recorded), _delays(fields), places, pairs, work,
+                      read_times(fields, work, graph))
     except WrongYaml as wrong:
         raise FileError.of(path, wrong) from None
 
@@ -114,6 +134,55 @@ def _vertex(one: Field, graph: Graph) -> int:
     return id
 
 
+def _any_flow(node: yaml.Node, number: int, groups: Groups, graph: Graph,
+              work: SiteWork) -> AnyFlow:
+    if 'template' in strict_yaml.mapping(node, 'a flow'):
+        return _work_flow(node, number, groups, graph, work)
+    return _flow(node, number, groups, graph)
+
+
+def _work_flow(node: yaml.Node, number: int, groups: Groups, graph: Graph,
+               work: SiteWork) -> WorkFlow:
+    fields = _known(node, 'a flow', _WORK_FLOW)
+    name = strict_yaml.text(('template', fields['template']))
+    if name not in work.templates:
+        raise WrongYaml(f'there is no template {name!r}; {meant(name, work.templates)}'
+                        if work.templates else f'template {name!r} needs a work file that has it: '
+                        'name the file with --work', fields['template'])
+    given = (strict_yaml.mapping(fields['arguments'], 'arguments')
+             if 'arguments' in fields else {})
+    arguments = tuple((one, _values((one, value), groups)) for one, value in given.items())
+    try:
+        check_arguments(work.templates[name], [one for one, _ in arguments])
+        visits = tuple(_visited(stop, dict(arguments), work, graph)
+                       for stop in work.templates[name].stops)
+    except ValueError as error:
+        raise WrongYaml(str(error), fields.get('arguments', node)) from None
+    return WorkFlow(strict_yaml.optional(fields, 'name', strict_yaml.text, f'flow {number}'),
+                    name, arguments, visits, _arrivals(fields, node),
+                    strict_yaml.optional(fields, 'priority', strict_yaml.whole, 0),
+                    _deadline(fields))
+
+
+def _values(one: Field, groups: Groups) -> Tuple[str, ...]:
+    """Returns the values of which each mission has one: the vertices of a group, or the word."""
+    word = strict_yaml.text(one)
+    return tuple(map(str, groups[word])) if word in groups else (word,)
+
+
+def _visited(stop: TemplateStop, arguments: Dict[str, Tuple[str, ...]], work: SiteWork,
+             graph: Graph) -> Tuple[int, ...]:
+    """Returns the vertices to which a stop may lead. Raises UnknownPlace."""
+    parameter = stop.at[len(PARAMETER):] if stop.at.startswith(PARAMETER) else ''
+    words = arguments[parameter] if parameter else (stop.at,)
+    return tuple(dict.fromkeys(place for word in words
+                               for place in places_of(word, work.stations, graph)))
+
+
+def _deadline(fields: Dict[str, yaml.Node]) -> float:
+    return strict_yaml.optional(fields, 'deadline', number_to(1e6), 0.0)
+
+
 def _flow(node: yaml.Node, number: int, groups: Groups, graph: Graph) -> Flow:
     fields = _known(node, 'a flow', _FLOW)
 
@@ -131,11 +200,12 @@ def _flow(node: yaml.Node, number: int, groups: Groups, graph: Graph) -> Flow:
     targets = places('to')
     if sources and any(set(targets) == {source} for source in sources):
         raise WrongYaml(f'a flow leads from vertex {sources[0]} to itself', node)
-    scatter = strict_yaml.optional(fields, 'scatter', _number(1.0), 0.0)
+    scatter = strict_yaml.optional(fields, 'scatter', number_to(1.0), 0.0)
     return Flow(strict_yaml.optional(fields, 'name', strict_yaml.text, f'flow {number}'),
                 sources, targets, _arrivals(fields, node),
                 strict_yaml.optional(fields, 'priority', strict_yaml.whole, 0),
-                strict_yaml.optional(fields, 'stay', _number(1e6), 0.0), scatter)
+                strict_yaml.optional(fields, 'stay', number_to(1e6), 0.0), scatter,
+                _deadline(fields))
 
 
 def _arrivals(fields: Dict[str, yaml.Node],
@@ -146,19 +216,19 @@ def _arrivals(fields: Dict[str, yaml.Node],
                         + (f', but has {" and ".join(given)}' if given else ''), node)
     one = given[0], fields[given[0]]
     if given == ['per_hour']:
-        return (Shift(0.0, _LONGEST_DAY, _number(1e5)(one)),)
+        return (Shift(0.0, _LONGEST_DAY, number_to(1e5)(one)),)
     if given == ['saturated']:
-        return Saturated(_number(100.0)(one))
+        return Saturated(number_to(100.0)(one))
     shifts = []
     for item in strict_yaml.items(one):
         shift = _known(item, 'a shift', ('begin', 'end', 'per_hour'))
-        begin, end = (_number(_LONGEST_DAY)(strict_yaml.field(shift, key, item))
+        begin, end = (number_to(_LONGEST_DAY)(strict_yaml.field(shift, key, item))
                       for key in ('begin', 'end'))
         if end <= begin:
             raise WrongYaml(f'a shift ends at {end:g} h, which is not after its begin at '
                             f'{begin:g} h', item)
         shifts.append(Shift(begin, end,
-                            _number(1e5)(strict_yaml.field(shift, 'per_hour', item))))
+                            number_to(1e5)(strict_yaml.field(shift, 'per_hour', item))))
     return tuple(shifts)
 
 
@@ -170,23 +240,13 @@ def _delays(fields: Dict[str, yaml.Node]) -> Delays:
 
     def standstill(one: Field) -> RandomStops:
         entry = _known(one[1], one[0], ('every', 'seconds'))
-        return RandomStops(*(_number(1e6)(strict_yaml.field(entry, key, one[1]))
+        return RandomStops(*(number_to(1e6)(strict_yaml.field(entry, key, one[1]))
                              for key in ('every', 'seconds')))
-    slower = strict_yaml.optional(known, 'slower', _number(100.0), usual.slower)
+    slower = strict_yaml.optional(known, 'slower', number_to(100.0), usual.slower)
     if slower < 1.0:
         raise WrongYaml(f'slower is {slower:g}, but must be 1 or more', known['slower'])
     return Delays(slower, strict_yaml.optional(known, 'stall', standstill, usual.stall),
                   strict_yaml.optional(known, 'people', standstill, usual.people))
-
-
-def _number(most: float) -> Callable[[Field], float]:
-    def read(one: Field) -> float:
-        value = strict_yaml.real(one)
-        if not (math.isfinite(value) and 0.0 <= value <= most):
-            raise WrongYaml(f'{one[0]} is {value:g}, but must be a number from 0 to {most:g}',
-                            one[1])
-        return value
-    return read
 
 
 def _recorded(path: Path, graph: Graph) -> Dict[int, Recorded]:

@@ -5,6 +5,8 @@ from dataclasses import dataclass, field
 from enum import Enum
 from typing import Dict, List, Tuple
 
+from fleet_simulation.hold_ups import ResourceUse
+
 
 class Use(Enum):
     """What a robot does at one moment; the report sums the robot's time by these."""
@@ -25,6 +27,7 @@ class WaitingCause(Enum):
     ROBOT = 'another robot'
     PLANNER = 'the planner'
     NO_PLAN = 'no plan serves it'
+    RESOURCE = 'a station or device'
     CLOSED = 'a closed edge'
     OWN = 'its own start'
 
@@ -43,6 +46,9 @@ class Figures:
     leads          -- of each mission: time from its request until it succeeds
     use            -- robot seconds by activity
     waiting        -- robot seconds of waiting, by the edge that the robot waits for and the cause
+    resources      -- by name, how each station and device was used
+    deadlines      -- missions with a deadline that ended, or whose deadline passed
+    missed         -- those of them that were not done by their deadline
     docks          -- most robots that charged at the same time
     parked         -- most robots that stood idle without charging at the same time
     travelled      -- m that all robots drove, warm-up included
@@ -63,6 +69,9 @@ class Figures:
     leads: List[float] = field(default_factory=list)
     use: Dict[Use, float] = field(default_factory=lambda: dict.fromkeys(Use, 0.0))
     waiting: Dict[Tuple[int, WaitingCause], float] = field(default_factory=dict)
+    resources: Dict[str, ResourceUse] = field(default_factory=dict)
+    deadlines: int = 0
+    missed: int = 0
     docks: int = 0
     parked: int = 0
     travelled: float = 0.0

@@ -12,10 +12,12 @@ from typing import Dict, Iterable, List, NamedTuple, Sequence, Tuple
 from file_replacement import replace_file
 from fleet_simulation import svg
 from fleet_simulation.figures import Figures, Use, WaitingCause
+from fleet_simulation.hold_ups import Bottleneck, HoldUp
 from fleet_simulation.site import StudiedSite
 from fleet_simulation.statistics import (
     Band,
     SizeResults,
+    bottlenecks_of,
     keeps_up,
     knee,
     quantile,
@@ -32,6 +34,7 @@ _TITLE = 'How many robots does this site need?'
 _WORDS = ('no', 'one', 'two', 'three', 'four', 'five', 'six', 'seven', 'eight', 'nine', 'ten',
           'eleven', 'twelve')
 _TOLD_EDGES = 10
+_FEW_MINUTES = 0.6  # minutes of waiting per hour and robot that are not worth a sentence (1 %)
 _STYLE = '''
 body { font: 15px/1.45 sans-serif; max-width: 960px; margin: 2em auto; padding: 0 1em;
        color: #222; }
@@ -111,6 +114,7 @@ def in_words(study: Study) -> str:
     best = knee(found)
     sentences = (_throughput_in_words(best), _demand_in_words(study, best),
                  _more_robots_in_words(found, best), _waiting_in_words(study, best),
+                 _bottleneck_in_words(best), _deadlines_in_words(best),
                  _proposal_in_words(study), _failures_in_words(best))
     return ' '.join(filter(None, sentences))
 
@@ -156,6 +160,41 @@ def _waiting_in_words(study: Study, best: SizeResults) -> str:
             f'{subject} {ids} {verb} {share:.0f} % of this waiting.')
 
 
+def _bottleneck_in_words(best: SizeResults) -> str:
+    found = bottlenecks_of(best)
+    if not found:
+        return ''
+    first = found[0]
+    if first.minutes < _FEW_MINUTES * best.robots:
+        return 'No robot waits long for a station or a device.'
+    told = (f'Of all stations and devices, {first.resource} is the bottleneck: robots wait '
+            f'{_minutes(first.minutes)} per hour for it, mostly for {_main_reason(first)}, and '
+            f'{100 * first.occupied:.0f} % of it is occupied')
+    if len(found) == 1 or found[1].minutes < _FEW_MINUTES * best.robots:
+        return f'{told}.'
+    return f'{told}; for {found[1].resource} they wait {_minutes(found[1].minutes)}.'
+
+
+def _main_reason(one: Bottleneck) -> str:
+    return max(one.waiting, key=lambda why: one.waiting[why]).value
+
+
+def _minutes(minutes: float) -> str:
+    return f'{minutes:.0f} robot minutes' if minutes >= 9.5 else f'{minutes:.1f} robot minutes'
+
+
+def _deadlines_in_words(best: SizeResults) -> str:
+    deadlines, missed = _deadlines(best)
+    if not deadlines:
+        return ''
+    return f'{missed} of {deadlines} deadlines were missed in the runs of this fleet.'
+
+
+def _deadlines(size: SizeResults) -> Tuple[int, int]:
+    """Returns the number of deadlines, and of those that were missed."""
+    return sum(run.deadlines for run in size.runs), sum(run.missed for run in size.runs)
+
+
 def _proposal_in_words(study: Study) -> str:
     good = [one for one in study.proposals if one.gain.mean - one.gain.half > 0.0]
     if not good:
@@ -192,7 +231,8 @@ def html(study: Study) -> str:
     if found:
         best = knee(found)
         parts += [_throughput(study, found, best), _times(found), _use(found),
-                  _waiting(study, best), _proposals(study), _needs(found), _planner(found),
+                  _waiting(study, best), _resources(best), _deadline_table(found),
+                  _proposals(study), _needs(found), _planner(found),
                   _failures(found)]
     parts.append(_method(study))
     return '\n'.join(parts) + '</body></html>\n'
@@ -265,6 +305,26 @@ def _waiting(study: Study, best: SizeResults) -> str:
             f'waiting: {escape(told_causes or "none")}.</p>'
             + svg.site_map(graph, waiting_by_edge(best), told)
             + _table(('edge', 'share of all waiting', 'causes'), rows))
+
+
+def _resources(best: SizeResults) -> str:
+    rows = [(str(one.resource), str(one.resource.capacity), f'{100 * one.occupied:.0f} %',
+             f'{one.minutes:.1f}', *(f'{one.waiting[why]:.1f}' for why in HoldUp))
+            for one in bottlenecks_of(best)]
+    if not rows:
+        return ''
+    return (f'<h2>Stations and devices, with {best.robots} robots</h2>'
+            '<p>Occupied: share of the capacity that robots claim, on their way there included. '
+            'Waiting: robot minutes per hour.</p>'
+            + _table(('', 'capacity', 'occupied', 'waiting', *(
+                f'for {why.value}' for why in HoldUp)), rows))
+
+
+def _deadline_table(found: Sequence[SizeResults]) -> str:
+    rows = [(str(size.robots), str(deadlines), str(missed), f'{100 * missed / deadlines:.1f} %')
+            for size in found for deadlines, missed in (_deadlines(size),) if deadlines]
+    return '<h2>Deadlines</h2>' + _table(('robots', 'deadlines', 'missed', 'share'),
+                                         rows) if rows else ''
 
 
 def _proposals(study: Study) -> str:
@@ -344,9 +404,9 @@ def _tables(study: Study) -> Dict[str, List[Tuple[object, ...]]]:
     runs: List[Tuple[object, ...]] = [(
         'robots', 'seed', 'measured_s', 'requested', 'succeeded', 'per_hour', 'open_at_end',
         'failed', 'wait_p50', 'wait_p95', 'lead_p50', 'lead_p95',
-        *(f'{use.name.lower()}_robot_s' for use in Use), 'docks', 'parked', 'travelled_m', 'plans',
-        'plan_p50', 'plan_p95', 'plan_longest', 'world_cpu_s', 'supervisor_cpu_s', 'planner_cpu_s',
-        'times_real_time', 'trouble')]
+        *(f'{use.name.lower()}_robot_s' for use in Use), 'docks', 'parked', 'travelled_m',
+        'deadlines', 'missed', 'plans', 'plan_p50', 'plan_p95', 'plan_longest', 'world_cpu_s',
+        'supervisor_cpu_s', 'planner_cpu_s', 'times_real_time', 'trouble')]
     waiting: List[Tuple[object, ...]] = [
         ('robots', 'seed', 'edge', 'cause', 'robot_s', 'drawn_edge')]
     missions: List[Tuple[object, ...]] = [('robots', 'seed', 'what', 'seconds')]
@@ -359,7 +419,7 @@ def _tables(study: Study) -> Dict[str, List[Tuple[object, ...]]]:
             *(f'{quantile(values, share):.2f}' for values in (run.waits, run.leads)
               for share in (0.5, 0.95)),
             *(f'{run.use[use]:.0f}' for use in Use), run.docks, run.parked,
-            f'{run.travelled:.0f}', len(run.planning),
+            f'{run.travelled:.0f}', run.deadlines, run.missed, len(run.planning),
             *(f'{quantile(run.planning, share):.4f}' for share in (0.5, 0.95, 1.0)),
             *(f'{seconds:.2f}' for seconds in run.spent), f'{run.speed:.1f}', run.trouble))
         waiting += [(*key, edge, cause.value, f'{seconds:.0f}', _drawn(study.site.graph, edge))
@@ -367,11 +427,16 @@ def _tables(study: Study) -> Dict[str, List[Tuple[object, ...]]]:
         missions += [(*key, 'request to start', f'{one:.2f}') for one in run.waits]
         missions += [(*key, 'request to success', f'{one:.2f}') for one in run.leads]
         failures += [(*key, count, why) for why, count in run.failures.items()]
+    resources: List[Tuple[object, ...]] = [
+        ('robots', 'seed', 'resource', 'capacity', 'claimed_robot_s', 'waiting_for', 'robot_s')]
+    resources += [(run.robots, run.seed, use.resource, use.resource.capacity,
+                   f'{use.claimed:.0f}', why.value, f'{wait:.0f}') for run in study.runs
+                  for use in run.resources.values() for why, wait in use.waiting.items()]
     proposals: List[Tuple[object, ...]] = [('change', 'gain_per_hour', 'half_band', 'graph')]
     proposals += [(one.what, f'{one.gain.mean:.2f}', f'{one.gain.half:.2f}', one.file)
                   for one in study.proposals]
     return {'runs.csv': runs, 'waiting.csv': waiting, 'missions.csv': missions,
-            'failures.csv': failures, 'proposals.csv': proposals}
+            'resources.csv': resources, 'failures.csv': failures, 'proposals.csv': proposals}
 
 
 def _drawn(graph: Graph, edge: int) -> int:

@@ -1,17 +1,21 @@
 """One simulation run: a fleet of a given size on a site, with missions drawn from a seed."""
 from __future__ import annotations
 
+from dataclasses import replace
 from random import Random
-from typing import Dict, Set
+from typing import Dict, Optional, Set
 
 from fleet_core.fleet import RobotType
 from fleet_core.supervision.actions import SendRoute
 from fleet_core.supervision.missions import MissionState, Request, Status
 from fleet_core.supervision.robots import ManagedRobot
+from fleet_core.supervision.site_resources import resources_of
 from fleet_simulation.demand import HOUR, RequestSource
 from fleet_simulation.driven_robot import AGV, LD90, DrivenRobot
 from fleet_simulation.figures import Figures, Use, WaitingCause
+from fleet_simulation.hold_ups import HoldUp, ResourceUse, WaitFor, held_up
 from fleet_simulation.site import OrderPolicy, StudiedSite
+from fleet_simulation.virtual_actors import VirtualActors
 from fleet_simulation.virtual_fleet import STEP, Rhythm, VirtualFleet
 
 RHYTHM = Rhythm(driving=0.5, standing=2.0, supervisor=0.5, room=1.0)
@@ -40,14 +44,19 @@ class Run:
             self._make, site.fleet.clearance, seed, planning=site.latency,
             settings=site.settings_of(fleet), parking=site.parking,
             dock_approach=site.fleet.dock_approach, rhythm=RHYTHM,
-            switches=site.order is OrderPolicy.SWITCHING, check_every=_CHECK_EVERY)
+            switches=site.order is OrderPolicy.SWITCHING, check_every=_CHECK_EVERY,
+            work=site.work)
         self.world.planner.rounds = site.rounds
+        self._actors = VirtualActors(self.world, site.work, site.times, seed)
         self.figures = Figures(robots, seed)
+        self.figures.resources = {one.name: ResourceUse(one) for one in resources_of(site.work)}
         self._warm_up = 0.0
         self._steps = 0
         self._requests = RequestSource(site.demand, [], self._random)
         self._requested: Dict[int, float] = {}
         self._begun: Set[int] = set()
+        self._deadlines: Dict[int, float] = {}
+        """Of open missions, s since 1970."""
         self.world.watcher = self
 
     def _make(self, name: str, kind: RobotType, vertex: int) -> DrivenRobot:
@@ -69,6 +78,8 @@ class Run:
                 world.step()
         except AssertionError as failure:
             figures.trouble = str(failure).splitlines()[0]
+        for deadline in self._deadlines.values():
+            self._count_deadline(deadline, False)
         figures.seconds = max(world.now - self._warm_up, 0.0)
         figures.open_at_end = len(world.supervisor.book.open)
         figures.travelled = sum(robot.travelled for robot in world.agvs.values())
@@ -84,10 +95,21 @@ class Run:
             self._ask(request)
 
     def _ask(self, request: Request) -> None:
+        if request.deadline:
+            request = replace(request, deadline=request.deadline + self.world.wall)
+            self._deadlines[request.id] = request.deadline
         self._requested[request.id] = self.world.now
         if self.world.now >= self._warm_up:
             self.figures.requested += 1
         self.world.do(self.world.supervisor.request(request, self.world.now))
+
+    def _count_deadline(self, deadline: float, is_done: bool) -> None:
+        """Counts the deadline of a mission that has ended, or of one that is open at the end."""
+        moment = self.world.wall + self.world.now
+        if not is_done and moment <= deadline or self.world.now < self._warm_up:
+            return
+        self.figures.deadlines += 1
+        self.figures.missed += not is_done or moment > deadline
 
     # -- observation of the virtual world ---------------------------------------------------------
 
@@ -103,6 +125,8 @@ class Run:
         counts = now >= self._warm_up
         if id not in self._requested:
             return
+        assert status.state is not MissionState.NEEDS_PERSON, (
+            f'Mission {id} needs a person: {status.reason}.')
         if status.state is MissionState.ACTIVE and id not in self._begun:
             self._begun.add(id)
             if counts:
@@ -114,6 +138,9 @@ class Run:
             elif counts:
                 why = status.reason or status.state.name
                 figures.failures[why] = figures.failures.get(why, 0) + 1
+            if id in self._deadlines:
+                is_done = status.state is MissionState.SUCCEEDED
+                self._count_deadline(self._deadlines.pop(id), is_done)
             del self._requested[id]
             self._begun.discard(id)
             self._requests.ended(id)
@@ -121,6 +148,7 @@ class Run:
     def stepped(self) -> None:
         """Does what is due after one time step: new plans, battery reports, samples."""
         self._steps += 1
+        self._actors.stepped()
         if self._site.order is OrderPolicy.REPLANNING and self._steps % _REPLANNING == 0:
             self.world.supervisor.plan_executor.plan_anew()
         if self._steps % _BATTERY == 0:
@@ -135,6 +163,7 @@ class Run:
     def _sample(self) -> None:
         seconds, figures = _SAMPLE * STEP, self.figures
         docks = parked = 0
+        held_up = self._sample_resources(seconds)
         for name, body in self.world.agvs.items():
             robot = self.world.supervisor.robots[name]
             use = self._use(name, body, robot)
@@ -142,9 +171,42 @@ class Run:
             docks += use is Use.CHARGING
             parked += use is Use.IDLE
             if use is Use.WAITING:
-                what = self._wanted_edge(name, robot), self._cause(name)
+                what = self._wanted_edge(name, robot), (
+                    WaitingCause.RESOURCE if name in held_up else self._cause(name))
+                if name in held_up:
+                    wait = held_up[name]
+                    figures.resources[wait.resource].waiting[wait.why] += seconds
                 figures.waiting[what] = figures.waiting.get(what, 0.0) + seconds
         figures.docks, figures.parked = max(figures.docks, docks), max(figures.parked, parked)
+
+    def _sample_resources(self, seconds: float) -> Dict[str, WaitFor]:
+        """Counts the claims. Returns the station or device for which each robot waits."""
+        figures, supervisor = self.figures, self.world.supervisor
+        if not figures.resources:
+            return {}
+        for name, use in figures.resources.items():
+            use.claimed += seconds * len(supervisor.interlocking.claims.holders(name))
+        direct: Dict[str, WaitFor] = {}
+        for name in self.world.agvs:
+            wait = self._waits_for_resource(name)
+            if wait is not None:
+                direct[name] = wait
+        waits_for = supervisor.plan_executor.waits_for
+        return held_up(direct, {name: other for name, other in waits_for.items()
+                                if other in self.world.agvs})
+
+    def _waits_for_resource(self, name: str) -> Optional[WaitFor]:
+        supervisor = self.world.supervisor
+        standing = supervisor.stations.standing_of(name)
+        if standing is not None:
+            return WaitFor(standing.station.name, HoldUp.TURN)
+        resource = supervisor.plan_executor.lacks.get(name)
+        if resource is None:
+            return None
+        others = [one for one in supervisor.interlocking.claims.holders(resource.name)
+                  if one != name]
+        is_full = len(others) >= resource.capacity
+        return WaitFor(resource.name, HoldUp.CLAIM if is_full else HoldUp.OPENING)
 
     def _use(self, name: str, body: DrivenRobot, robot: ManagedRobot) -> Use:
         mission = self.world.supervisor.book.of_robot(name)
@@ -155,7 +217,9 @@ class Run:
         if body.is_driving and not body.vehicle.drive.at_rest:
             return Use.LOADED if mission is not None else Use.EMPTY
         if mission is not None:
-            return Use.STAY if mission.stays_since is not None else Use.WAITING
+            is_at_work = mission.stays_since is not None or (
+                self.world.supervisor.desk.waits_for(name, mission).code)
+            return Use.STAY if is_at_work else Use.WAITING
         if robot.dock is not None:
             return Use.CHARGING if body.vehicle.battery.charging else Use.WAITING
         return Use.CHARGING if body.vehicle.battery.charging else Use.IDLE

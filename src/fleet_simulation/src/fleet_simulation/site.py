@@ -13,9 +13,11 @@ from fleet_core.planning.parking import WellFormedSets
 from fleet_core.planning.road_network import RoadNetwork
 from fleet_core.site.survey import parking_for_all
 from fleet_core.supervision.settings import RobotSettings
+from fleet_core.work.site_work import SiteWork
 from fleet_simulation.demand import Demand
 from fleet_simulation.demand_file import Wanted
 from fleet_simulation.driven_robot import Delays
+from fleet_simulation.step_times import WorkTimes
 from trajectory_graph import Graph
 
 
@@ -42,6 +44,8 @@ class StudiedSite:
     latency  -- virtual s until the planner answers
     rounds   -- rounds in which the planner improves each plan
     order    -- how the order on shared places changes while robots are late
+    work     -- what the site says about work, without timetables: missions come from the demand
+    times    -- how long steps and devices take
     """
 
     graph: Graph
@@ -54,6 +58,8 @@ class StudiedSite:
     latency: float = 0.1
     rounds: int = 0
     order: OrderPolicy = OrderPolicy.FIXED
+    work: SiteWork = SiteWork()
+    times: WorkTimes = WorkTimes()
 
     def robots(self, count: int) -> Dict[str, Robot]:
         """Returns `count` robots by name.
@@ -97,7 +103,8 @@ def site_of(graph: Graph, fleet: Fleet, settings: Dict[str, RobotSettings], want
         if robot.vertex not in graph.vertices:
             raise WrongSite(f'Robot {robot.name} begins on vertex {robot.vertex}, which the graph '
                             'does not have: choose another in the fleet file.')
-    starts = _starts(network, fleet)
+    starts = tuple(place for place in _starts(network, fleet)
+                   if place not in _at_stations(wanted.work))
     begin = {*starts, *(robot.vertex for robot in fleet.robots)}
     origins = lru_cache(maxsize=None)(partial(_origins, network, fleet))
     for (source, target), (file, line) in wanted.pairs.items():
@@ -109,7 +116,13 @@ def site_of(graph: Graph, fleet: Fleet, settings: Dict[str, RobotSettings], want
             raise FileError(file, f'vertex {place} is not reachable: no robot can drive there from '
                                   'its start; connect it in the graph, or remove it here', line)
     return StudiedSite(graph, fleet, settings, wanted.demand, wanted.delays, starts,
-                       tuple(sorted(parking_for_all(network, fleet))), latency, rounds)
+                       tuple(sorted(parking_for_all(network, fleet))), latency, rounds,
+                       work=replace(wanted.work, timetables={}), times=wanted.times)
+
+
+def _at_stations(work: SiteWork) -> Set[int]:
+    """Returns the vertices of stations and queues, on which no robot is to begin."""
+    return {place for one in work.stations.values() for place in (*one.places, *one.queue)}
 
 
 def with_docks(fleet: Fleet, docks: FrozenSet[int]) -> Fleet:

@@ -8,6 +8,7 @@ import numpy as np
 from scipy.stats import t as students_t
 
 from fleet_simulation.figures import Figures, Use, WaitingCause
+from fleet_simulation.hold_ups import Bottleneck, bottlenecks, summed
 from trajectory_graph import Graph
 
 _WORTH = 0.05    # a further robot is worth it if it raises the throughput by at least this share
@@ -109,6 +110,12 @@ def waiting_by_cause(size: SizeResults,
     return _shares((cause, seconds) for run in size.runs
                    for (one, cause), seconds in run.waiting.items()
                    if edges is None or one in edges)
+
+
+def bottlenecks_of(size: SizeResults) -> List[Bottleneck]:
+    """Returns the stations and devices, the one for which robots wait longest first."""
+    return list(bottlenecks(summed(*(run.resources for run in size.runs)),
+                            sum(run.seconds for run in size.runs)))
 
 
 def _shares(pairs: Iterable) -> Dict:

@@ -123,7 +123,7 @@ def _view(robot: ManagedRobot, errand: Errand, supervisor: Supervisor, now: floa
 def _to_go(robot: ManagedRobot, errand: Errand, supervisor: Supervisor, now: float) -> TimeToGo:
     if errand.duty is Duty.IDLE:
         return UNKNOWN
-    return time_to_go(robot, errand.mission, supervisor.plan_executor.plan,
+    return time_to_go(robot, errand, supervisor.plan_executor.plan,
                       supervisor.networks.edge_times, now)
 
 

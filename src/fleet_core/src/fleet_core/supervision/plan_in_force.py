@@ -6,6 +6,7 @@ from typing import Dict, Iterable, List, Mapping, NamedTuple, Optional, Set, Tup
 from fleet_core.interlocking.route_record import RouteRecord
 from fleet_core.planning.tasks import PlanningOutcome
 from fleet_core.supervision.assumptions import Assumptions
+from fleet_core.supervision.duties import Errand
 from fleet_core.supervision.robot_plan import RobotPlan
 
 
@@ -76,6 +77,11 @@ class PlanInForce:
                     moving.add(first)
                     grew = True
         return asked
+
+    def is_for(self, name: str, errand: Errand) -> bool:
+        """Was it made for this errand of a robot?"""
+        assumed = self.assumptions.robots.get(name)
+        return assumed is not None and assumed.errand == errand.key
 
     def plan_of(self, name: str) -> Optional[RobotPlan]:
         """The plan of one robot; None: it has none."""

@@ -310,8 +310,8 @@ class Supervisor:
         if robot is None:
             kinds = {self.robots[name].type for name in self.acceptance.robots_for(mission.request)}
             return time_over(mission, kinds, self.network) / self.rate
-        end = time_to_go(robot, mission, self.plan_executor.plan, self.networks.edge_times,
-                         now).end
+        end = time_to_go(robot, self.errand(robot), self.plan_executor.plan,
+                         self.networks.edge_times, now).end
         return (time_over(mission, (robot.type,), self.network) if isnan(end) else end) / self.rate
 
     def _refuse(self, request: Request, reason: str) -> None:
@@ -722,10 +722,12 @@ class Supervisor:
 
     def errands(self) -> Dict[str, Errand]:
         """The errand of each robot."""
-        missions = self.book.serving
-        return {name: errand_of(missions.get(name), robot.dock,
-                                self.stations.limits.get(name, NO_LIMIT))
-                for name, robot in self.robots.items()}
+        return {name: self.errand(robot) for name, robot in self.robots.items()}
+
+    def errand(self, robot: ManagedRobot) -> Errand:
+        """The errand of one robot."""
+        return errand_of(self.book.of_robot(robot.name), robot.dock,
+                         self.stations.limits.get(robot.name, NO_LIMIT))
 
     def _world(self) -> World:
         return self._view.world(self.book.serving, self.network, self.stations.limits)

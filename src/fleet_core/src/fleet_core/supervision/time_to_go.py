@@ -12,6 +12,7 @@ from typing import Iterable, List, NamedTuple, Optional, Sequence
 from fleet_core.fleet import RobotType
 from fleet_core.planning.road_network import RoadNetwork
 from fleet_core.planning.tasks import PlannedDrive
+from fleet_core.supervision.duties import Errand
 from fleet_core.supervision.edge_times import EdgeTimes
 from fleet_core.supervision.missions import Mission, MissionState
 from fleet_core.supervision.plan_in_force import PlanInForce
@@ -42,14 +43,15 @@ class _TimedDrive(NamedTuple):
     seconds: float
 
 
-def time_to_go(robot: ManagedRobot, mission: Optional[Mission], plan: Optional[PlanInForce],
+def time_to_go(robot: ManagedRobot, errand: Errand, plan: Optional[PlanInForce],
                times: EdgeTimes, now: float) -> TimeToGo:
-    """The time that a robot needs by the plan in force; `now` is the supervisor's time.
+    """The time that a robot needs for its errand; `now` is the supervisor's time.
 
+    A plan that was made for another errand tells nothing: a stay without an end is long in it.
     Without a mission the robot's destination is the end of its plan.
     """
-    own = None if plan is None else plan.plan_of(robot.name)
-    if plan is None or own is None or not robot.works:
+    mission, own = errand.mission, None if plan is None else plan.plan_of(robot.name)
+    if plan is None or own is None or not robot.works or not plan.is_for(robot.name, errand):
         return UNKNOWN
     drives = _timed(robot, own.behind(robot.record.done), times, now - plan.made_at)
     usual = times.usual(robot.type.name)

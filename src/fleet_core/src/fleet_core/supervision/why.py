@@ -78,7 +78,7 @@ def _robot_reason(name: str, hindrance: Hindrance, supervisor: Supervisor,
                                             f'{robot.why or robot.outage.value}')
     if hindrance is not Hindrance.BUSY or serves is None:
         return RobotReason(name, hindrance, WORDS[hindrance])
-    to_go = time_to_go(robot, serves, supervisor.plan_executor.plan,
+    to_go = time_to_go(robot, supervisor.errand(robot), supervisor.plan_executor.plan,
                        supervisor.networks.edge_times, now)
     return RobotReason(name, hindrance, WORDS[hindrance].format(mission=serves.request.id),
                        serves.request.id, to_go.end / supervisor.rate)

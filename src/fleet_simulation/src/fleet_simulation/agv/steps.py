@@ -1,6 +1,7 @@
 """The steps of one simulated AGV: its memory of them, their duration, and scripted faults.
 
-Every type of step is carried out. It takes the `seconds` among its parameters, or `SECONDS`.
+Every type of step is carried out. It takes the `seconds` among its parameters, or `SECONDS`, unless
+a simulation says otherwise.
 """
 from __future__ import annotations
 
@@ -23,14 +24,24 @@ class _Running:
     end: Word
 
 
+def asked_seconds(command: StepCommand) -> float:
+    """Returns the s that a command asks for; NaN: they are no number."""
+    try:
+        return float(dict(command.parameters).get('seconds', SECONDS))
+    except ValueError:
+        return math.nan
+
+
 class SimulatedSteps:
     """Carries out the steps of one AGV.
 
-    draw -- draws the number of a run, at each start of the AGV's driver
+    draw    -- draws the number of a run, at each start of the AGV's driver
+    seconds -- returns the s that the step of a command takes
     """
 
-    def __init__(self, draw: Callable[[], int]) -> None:
-        self._draw = draw
+    def __init__(self, draw: Callable[[], int],
+                 seconds: Callable[[StepCommand], float] = asked_seconds) -> None:
+        self._draw, self._seconds = draw, seconds
         self._state = ActorState(draw())
         self._running: Dict[int, _Running] = {}
         self._faults: List[Word] = []
@@ -61,10 +72,7 @@ class SimulatedSteps:
             self._end(command.key, Word.CANCELLED)
 
     def _begin(self, command: StepCommand) -> None:
-        try:
-            seconds = float(dict(command.parameters).get('seconds', SECONDS))
-        except ValueError:
-            seconds = math.nan
+        seconds = self._seconds(command)
         if not 0.0 <= seconds <= LONGEST:
             self._state = self._state.end(command.key, Word.FAILED, StepCode.WRONG_PARAMETER,
                                           f'seconds must be a number from 0 to {LONGEST:.0f}')

@@ -1,0 +1,51 @@
+"""How long simulated steps and devices take."""
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from random import Random
+from typing import Mapping, Optional, Tuple
+
+DEVICE_SECONDS = 2.0  # s that a device takes to open or close, unless the demand file says more
+
+
+@dataclass(frozen=True)
+class Duration:
+    """A duration that is drawn between (1 - scatter) and (1 + scatter) times `seconds`.
+
+    scatter -- 0..1
+    """
+
+    seconds: float
+    scatter: float = 0.0
+
+    @property
+    def longest(self) -> float:
+        """The longest duration that can be drawn, in s."""
+        return self.seconds * (1.0 + self.scatter)
+
+    def draw(self, random: Random) -> float:
+        """Draws a duration, in s."""
+        return self.seconds * random.uniform(1.0 - self.scatter, 1.0 + self.scatter)
+
+
+@dataclass(frozen=True)
+class WorkTimes:
+    """The durations of steps and devices that a demand file gives.
+
+    steps   -- by type of the step, and by the station or vertex where it is done; '': everywhere
+    devices -- by name, s to open or to close
+    """
+
+    steps: Mapping[Tuple[str, str], Duration] = field(default_factory=dict)
+    devices: Mapping[str, float] = field(default_factory=dict)
+
+    def of_step(self, type: str, station: str, vertex: int) -> Optional[Duration]:
+        """Returns the duration of a step at a place; the nearest entry counts. None: not given."""
+        for at in (str(vertex), station, ''):
+            if (type, at) in self.steps:
+                return self.steps[type, at]
+        return None
+
+    def of_device(self, name: str) -> float:
+        """Returns the s that a device takes to open or to close."""
+        return self.devices.get(name, DEVICE_SECONDS)
