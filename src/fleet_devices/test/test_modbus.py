@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 
 from fleet_core.work.devices import HandOverAddress, ModbusAddress
 from fleet_devices.core.device import Reading
-from fleet_devices.core.hand_over import OFF, Signals, Start
+from fleet_devices.core.hand_over import OFF, Signals, StartSignal
 from fleet_devices.drivers import modbus
 from fleet_devices.drivers.driver import Silent
 from fleet_devices.drivers.modbus import (
@@ -96,7 +96,7 @@ def test_a_press_receives_the_key_with_its_start_and_says_how_it_has_ended(plc):
     press = ModbusHandOver(ModbusConnection('127.0.0.1', plc.port), plc.press)
     key = 2 ** 53 - 2
     assert press.exchange(None) == Signals(False, 0, False, False)
-    assert press.exchange(Start(True, key)) == Signals(True, key, False, False)
+    assert press.exchange(StartSignal(True, key)) == Signals(True, key, False, False)
     plc.is_done = True
     assert press.exchange(None) == Signals(True, key, True, False)
     plc.is_done, plc.has_failed = False, True
@@ -108,7 +108,7 @@ def test_a_press_receives_the_key_with_its_start_and_says_how_it_has_ended(plc):
 def test_a_press_whose_server_dies_is_silent(plc):
     clock = Clock()
     press = ModbusHandOver(ModbusConnection('127.0.0.1', plc.port, clock), plc.press)
-    press.exchange(Start(True, 9))
+    press.exchange(StartSignal(True, 9))
     plc.kill()
     with pytest.raises(Silent, match='does not answer'):
         press.exchange(None)
@@ -180,7 +180,7 @@ def test_no_bytes_upset_the_driver(answers):
             connection.close()
             press = ModbusHandOver(connection, HandOverAddress('127.0.0.1', 1, 2, 3, 4))
             with contextlib.suppress(Silent):
-                signals = press.exchange(Start(True, 2 ** 40))
+                signals = press.exchange(StartSignal(True, 2 ** 40))
                 assert 0 <= signals.key < 2 ** 64
             connection.close()
     finally:

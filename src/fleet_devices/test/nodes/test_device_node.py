@@ -10,7 +10,7 @@ from diagnostic_updater import DiagnosticStatusWrapper
 from fleet_core.work.devices import Device, DeviceKind, ModbusAddress, StepDevice
 from fleet_devices.core.device import DeviceLimits, DeviceMemory, Reading
 from fleet_devices.core.devices import Devices, Periods, StoredDevices
-from fleet_devices.core.hand_over import HandOverMemory, Phase
+from fleet_devices.core.hand_over import HandOverMemory, HandOverPhase
 from fleet_devices.core.hand_overs import HandOvers, StoredHandOvers
 from fleet_devices.drivers.driver import Silent
 from fleet_devices.drivers.simulated import FaultKind, ScriptedFault
@@ -43,7 +43,7 @@ def test_the_steps_of_a_machine_come_back(tmp_path):
     file = MemoryFile(str(tmp_path / 'steps.json'), '~steps_file', StoredHandOvers(), STEPS_LOST)
     stored = StoredHandOvers({'press': HandOverMemory(
         2 ** 52, 3, 9, (ShownStep(8, Word.FAILED, StepCode.NOT_READY, 'why'), ShownStep(9)),
-        Phase.WORKING, 9)})
+        HandOverPhase.WORKING, 9)})
     file.write(stored)
     assert file.read() == stored
 
@@ -93,8 +93,9 @@ def test_scripted_faults_are_read_by_device():
     (fault(device=3), 'no simulated device'), (fault(fault='slwo'), 'there are: slow, stuck'),
     (fault(begin=3), 'the first one smaller'), (fault(begin=-1), 'the first one smaller'),
     (fault(end=True), 'two numbers'), (fault(end='x'), 'two numbers'),
-    (fault(end=float('nan')), 'two numbers'), (fault(fault='failing'), 'is one of machines'),
-    (fault(device='oven', fault='shut'), 'is not one of machines')])
+    (fault(end=float('nan')), 'two numbers'),
+    (fault(fault='failing'), 'only: slow, stuck, silent, lying, shut.'),
+    (fault(device='oven', fault='shut'), 'only: slow, stuck, silent, lying, failing.')])
 def test_a_wrong_fault_is_refused(entry, told):
     with pytest.raises(ConfigurationError, match=told):
         scripted_faults([entry], {'lamp': LAMP, 'gate': GATE}, {'oven': OVEN})

@@ -1,6 +1,8 @@
 """Steps that a device carries out, in a supervised fleet: one at a time, and asked for once."""
 from __future__ import annotations
 
+from test_work_at_stops import WorkingFleet
+
 from fleet_core.supervision.missions import MissionState
 from fleet_core.work.devices import StepDevice
 from fleet_core.work.rules import StepDecision
@@ -8,7 +10,6 @@ from fleet_core.work.site_work import SiteWork
 from fleet_core.work.stops import Actor, LoadEffect, Policy, WorkStep, WorkStop
 from fleet_core.work.tables import LoadState
 from route_protocol.steps import StepAct, StepCommand, Word
-from test_work_at_stops import WorkingFleet
 
 SITE = SiteWork(step_devices={'press': StepDevice('press', 10.0)})
 HAND = WorkStep('handshake', 60.0, actor=Actor.DEVICE, device='press', load=LoadEffect.TAKES)

@@ -286,19 +286,19 @@ def begin(situation: Situation, place: StepPlace, key: int, run: int, now: int) 
 
 def heard(situation: Situation, report: StepReport, device: str = '') -> Situation:
     """The situation after a report of the robot, or of a device."""
-    who = f'device {device}' if device else 'the robot'
+    subject = f'device {device}' if device else 'the robot'
     for place, step, own in tuple(situation.work.steps):
         if step.device != device or own.state not in (StepState.RUNNING, StepState.ASK) or (
                 own.seen is Seen.OVER or is_of_an_earlier_run(report, own)):
             continue
         if report.run != own.run:
-            situation = _lost(situation, place, f'the driver of {who} has restarted')
+            situation = _lost(situation, place, f'the driver of {subject} has restarted')
             continue
         shown = report.find(own.key)
         if shown is not None:
-            situation = _shown(situation, place, shown, who)
+            situation = _shown(situation, place, shown, subject)
         elif report.last >= own.key:
-            situation = _lost(situation, place, f'{who} has forgotten it')
+            situation = _lost(situation, place, f'{subject} has forgotten it')
     return settle(situation)
 
 
@@ -307,7 +307,7 @@ def is_of_an_earlier_run(report: StepReport, own: StepProgress) -> bool:
     return report.run < own.run
 
 
-def _shown(situation: Situation, place: StepPlace, shown: ShownStep, who: str) -> Situation:
+def _shown(situation: Situation, place: StepPlace, shown: ShownStep, subject: str) -> Situation:
     own = situation.work.progress_of(place)
     if not shown.word.is_final:
         seen = replace(own, seen=Seen.RUNNING)
@@ -316,8 +316,8 @@ def _shown(situation: Situation, place: StepPlace, shown: ShownStep, who: str) -
     if shown.word is Word.DONE:
         return _done(situation, place)
     if shown.word is Word.UNKNOWN:
-        return _unknown(situation, place, shown.text or f'{who} does not know how it ended')
-    return _failed(situation, place, shown.text or f'{who} says {shown.word.name}')
+        return _unknown(situation, place, shown.text or f'{subject} does not know how it ended')
+    return _failed(situation, place, shown.text or f'{subject} says {shown.word.name}')
 
 
 def _lost(situation: Situation, place: StepPlace, text: str) -> Situation:

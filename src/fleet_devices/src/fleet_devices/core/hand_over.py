@@ -65,7 +65,7 @@ from route_protocol.steps import (
 _REPORTS = 2 ** 32  # more than a device is reported in one life of its driver
 
 
-class Phase(Enum):
+class HandOverPhase(Enum):
     """What is being done about the step of a device."""
 
     LEFT = 'left as it is'
@@ -75,7 +75,7 @@ class Phase(Enum):
     BREAKING = 'is to be broken off'
 
 
-RUNNING = frozenset({Phase.READYING, Phase.WORKING, Phase.BREAKING})
+RUNNING = frozenset({HandOverPhase.READYING, HandOverPhase.WORKING, HandOverPhase.BREAKING})
 
 
 class Signals(NamedTuple):
@@ -92,14 +92,14 @@ class Signals(NamedTuple):
         return not (self.start or self.done or self.failed)
 
 
-class Start(NamedTuple):
+class StartSignal(NamedTuple):
     """A writing of the start output: on with the key of a step, or off (`key`: 0)."""
 
     is_on: bool
     key: int = 0
 
 
-OFF = Start(False)
+OFF = StartSignal(False)
 
 
 @dataclass(frozen=True)
@@ -110,12 +110,12 @@ class HandOverMemory:
     lives: int = 0
     last: int = 0
     steps: Tuple[ShownStep, ...] = ()
-    phase: Phase = Phase.LEFT
+    phase: HandOverPhase = HandOverPhase.LEFT
     key: int = 0
 
 
 @dataclass(frozen=True)
-class HandOver:
+class HandOverMachine:
     """See the module's text. `now` is in s of a clock that never steps back.
 
     actor   -- the memory of the steps, as the fleet manager sees them
@@ -133,7 +133,7 @@ class HandOver:
     limits: DeviceLimits
     actor: ActorState
     lives: int
-    phase: Phase
+    phase: HandOverPhase
     key: int
     since: float
     begun: int = 0
@@ -146,7 +146,7 @@ class HandOver:
     problem: str = ''
 
     @classmethod
-    def start(cls, limits: DeviceLimits, memory: HandOverMemory, now: float) -> HandOver:
+    def start(cls, limits: DeviceLimits, memory: HandOverMemory, now: float) -> HandOverMachine:
         """The device after a start with what was stored. `memory` must be stored with `lives` + 1.
         """
         lives = memory.lives + 1
@@ -166,7 +166,7 @@ class HandOver:
 
     # --- events -----------------------------------------------------------------------------------
 
-    def obey(self, command: StepCommand, now: float) -> HandOver:
+    def obey(self, command: StepCommand, now: float) -> HandOverMachine:
         """A command has come. Nothing may be done, and nothing shown, before `memory` is stored."""
         actor, reaction = self.actor.obey(command)
         after = replace(self, actor=actor)
@@ -180,25 +180,25 @@ class HandOver:
             return after._refuse(command, StepCode.UNKNOWN_TYPE, f'a device does {HAND_OVER} only')
         if command.parameters:
             return after._refuse(command, StepCode.WRONG_PARAMETER, 'a device has no parameters')
-        return replace(after, key=command.key)._enter(Phase.READYING, now)
+        return replace(after, key=command.key)._enter(HandOverPhase.READYING, now)
 
-    def begin(self, now: float) -> Tuple[HandOver, Optional[Start]]:
+    def begin(self, now: float) -> Tuple[HandOverMachine, Optional[StartSignal]]:
         """An exchange begins; none may be awaited. Also returns what it writes; None: nothing.
 
         A changed `memory` must be stored before the exchange is carried out.
         """
         after, write = self, None
-        if self.phase is Phase.READYING and self._is_steady():
+        if self.phase is HandOverPhase.READYING and self._is_steady():
             assert self.signals is not None
             if self._was_started():
-                after = self._enter(Phase.WORKING, now)
+                after = self._enter(HandOverPhase.WORKING, now)
             elif self.signals.are_off:
-                after, write = self._enter(Phase.WORKING, now), Start(True, self.key)
+                after, write = self._enter(HandOverPhase.WORKING, now), StartSignal(True, self.key)
         if after is self and self._must_be_off():
             write = OFF
         return replace(after, begun=after.begun + 1, begun_at=now, is_awaited=True), write
 
-    def end(self, signals: Optional[Signals], problem: str, now: float) -> HandOver:
+    def end(self, signals: Optional[Signals], problem: str, now: float) -> HandOverMachine:
         """The exchange has ended. `signals`: None: it had no reading, because of `problem`.
 
         An exchange without a reading may have had an effect.
@@ -213,62 +213,65 @@ class HandOver:
         return replace(self, is_awaited=False, read_at=self.begun_at, signals=signals, alike=alike,
                        problem='')._judge(now).tick(now)
 
-    def tick(self, now: float) -> HandOver:
+    def tick(self, now: float) -> HandOverMachine:
         """Time has passed."""
         if self.phase not in RUNNING:
             return self
         read_at = self.since if self.read_at is None else max(self.read_at, self.since)
         if now - read_at > self.limits.offline_after:
             return self._give_up(StepCode.LOST_LINK, self.problem or 'it does not answer', now)
-        if self.phase is not Phase.WORKING and now - self.since > self.limits.timeout:
-            return self._give_up(StepCode.NOT_READY, (
-                'does not get ready' if self.phase is Phase.READYING else 'does not break off')
-                + f' within {self.limits.timeout:g} s: {self._readings()}', now)
+        if self.phase is not HandOverPhase.WORKING and now - self.since > self.limits.timeout:
+            aim = 'get ready' if self.phase is HandOverPhase.READYING else 'break off'
+            return self._give_up(StepCode.NOT_READY, f'it does not {aim} within '
+                                 f'{self.limits.timeout:g} s: {self._readings()}', now)
         return self
 
     # --- rules ------------------------------------------------------------------------------------
 
-    def _refuse(self, command: StepCommand, code: StepCode, text: str) -> HandOver:
+    def _refuse(self, command: StepCommand, code: StepCode, text: str) -> HandOverMachine:
         return replace(self, actor=self.actor.end(command.key, Word.FAILED, code, text))
 
-    def _break_off(self, now: float) -> HandOver:
-        if self.phase is Phase.READYING:
-            return self._ended(Word.CANCELLED, StepCode.NONE, '', Phase.IDLE, now)
-        return self._enter(Phase.BREAKING, now) if self.phase is Phase.WORKING else self
+    def _break_off(self, now: float) -> HandOverMachine:
+        if self.phase is HandOverPhase.READYING:
+            return self._ended(Word.CANCELLED, StepCode.NONE, '', HandOverPhase.IDLE, now)
+        return self if self.phase is HandOverPhase.BREAKING else self._enter(
+            HandOverPhase.BREAKING, now)
 
-    def _judge(self, now: float) -> HandOver:
+    def _judge(self, now: float) -> HandOverMachine:
         """The device after a reading: has the step ended?"""
-        if self.phase not in (Phase.WORKING, Phase.BREAKING) or not self._is_steady():
+        if self.phase not in (HandOverPhase.WORKING, HandOverPhase.BREAKING) or (
+                not self._is_steady()):
             return self
         signals = self.signals
         assert signals is not None
         if signals.key != self.key:
             return self._unknown('it does not show the key of the step', now)
-        if self.phase is Phase.WORKING and not signals.start:
+        if self.phase is HandOverPhase.WORKING and not signals.start:
             return self._unknown('its start is off', now)
         if signals.done and signals.failed:
             return self._unknown('it says that it is done, and that it has failed', now)
         if signals.done:
-            return self._ended(Word.DONE, StepCode.NONE, '', Phase.IDLE, now)
+            return self._ended(Word.DONE, StepCode.NONE, '', HandOverPhase.IDLE, now)
         if signals.failed:
             return self._ended(Word.FAILED, StepCode.OTHER, 'it says that it has failed',
-                               Phase.IDLE, now)
+                               HandOverPhase.IDLE, now)
         return self
 
-    def _unknown(self, text: str, now: float) -> HandOver:
-        return self._ended(Word.UNKNOWN, StepCode.OTHER, text, Phase.LEFT, now)
+    def _unknown(self, text: str, now: float) -> HandOverMachine:
+        return self._ended(Word.UNKNOWN, StepCode.OTHER, text, HandOverPhase.LEFT, now)
 
-    def _give_up(self, code: StepCode, text: str, now: float) -> HandOver:
+    def _give_up(self, code: StepCode, text: str, now: float) -> HandOverMachine:
         """A step that was never started has failed; of any other one it is not known how it ended.
         """
-        word = Word.FAILED if self.phase is Phase.READYING else Word.UNKNOWN
-        return self._ended(word, code, text, Phase.LEFT, now)
+        word = Word.FAILED if self.phase is HandOverPhase.READYING else Word.UNKNOWN
+        return self._ended(word, code, text, HandOverPhase.LEFT, now)
 
-    def _ended(self, word: Word, code: StepCode, text: str, phase: Phase, now: float) -> HandOver:
+    def _ended(self, word: Word, code: StepCode, text: str, phase: HandOverPhase,
+               now: float) -> HandOverMachine:
         actor = self.actor.end(self.key, word, code, text)
         return replace(self, actor=actor, key=0)._enter(phase, now)
 
-    def _enter(self, phase: Phase, now: float) -> HandOver:
+    def _enter(self, phase: HandOverPhase, now: float) -> HandOverMachine:
         """The device in a new phase, in which it must be read anew."""
         return replace(self, phase=phase, since=now, alike=0, phase_from=self.begun)
 
@@ -281,9 +284,9 @@ class HandOver:
 
     def _must_be_off(self) -> bool:
         """Must the start output be switched off? That of a step which may run is left."""
-        if self.phase not in (Phase.IDLE, Phase.READYING, Phase.BREAKING):
+        if self.phase not in (HandOverPhase.IDLE, HandOverPhase.READYING, HandOverPhase.BREAKING):
             return False
-        if self.phase is Phase.READYING and (self.signals is None or self._was_started()):
+        if self.phase is HandOverPhase.READYING and (self.signals is None or self._was_started()):
             return False
         return self.signals is None or self.signals.start
 

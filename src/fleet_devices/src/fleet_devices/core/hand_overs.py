@@ -5,7 +5,7 @@ from dataclasses import dataclass, field, replace
 from typing import Callable, Dict, List, Mapping, NamedTuple, Optional, Tuple
 
 from fleet_devices.core.device import DeviceLimits
-from fleet_devices.core.hand_over import HandOver, HandOverMemory, Signals, Start
+from fleet_devices.core.hand_over import HandOverMachine, HandOverMemory, Signals, StartSignal
 from route_protocol.steps import StepCommand, StepReport
 
 REPORT_PERIOD = 1.0  # s between two reports of a device whose steps do not change
@@ -41,14 +41,15 @@ class HandOvers:
         self.problem = ''  # why the memory cannot be stored; empty: it can
         self._store, self._period = store, period
         self._kept = dict(memory.devices)  # also of devices that the site does not have at present
-        self._devices: Dict[str, HandOver] = {
-            name: HandOver.start(one, memory.devices.get(name) or HandOverMemory(new_run), now)
+        self._devices: Dict[str, HandOverMachine] = {
+            name: HandOverMachine.start(
+                one, memory.devices.get(name) or HandOverMemory(new_run), now)
             for name, one in limits.items()}
         self._due: Dict[str, float] = dict.fromkeys(limits, now)
         self._told: Dict[str, _Told] = {}
         self._is_begun = not limits or self._keep(self._devices)
 
-    def __getitem__(self, name: str) -> HandOver:
+    def __getitem__(self, name: str) -> HandOverMachine:
         return self._devices[name]
 
     @property
@@ -63,11 +64,11 @@ class HandOvers:
         if self._is_begun:
             self._change(name, self._devices[name].obey(command, now))
 
-    def begin_due(self, now: float) -> List[Tuple[str, Optional[Start]]]:
+    def begin_due(self, now: float) -> List[Tuple[str, Optional[StartSignal]]]:
         """Begins the exchanges that are due, and returns what each writes. What it rests on is
         stored.
         """
-        exchanges: List[Tuple[str, Optional[Start]]] = []
+        exchanges: List[Tuple[str, Optional[StartSignal]]] = []
         if not self._is_begun:
             self._is_begun = self._keep(self._devices)
         for name, device in self._devices.items() if self._is_begun else ():
@@ -104,7 +105,7 @@ class HandOvers:
 
     # --- memory -----------------------------------------------------------------------------------
 
-    def _change(self, name: str, after: HandOver) -> bool:
+    def _change(self, name: str, after: HandOverMachine) -> bool:
         """Adopts a change after it is stored. Returns whether it could be stored."""
         if after.memory != self._devices[name].memory and not self._keep(
                 {**self._devices, name: after}):
@@ -112,7 +113,7 @@ class HandOvers:
         self._devices[name] = after
         return True
 
-    def _keep(self, devices: Mapping[str, HandOver]) -> bool:
+    def _keep(self, devices: Mapping[str, HandOverMachine]) -> bool:
         try:
             self._store(StoredHandOvers({**self._kept, **{
                 name: device.memory for name, device in devices.items()}}))

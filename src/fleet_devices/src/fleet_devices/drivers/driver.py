@@ -5,8 +5,7 @@ import queue
 from typing import Callable, Optional, Protocol, TypeVar
 
 from fleet_devices.core.device import Reading
-from fleet_devices.core.hand_over import Signals, Start
-
+from fleet_devices.core.hand_over import Signals, StartSignal
 
 Kind = TypeVar('Kind')
 
@@ -28,7 +27,7 @@ class DevicePort(Protocol):
 class HandOverPort(Protocol):
     """The way to one device that hands over. One thread calls it."""
 
-    def exchange(self, start: Optional[Start]) -> Signals:
+    def exchange(self, start: Optional[StartSignal]) -> Signals:
         """Writes the start output, unless it is None; then reads the device. Raises Silent.
 
         It writes once at most, and ends within some seconds, also if the device does not answer.

@@ -16,7 +16,7 @@ from typing import Any, Callable, Dict, List, NoReturn, Optional
 
 from fleet_core.work.devices import KEY_REGISTERS, HandOverAddress, ModbusAddress
 from fleet_devices.core.device import Reading
-from fleet_devices.core.hand_over import Signals, Start
+from fleet_devices.core.hand_over import Signals, StartSignal
 from fleet_devices.drivers.driver import Silent
 
 TIMEOUT = 1.0  # s for a connection, and for an answer
@@ -159,7 +159,7 @@ class ModbusHandOver:
     def __init__(self, connection: ModbusConnection, address: HandOverAddress) -> None:
         self._unit, self._address = ModbusUnit(connection, address.unit), address
 
-    def exchange(self, start: Optional[Start]) -> Signals:
+    def exchange(self, start: Optional[StartSignal]) -> Signals:
         """Writes the key and then the start coil, and reads all signals. Raises Silent."""
         unit, address = self._unit, self._address
         if start is not None:

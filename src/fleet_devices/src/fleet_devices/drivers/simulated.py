@@ -6,7 +6,7 @@ from enum import Enum
 from typing import Callable, List, Optional, Sequence
 
 from fleet_devices.core.device import Reading
-from fleet_devices.core.hand_over import Signals, Start
+from fleet_devices.core.hand_over import Signals, StartSignal
 from fleet_devices.drivers.driver import Silent
 
 SLOWER = 5.0  # times as long as usual
@@ -19,8 +19,12 @@ class FaultKind(Enum):
     STUCK = 'stuck'    # it does not move
     SILENT = 'silent'  # it does not answer, and does not obey
     LYING = 'lying'    # its input says the opposite
-    SHUT = 'shut'      # it closes by itself, also if its output is on; no machine does
-    FAILING = 'failing'  # each hand-over fails; of machines only
+    SHUT = 'shut'      # it closes by itself, also if its output is on
+    FAILING = 'failing'  # each hand-over fails
+
+
+FAULTS_OF_DOORS = tuple(kind for kind in FaultKind if kind is not FaultKind.FAILING)
+FAULTS_OF_MACHINES = tuple(kind for kind in FaultKind if kind is not FaultKind.SHUT)
 
 
 @dataclass(frozen=True)
@@ -91,7 +95,7 @@ class SimulatedHandOver:
         self.done: List[int] = []
         """The keys of the hand-overs that it has made, in their order."""
 
-    def exchange(self, start: Optional[Start]) -> Signals:
+    def exchange(self, start: Optional[StartSignal]) -> Signals:
         """Writes the start, and reads the device. Raises Silent."""
         self._move()
         if self._has(FaultKind.SILENT):

@@ -19,7 +19,7 @@ Parameters
                                         if the site has one
     ~period            float   0.2 s    between two readings of a device
     ~offline_after     float   2 s      without a reading after which a device is OFFLINE
-    ~simulated_travel  float   3 s      that a simulated device takes to open, to close or to hand over
+    ~simulated_travel  float   3 s      that a simulated device takes to open, close or hand over
     ~simulated_faults  list    []       faults of simulated devices: device, fault, begin, end
 """
 from __future__ import annotations

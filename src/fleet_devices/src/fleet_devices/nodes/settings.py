@@ -18,6 +18,8 @@ from fleet_devices.drivers.modbus import (
     client_class,
 )
 from fleet_devices.drivers.simulated import (
+    FAULTS_OF_DOORS,
+    FAULTS_OF_MACHINES,
     FaultKind,
     ScriptedFault,
     SimulatedDevice,
@@ -120,9 +122,10 @@ def scripted_faults(entries: List[Any], devices: Mapping[str, Device],
         if kind not in kinds:
             raise ConfigurationError(f'~simulated_faults has the fault {kind!r}; there are: '
                                      f'{", ".join(kinds)}.')
-        if kinds[kind] is (FaultKind.SHUT if name in machines else FaultKind.FAILING):
-            raise ConfigurationError(f'~simulated_faults gives {name} the fault {kind}, which is '
-                                     f'{"not one" if name in machines else "one"} of machines.')
+        own = FAULTS_OF_MACHINES if name in machines else FAULTS_OF_DOORS
+        if kinds[kind] not in own:
+            raise ConfigurationError(f'~simulated_faults gives {name} the fault {kind}, but it has '
+                                     f'only: {", ".join(one.value for one in own)}.')
         if not all(isinstance(time, (int, float)) and not isinstance(time, bool)
                    and math.isfinite(time) for time in (begin, end)) or not 0 <= begin < end:
             raise ConfigurationError(f'~simulated_faults has a fault from {begin!r} to {end!r}, '
