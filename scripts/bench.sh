@@ -18,7 +18,7 @@ declare -A shortened=(  # options of a topic in `all`
   [load]='--only robots_200 --only planning'
   [order]='--only laboratory --seeds 1'
   [scale]='--robots 50 --hosted true'
-  [supervisor]='--only latency --only acceptance --only load'
+  [supervisor]='--only latency --only step --only acceptance --only load'
   [vda5050]='--only latency'
 )
 topics=() options=() is_short=''

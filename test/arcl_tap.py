@@ -1,4 +1,4 @@
-"""A proxy between the controller and the robot that notes when a motion command is sent."""
+"""A proxy between the controller and the robot that notes when commands are sent."""
 from __future__ import annotations
 
 import socket
@@ -7,14 +7,16 @@ import time
 from typing import List
 
 MOTIONS = (b'goto', b'dock', b'executeMacro', b'gotoPoint', b'undock')
+OUTPUTS = (b'outputOn', b'outputOff')
 
 
 class ArclTap:
-    """A TCP proxy on loopback; `motions` are the monotonic times of motion commands."""
+    """A TCP proxy on loopback; `motions` and `outputs` are the monotonic times of such commands."""
 
     def __init__(self, port: int, robot_port: int) -> None:
         self.port = port
         self.motions: List[float] = []
+        self.outputs: List[float] = []
         self._robot_port = robot_port
         self._server = socket.create_server(('127.0.0.1', port))
         threading.Thread(target=self._serve, daemon=True).start()
@@ -36,8 +38,9 @@ class ArclTap:
         try:
             while True:
                 data = source.recv(65536)
-                if is_client and data.lstrip().startswith(MOTIONS):
-                    self.motions.append(time.monotonic())
+                for commands, times in ((MOTIONS, self.motions), (OUTPUTS, self.outputs)):
+                    if is_client and data.lstrip().startswith(commands):
+                        times.append(time.monotonic())
                 if not data:
                     break
                 sink.sendall(data)

@@ -3,6 +3,7 @@
 
 The door opens for both and closes for the last one; the node is killed while the door is held; the
 PLC is killed, starts again and lies. Another door is an output and an input of a simulated LD-90.
+A press behind the same PLC hands over for a step.
 """
 from __future__ import annotations
 
@@ -17,10 +18,13 @@ from typing import Any, Dict, List, Optional, Tuple
 
 import pytest
 import rospy
+from std_msgs.msg import Header
 
-from itrci_nav_msgs.msg import DeviceRequest, DeviceState
+from itrci_nav_msgs.msg import DeviceRequest, DeviceState, StepCommand, StepStates
 from route_protocol.device_messages import device_report_of
 from route_protocol.devices import DeviceMode, DeviceReport
+from route_protocol.step_messages import step_report_of
+from route_protocol.steps import ShownStep, StepCode, Word
 from system_support import Recorder, connected_publisher, process_of, run_cases, wait_until
 
 plc = pytest.importorskip(
@@ -33,6 +37,9 @@ port: {port}, unit: {unit}, open_coil: {coil}, is_open: {input}}}
 - {{name: shutter, kind: door, edges: [18], timeout: 2, driver: ld90, robot: omron_ld90, \
 output: Output_1, input: Input_1}}
 - {{name: lamp, kind: light, edges: [5], timeout: 5, driver: simulated}}
+- {{name: press_1, kind: machine, timeout: 5, driver: modbus, host: 127.0.0.1, \
+port: {port}, unit: {unit}, start_coil: {start}, key_register: {key}, done: {done}, \
+failed: {failed}}}
 '''
 FLEET = 'fleet manager'
 SOON = 20.0  # s
@@ -50,9 +57,12 @@ class DevicesTest(unittest.TestCase):
         cls.plc.start()
         cls.folder = Path(tempfile.mkdtemp())
         (cls.folder / 'work.yaml').write_text(WORK.format(
-            port=cls.plc.port, unit=plc.UNIT, coil=plc.COIL, input=plc.INPUT))
+            port=cls.plc.port, unit=plc.UNIT, coil=plc.COIL, input=plc.INPUT, start=plc.START,
+            key=plc.KEY, done=plc.DONE, failed=plc.FAILED))
         cls.states = Recorder('/device_states', DeviceState)
         cls.start_node()
+        cls.steps = Recorder('/devices/press_1/step_states', StepStates)
+        cls.commands = connected_publisher('/devices/press_1/step_command', StepCommand)
         cls.requests = connected_publisher('/device_request', DeviceRequest)
         cls.number = 0
 
@@ -68,7 +78,7 @@ class DevicesTest(unittest.TestCase):
         cls.node = subprocess.Popen([
             'rosrun', 'fleet_devices', 'fleet_devices', f'_work_file:={cls.folder / "work.yaml"}',
             f'_graph_file:={GRAPH}', f'_memory_file:={cls.folder / "memory.json"}',
-            '_simulated_travel:=0.2'])
+            f'_steps_file:={cls.folder / "steps.json"}', '_simulated_travel:=0.2'])
 
     def command(self, *words: str) -> Tuple[int, str]:
         done = subprocess.run(['rosrun', 'fleet_devices', 'device', *words], text=True,
@@ -163,6 +173,46 @@ class DevicesTest(unittest.TestCase):
         self.assertIn('its output is on', report.reason)
         self.assertEqual(0, self.command('release', 'shutter')[0])
         self.wait_for_mode(DeviceMode.CLOSED, 'shutter')
+
+    def shown_step(self, key: int, word: Word) -> ShownStep:
+        """The step with this key, when the press shows it so."""
+        def is_shown(message: StepStates) -> bool:
+            step = step_report_of(message).find(key)
+            return step is not None and step.word is word
+        found = step_report_of(self.steps.wait_for(is_shown, SOON, f'step {key}')).find(key)
+        assert found is not None
+        return found
+
+    def order(self, key: int) -> None:
+        """The fleet manager repeats its command, which is obeyed once."""
+        run = self.steps.wait_for(lambda _: True, SOON, 'the steps of the press').run
+        wait_until(self.commands.get_num_connections, SOON, 'the connection to the press')
+        for _ in range(3):
+            self.commands.publish(StepCommand(
+                Header(), key, StepCommand.DO, run, 'handshake', [], 60.0))
+
+    def test_a_press_hands_over_once_and_is_asked_again_after_a_restart(self) -> None:
+        starts = self.plc.starts
+        self.order(1)
+        wait_until(lambda: self.plc.coils.get(plc.START), SOON, 'the start')
+        os.kill(process_of('/fleet_devices'), signal.SIGKILL)
+        self.node.wait(SOON)
+        self.steps.messages.clear()
+        self.start_node()
+        self.order(1)
+        self.plc.is_done = True
+        self.shown_step(1, Word.DONE)
+        wait_until(lambda: not self.plc.coils[plc.START], SOON, 'the end of the hand-over')
+        self.assertEqual(starts + 1, self.plc.starts)
+        self.plc.is_done = False
+        self.order(2)
+        wait_until(lambda: self.plc.coils[plc.START], SOON, 'the second start')
+        self.plc.kill()
+        step = self.shown_step(2, Word.UNKNOWN)
+        self.assertEqual(StepCode.LOST_LINK, step.code)
+        self.plc.start()
+        self.wait_for_mode(DeviceMode.CLOSED)
+        self.assertEqual(starts + 2, self.plc.starts)
 
     def test_an_unknown_device_is_refused_in_one_sentence(self) -> None:
         status, output = self.command('open', 'gaet')

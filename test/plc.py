@@ -1,4 +1,6 @@
-"""A PLC with a door, as pymodbus's own server: it can be killed, can lie, and starts again."""
+"""A PLC with a door and a press, as pymodbus's own server: it can be killed, can lie, and starts
+again.
+"""
 from __future__ import annotations
 
 import asyncio
@@ -16,24 +18,25 @@ try:
 except ImportError:  # 3.0
     from pymodbus.server.async_io import ModbusTcpServer
 
-from fleet_core.work.devices import ModbusAddress
+from fleet_core.work.devices import HandOverAddress, ModbusAddress
 from ports import free_port
 
 COIL, INPUT, UNIT = 3, 11, 7
+START, KEY, DONE, FAILED = 5, 20, 12, 13  # of the press
 _OFFSET = 1  # pymodbus's contexts number coils and inputs from 1
 
 
 class _Bits(store.ModbusSequentialDataBlock):
     """Bits that functions answer and receive."""
 
-    def __init__(self, read: Callable[[int], bool], write: Callable[[int, bool], None]) -> None:
+    def __init__(self, read: Callable[[int], Any], write: Callable[[int, Any], None]) -> None:
         super().__init__(0, [0])
         self._read, self._write = read, write
 
     def validate(self, address: int, count: int = 1) -> bool:
         return 0 < address <= 100
 
-    def getValues(self, address: int, count: int = 1) -> List[bool]:  # noqa: N802 pymodbus's name
+    def getValues(self, address: int, count: int = 1) -> List[Any]:  # noqa: N802 pymodbus's name
         return [self._read(address - _OFFSET + k) for k in range(count)]
 
     def setValues(self, address: int, values: Any) -> None:  # noqa: N802 pymodbus's name
@@ -41,17 +44,37 @@ class _Bits(store.ModbusSequentialDataBlock):
             self._write(address - _OFFSET + k, bool(value))
 
 
+class _Registers(_Bits):
+    """Registers that functions answer and receive."""
+
+    def setValues(self, address: int, values: Any) -> None:  # noqa: N802 pymodbus's name
+        for k, value in enumerate(values):
+            self._write(address - _OFFSET + k, value)
+
+
 class Plc:
-    """Its door is open as soon as its coil is set, unless it lies."""
+    """Its door is open as soon as its coil is set, unless it lies.
+
+    Its press works while its start is on; it says that it is done, or has failed, when the test
+    says so.
+    """
 
     def __init__(self) -> None:
         self.port = free_port()
         self.coils: Dict[int, bool] = {}
+        self.registers: Dict[int, int] = {}
+        self.starts = 0
+        self.is_done = self.has_failed = False
         self.lies = False
         self.ignores = False
         self._loop: Optional[asyncio.AbstractEventLoop] = None
         self._task: Any = None
         self._thread: Optional[threading.Thread] = None
+
+    @property
+    def press(self) -> HandOverAddress:
+        """The address of its press."""
+        return HandOverAddress('127.0.0.1', START, KEY, DONE, FAILED, self.port, UNIT)
 
     @property
     def address(self) -> ModbusAddress:
@@ -68,7 +91,7 @@ class Plc:
 
     def start(self) -> None:
         """Starts it, with all coils off, as after a power cut."""
-        self.coils = {}
+        self.coils, self.registers = {}, {}
         listening = threading.Event()
         self._thread = threading.Thread(target=lambda: asyncio.run(self._serve(listening)),
                                         daemon=True)
@@ -90,7 +113,8 @@ class Plc:
         context = store.ModbusServerContext({UNIT: device(
             di=_Bits(self._input, lambda _, __: None),
             co=_Bits(lambda address: self.coils.get(address, False), self._set),
-            ir=never, hr=never)}, single=False)
+            ir=never, hr=_Registers(lambda address: self.registers.get(address, 0),
+                                    self.registers.__setitem__))}, single=False)
         names = inspect.signature(ModbusTcpServer.__init__).parameters
         reuse = {'allow_reuse_address': True} if 'allow_reuse_address' in names else {}
         server = ModbusTcpServer(context, address=('127.0.0.1', self.port), **reuse)
@@ -103,10 +127,14 @@ class Plc:
         await server.shutdown()
 
     def _input(self, address: int) -> bool:
+        if address in (DONE, FAILED):
+            return self.coils.get(START, False) and (
+                self.is_done if address == DONE else self.has_failed)
         return address == INPUT and self.coils.get(COIL, False) is not self.lies
 
     def _set(self, address: int, value: bool) -> None:
         if not self.ignores:
+            self.starts += address == START and value and not self.coils.get(START, False)
             self.coils[address] = value
 
 

@@ -96,6 +96,16 @@ class WorkTest(unittest.TestCase):
         code, words = self.command('fleet', 'load', robot, 'empty')
         self.assertEqual((0, f'{robot} carries nothing.\n'), (code, words))
 
+    def test_a_press_hands_the_load_over(self) -> None:
+        handed = self.file.with_name('handed.yaml')
+        handed.write_text('stops: [{at: 18, steps: [{type: handshake, actor: device, '
+                          'device: press_1, timeout: 60}]}]\n')
+        status, said = self.command('mission', '--stops', str(handed), '--id', '8', '--wait')
+        self.assertEqual((0, True), (status, 'Mission 8 has succeeded' in said), said)
+        handed.write_text(handed.read_text().replace('press_1', 'pres_1'))
+        status, said = self.command('mission', '--stops', str(handed), '--id', '9')
+        self.assertIn("no machine 'pres_1' among the devices; there are: press_1", said)
+
     def test_a_wrong_file_is_refused_with_its_line(self) -> None:
         wrong = self.file.with_name('wrong.yaml')
         wrong.write_text(PALLET.replace('timeout: 600', 'timeout: 0'))

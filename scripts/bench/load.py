@@ -2,6 +2,7 @@
 """Measures the fleet manager under the load of hundreds of robots; each figure with its floor.
 
     robots_50, robots_200   the nodes as users run them; this process plays the robots
+    devices_200             200 robots with 50 doors, and the same fleet without
     history                 a journal with a million ended missions (no ROS)
     planning                first plans and replans on 5,000 vertices (no ROS)
 
@@ -9,13 +10,16 @@
 """
 from __future__ import annotations
 
+import math
 import subprocess
 import sys
 import threading
 import time
+from concurrent.futures import ProcessPoolExecutor
 from contextlib import suppress
+from multiprocessing import get_context
 from pathlib import Path
-from typing import Callable, Dict, Iterator, List, Sequence, Tuple
+from typing import Callable, Dict, Iterator, List, Mapping, NamedTuple, Sequence, Tuple
 
 import rospy
 from load_bench.endless_missions import EndlessMissions
@@ -27,7 +31,7 @@ from measuring.processes import cpu_seconds, descendants, node_name, proportiona
 from measuring.sections import print_sections
 from measuring.tables import Row
 from measuring.timing import p50_and_p99
-from supervisor_bench.stacks import MANAGER, Stack
+from supervisor_bench.stacks import MANAGER, MANAGER_AT_WORK, Stack
 
 from itrci_nav_msgs.msg import FleetState, PlanAnswer, PlanRequest, TargetRoute
 from system_support import Recorder, wait_until
@@ -35,6 +39,7 @@ from system_support import Recorder, wait_until
 OPEN = 5000  # open missions
 SETTLING = 45.0  # s after the first robots have missions; most of the plans are made by then
 SECONDS = 60.0  # s of a measurement
+DOORS = 50
 FLOOR = 10.0  # s of the measurement of the floor
 
 
@@ -129,15 +134,40 @@ def floors(names: Sequence[str]) -> Tuple[str, str]:
     return p50_and_p99(hops[heard:]), f'{100 * share:.0f} %'
 
 
-def robots(count: int, side: int) -> Iterator[Row]:
-    """The given number of robots at 10 Hz, all on missions, on a grid of side x side vertices."""
+class Measured(NamedTuple):
+    """What was measured of a fleet in SECONDS; rates are per second."""
+
+    shares: Mapping[str, float]
+    reports: float
+    latest: float
+    busy: int
+    open: int
+    memory: float
+    releases: Sequence[Release]
+    commits: float
+    travelled: float
+    planning: Planning
+    planned: Sequence[float]
+    span: Tuple[float, float]
+    ended: Mapping[int, int]
+    reasons: Mapping[str, int]
+    edges: int
+    hop: str
+    bare: str
+
+
+def measured(count: int, side: int, doors: int = 0) -> Measured:
+    """Measures the given number of robots at 10 Hz, all on missions, on side x side vertices.
+
+    doors -- number of edges of the grid that lead through a simulated door
+    """
     with Stack() as stack:
-        site = save_site(stack.folder, side, count)
+        site = save_site(stack.folder, side, count, doors)
         graph = site.graph
         rospy.init_node('bench', anonymous=True, disable_signals=True)
         fleet = LightFleet(graph, site.places)
         hop, bare = floors(list(site.places))
-        manager = stack.launch(MANAGER, speed=1.0, **site.files)
+        manager = stack.launch(MANAGER_AT_WORK if doors else MANAGER, speed=1.0, **site.files)
         plans = Planning()
         states = Recorder('/fleet_state', FleetState)
         states.wait_for(lambda state: all(robot.seen for robot in state.robots), 300,
@@ -158,37 +188,92 @@ def robots(count: int, side: int) -> Iterator[Row]:
         seconds = ended - begun
         shares = {name: 100 * (cpu_seconds(pid) - before[name]) / seconds
                   for name, pid in nodes.items()}
-        reports, committed, travelled, planned = (
+        reports, committed, travelled = (
             (now - then) / seconds for now, then in zip(
-                (fleet.reports, commits.count, fleet.travelled, len(plans.times)), counts))
-        found = [one for one in fleet.releases if begun <= one.moment - one.seconds]
-        memory = proportional(nodes['path_supervisor']) / 2 ** 20
-        busy = sum(robot.has_mission for robot in states.messages[-1].robots)
-    what = f'{count} robots, {len(graph.edges)} edges'
-    yield (f'{what}: CPU; {reports:.0f} reports a second ({count / PERIOD:.0f} are due, at most '
-           f'{fleet.latest:.2f} s late), {busy} robots on missions, {len(missions.open)} open',
-           ', '.join(f'`{name}` {share:.0f} %' for name, share in sorted(shares.items()))
-           + f'; `path_supervisor` {memory:.0f} MB',
-           f'{bare}: a bare subscriber to as many reports', '`path_supervisor` < 100 %')
-    during = [one for one in found if plans.overlaps(one)]
+                (fleet.reports, commits.count, fleet.travelled), counts))
+        return Measured(
+            shares, reports, fleet.latest,
+            sum(robot.has_mission for robot in states.messages[-1].robots), len(missions.open),
+            proportional(nodes['path_supervisor']) / 2 ** 20,
+            [one for one in fleet.releases if begun <= one.moment - one.seconds], committed,
+            travelled, plans, plans.times[counts[3]:], (begun, ended), missions.ended,
+            missions.reasons, len(graph.edges), hop, bare)
+
+
+class Load(NamedTuple):
+    """What is compared: the share of `path_supervisor`, and milliseconds from report to release."""
+
+    share: float
+    reports: float
+    releases: List[float]
+    travelled: float
+    ended: str
+
+
+def load_of(count: int, side: int, doors: int) -> Load:
+    """Measures a fleet in this process."""
+    one = measured(count, side, doors)
+    return Load(one.shares['path_supervisor'], one.reports,
+                [1e3 * release.seconds for release in one.releases], one.travelled, ended(one))
+
+
+def in_a_process(count: int, side: int, doors: int) -> Load:
+    """Measures a fleet in a process of its own, because a process is one ROS node."""
+    with ProcessPoolExecutor(1, mp_context=get_context('spawn')) as executor:
+        return executor.submit(load_of, count, side, doors).result()
+
+
+def devices(count: int, side: int) -> Iterator[Row]:
+    """The same fleet with 50 simulated doors and without, one after the other."""
+    plain, doors = (in_a_process(count, side, doors) for doors in (0, DOORS))
+    what = f'{count} robots with {DOORS} doors'
+    cpu = doors.share, plain.share
+    yield (f'{what}: CPU of `path_supervisor`, {doors.reports:.0f} and {plain.reports:.0f} reports '
+           'a second', f'{cpu[0]:.0f} % ({100 * (cpu[0] / cpu[1] - 1):+.0f} %)',
+           f'{cpu[1]:.0f} %: the same fleet without doors', '+10 %')
+    times, floor = doors.releases or [math.nan], plain.releases or [math.nan]
+    yield (f'{what}: report to release, {len(times)} and {len(floor)} of robots on rings of their '
+           'own', p50_and_p99(times), f'{p50_and_p99(floor)}: the same fleet without doors',
+           'p50 +10 %')
+    yield (f'{what}: robots drive', f'{doors.travelled / count:.2f} m/s each; missions ended '
+           f'{doors.ended}', f'{plain.travelled / count:.2f} m/s each: the same fleet without '
+           'doors', '')
+
+
+def ended(one: Measured) -> str:
+    """The missions that have ended by their state, in words."""
+    states = {state: number for state, number in one.ended.items() if number}
+    return f'by state {states} {one.reasons or ""}'
+
+
+def robots(count: int, side: int) -> Iterator[Row]:
+    """The given number of robots at 10 Hz, all on missions, on a grid of side x side vertices."""
+    one = measured(count, side)
+    plans, found, hop = one.planning, one.releases, one.hop
+    what = f'{count} robots, {one.edges} edges'
+    yield (f'{what}: CPU; {one.reports:.0f} reports a second ({count / PERIOD:.0f} are due, at '
+           f'most {one.latest:.2f} s late), {one.busy} robots on missions, {one.open} open',
+           ', '.join(f'`{name}` {share:.0f} %' for name, share in sorted(one.shares.items()))
+           + f'; `path_supervisor` {one.memory:.0f} MB',
+           f'{one.bare}: a bare subscriber to as many reports', '`path_supervisor` < 100 %')
+    during = [release for release in found if plans.overlaps(release)]
     for kind, some in (('', found), (' while the planner works', during)):
         yield (f'{what}: report to release{kind}, {len(some)} of robots on rings of their own',
-               p50_and_p99([1e3 * one.seconds for one in some]) if some else 'none',
+               p50_and_p99([1e3 * release.seconds for release in some]) if some else 'none',
                f'{hop}: a bare hop there and back', 'p99 < 200 ms')
-    yield (f'{what}: commits a second', f'{committed:.1f}', '', '<= 25')
-    times = plans.times[counts[3]:] or [0.0]
-    yield (f'{what}: planner, {planned:.2f} plans a second, at work '
-           f'{100 * plans.share(begun, ended):.0f} % of the time; {plans.failed} failed, '
-           f'{plans.unserved} unserved', p50_and_p99([1e3 * one for one in times])
+    yield (f'{what}: commits a second', f'{one.commits:.1f}', '', '<= 25')
+    begun, over = one.span
+    yield (f'{what}: planner, {len(one.planned) / (over - begun):.2f} plans a second, at work '
+           f'{100 * plans.share(begun, over):.0f} % of the time; {plans.failed} failed, '
+           f'{plans.unserved} unserved', p50_and_p99([1e3 * time for time in one.planned or [0.0]])
            + f', first {1e3 * plans.times[0]:.0f} ms', '', '')
-    ends = {state: number for state, number in missions.ended.items() if number}
-    yield (f'{what}: robots drive', f'{travelled / count:.2f} m/s each; missions ended so far by '
-           f'state {ends} {missions.reasons or ""}', '1.00 m/s', '')
+    yield (f'{what}: robots drive', f'{one.travelled / count:.2f} m/s each; missions ended so far '
+           f'{ended(one)}', '1.00 m/s', '')
 
 
 SECTIONS: Dict[str, Callable[[], Iterator[Row]]] = {
     'robots_50': lambda: robots(50, 36), 'robots_200': lambda: robots(200, 71),
-    'history': history, 'planning': planning}
+    'devices_200': lambda: devices(200, 71), 'history': history, 'planning': planning}
 
 
 if __name__ == '__main__':

@@ -7,8 +7,11 @@ nine minutes, the others less than three each.
 """
 from __future__ import annotations
 
+import socket
 import sqlite3
 import statistics
+import subprocess
+import sys
 import time
 from pathlib import Path
 from typing import Any, Callable, Dict, Iterator, List, Sequence, Tuple
@@ -19,7 +22,7 @@ from measuring.processes import cpu_seconds, descendants, node_name, proportiona
 from measuring.sections import print_sections
 from measuring.tables import Row
 from measuring.timing import p50_and_p99
-from supervisor_bench.stacks import AGVS, MANAGER, ROBOT, Stack
+from supervisor_bench.stacks import AGVS, MANAGER, ROBOT, ROBOT_WITH_STEPS, Stack
 
 from fleet_core.files.fleet_file import load_fleet
 from itrci_nav_msgs.msg import (
@@ -29,6 +32,10 @@ from itrci_nav_msgs.msg import (
     MissionCommand,
     MissionRequest,
     MissionStatus,
+    StepCommand,
+    StepParameter,
+    StepState,
+    StepStates,
     TargetRoute,
 )
 from ports import free_port
@@ -42,6 +49,7 @@ RUNS = 5
 # factor of the simulated LD-90's clock; each delay of our programs counts by this factor
 SPEED = 4.0
 DRIVES = 20
+STEPS = 100
 ACCEPTED = 300
 AGV_COUNT = 50
 FLOODED_AGVS = 10
@@ -51,10 +59,10 @@ LOAD_SECONDS = 60.0
 class Robot:
     """One simulated LD-90 behind the real nodes, and its reports."""
 
-    def __init__(self, stack: Stack, speed: float) -> None:
+    def __init__(self, stack: Stack, speed: float, text: str = ROBOT) -> None:
         ports = {name: free_port() for name in ('robot', 'tap', 'outgoing')}
         self.tap = ArclTap(ports['tap'], ports['robot'])
-        stack.launch(ROBOT, speed=speed, **ports)
+        stack.launch(text, speed=speed, **ports)
         rospy.init_node('bench', anonymous=True, disable_signals=True)
         self.reports = Recorder(f'/{ROBOT_NAME}/execution_route_states', ExecutionRouteStates)
         self.reports.wait_for(lambda report: report.symbolic_pose.edge_id, 90, 'robot on the graph')
@@ -155,6 +163,53 @@ def latency() -> Iterator[Row]:
     yield ('`/mission_request` to the first byte of a motion command, one LD-90',
            f'p50 {statistics.median(found):.0f} ms, at most {found[-1]:.0f} ms of {len(found)}',
            '', 'p50 < 60 ms')
+
+
+def step() -> Iterator[Row]:
+    """The time from a step command to the first byte of the robot's command, one LD-90.
+
+    The floor is a bare node that sends one byte for each such command.
+    """
+    with Stack() as stack:
+        robot = Robot(stack, 1.0, ROBOT_WITH_STEPS)
+        floor = bare_steps()
+        states = Recorder(f'/{ROBOT_NAME}/step_states', StepStates)
+        commands = connected_publisher(f'/{ROBOT_NAME}/step_command', StepCommand,
+                                       to='step_runner')
+        run = states.wait_for(lambda _: True, 60, 'the steps of the robot').run
+        found = []
+        for key in range(1, STEPS + 3):
+            begun = time.monotonic()
+            commands.publish(key=key, act=StepCommand.DO, known_run=run, timeout=20.0,
+                             type='setOutput' if key % 2 else 'clearOutput',
+                             parameters=[StepParameter('output', 'Output_1')])
+            states.wait_for(lambda message, key=key: any(
+                (one.key, one.state) == (key, StepState.DONE) for one in message.steps), 20,
+                f'step {key} done')
+            found.append(1e3 * (min(one for one in robot.tap.outputs if one > begun) - begun))
+    yield (f'`step_command` to the first byte of the robot\'s command, one LD-90, {STEPS} steps',
+           p50_and_p99(found[2:]), f'{p50_and_p99(floor)}: a bare hop to a byte', 'p50 < 15 ms')
+
+
+def bare_steps() -> List[float]:
+    """Milliseconds from a command to a byte of a bare node."""
+    with socket.create_server(('127.0.0.1', 0)) as server:
+        program = Path(__file__).parent / 'supervisor_bench/bare_step.py'
+        process = subprocess.Popen([sys.executable, str(program), str(server.getsockname()[1])])
+        try:
+            connection, _ = server.accept()
+            commands = connected_publisher('/bare_step', StepCommand)
+            found = []
+            for key in range(STEPS + 2):
+                begun = time.monotonic()
+                commands.publish(key=key, type='setOutput',
+                                 parameters=[StepParameter('output', 'Output_1')])
+                connection.recv(1)
+                found.append(1e3 * (time.monotonic() - begun))
+            return found[2:]
+        finally:
+            process.terminate()
+            process.wait(20)
 
 
 def acceptance() -> Iterator[Row]:
@@ -290,7 +345,7 @@ class Flooding:
 
 
 SECTIONS: Dict[str, Callable[[], Iterator[Row]]] = {
-    'headline': headline, 'latency': latency, 'acceptance': acceptance, 'load': load,
+    'headline': headline, 'latency': latency, 'step': step, 'acceptance': acceptance, 'load': load,
     'flood_2000': lambda: flood(2000), 'flood_5000': lambda: flood(5000)}
 
 

@@ -65,8 +65,8 @@ def starts(graph: Graph, robots: int) -> Dict[str, int]:
     return {f'agv_{k}': vertices[k * step] for k in range(robots)}
 
 
-def save_site(folder: Path, side: int, robots: int) -> Site:
-    """Writes the site for the given total number of robots."""
+def save_site(folder: Path, side: int, robots: int, doors: int = 0) -> Site:
+    """Writes the site for the given total number of robots, with so many doors on the grid."""
     shared = grid(side)
     graph, rings = with_rings(shared)
     places = {**starts(shared, robots - RINGS), **{name: ring[0] for name, ring in rings.items()}}
@@ -78,4 +78,10 @@ def save_site(folder: Path, side: int, robots: int) -> Site:
     lines += [f'- {{name: {name}, type: agv, vertex: {vertex}, driver: agv}}'
               for name, vertex in places.items()]
     files['fleet'].write_text('\n'.join(lines) + '\n')
+    if doors:
+        files['work'] = folder / 'work.yaml'
+        step = len(shared.edges) // doors
+        files['work'].write_text('devices:\n' + ''.join(
+            f'- {{name: door_{k}, kind: door, edges: [{edge}], timeout: 30, driver: simulated}}\n'
+            for k, edge in enumerate(list(shared.edges)[step // 2::step][:doors], 1)))
     return Site(graph, places, list(shared.vertices), rings, files)

@@ -25,6 +25,9 @@ ROBOT = '''<launch>
     <arg name="dock_vertex" value="16"/>
   </include>
 </launch>'''
+ROBOT_WITH_STEPS = ROBOT.replace('</launch>', '''
+  <include file="$(find omron_ld90)/launch/steps.launch"/>
+</launch>''')
 MANAGER = '''<launch>
   <include file="$(find graph_fleet_manager)/launch/fleet_manager.launch">
     <arg name="graph_file" value="{graph}"/> <arg name="fleet_file" value="{fleet}"/>
@@ -33,6 +36,12 @@ MANAGER = '''<launch>
     <arg name="graph_in_force_file" value="{folder}/in_force.yaml"/>
   </include>
 </launch>'''
+MANAGER_AT_WORK = MANAGER.replace('  </include>', '''    <arg name="work_file" value="{work}"/>
+  </include>
+  <node name="fleet_devices" pkg="fleet_devices" type="fleet_devices">
+    <param name="work_file" value="{work}"/> <param name="graph_file" value="{graph}"/>
+    <param name="memory_file" value="{folder}/devices.json"/>
+  </node>''')
 AGVS = '''<launch>
   <node name="agvs" pkg="graph_fleet_manager" type="agv_sim">
     <param name="graph_file" value="{graph}"/> <param name="fleet_file" value="{fleet}"/>

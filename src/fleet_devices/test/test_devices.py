@@ -16,7 +16,11 @@ import pytest
 from fleet_devices.core.device import DeviceLimits, DeviceMemory, Exchange, Reading, Stage
 from fleet_devices.core.devices import Devices, Periods, StoredDevices
 from fleet_devices.drivers.driver import Silent
-from fleet_devices.drivers.simulated import FaultKind, ScriptedFault, SimulatedDevice
+from fleet_devices.drivers.simulated import (
+    FAULTS_OF_DOORS,
+    ScriptedFault,
+    SimulatedDevice,
+)
 from route_protocol.devices import (
     UNKNOWN_REQUESTER,
     DeviceMode,
@@ -207,7 +211,7 @@ class Machine:
         at = 5.0
         while at < STEPS:
             length = self.random.uniform(0.2, 15.0)
-            faults.append(ScriptedFault(self.random.choice(list(FaultKind)), at, at + length))
+            faults.append(ScriptedFault(self.random.choice(FAULTS_OF_DOORS), at, at + length))
             at += length + self.random.uniform(0.0, 20.0)
         self.faults = faults
         self.gate = SimulatedDevice(lambda: self.now, 1.5, faults)

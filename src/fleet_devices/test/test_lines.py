@@ -3,7 +3,7 @@ from __future__ import annotations
 
 from typing import List, Optional, Tuple
 
-from fleet_devices.core.device import Exchange, Reading
+from fleet_devices.core.device import Reading
 from fleet_devices.drivers.driver import ExchangeQueue, Silent
 
 
@@ -21,12 +21,16 @@ class Door:
 
 def test_each_exchange_ends_once_in_order_and_a_silent_device_stops_no_other():
     ends: List[Tuple[str, Optional[Reading], str]] = []
-    line = ExchangeQueue(lambda *end: ends.append(end))
-    line.put('gate', Door(), Exchange(1, True))
-    line.put('dead', Door('no answer'), Exchange(1, True))
-    line.put('gate', Door(), Exchange(2, None))
+    line = ExchangeQueue()
+
+    def put(name: str, door: Door, output: Optional[bool]) -> None:
+        line.put(lambda: door.exchange(output),
+                 lambda reading, problem: ends.append((name, reading, problem)))
+    put('gate', Door(), True)
+    put('dead', Door('no answer'), True)
+    put('gate', Door(), None)
     line.end()
-    line.put('gate', Door(), Exchange(3, None))
+    put('gate', Door(), None)
     line.run()
     assert ends == [('gate', Reading(True, False), ''), ('dead', None, 'no answer'),
                     ('gate', Reading(False, False), '')]

@@ -2,6 +2,7 @@
 from __future__ import annotations
 
 import contextlib
+import itertools
 import socket
 import threading
 import time
@@ -11,14 +12,16 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from fleet_core.work.devices import ModbusAddress
+from fleet_core.work.devices import HandOverAddress, ModbusAddress
 from fleet_devices.core.device import Reading
+from fleet_devices.core.hand_over import OFF, Signals, StartSignal
 from fleet_devices.drivers import modbus
 from fleet_devices.drivers.driver import Silent
 from fleet_devices.drivers.modbus import (
     PAUSE,
     ModbusConnection,
     ModbusDevice,
+    ModbusHandOver,
     unit_argument,
 )
 
@@ -89,6 +92,32 @@ def test_a_killed_server_is_silent_and_one_that_starts_again_is_read_again(plc):
     assert door.exchange(True) == Reading(True, True)
 
 
+def test_a_press_receives_the_key_with_its_start_and_says_how_it_has_ended(plc):
+    press = ModbusHandOver(ModbusConnection('127.0.0.1', plc.port), plc.press)
+    key = 2 ** 53 - 2
+    assert press.exchange(None) == Signals(False, 0, False, False)
+    assert press.exchange(StartSignal(True, key)) == Signals(True, key, False, False)
+    plc.is_done = True
+    assert press.exchange(None) == Signals(True, key, True, False)
+    plc.is_done, plc.has_failed = False, True
+    assert press.exchange(None) == Signals(True, key, False, True)
+    assert press.exchange(OFF) == Signals(False, key, False, False)
+    assert plc.starts == 1
+
+
+def test_a_press_whose_server_dies_is_silent(plc):
+    clock = Clock()
+    press = ModbusHandOver(ModbusConnection('127.0.0.1', plc.port, clock), plc.press)
+    press.exchange(StartSignal(True, 9))
+    plc.kill()
+    with pytest.raises(Silent, match='does not answer'):
+        press.exchange(None)
+    plc.start()
+    clock.now += PAUSE
+    assert press.exchange(None) == Signals(False, 0, False, False)  # it has lost its memory
+    assert plc.starts == 1
+
+
 @contextlib.contextmanager
 def server(answer: Callable[[bytes], bytes]) -> Iterator[ModbusAddress]:
     """A server that answers each piece of data with the bytes that a function gives."""
@@ -112,11 +141,12 @@ def test_a_request_that_is_refused_keeps_the_connection():
     def refused(data: bytes) -> bytes:
         return data[:4] + b'\0\3' + data[6:7] + bytes((data[7] | 0x80, 2))
     with server(refused) as address:
-        door = device_at(address)
+        connection = ModbusConnection(address.host, address.port)
+        door = ModbusDevice(connection, address)
         for output in (None, True):
             with pytest.raises(Silent, match='refuses the request'):
                 door.exchange(output)
-            assert door._connection._client is not None
+            assert connection._client is not None
 
 
 def test_a_server_that_does_not_answer_ends_the_exchange(monkeypatch):
@@ -142,11 +172,17 @@ def test_no_bytes_upset_the_driver(answers):
     before, modbus.TIMEOUT = modbus.TIMEOUT, 0.05
     try:
         with server(answer) as address:
-            door = device_at(address)
+            connection = ModbusConnection(address.host, address.port, itertools.count().__next__)
+            door = ModbusDevice(connection, address)
             with contextlib.suppress(Silent):
                 reading = door.exchange(True)
                 assert all(isinstance(bit, bool) for bit in reading)
-            door._connection.close()
+            connection.close()
+            press = ModbusHandOver(connection, HandOverAddress('127.0.0.1', 1, 2, 3, 4))
+            with contextlib.suppress(Silent):
+                signals = press.exchange(StartSignal(True, 2 ** 40))
+                assert 0 <= signals.key < 2 ** 64
+            connection.close()
     finally:
         modbus.TIMEOUT = before
 

@@ -12,12 +12,15 @@ from fleet_core.work.devices import (
     Device,
     DeviceDriver,
     DeviceKind,
+    HandOverAddress,
     ModbusAddress,
     RobotAddress,
+    StepDevice,
 )
 from fleet_core.work.site_work import SiteWork
 from fleet_core.work.stations import Station, StationKind
 from fleet_core.work.stops import (
+    Actor,
     Condition,
     LoadEffect,
     StopKind,
@@ -54,6 +57,16 @@ from: "22:00", to: "04:00", days: 'fri-mon, wed', priority: 2}
 '''
 
 
+PRESS = '{name: press_1, kind: machine, driver: modbus, host: 10.0.0.41, start_coil: 5, ' \
+    'key_register: 100, done: 12, failed: 13, timeout: 10}'
+HANDED = f'''devices:
+- {PRESS}
+- {{name: oven, kind: machine, driver: simulated, timeout: 5}}
+- {{name: lamp, kind: light, edges: [4], driver: simulated, timeout: 5}}
+templates:
+- name: hand
+  stops: [{{at: 3, steps: [{{type: handshake, actor: device, device: press_1, timeout: 60}}]}}]
+'''
 SHUTTER = '{name: shutter, kind: door, edges: [5], driver: ld90, robot: a, output: Out_1, ' \
     'input: In-2, timeout: 5}'
 
@@ -101,6 +114,38 @@ def test_a_device_has_the_address_that_its_driver_needs(tmp_path):
     assert read(tmp_path, f'devices: [{SHUTTER}]').devices['shutter'] == Device(
         'shutter', DeviceKind.DOOR, (5,), 5.0, DeviceDriver.LD90,
         RobotAddress('a', 'Out_1', 'In-2'))
+
+
+def test_a_machine_is_no_device_on_the_way(tmp_path):
+    found = read(tmp_path, HANDED)
+    assert found.step_devices == {
+        'press_1': StepDevice('press_1', 10.0, HandOverAddress('10.0.0.41', 5, 100, 12, 13)),
+        'oven': StepDevice('oven', 5.0)}
+    assert list(found.devices) == ['lamp']
+    step, = found.templates['hand'].stops[0].steps
+    assert (step.actor, step.device) == (Actor.DEVICE, 'press_1')
+
+
+@pytest.mark.parametrize('right, wrong, line, told', [
+    ('device: press_1', 'device: pres_1', 7, "no device 'pres_1'; did you mean press_1?"),
+    ('device: press_1', 'device: lamp', 7, 'lamp carries out no steps: its kind is not machine'),
+    ('device: press_1, ', '', 7, 'needs the name of a device'),
+    ('type: handshake', 'type: engage', 7, 'its type must be handshake'),
+    ('start_coil: 5, ', '', 2, 'start_coil is missing'),
+    ('key_register: 100, ', '', 2, 'key_register is missing'),
+    ('failed: 13', 'failed: 12', 2, 'done and failed are both 12'),
+    ('key_register: 100', 'key_register: 65533', 2, 'a number from 0 to 65532'),
+    ('driver: modbus', 'driver: ld90', 2, 'its driver must be simulated or modbus'),
+    ('driver: modbus', 'driver: simulated', 2, 'has host, but its driver is simulated'),
+    ('start_coil: 5', 'start_coil: 5, edges: [1]', 2, 'has edges, but its kind is machine'),
+    ('start_coil: 5', 'start_coil: 5, open_coil: 1', 2, 'has open_coil, but its kind is machine'),
+    ('edges: [4]', 'edges: [4], done: 3', 4, 'has done, but its kind is light'),
+    ('name: oven', 'name: press_1', 3, 'press_1 occurs twice'),
+    ('name: oven', 'name: o ven', 3, 'needs a name of letters, digits and _')])
+def test_a_wrong_machine_is_refused_with_its_line(tmp_path, right, wrong, line, told):
+    assert right in HANDED
+    with pytest.raises(FileError, match=f'line {line}: .*{told}'):
+        read(tmp_path, HANDED.replace(right, wrong, 1))
 
 
 def test_a_device_is_on_all_sections_of_an_edge_that_was_cut(tmp_path):

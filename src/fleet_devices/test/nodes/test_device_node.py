@@ -7,23 +7,27 @@ import pytest
 from diagnostic_msgs.msg import DiagnosticStatus
 from diagnostic_updater import DiagnosticStatusWrapper
 
-from fleet_core.work.devices import Device, DeviceKind, ModbusAddress
+from fleet_core.work.devices import Device, DeviceKind, ModbusAddress, StepDevice
 from fleet_devices.core.device import DeviceLimits, DeviceMemory, Reading
 from fleet_devices.core.devices import Devices, Periods, StoredDevices
+from fleet_devices.core.hand_over import HandOverMemory, HandOverPhase
+from fleet_devices.core.hand_overs import HandOvers, StoredHandOvers
 from fleet_devices.drivers.driver import Silent
 from fleet_devices.drivers.simulated import FaultKind, ScriptedFault
 from fleet_devices.nodes import memory_file
 from fleet_devices.nodes.diagnostics import device_task, memory_task
 from fleet_devices.nodes.fleet_devices import message_of
-from fleet_devices.nodes.memory_file import MemoryFile
+from fleet_devices.nodes.memory_file import HOLDERS_LOST, STEPS_LOST, MemoryFile
 from fleet_devices.nodes.robot_signals import is_on
 from fleet_devices.nodes.settings import scripted_faults
 from node_lifecycle import ConfigurationError
 from route_protocol.device_messages import device_report_of
 from route_protocol.devices import DeviceMode, DeviceReport, DeviceRequest, DeviceUse
+from route_protocol.steps import ShownStep, StepCode, Word
 
 USE = DeviceUse('fleet', DeviceMode.OPEN, 2 ** 60, 1.5)
 MEMORY = StoredDevices(7, {'gate': DeviceMemory((USE,)), 'lamp': DeviceMemory(is_lost=True)})
+OVEN = StepDevice('oven', 5.0)
 LAMP = Device('lamp', DeviceKind.LIGHT, (1,), 5.0)
 GATE = Device('gate', DeviceKind.DOOR, (2,), 5.0, address=ModbusAddress('10.0.0.40', 1, 2))
 
@@ -31,8 +35,21 @@ GATE = Device('gate', DeviceKind.DOOR, (2,), 5.0, address=ModbusAddress('10.0.0.
 # -- the memory ------------------------------------------------------------------------------------
 
 
+def memory_at(path: Path) -> MemoryFile:
+    return MemoryFile(str(path), '~memory_file', StoredDevices(), HOLDERS_LOST)
+
+
+def test_the_steps_of_a_machine_come_back(tmp_path):
+    file = MemoryFile(str(tmp_path / 'steps.json'), '~steps_file', StoredHandOvers(), STEPS_LOST)
+    stored = StoredHandOvers({'press': HandOverMemory(
+        2 ** 52, 3, 9, (ShownStep(8, Word.FAILED, StepCode.NOT_READY, 'why'), ShownStep(9)),
+        HandOverPhase.WORKING, 9)})
+    file.write(stored)
+    assert file.read() == stored
+
+
 def test_a_memory_comes_back(tmp_path):
-    file = MemoryFile(str(tmp_path / 'new' / 'memory.json'), '~memory_file')
+    file = memory_at(tmp_path / 'new' / 'memory.json')
     assert file.read() == StoredDevices()
     file.write(MEMORY)
     assert file.read() == MEMORY
@@ -45,15 +62,15 @@ def test_a_memory_that_cannot_be_read_is_lost(tmp_path, monkeypatch, content):
     monkeypatch.setattr(memory_file.rospy, 'logwarn', lambda *words: told.append(words))
     path = tmp_path / 'memory.json'
     path.write_text(content)
-    assert MemoryFile(str(path), '~memory_file').read() == StoredDevices()
-    assert 'device release NAME --of unknown' in told[0][0]
+    assert memory_at(path).read() == StoredDevices()
+    assert 'device release NAME --of unknown' in told[0][0] % told[0][1:]
 
 
 def test_a_memory_that_cannot_be_written_raises(tmp_path):
     folder = tmp_path / 'file'
     folder.write_text('')
     with pytest.raises(OSError):
-        MemoryFile(str(folder / 'memory.json'), '~memory_file').write(MEMORY)
+        memory_at(folder / 'memory.json').write(MEMORY)
 
 
 # -- parameters ------------------------------------------------------------------------------------
@@ -65,7 +82,7 @@ def fault(**changed: object) -> dict:
 
 def test_scripted_faults_are_read_by_device():
     assert scripted_faults([fault(), fault(fault='lying', begin=3, end=4)],
-                           {'lamp': LAMP, 'gate': GATE}) == {
+                           {'lamp': LAMP, 'gate': GATE}, {}) == {
         'lamp': [ScriptedFault(FaultKind.SLOW, 1, 2.5), ScriptedFault(FaultKind.LYING, 3, 4)]}
 
 
@@ -76,10 +93,12 @@ def test_scripted_faults_are_read_by_device():
     (fault(device=3), 'no simulated device'), (fault(fault='slwo'), 'there are: slow, stuck'),
     (fault(begin=3), 'the first one smaller'), (fault(begin=-1), 'the first one smaller'),
     (fault(end=True), 'two numbers'), (fault(end='x'), 'two numbers'),
-    (fault(end=float('nan')), 'two numbers')])
+    (fault(end=float('nan')), 'two numbers'),
+    (fault(fault='failing'), 'only: slow, stuck, silent, lying, shut.'),
+    (fault(device='oven', fault='shut'), 'only: slow, stuck, silent, lying, failing.')])
 def test_a_wrong_fault_is_refused(entry, told):
     with pytest.raises(ConfigurationError, match=told):
-        scripted_faults([entry], {'lamp': LAMP, 'gate': GATE})
+        scripted_faults([entry], {'lamp': LAMP, 'gate': GATE}, {'oven': OVEN})
 
 
 # -- robots ----------------------------------------------------------------------------------------
@@ -155,10 +174,11 @@ def test_a_person_is_told_what_to_do_about_each_state():
 
 def test_a_memory_that_cannot_be_stored_is_an_error():
     one, status = devices(), DiagnosticStatusWrapper()
-    memory_task(one)(status)
+    machines = HandOvers({}, StoredHandOvers(), lambda _: None, 0, 0.1, 0.0)
+    memory_task(one, machines)(status)
     assert status.level == DiagnosticStatus.OK
     one.problem = 'No space left on device'
-    memory_task(one)(status)
+    memory_task(one, machines)(status)
     assert status.level == DiagnosticStatus.ERROR and 'No space left' in status.message
 
 

@@ -225,6 +225,10 @@ class VirtualFleet(Generic[Body]):
         self.sent: List[SendRoute] = []
         self.steps: Dict[str, SimulatedSteps] = {}
         """By robot: the steps that it carries out. A robot that is not in it carries out none."""
+        self.step_devices: Dict[str, SimulatedSteps] = {
+            name: SimulatedSteps(lambda: round(1000.0 * (self.wall + self.now)))
+            for name in (work or SiteWork()).step_devices}
+        """By device: the steps that it carries out."""
         self.resources = resources
         self.devices: Dict[str, VirtualDevice] = {
             one.name: VirtualDevice(one.name)
@@ -291,7 +295,7 @@ class VirtualFleet(Generic[Body]):
         if self.now >= self._looks_at:
             self._looks_at = self.now + self.rhythm.room - _TOGETHER
             self._check_room()
-        for steps in self.steps.values():
+        for steps in (*self.steps.values(), *self.step_devices.values()):
             steps.advance(STEP)
         for device in self.devices.values():
             device.advance(STEP)
@@ -346,15 +350,23 @@ class VirtualFleet(Generic[Body]):
         self._supervising += time.thread_time() - begun - (self.planner.spent - planning)
 
     def _report_steps(self) -> None:
-        """Reports the steps of each robot when they change, and once a second."""
+        """Reports the steps of each robot and device when they change, and once a second."""
         for name, steps in self.steps.items():
-            at, news = self._steps_told.get(name, (-math.inf, None))
-            if self.network.is_silent(name, self.now) or (
-                    news == steps.news and self.now < at + 1.0 - _TOGETHER):
-                continue
-            self._steps_told[name] = self.now, steps.news
-            for _ in range(self.network.copies()):
-                self.do(self.supervisor.step_report(name, steps.report(), self.now))
+            if not self.network.is_silent(name, self.now) and self._must_report(name, steps):
+                for _ in range(self.network.copies()):
+                    self.do(self.supervisor.step_report(name, steps.report(), self.now))
+        for name, steps in self.step_devices.items():
+            if self._must_report(f'device {name}', steps):
+                for _ in range(self.network.copies()):
+                    self.do(self.supervisor.device_steps(name, steps.report(), self.now))
+
+    def _must_report(self, subject: str, steps: SimulatedSteps) -> bool:
+        """Is a report due? It counts as made."""
+        at, news = self._steps_told.get(subject, (-math.inf, None))
+        if news == steps.news and self.now < at + 1.0 - _TOGETHER:
+            return False
+        self._steps_told[subject] = self.now, steps.news
+        return True
 
     def _deliver(self, order: SendRoute) -> None:
         robot = self.lost.get(order.robot, self.agvs[order.robot])
@@ -383,6 +395,9 @@ class VirtualFleet(Generic[Body]):
                     self.watcher.sends(action)
                 self.sent.append(action)
                 self.network.to_robots.append(action)
+            elif isinstance(action, SendStep) and action.device:
+                for _ in range(self.network.copies()):
+                    self.step_devices[action.device].receive(action.command)
             elif isinstance(action, SendStep):
                 if not self.network.is_silent(action.robot, self.now):
                     for _ in range(self.network.copies()):

@@ -172,7 +172,7 @@ def test_a_step_that_does_not_end_in_time_asks_and_is_not_repeated_while_it_runs
     fleet.answer(1, StepDecision.RETRY)
     assert fleet.state(1) is MissionState.NEEDS_PERSON
     assert fleet.statuses[-1].reason == (
-        'ANSWER is not done: step step still runs on the robot: wait until it ends')
+        'ANSWER is not done: step step still runs: wait until it ends')
     fleet.steps['a'].restart()
     fleet.run(2.0)
     fleet.answer(1, StepDecision.RETRY)

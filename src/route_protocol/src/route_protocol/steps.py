@@ -1,5 +1,7 @@
 """Steps: the work of a robot besides driving, as its master orders it and the robot shows it.
 
+A device that hands over to robots carries out steps in the same way: it is then the "robot" below.
+
 A master orders a step by a command with a *key*. Keys grow, over restarts of the master, too. The
 robot takes a key once: a command whose key is not above the last one is a repetition. So a master
 repeats a command until the robot shows its key, and the step is carried out once at most. It sends
@@ -25,6 +27,7 @@ from enum import Enum, IntEnum
 from typing import NamedTuple, Optional, Tuple
 
 KEPT = 20  # number of ended steps that a robot shows
+HAND_OVER = 'handshake'  # the type of the steps that a device carries out
 MOST_KEY = 2 ** 53 - 1  # the highest key: every reader of messages and of JSON can hold it
 
 

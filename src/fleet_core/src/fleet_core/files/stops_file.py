@@ -45,7 +45,7 @@ _FILE = ('stops', 'on_cancel')
 STOP = ('at', 'kind', 'steps')
 STOP_ON_CANCEL = ('if', *STOP)
 _STEP = ('type', 'parameters', 'when', 'actor', 'blocking', 'timeout', 'on_failure', 'retries',
-         'harmless', 'breakable', 'load')
+         'harmless', 'breakable', 'load', 'device')
 
 
 class StopsFile(NamedTuple):
@@ -104,7 +104,8 @@ def _step(node: yaml.Node) -> WorkStep:
         strict_yaml.optional(fields, 'retries', strict_yaml.whole, 0),
         strict_yaml.optional(fields, 'harmless', strict_yaml.truth, False),
         strict_yaml.optional(fields, 'breakable', strict_yaml.truth, False),
-        word(fields, 'load', LoadEffect, LoadEffect.NONE))
+        word(fields, 'load', LoadEffect, LoadEffect.NONE),
+        strict_yaml.optional(fields, 'device', strict_yaml.text, ''))
     problem = problem_of(step)
     if problem:
         raise WrongYaml(f'step {step.type[:40]} {problem}', node)

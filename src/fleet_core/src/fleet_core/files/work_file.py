@@ -6,6 +6,8 @@
     devices:
     - {name: gate_north, kind: door, edges: [17, 18], driver: modbus, host: 10.0.0.40, open_coil: 3,
        is_open: 11, timeout: 30}
+    - {name: press_1, kind: machine, driver: modbus, host: 10.0.0.41, start_coil: 5,
+       key_register: 100, done: 12, failed: 13, timeout: 10}
     templates:
     - name: pallet
       parameters: [from, to]
@@ -28,6 +30,7 @@ import re
 from functools import partial
 from typing import (
     Callable,
+    Container,
     Dict,
     FrozenSet,
     List,
@@ -52,13 +55,16 @@ from fleet_core.files.strict_fields import (
     word,
 )
 from fleet_core.work.devices import (
+    KEY_REGISTERS,
     LAST_ADDRESS,
     LAST_UNIT,
     Device,
     DeviceDriver,
     DeviceKind,
+    HandOverAddress,
     ModbusAddress,
     RobotAddress,
+    StepDevice,
 )
 from fleet_core.work.site_work import SiteWork
 from fleet_core.work.stations import Station, StationKind, places_of
@@ -79,8 +85,9 @@ _FILE = ('step_types', 'stations', 'devices', 'templates', 'timetables')
 _STATION = ('name', 'places', 'queue', 'capacity', 'kind')
 _ADDRESS = {DeviceDriver.MODBUS: ('host', 'port', 'unit', 'open_coil', 'is_open'),
             DeviceDriver.LD90: ('robot', 'output', 'input')}
+_HAND_OVER = ('host', 'port', 'unit', 'start_coil', 'key_register', 'done', 'failed')
 _DEVICE = ('name', 'kind', 'edges', 'timeout', 'driver', *(
-    key for keys in _ADDRESS.values() for key in keys))
+    key for keys in _ADDRESS.values() for key in keys), *_HAND_OVER[3:])
 _TEMPLATE = ('name', 'parameters', 'stops', 'on_cancel')
 _TIMETABLE = ('name', 'template', 'arguments', 'every', 'from', 'to', 'days', 'priority')
 _DAYS = ('mon', 'tue', 'wed', 'thu', 'fri', 'sat', 'sun')
@@ -96,12 +103,15 @@ def load_work(path: Union[str, os.PathLike], graph: Graph) -> SiteWork:
         fields = known_fields(root, 'the file', _FILE)
         types = _step_types(fields)
         stations = _stations(fields, graph)
-        devices = _entries(fields, 'devices', 'device', partial(_device, stations, graph))
+        found = _entries(fields, 'devices', 'device', partial(_device, stations, graph))
+        devices = {name: one for name, one in found.items() if isinstance(one, Device)}
+        machines = {name: one for name, one in found.items() if isinstance(one, StepDevice)}
         templates = _entries(fields, 'templates', 'template',
-                             partial(_template, stations, types, graph))
+                             partial(_template, stations, types, (*devices, *machines), machines,
+                                     graph))
         timetables = _entries(fields, 'timetables', 'timetable',
                               partial(_timetable, templates, stations, graph), 'template')
-        return SiteWork(stations, devices, templates, timetables, types)
+        return SiteWork(stations, devices, machines, templates, timetables, types)
     except WrongYaml as wrong:
         raise FileError.of(path, wrong) from None
 
@@ -175,11 +185,16 @@ def _distinct(field: Field, read: Callable[[str], int]) -> Tuple[int, ...]:
 
 
 def _device(stations: Mapping[str, Station], graph: Graph, name: str, node: yaml.Node,
-            fields: Dict[str, yaml.Node]) -> Device:
+            fields: Dict[str, yaml.Node]) -> Union[Device, StepDevice]:
     known_fields(node, 'a device', _DEVICE)
     if name in stations:
         raise WrongYaml(f'a station is called {name} already; give the device another name', node)
-    strict_yaml.require(fields, ('kind', 'edges', 'timeout', 'driver'), node)
+    strict_yaml.require(fields, ('kind', 'timeout', 'driver'), node)
+    kind = word(fields, 'kind', DeviceKind, DeviceKind.DOOR)
+    if kind is DeviceKind.MACHINE:
+        return _machine(name, node, fields)
+    _refuse_keys(name, kind, _HAND_OVER[3:], fields)
+    strict_yaml.require(fields, ('edges',), node)
 
     def edge(text: str) -> int:
         if not text.isdecimal() or not graph.edges.keys() >= graph.whole_edges((int(text),)):
@@ -189,9 +204,48 @@ def _device(stations: Mapping[str, Station], graph: Graph, name: str, node: yaml
     if not edges:
         raise WrongYaml(f'device {name} has no edges', fields['edges'])
     driver = word(fields, 'driver', DeviceDriver, DeviceDriver.SIMULATED)
-    return Device(name, word(fields, 'kind', DeviceKind, DeviceKind.DOOR), edges,
-                  _timeout(('timeout', fields['timeout'])), driver,
+    return Device(name, kind, edges, _timeout(('timeout', fields['timeout'])), driver,
                   _device_address(name, driver, node, fields))
+
+
+def _refuse_keys(name: str, kind: DeviceKind, keys: Sequence[str],
+                 fields: Dict[str, yaml.Node]) -> None:
+    """Raises WrongYaml for a key that no device of this kind has."""
+    for key in keys:
+        if key in fields:
+            raise WrongYaml(f'device {name} has {key}, but its kind is {kind.value}', fields[key])
+
+
+def _machine(name: str, node: yaml.Node, fields: Dict[str, yaml.Node]) -> StepDevice:
+    """A device that carries out steps. Its name becomes part of the names of topics."""
+    if not _NAME.fullmatch(name):
+        raise WrongYaml(f'machine {name!r} needs a name of letters, digits and _', node)
+    _refuse_keys(name, DeviceKind.MACHINE, [
+        key for key in _DEVICE if key not in ('name', 'kind', 'timeout', 'driver', *_HAND_OVER)],
+        fields)
+    timeout = _timeout(('timeout', fields['timeout']))
+    driver = word(fields, 'driver', DeviceDriver, DeviceDriver.SIMULATED)
+    if driver is DeviceDriver.LD90:
+        raise WrongYaml(f'device {name} is a machine: its driver must be simulated or modbus',
+                        fields['driver'])
+    if driver is DeviceDriver.MODBUS:
+        return StepDevice(name, timeout, _hand_over_address(node, fields))
+    for key in _HAND_OVER:
+        if key in fields:
+            raise WrongYaml(f'device {name} has {key}, but its driver is simulated', fields[key])
+    return StepDevice(name, timeout)
+
+
+def _hand_over_address(node: yaml.Node, fields: Dict[str, yaml.Node]) -> HandOverAddress:
+    strict_yaml.require(fields, ('host', 'start_coil', 'key_register', 'done', 'failed'), node)
+    done, failed = _number(fields, 'done', 0), _number(fields, 'failed', 0)
+    if done == failed:
+        raise WrongYaml(f'done and failed are both {done}, but must be two inputs',
+                        fields['failed'])
+    return HandOverAddress(
+        _host(fields), _number(fields, 'start_coil', 0),
+        _number(fields, 'key_register', 0, LAST_ADDRESS + 1 - KEY_REGISTERS), done, failed,
+        *_port_and_unit(fields))
 
 
 def _device_address(name: str, driver: DeviceDriver, node: yaml.Node,
@@ -211,14 +265,21 @@ def _device_address(name: str, driver: DeviceDriver, node: yaml.Node,
 
 def _modbus_address(node: yaml.Node, fields: Dict[str, yaml.Node]) -> ModbusAddress:
     strict_yaml.require(fields, ('host', 'open_coil', 'is_open'), node)
+    return ModbusAddress(_host(fields), _number(fields, 'open_coil', 0),
+                         _number(fields, 'is_open', 0), *_port_and_unit(fields))
+
+
+def _host(fields: Dict[str, yaml.Node]) -> str:
     host = strict_yaml.text(('host', fields['host']))
     if not host.strip() or not host.isprintable():
         raise WrongYaml(f'host is {host!r}, but must be the name or address of a computer',
                         fields['host'])
-    return ModbusAddress(
-        host, _number(fields, 'open_coil', 0), _number(fields, 'is_open', 0),
-        _number(fields, 'port', 1) if 'port' in fields else ModbusAddress.port,
-        _number(fields, 'unit', 0, LAST_UNIT) if 'unit' in fields else ModbusAddress.unit)
+    return host
+
+
+def _port_and_unit(fields: Dict[str, yaml.Node]) -> Tuple[int, int]:
+    return (_number(fields, 'port', 1) if 'port' in fields else ModbusAddress.port,
+            _number(fields, 'unit', 0, LAST_UNIT) if 'unit' in fields else ModbusAddress.unit)
 
 
 def _robot_address(node: yaml.Node, fields: Dict[str, yaml.Node]) -> RobotAddress:
@@ -253,8 +314,9 @@ def _timeout(field: Field) -> float:
 # -- templates ------------------------------------------------------------------------------------
 
 
-def _template(stations: Mapping[str, Station], types: FrozenSet[str], graph: Graph, name: str,
-              node: yaml.Node, fields: Dict[str, yaml.Node]) -> Template:
+def _template(stations: Mapping[str, Station], types: FrozenSet[str], devices: Container[str],
+              machines: Mapping[str, StepDevice], graph: Graph, name: str, node: yaml.Node,
+              fields: Dict[str, yaml.Node]) -> Template:
     known_fields(node, 'a template', _TEMPLATE)
     if not _NAME.fullmatch(name):
         raise WrongYaml(f'template {name!r} needs a name of letters, digits and _', node)
@@ -277,6 +339,7 @@ def _template(stations: Mapping[str, Station], types: FrozenSet[str], graph: Gra
                                 f'{meant(used, parameters)}', node)
         for step in found.steps:
             _check_step(step, types, node)
+            _check_device(step.device, devices, machines, node)
         return found
     template = Template(
         name, parameters,
@@ -298,6 +361,16 @@ def _check_step(step: WorkStep, types: FrozenSet[str], node: yaml.Node) -> None:
     if types and step.type not in types:
         raise WrongYaml(f'there is no step type {step.type!r}; {meant(step.type, sorted(types))}',
                         node)
+
+
+def _check_device(name: str, devices: Container[str], machines: Mapping[str, StepDevice],
+                  node: yaml.Node) -> None:
+    """Raises WrongYaml for a device that the site does not have, or that carries out no steps."""
+    if not name or name in machines:
+        return
+    if name in devices:
+        raise WrongYaml(f'device {name} carries out no steps: its kind is not machine', node)
+    raise WrongYaml(f'there is no device {name!r}; {meant(name, list(machines))}', node)
 
 
 # -- timetables -----------------------------------------------------------------------------------

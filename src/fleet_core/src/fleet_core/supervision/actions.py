@@ -32,10 +32,14 @@ class SendRoute:
 
 @dataclass(frozen=True)
 class SendStep:
-    """Publish a command for a step of a robot."""
+    """Publish a command for a step of a robot.
+
+    device -- that carries the step out; empty: the robot itself
+    """
 
     robot: str
     command: StepCommand
+    device: str = ''
 
 
 @dataclass(frozen=True)

@@ -247,7 +247,7 @@ class Journal:
 
     def works(self) -> Dict[int, Work]:
         """By serial, the progress of the steps of each open mission that has steps."""
-        return {int(serial): from_json(Work, json.loads(text), added=('group',))
+        return {int(serial): from_json(Work, json.loads(text), added=('group', 'device'))
                 for serial, text in self._run('SELECT serial, work FROM work')}
 
     def loads(self) -> Dict[str, RobotLoad]:
@@ -312,7 +312,7 @@ def read_request(text: str) -> Request:
         ('id', 'destinations', 'robot_type', 'robot', 'priority', 'dwells', 'stamp'), stored))
     return from_json(Request, values, added=(
         'requested_by', 'stops', 'on_cancel', 'after', 'template', 'arguments', 'earliest',
-        'deadline', 'group'))
+        'deadline', 'group', 'device'))
 
 
 def _graph_text(graph: Graph) -> str:

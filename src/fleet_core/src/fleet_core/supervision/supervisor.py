@@ -412,6 +412,12 @@ class Supervisor:
             self._work(now)
         return self._actions(now)
 
+    def device_steps(self, device: str, report: StepReport, now: float) -> List[Action]:
+        """Handles a device's report of its steps."""
+        if self.desk.device_report(device, report):
+            self._work(now)
+        return self._actions(now)
+
     def set_load(self, name: str, request_id: Optional[int], now: float,
                  ) -> Tuple[str, List[Action]]:
         """A person says what a robot carries: nothing (None), or the load of its mission.

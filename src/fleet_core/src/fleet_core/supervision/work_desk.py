@@ -7,7 +7,18 @@ from __future__ import annotations
 
 from dataclasses import replace
 from math import inf
-from typing import AbstractSet, Callable, Dict, FrozenSet, List, Mapping, Optional, Set, Tuple
+from typing import (
+    AbstractSet,
+    Callable,
+    Dict,
+    FrozenSet,
+    Iterator,
+    List,
+    Mapping,
+    Optional,
+    Set,
+    Tuple,
+)
 
 from fleet_core.supervision.actions import SendStep
 from fleet_core.supervision.mission_book import MissionBook
@@ -18,16 +29,18 @@ from fleet_core.work import rules
 from fleet_core.work.rules import Where, WorkPhase
 from fleet_core.work.stops import Actor, dwells_of
 from fleet_core.work.tables import LOAD, LoadEvent, LoadState, StepState, after
-from fleet_core.work.work import Ending, RobotLoad, Situation, Work, work_of
-from route_protocol.steps import MOST_KEY, StepAct, StepReport
+from fleet_core.work.work import Ending, RobotLoad, Seen, Situation, Work, work_of
+from route_protocol.steps import MOST_KEY, StepAct, StepCommand, StepReport
 
 NEWEST_STEP = 'newest_step'  # name in the journal of the highest key of a step that is known
 REPEAT = 0.5  # s between two commands for a step that the robot has not shown
 
 _BY: Mapping[Actor, str] = {
     Actor.ROBOT: '', Actor.PERSON: ' by a person: say `mission answer {} done`',
-    Actor.OUTSIDE: ' by a program: it says `mission answer {} done`'}
+    Actor.OUTSIDE: ' by a program: it says `mission answer {} done`',
+    Actor.DEVICE: ''}
 _SHOWS_NONE = 'a step is due, but {} shows no steps: is the program running that carries them out?'
+_OTHER_RUNS = 'a step is due, but {} carries out another one'
 _NO_KEY_LEFT = ('a step is due, but {} shows a step with a key above all that a fleet manager '
                 'gives: restart the program that carries out its steps')
 _STRANGE = ('the end of a step that the fleet manager does not know. If it does not end, restart '
@@ -58,6 +71,7 @@ class WorkDesk:
         self._loads: Dict[str, RobotLoad] = dict(loads)
         self._stored: Dict[int, Work] = dict(works)
         self._reports: Dict[str, StepReport] = {}
+        self._device_reports: Dict[str, StepReport] = {}
         self.newest = newest
         self.may_enter: Callable[[str, int], bool] = lambda _name, _place: True
         """May a robot go to this place now? If not, no step begins because it is near."""
@@ -143,11 +157,31 @@ class WorkDesk:
         self._reports[name] = report
         strange = self._note_strange(name, report, before is None)
         if before is None and report.last > self.newest:
-            self._doubt(name)
+            self.newest = min(report.last, MOST_KEY)
+            self._doubt(name, name)
         mission = self._book.of_robot(name)
         if mission is None or mission.serial not in self._works:
             return strange
         return self._use(mission, rules.heard(self._situation(mission), report)) or strange
+
+    def device_report(self, device: str, report: StepReport) -> bool:
+        """Handles a device's report of its steps. Returns whether it changed anything."""
+        before = self._device_reports.get(device)
+        if not report.is_newer_than(before):
+            return False
+        self._device_reports[device] = report
+        if before is None and report.last > self.newest:
+            self._doubt_all(device, report.last)
+        changes = [self._use(mission, rules.heard(self._situation(mission), report, device))
+                   for mission in tuple(self._book.serving.values())
+                   if mission.serial in self._works]
+        return any(changes) or before is None or before.steps != report.steps
+
+    def _doubt_all(self, device: str, last: int) -> None:
+        """A device has taken a step that is not in the journal: any robot may have been there."""
+        self.newest = max(self.newest, min(last, MOST_KEY))
+        for name in self._robots:
+            self._doubt(name, f'device {device}')
 
     def _note_strange(self, name: str, report: StepReport, is_first: bool) -> bool:
         """Notes the running steps that no mission here has ordered. Returns whether they changed.
@@ -168,14 +202,13 @@ class WorkDesk:
             self._strange[name] = now
         return now != before
 
-    def _doubt(self, name: str) -> None:
-        """A robot has taken a step that is not in the journal: what it carries is unknown."""
-        self.newest = max(self.newest, min(self._reports[name].last, MOST_KEY))
+    def _doubt(self, name: str, taker: str) -> None:
+        """A step was taken that is not in the journal: what the robot carries is unknown."""
         load = self.load(name)
         self._put_load(name, replace(load, state=after(LOAD, load.state, LoadEvent.BEGIN)))
         mission = self._book.of_robot(name)
         if mission is not None:
-            self.fail(mission, f'the journal is older than a step that {name} has taken')
+            self.fail(mission, f'the journal is older than a step that {taker} has taken')
 
     def follow_all(self, may_begin: bool) -> List[str]:
         """Follows all robots with such missions. Returns those for which a step has begun.
@@ -210,17 +243,27 @@ class WorkDesk:
         self._hindered.pop(name, None)
         if place is None:
             return None
-        report = self._reports.get(name)
-        is_robot = work.step(place).actor is Actor.ROBOT
-        key = rules.next_key(work, report.last if is_robot and report is not None else 0, now)
+        step = work.step(place)
+        has_driver, device = step.actor.has_driver, step.device
+        report = (self._device_reports.get(device) if device else self._reports.get(name)
+                  ) if has_driver else None
+        key = rules.next_key(work, report.last if report is not None else 0, now)
         hindrances = ((name in self._strange, _STRANGE), (key > MOST_KEY, _NO_KEY_LEFT),
-                      (is_robot and report is None, _SHOWS_NONE))
+                      (has_driver and report is None, _SHOWS_NONE),
+                      (bool(device) and self._is_busy(device), _OTHER_RUNS))
         hindrance = next((words for is_so, words in hindrances if is_so), '')
         if hindrance:
-            self._hindered[name] = hindrance.format(name)
+            self._hindered[name] = hindrance.format(f'device {device}' if device else name)
             return None
         self.newest = max(self.newest, key)
         return rules.begin(situation, place, key, 0 if report is None else report.run, now)
+
+    def _is_busy(self, device: str) -> bool:
+        """Does a device carry out a step, or may a command for one be on its way?"""
+        report = self._device_reports.get(device)
+        return report is not None and any(not one.word.is_final for one in report.steps) or any(
+            step.device == device and own.seen is not Seen.OVER and own.key
+            for work in self._works.values() for _, step, own in work.steps)
 
     def _where_is(self, robot: ManagedRobot, work: Work) -> Where:
         """Where a robot is, as the rules need it. A robot that waits for its turn is not near."""
@@ -422,10 +465,8 @@ class WorkDesk:
         found: List[SendStep] = []
         before, self._sent = self._sent, {}
         for name, mission in self._book.serving.items() if self._stored else ():
-            work, report = self._stored.get(mission.serial), self._reports.get(name)
-            if work is None or report is None:
-                continue
-            for command in rules.commands(work, report):
+            work = self._stored.get(mission.serial)
+            for device, command in () if work is None else self._commands(name, work):
                 if command.act is StepAct.DO and not self._robots[name].works:
                     continue
                 key = name, command.key, command.act
@@ -433,8 +474,17 @@ class WorkDesk:
                 is_due = now - at >= REPEAT
                 self._sent[key] = now if is_due else at
                 if is_due:
-                    found.append(SendStep(name, command))
+                    found.append(SendStep(name, command, device))
         return found
+
+    def _commands(self, name: str, work: Work) -> Iterator[Tuple[str, StepCommand]]:
+        """What a robot and the devices of its work are to be told; the device is '' for the robot.
+        """
+        devices = {step.device for _, step, own in work.steps if own.seen is not Seen.OVER}
+        for device in sorted(devices):
+            report = self._device_reports.get(device) if device else self._reports.get(name)
+            for command in () if report is None else rules.commands(work, report, device):
+                yield device, command
 
 
 def _words(work: Work, load: RobotLoad, phase: WorkPhase, mission: Mission) -> str:
@@ -450,5 +500,6 @@ def _words(work: Work, load: RobotLoad, phase: WorkPhase, mission: Mission) -> s
                 f'`fleet load {mission.robot} empty`')
     running = [f'step {place.step + 1} ({step.type}) of stop {place.stop + 1}'
                f'{_BY[step.actor].format(mission.request.id)}'
+               f'{f" by device {step.device}" if step.device else ""}'
                for place, step, own in work.steps if own.state is StepState.RUNNING]
     return '; '.join(running) or (work.reason if work.ending is not Ending.NONE else '')

@@ -32,13 +32,16 @@ class WorkRequests:
         return request
 
     def check_types(self, stops: Iterable[WorkStop]) -> None:
-        """Raises RequestRefused for a type of step that the site does not have."""
-        types = self._work.step_types
+        """Raises RequestRefused for a type of step, or its device, that the site does not have."""
+        types, devices = self._work.step_types, self._work.step_devices
         for stop in stops:
             for step in stop.steps:
                 if types and step.type not in types:
                     raise RequestRefused(f'there is no step type {step.type[:40]!r}; there are: '
                                          f'{", ".join(sorted(types))}')
+                if step.device and step.device not in devices:
+                    raise RequestRefused(f'there is no machine {step.device[:40]!r} among the '
+                                         f'devices; there are: {", ".join(devices) or "none"}')
 
     def _filled(self, request: Request) -> Request:
         template = self._work.templates.get(request.template)

@@ -1,12 +1,14 @@
-"""Devices through which edges lead, as the work file describes them."""
+"""Devices of a site, as the work file describes them: those that edges lead through, and machines.
+"""
 from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import Enum
-from typing import Tuple, Union
+from typing import Optional, Tuple, Union
 
 LAST_ADDRESS = 65535   # of a coil or an input of Modbus, and of a port
 LAST_UNIT = 255        # of Modbus
+KEY_REGISTERS = 4      # of 16 bits each, the highest ones first
 
 
 class DeviceKind(Enum):
@@ -15,6 +17,7 @@ class DeviceKind(Enum):
     DOOR = 'door'
     AIR_LOCK = 'air_lock'
     LIGHT = 'light'
+    MACHINE = 'machine'   # no edges lead through it; it carries out steps
 
 
 class DeviceDriver(Enum):
@@ -51,6 +54,38 @@ class RobotAddress:
     robot: str
     output: str
     input: str
+
+
+@dataclass(frozen=True)
+class HandOverAddress:
+    """Where a device that hands over is reached by Modbus TCP.
+
+    start_coil   -- the coil that begins a hand-over
+    key_register -- the first of the KEY_REGISTERS holding registers that receive the step's key
+    done, failed -- the discrete inputs that say how it has ended
+    unit         -- the device behind a gateway
+    """
+
+    host: str
+    start_coil: int
+    key_register: int
+    done: int
+    failed: int
+    port: int = 502
+    unit: int = 1
+
+
+@dataclass(frozen=True)
+class StepDevice:
+    """A device that carries out steps: a press or a conveyor that hands over to robots.
+
+    timeout -- s that it may take to get ready for a step, and to break one off
+    address -- where its driver reaches it; None: it is SIMULATED
+    """
+
+    name: str
+    timeout: float
+    address: Optional[HandOverAddress] = None
 
 
 @dataclass(frozen=True)

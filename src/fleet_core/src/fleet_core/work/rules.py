@@ -16,7 +16,6 @@ from math import nan
 from typing import Iterator, List, NamedTuple, Optional, Tuple
 
 from fleet_core.work.stops import (
-    Actor,
     Condition,
     LoadEffect,
     Policy,
@@ -266,7 +265,7 @@ def _moved(work: Work) -> Work:
 def next_key(work: Work, last: int, now: int) -> int:
     """The key for the next order of a step: above all keys of this mission.
 
-    last -- the highest key that the robot has taken
+    last -- the highest key that its robot, or device, has taken
     now  -- ms since 1970. Its clock may have been set back.
     """
     return max(now, last + 1, *(own.key + 1 for _, _, own in work.steps))
@@ -279,26 +278,27 @@ def begin(situation: Situation, place: StepPlace, key: int, run: int, now: int) 
     if step.load:
         load = replace(load, state=after(LOAD, load.state, LoadEvent.BEGIN),
                        serial=situation.serial)
-    is_robot = step.actor is Actor.ROBOT
+    has_driver = step.actor.has_driver
     return situation._replace(load=load, work=work.with_step(place, StepProgress(
-        after(STEP, own.state, StepEvent.SEND), key, run if is_robot else 0, now,
-        own.times_ordered + 1, Seen.NOTHING if is_robot else Seen.OVER)))
+        after(STEP, own.state, StepEvent.SEND), key, run if has_driver else 0, now,
+        own.times_ordered + 1, Seen.NOTHING if has_driver else Seen.OVER)))
 
 
-def heard(situation: Situation, report: StepReport) -> Situation:
-    """The situation after a report of the robot."""
-    for place, _, own in tuple(situation.work.steps):
-        if own.state not in (StepState.RUNNING, StepState.ASK) or own.seen is Seen.OVER or (
-                is_of_an_earlier_run(report, own)):
+def heard(situation: Situation, report: StepReport, device: str = '') -> Situation:
+    """The situation after a report of the robot, or of a device."""
+    subject = f'device {device}' if device else 'the robot'
+    for place, step, own in tuple(situation.work.steps):
+        if step.device != device or own.state not in (StepState.RUNNING, StepState.ASK) or (
+                own.seen is Seen.OVER or is_of_an_earlier_run(report, own)):
             continue
         if report.run != own.run:
-            situation = _lost(situation, place, 'the driver of the robot has restarted')
+            situation = _lost(situation, place, f'the driver of {subject} has restarted')
             continue
         shown = report.find(own.key)
         if shown is not None:
-            situation = _shown(situation, place, shown)
+            situation = _shown(situation, place, shown, subject)
         elif report.last >= own.key:
-            situation = _lost(situation, place, 'the robot has forgotten it')
+            situation = _lost(situation, place, f'{subject} has forgotten it')
     return settle(situation)
 
 
@@ -307,7 +307,7 @@ def is_of_an_earlier_run(report: StepReport, own: StepProgress) -> bool:
     return report.run < own.run
 
 
-def _shown(situation: Situation, place: StepPlace, shown: ShownStep) -> Situation:
+def _shown(situation: Situation, place: StepPlace, shown: ShownStep, subject: str) -> Situation:
     own = situation.work.progress_of(place)
     if not shown.word.is_final:
         seen = replace(own, seen=Seen.RUNNING)
@@ -316,8 +316,8 @@ def _shown(situation: Situation, place: StepPlace, shown: ShownStep) -> Situatio
     if shown.word is Word.DONE:
         return _done(situation, place)
     if shown.word is Word.UNKNOWN:
-        return _unknown(situation, place, shown.text or 'the robot does not know how it ended')
-    return _failed(situation, place, shown.text or f'the robot says {shown.word.name}')
+        return _unknown(situation, place, shown.text or f'{subject} does not know how it ended')
+    return _failed(situation, place, shown.text or f'{subject} says {shown.word.name}')
 
 
 def _lost(situation: Situation, place: StepPlace, text: str) -> Situation:
@@ -398,7 +398,7 @@ def expire(situation: Situation, now: int) -> Situation:
         over = own.begun + round(1000.0 * step.timeout)
         if own.state is not StepState.RUNNING or now < over:
             continue
-        if step.breakable and step.actor is Actor.ROBOT and now < over + GRACE:
+        if step.breakable and step.actor.has_driver and now < over + GRACE:
             if not own.is_ended:
                 situation = _update(situation, place, is_ended=True)
             continue
@@ -441,10 +441,10 @@ def _no_answer(work: Work, own: StepProgress, said: StepDecision) -> str:
     if said is StepDecision.RETRY and work.is_ending:
         return 'is not repeated, because its mission ends'
     if own.seen is Seen.NOTHING:
-        return ('may still reach the robot: the driver of the robot must run and show the step '
-                'before it can be answered')
+        return ('may still reach its robot or device: the driver of that must run and show the '
+                'step before it can be answered')
     if said is StepDecision.RETRY and not has_ended(own):
-        return 'still runs on the robot: wait until it ends'
+        return 'still runs: wait until it ends'
     return ''
 
 
@@ -572,17 +572,17 @@ def said_loaded(load: RobotLoad, serial: int) -> RobotLoad:
     return RobotLoad(after(LOAD, load.state, LoadEvent.SAID_LOADED), serial, max(load.count, 1))
 
 
-# -- commands to the robot ------------------------------------------------------------------------
+# -- commands to the robot and to devices ---------------------------------------------------------
 
 
-def commands(work: Work, report: StepReport) -> List[StepCommand]:
-    """What the robot is to be told, until it shows it. `work` must be stored.
+def commands(work: Work, report: StepReport, device: str = '') -> List[StepCommand]:
+    """What the robot, or a device, is to be told until it shows it. `work` must be stored.
 
-    A key is sent only when the robot shows all lower ones.
+    A key is sent only when all lower ones are shown.
     """
     found: List[StepCommand] = []
-    steps = [(step, own) for _, step, own in work.steps if step.actor is Actor.ROBOT
-             and own.state in (StepState.RUNNING, StepState.ASK)
+    steps = [(step, own) for _, step, own in work.steps if step.actor.has_driver
+             and step.device == device and own.state in (StepState.RUNNING, StepState.ASK)
              and own.seen is not Seen.OVER and own.run == report.run]
     for step, own in sorted(steps, key=lambda pair: pair[1].key):
         shown = report.find(own.key)

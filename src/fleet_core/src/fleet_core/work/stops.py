@@ -6,6 +6,8 @@ from dataclasses import dataclass
 from enum import IntEnum
 from typing import Sequence, Tuple
 
+from route_protocol.steps import HAND_OVER
+
 MOST_STOPS = 1000       # stops of one mission, those of `on_cancel` included
 MOST_STEPS = 50         # steps of one stop
 LONGEST_TIMEOUT = 1e6   # s; more is a mistake
@@ -46,7 +48,13 @@ class Actor(IntEnum):
     ROBOT = 0
     PERSON = 1
     OUTSIDE = 2   # a program that answers by a mission command
-    DEVICE = 3
+    DEVICE = 3    # a press or a conveyor, of which the work file says how it is reached
+
+    @property
+    def has_driver(self) -> bool:
+        """Is it ordered by step commands, and does it say how a step ends? Others are answered for.
+        """
+        return self in (Actor.ROBOT, Actor.DEVICE)
 
 
 class StepBlocking(IntEnum):
@@ -83,6 +91,7 @@ class WorkStep:
     retries    -- for RETRY: how many times it is repeated
     harmless   -- it may be carried out twice, so that an unknown outcome may be followed by a retry
     breakable  -- it is broken off when its mission is cancelled or its time is over
+    device     -- name of the device that carries it out, for DEVICE
 
     Each attribute is a part of the step, as it is stored.
     """
@@ -98,6 +107,7 @@ class WorkStep:
     harmless: bool = False
     breakable: bool = False
     load: LoadEffect = LoadEffect.NONE
+    device: str = ''
 
 
 @dataclass(frozen=True)
@@ -148,7 +158,7 @@ def check_stops(stops: Sequence[WorkStop], on_cancel: Sequence[WorkStop]) -> Non
 
 def problem_of(step: WorkStep) -> str:
     """Why a step is refused, as the rest of a clause; empty: it is not."""
-    texts = (step.type, *(text for pair in step.parameters for text in pair))
+    texts = (step.type, step.device, *(text for pair in step.parameters for text in pair))
     names = [name for name, _ in step.parameters]
     rules = (
         (not step.type, 'needs a type'),
@@ -158,7 +168,10 @@ def problem_of(step: WorkStep) -> str:
         (len(names) != len(set(names)), 'has two parameters with one name'),
         (not (math.isfinite(step.timeout) and 0.0 < step.timeout <= LONGEST_TIMEOUT),
          f'needs a timeout above 0 and up to {LONGEST_TIMEOUT:.0f} s'),
-        (step.actor is Actor.DEVICE, 'is for a device: this version drives none'),
+        ((step.actor is Actor.DEVICE) is not bool(step.device),
+         'needs the name of a device if its actor is DEVICE, and none otherwise'),
+        (step.actor is Actor.DEVICE and (step.type != HAND_OVER or bool(step.parameters)),
+         f'is for a device: its type must be {HAND_OVER}, and it has no parameters'),
         (not 0 <= step.retries <= MOST_RETRIES or (
             (step.on_failure is Policy.RETRY) is not bool(step.retries)),
          f'needs retries (1 to {MOST_RETRIES}) if on_failure is RETRY, and none otherwise'),

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 from enum import Enum
 from typing import Iterator, NamedTuple, Optional, Tuple
 
-from fleet_core.work.stops import Actor, WorkStep, WorkStop
+from fleet_core.work.stops import WorkStep, WorkStop
 from fleet_core.work.tables import LoadState, StepState, StopState
 
 
@@ -34,7 +34,7 @@ class StepProgress:
     """How far a step is.
 
     key      -- number under which it was ordered last; 0: it never was
-    run      -- the robot's run for which it was ordered
+    run      -- the run of its robot, or device, for which it was ordered
     begun    -- ms since 1970, when it was ordered
     times_ordered -- how many times it was ordered
     is_ended -- it is to end, if its actor can end it, or not to begin
@@ -129,7 +129,7 @@ class Work:
     def answerable(self) -> Optional[StepPlace]:
         """The step that `mission answer` is about: the one that asks, or one done by others."""
         others = (place for place, step, own in self.steps
-                  if own.state is StepState.RUNNING and step.actor is not Actor.ROBOT)
+                  if own.state is StepState.RUNNING and not step.actor.has_driver)
         return self.asking or next(others, None)
 
 

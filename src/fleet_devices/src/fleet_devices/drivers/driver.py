@@ -2,9 +2,12 @@
 from __future__ import annotations
 
 import queue
-from typing import Callable, Optional, Protocol, Tuple
+from typing import Callable, Optional, Protocol, TypeVar
 
-from fleet_devices.core.device import Exchange, Reading
+from fleet_devices.core.device import Reading
+from fleet_devices.core.hand_over import Signals, StartSignal
+
+Kind = TypeVar('Kind')
 
 
 class Silent(Exception):
@@ -21,23 +24,37 @@ class DevicePort(Protocol):
         """
 
 
-OnEnd = Callable[[str, Optional[Reading], str], None]
-"""Takes the name of a device, its reading (None: none), and why there is none."""
+class HandOverPort(Protocol):
+    """The way to one device that hands over. One thread calls it."""
+
+    def exchange(self, start: Optional[StartSignal]) -> Signals:
+        """Writes the start output, unless it is None; then reads the device. Raises Silent.
+
+        It writes once at most, and ends within some seconds, also if the device does not answer.
+        """
 
 
 class ExchangeQueue:
-    """Carries out the exchanges of all devices behind one connection, one after the other.
+    """Carries out the exchanges of all devices behind one connection, one after the other."""
 
-    on_end -- is called in the thread of `run`
-    """
+    def __init__(self) -> None:
+        self._waiting: queue.Queue[Optional[Callable[[], None]]] = queue.Queue()
 
-    def __init__(self, on_end: OnEnd) -> None:
-        self._on_end = on_end
-        self._waiting: queue.Queue[Optional[Tuple[str, DevicePort, Exchange]]] = queue.Queue()
+    def put(self, exchange: Callable[[], Kind],
+            on_end: Callable[[Optional[Kind], str], None]) -> None:
+        """Queues an exchange; never waits.
 
-    def put(self, name: str, driver: DevicePort, exchange: Exchange) -> None:
-        """Queues an exchange; never waits."""
-        self._waiting.put((name, driver, exchange))
+        on_end -- is called with its reading (None: none) and why there is none, in the thread of
+                  `run`
+        """
+        def carry_out() -> None:
+            try:
+                reading = exchange()
+            except Silent as silent:
+                on_end(None, str(silent))
+            else:
+                on_end(reading, '')
+        self._waiting.put(carry_out)
 
     def end(self) -> None:
         """Ends `run` after the exchange that it carries out."""
@@ -45,10 +62,5 @@ class ExchangeQueue:
 
     def run(self) -> None:
         """Carries out exchanges until `end`."""
-        for name, driver, exchange in iter(self._waiting.get, None):
-            try:
-                reading = driver.exchange(exchange.output)
-            except Silent as silent:
-                self._on_end(name, None, str(silent))
-            else:
-                self._on_end(name, reading, '')
+        for carry_out in iter(self._waiting.get, None):
+            carry_out()

@@ -1,4 +1,7 @@
-"""Doors and lights behind a Modbus TCP server, such as a PLC: one coil, one discrete input.
+"""Devices behind a Modbus TCP server, such as a PLC.
+
+A door or a light has one coil and one discrete input. A device that hands over has a coil to start
+it, two discrete inputs, and four holding registers for the key of the step.
 
 The client is pymodbus, from 2.1 (Ubuntu 20.04) to 3.x. A connection that has failed is closed: an
 answer that comes late would be taken for that of the next request.
@@ -9,10 +12,11 @@ import inspect
 import logging
 import time
 from importlib import import_module
-from typing import Any, Callable, Dict, NoReturn, Optional
+from typing import Any, Callable, Dict, List, NoReturn, Optional
 
-from fleet_core.work.devices import ModbusAddress
+from fleet_core.work.devices import KEY_REGISTERS, HandOverAddress, ModbusAddress
 from fleet_devices.core.device import Reading
+from fleet_devices.core.hand_over import Signals, StartSignal
 from fleet_devices.drivers.driver import Silent
 
 TIMEOUT = 1.0  # s for a connection, and for an answer
@@ -91,31 +95,90 @@ class ModbusConnection:
         raise Silent(self._problem)
 
 
+class ModbusUnit:
+    """The coils, inputs and registers of one unit behind a connection. All methods raise Silent."""
+
+    def __init__(self, connection: ModbusConnection, unit: int) -> None:
+        self._connection, self._unit = connection, unit
+
+    def set_coil(self, address: int, is_on: bool) -> None:
+        """Sets a coil."""
+        self._call('write_coil', address, is_on)
+
+    def set_registers(self, address: int, values: List[int]) -> None:
+        """Sets holding registers, the first of which is given."""
+        self._call('write_registers', address, values)
+
+    def coil(self, address: int) -> bool:
+        """Is a coil on?"""
+        return self._bit('read_coils', address)
+
+    def input(self, address: int) -> bool:
+        """Is a discrete input on?"""
+        return self._bit('read_discrete_inputs', address)
+
+    def registers(self, address: int, count: int) -> List[int]:
+        """Reads holding registers, the first of which is given."""
+        values = getattr(self._call('read_holding_registers', address, count=count), 'registers',
+                         None)
+        if not isinstance(values, list) or len(values) != count or not all(
+                isinstance(one, int) and 0 <= one <= 0xFFFF for one in values):
+            raise Silent(f'the answer about {address} does not have {count} registers')
+        return values
+
+    def _bit(self, method: str, address: int) -> bool:
+        bits = getattr(self._call(method, address, count=1), 'bits', None)
+        if not bits or not isinstance(bits[0], bool):
+            raise Silent(f'the answer about {address} has no bit')
+        return bits[0]
+
+    def _call(self, method: str, *arguments: Any, **named: Any) -> Any:
+        def send(client: Any) -> Any:
+            function = getattr(client, method)
+            return function(*arguments, **named, **unit_argument(function, self._unit))
+        return self._connection.call(send)
+
+
 class ModbusDevice:
-    """One device behind a connection."""
+    """One door, light or the like behind a connection."""
 
     def __init__(self, connection: ModbusConnection, address: ModbusAddress) -> None:
-        self._connection, self._address = connection, address
+        self._unit, self._address = ModbusUnit(connection, address.unit), address
 
     def exchange(self, output: Optional[bool]) -> Reading:
         """Sets the coil, and reads the coil and the input. Raises Silent."""
         if output is not None:
-            self._connection.call(lambda client: client.write_coil(
-                self._address.open_coil, output, **self._unit(client.write_coil)))
-        return Reading(self._bit('read_coils', self._address.open_coil),
-                       self._bit('read_discrete_inputs', self._address.is_open))
+            self._unit.set_coil(self._address.open_coil, output)
+        return Reading(self._unit.coil(self._address.open_coil),
+                       self._unit.input(self._address.is_open))
 
-    def _unit(self, method: Callable[..., Any]) -> Dict[str, int]:
-        return unit_argument(method, self._address.unit)
 
-    def _bit(self, method: str, address: int) -> bool:
-        def read(client: Any) -> Any:
-            function = getattr(client, method)
-            return function(address, count=1, **self._unit(function))
-        bits = getattr(self._connection.call(read), 'bits', None)
-        if not bits or not isinstance(bits[0], bool):
-            raise Silent(f'the answer about {address} has no bit')
-        return bits[0]
+class ModbusHandOver:
+    """One device that hands over, behind a connection."""
+
+    def __init__(self, connection: ModbusConnection, address: HandOverAddress) -> None:
+        self._unit, self._address = ModbusUnit(connection, address.unit), address
+
+    def exchange(self, start: Optional[StartSignal]) -> Signals:
+        """Writes the key and then the start coil, and reads all signals. Raises Silent."""
+        unit, address = self._unit, self._address
+        if start is not None:
+            if start.is_on:
+                unit.set_registers(address.key_register, words_of(start.key))
+            unit.set_coil(address.start_coil, start.is_on)
+        return Signals(unit.coil(address.start_coil),
+                       key_of(unit.registers(address.key_register, KEY_REGISTERS)),
+                       unit.input(address.done), unit.input(address.failed))
+
+
+def words_of(key: int) -> List[int]:
+    """Returns a key as it stands in the registers."""
+    return [key >> 16 * k & 0xFFFF for k in reversed(range(KEY_REGISTERS))]
+
+
+def key_of(words: List[int]) -> int:
+    """Returns the key that stands in the registers."""
+    return sum(word << 16 * k for k, word in enumerate(reversed(words)))
 
 
 def client_class() -> Any:

@@ -3,9 +3,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import Enum
-from typing import Callable, Optional, Sequence
+from typing import Callable, List, Optional, Sequence
 
 from fleet_devices.core.device import Reading
+from fleet_devices.core.hand_over import Signals, StartSignal
 from fleet_devices.drivers.driver import Silent
 
 SLOWER = 5.0  # times as long as usual
@@ -19,6 +20,11 @@ class FaultKind(Enum):
     SILENT = 'silent'  # it does not answer, and does not obey
     LYING = 'lying'    # its input says the opposite
     SHUT = 'shut'      # it closes by itself, also if its output is on
+    FAILING = 'failing'  # each hand-over fails
+
+
+FAULTS_OF_DOORS = tuple(kind for kind in FaultKind if kind is not FaultKind.FAILING)
+FAULTS_OF_MACHINES = tuple(kind for kind in FaultKind if kind is not FaultKind.SHUT)
 
 
 @dataclass(frozen=True)
@@ -70,5 +76,55 @@ class SimulatedDevice:
         self._width = min(max(self._width + (way if opens else -way), 0.0), 1.0)
 
     def _has(self, kind: FaultKind) -> bool:
-        time = self._clock() - self._start
-        return any(one.kind is kind and one.begin <= time < one.end for one in self._faults)
+        return _has(self._faults, kind, self._clock() - self._start)
+
+
+class SimulatedHandOver:
+    """A device that hands over, for `seconds` from the moment at which its start goes on.
+
+    clock -- s, from any beginning
+    """
+
+    def __init__(self, clock: Callable[[], float], seconds: float,
+                 faults: Sequence[ScriptedFault] = ()) -> None:
+        self._clock, self._seconds, self._faults = clock, seconds, tuple(faults)
+        self._start = self._moved = clock()
+        self._is_on, self._key = False, 0
+        self._worked = 0.0
+        self._has_failed = False
+        self.done: List[int] = []
+        """The keys of the hand-overs that it has made, in their order."""
+
+    def exchange(self, start: Optional[StartSignal]) -> Signals:
+        """Writes the start, and reads the device. Raises Silent."""
+        self._move()
+        if self._has(FaultKind.SILENT):
+            raise Silent('it is silent, as its script says')
+        if start is not None:
+            if start.is_on:
+                self._key = start.key
+            if start.is_on is not self._is_on:
+                self._worked, self._has_failed = 0.0, False
+            self._is_on = start.is_on
+        is_over = self._is_on and self._worked >= self._seconds
+        is_done = is_over and not self._has_failed
+        return Signals(self._is_on, self._key, is_done is not self._has(FaultKind.LYING),
+                       is_over and self._has_failed)
+
+    def _move(self) -> None:
+        now = self._clock()
+        passed, self._moved = now - self._moved, now
+        if not self._is_on or self._worked >= self._seconds or self._has(FaultKind.STUCK):
+            return
+        self._worked += passed / (SLOWER if self._has(FaultKind.SLOW) else 1.0)
+        if self._worked >= self._seconds:
+            self._has_failed = self._has(FaultKind.FAILING)
+            if not self._has_failed:
+                self.done.append(self._key)
+
+    def _has(self, kind: FaultKind) -> bool:
+        return _has(self._faults, kind, self._clock() - self._start)
+
+
+def _has(faults: Sequence[ScriptedFault], kind: FaultKind, time: float) -> bool:
+    return any(one.kind is kind and one.begin <= time < one.end for one in faults)

@@ -6,27 +6,45 @@ from typing import Mapping
 from diagnostic_msgs.msg import DiagnosticStatus
 from diagnostic_updater import DiagnosticStatusWrapper
 
-from fleet_core.work.devices import Device
+from fleet_core.work.devices import Device, DeviceKind
 from fleet_devices.core.device import Stage
 from fleet_devices.core.devices import Devices
+from fleet_devices.core.hand_overs import HandOvers
 from node_lifecycle import publish_diagnostics
 from node_lifecycle.diagnostics import Task
 from route_protocol.devices import DeviceFault, DeviceMode
 
 
-def show_devices(site: Mapping[str, Device], devices: Devices) -> None:
+def show_devices(site: Mapping[str, Device], devices: Devices, machines: HandOvers) -> None:
     """Publishes a status for each device, and one for the memory."""
-    publish_diagnostics('none', {'memory': memory_task(devices), **{
+    publish_diagnostics('none', {'memory': memory_task(devices, machines), **{
         f'{device.kind.value.replace("_", " ")} {name}': device_task(name, devices)
-        for name, device in site.items()}})
+        for name, device in site.items()}, **{
+        f'{DeviceKind.MACHINE.value} {name}': machine_task(name, machines)
+        for name in machines.names}})
 
 
-def memory_task(devices: Devices) -> Task:
+def machine_task(name: str, machines: HandOvers) -> Task:
+    """What a machine does, and why it was not read."""
+    def show(status: DiagnosticStatusWrapper) -> DiagnosticStatusWrapper:
+        machine = machines[name]
+        words = machine.phase.value
+        if machine.problem:
+            status.summary(DiagnosticStatus.ERROR, f'{words}: {machine.problem}')
+        else:
+            status.summary(DiagnosticStatus.OK, words)
+        status.add('step', str(machine.key or ''))
+        return status
+    return show
+
+
+def memory_task(devices: Devices, machines: HandOvers) -> Task:
     """An error while nothing can be stored."""
     def memory(status: DiagnosticStatusWrapper) -> DiagnosticStatusWrapper:
-        if devices.problem:
+        problem = devices.problem or machines.problem
+        if problem:
             status.summary(DiagnosticStatus.ERROR, 'the memory cannot be stored, so no request is '
-                                                   f'taken: {devices.problem}')
+                                                   f'taken: {problem}')
         else:
             status.summary(DiagnosticStatus.OK, 'stored')
         return status

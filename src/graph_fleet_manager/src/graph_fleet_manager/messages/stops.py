@@ -38,7 +38,8 @@ def _step_of(message: msg.MissionStep) -> WorkStep:
     return WorkStep(message.type, message.timeout,
                 tuple((one.name, one.value) for one in message.parameters), When(message.when),
                 Actor(message.actor), StepBlocking(message.blocking), Policy(message.on_failure),
-                message.retries, message.harmless, message.breakable, LoadEffect(message.load))
+                message.retries, message.harmless, message.breakable, LoadEffect(message.load),
+                message.device)
 
 
 def stop_messages(stops: Sequence[WorkStop]) -> List[msg.MissionStop]:
@@ -53,7 +54,8 @@ def _step_message(step: WorkStep) -> msg.MissionStep:
         type=step.type, parameters=[msg.StepParameter(*pair) for pair in step.parameters],
         when=int(step.when), actor=int(step.actor), blocking=int(step.blocking),
         timeout=step.timeout, on_failure=int(step.on_failure), retries=step.retries,
-        harmless=step.harmless, breakable=step.breakable, load=int(step.load))
+        harmless=step.harmless, breakable=step.breakable, load=int(step.load),
+        device=step.device)
 
 
 def dependencies_of(messages: Iterable[msg.MissionDependency]) -> Tuple[Dependency, ...]:

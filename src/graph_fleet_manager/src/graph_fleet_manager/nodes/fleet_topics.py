@@ -80,6 +80,16 @@ class FleetTopics:
         self._steps = {robot: rospy.Publisher(f'/{robot}/step_command', StepCommand,
                                               queue_size=10, tcp_nodelay=True)
                        for robot in names}
+        self._device_steps: Dict[str, rospy.Publisher] = {}
+
+    def begin_devices(self, devices: Iterable[str]) -> None:
+        """Offers the commands to these devices that carry out steps; to others no longer."""
+        before, self._device_steps = self._device_steps, {}
+        for name in devices:
+            self._device_steps[name] = before.pop(name, None) or rospy.Publisher(
+                f'/devices/{name}/step_command', StepCommand, queue_size=10, tcp_nodelay=True)
+        for publisher in before.values():
+            publisher.unregister()
 
     def do(self, actions: Sequence[Action]) -> None:
         """Carries out the actions of the supervisor, in the given order."""
@@ -109,7 +119,10 @@ class FleetTopics:
     def _send_step(self, action: SendStep) -> None:
         message = fill_command(StepCommand(), action.command, StepParameter)
         message.header.stamp = rospy.Time.now()
-        send(self._steps[action.robot].publish, message)
+        publisher = self._device_steps.get(action.device) if action.device else (
+            self._steps[action.robot])
+        if publisher is not None:  # None: the work file does not have this device any more
+            send(publisher.publish, message)
 
     def _ask_device(self, action: AskDevice) -> None:
         message = fill_device_request(DeviceRequest(), action.request)

@@ -10,6 +10,7 @@ Subscribes
     /<robot>/execution_route_states, of every robot in the fleet file
     /<robot>/battery_state (sensor_msgs/BatteryState), if the robot has that topic
     /<robot>/step_states (itrci_nav_msgs/StepStates), if the robot carries out steps
+    /devices/<device>/step_states (StepStates), for each machine of the work file
     /device_states (itrci_nav_msgs/DeviceState), of fleet_devices
 Publishes
     /mission_status (itrci_nav_msgs/MissionStatus); a new subscriber gets those of open missions
@@ -18,6 +19,7 @@ Publishes
     /fleet_poses (itrci_nav_msgs/FleetPoses), 5 Hz
     /plan_request (itrci_nav_msgs/PlanRequest), /<robot>/target_route (TargetRoute),
     /<robot>/step_command (StepCommand), /device_request (DeviceRequest)
+    /devices/<device>/step_command (StepCommand), for each machine of the work file
     /diagnostics
 Services (std_srvs/Trigger)
     /stop_fleet, /resume_fleet; /<robot>/leave_fleet, /<robot>/join_fleet; /<robot>/declare_absent,
@@ -44,6 +46,7 @@ import os
 import threading
 import time
 import traceback
+from functools import partial
 from typing import Any, Callable, Iterable, List, Optional, Sequence, Tuple, Union
 
 import rosgraph
@@ -91,6 +94,7 @@ from node_lifecycle.measurements import measured
 from route_protocol.device_messages import WrongDeviceMessage, device_report_of
 from route_protocol.messages import WrongReport
 from route_protocol.step_messages import WrongStepMessage, step_report_of
+from route_protocol.steps import StepReport
 from trajectory_graph import Graph
 
 VIEW_PERIOD = 0.5  # s between two /fleet_state, and the least time between two /fleet_plan
@@ -122,6 +126,7 @@ class PathSupervisor:
         robots = [robot.name for robot in self._fleet.robots]
         self._early = EarlyStop(robots)
         self._gate = StopGate()
+        self._device_subscribers: List[rospy.Subscriber] = []
         self._topics = FleetTopics(robots, self._rate, number('~improvement', 0.0, 0.0, 10.0),
                                    self._tell_open, self._gate)
         self._poses = FleetPosesTopic(robots)
@@ -259,6 +264,8 @@ class PathSupervisor:
         self._supervisor = supervisor
         self._services.offer_removed(supervisor.removed)
         self._topics.publish_templates(work)
+        self._topics.begin_devices(work.step_devices)
+        self._listen_to_devices(work.step_devices)
         stop = self._early.hand_over()
         is_stopped = stop or (self._gate.is_closed and not supervisor.is_stopped)
         stopping = supervisor.stop_fleet(now, stop) if is_stopped else ()
@@ -307,14 +314,27 @@ class PathSupervisor:
             f'/{robot}/execution_route_states')
 
     def _on_steps(self, robot: str, message: StepStates) -> None:
-        try:
-            report = step_report_of(message)
-        except WrongStepMessage as wrong:
-            rospy.logwarn_throttle(10.0, f'A report of the steps of {robot} is ignored: {wrong}.')
-            return
-        self._events.put_report(
-            lambda supervisor, now, _: supervisor.step_report(robot, report, now),
-            f'/{robot}/step_states')
+        report = _step_report(robot, message)
+        if report is not None:
+            self._events.put_report(
+                lambda supervisor, now, _: supervisor.step_report(robot, report, now),
+                f'/{robot}/step_states')
+
+    def _on_device_steps(self, device: str, message: StepStates) -> None:
+        report = _step_report(f'device {device}', message)
+        if report is not None:
+            self._events.put_report(
+                lambda supervisor, now, _: supervisor.device_steps(device, report, now),
+                f'/devices/{device}/step_states')
+
+    def _listen_to_devices(self, devices: Iterable[str]) -> None:
+        """Receives the steps of these devices, and of no others. A latched report comes again."""
+        for subscriber in self._device_subscribers:
+            subscriber.unregister()
+        self._device_subscribers = [
+            rospy.Subscriber(f'/devices/{name}/step_states', StepStates,
+                             partial(self._on_device_steps, name), queue_size=100,
+                             tcp_nodelay=True) for name in devices]
 
     def _on_device(self, message: DeviceState) -> None:
         try:
@@ -345,6 +365,15 @@ class PathSupervisor:
                 return supervisor.plan_made(message.plan_id, outcome_of(message, self._rate), now)
             return supervisor.plan_failed(message.plan_id, message.reason.rstrip('.'), now)
         self._events.put(answered)
+
+
+def _step_report(subject: str, message: StepStates) -> Optional[StepReport]:
+    """The report in a message; None: it cannot be used, as the log says."""
+    try:
+        return step_report_of(message)
+    except WrongStepMessage as wrong:
+        rospy.logwarn_throttle(10.0, f'A report of the steps of {subject} is ignored: {wrong}.')
+        return None
 
 
 def _note_stop_address() -> None:

@@ -1,0 +1,300 @@
+"""One device that carries out steps: a press or a conveyor that hands something over to a robot.
+
+The fleet manager orders a step as it orders those of a robot (`route_protocol.steps`). The device
+has a *start* output, into which the driver also writes the key of the step, and the inputs *done*
+and *failed*. It is read by *exchanges*, one after the other.
+
+State: the actor's memory of its steps, the phase, and what the last readings were.
+
+    | phase     | meaning                                        | start output                |
+    |-----------|------------------------------------------------|-----------------------------|
+    | LEFT      | no step; how the last one ended is not known   | as it is                    |
+    | IDLE      | no step; the last one has ended                | off, until it reads off     |
+    | READYING  | a step is ordered; its start was never written | off, until it reads off     |
+    | WORKING   | its start was written once, or may be          | as it is                    |
+    | BREAKING  | it is to be broken off                         | off, until it reads off     |
+
+    | event                                         | in                | then                     |
+    |-----------------------------------------------|-------------------|--------------------------|
+    | start without the memory, a new run begins    |                   | LEFT                     |
+    | start with it                                 | any               | the same                 |
+    | DO with a new key                             | LEFT, IDLE        | READYING                 |
+    | DO with a new key                             | a step runs       | the new one FAILED       |
+    | DO of another kind of step                    | LEFT, IDLE        | FAILED                   |
+    | an exchange begins, all signals read off      | READYING          | WORKING, writes start    |
+    | an exchange begins, it reads start of this key| READYING          | WORKING                  |
+    | CANCEL                                        | READYING          | CANCELLED, IDLE          |
+    | CANCEL                                        | WORKING           | BREAKING                 |
+    | reads done                                    | WORKING, BREAKING | DONE, IDLE               |
+    | reads failed                                  | WORKING, BREAKING | FAILED, IDLE             |
+    | reads another key, or both inputs             | WORKING, BREAKING | UNKNOWN, LEFT            |
+    | reads no start                                | WORKING           | UNKNOWN, LEFT            |
+    | the device's timeout is over                  | READYING          | FAILED, LEFT             |
+    | the device's timeout is over                  | BREAKING          | UNKNOWN, LEFT            |
+    | no reading for `offline_after`                | READYING          | FAILED, LEFT             |
+    | no reading for `offline_after`                | WORKING, BREAKING | UNKNOWN, LEFT            |
+
+"Reads" means `STEADY` readings alike, all of exchanges that began in this phase.
+
+Invariants (`test_hand_over_states.py` searches all states, and finds each rule that is left out):
+
+ONCE      the start of a key is written at most once, also over restarts
+STORED    it is written after WORKING with this key was stored
+TRUE      DONE and FAILED are said of a step that was started only if the device said so of its key
+NOT BEGUN a step of which FAILED or CANCELLED is said in READYING was not started
+ONE RUNS  at most one step runs
+LIVE      a step ends if the device works, or is silent
+"""
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from enum import Enum
+from typing import NamedTuple, Optional, Tuple
+
+from fleet_devices.core.device import STEADY, DeviceLimits
+from route_protocol.steps import (
+    HAND_OVER,
+    ActorState,
+    Reaction,
+    ShownStep,
+    StepCode,
+    StepCommand,
+    Word,
+)
+
+_REPORTS = 2 ** 32  # more than a device is reported in one life of its driver
+
+
+class HandOverPhase(Enum):
+    """What is being done about the step of a device."""
+
+    LEFT = 'left as it is'
+    IDLE = 'without a step'
+    READYING = 'is to get ready'
+    WORKING = 'at work'
+    BREAKING = 'is to be broken off'
+
+
+RUNNING = frozenset({HandOverPhase.READYING, HandOverPhase.WORKING, HandOverPhase.BREAKING})
+
+
+class Signals(NamedTuple):
+    """What a device showed: its start output with the key there, and its two inputs."""
+
+    start: bool
+    key: int
+    done: bool
+    failed: bool
+
+    @property
+    def are_off(self) -> bool:
+        """May a step begin?"""
+        return not (self.start or self.done or self.failed)
+
+
+class StartSignal(NamedTuple):
+    """A writing of the start output: on with the key of a step, or off (`key`: 0)."""
+
+    is_on: bool
+    key: int = 0
+
+
+OFF = StartSignal(False)
+
+
+@dataclass(frozen=True)
+class HandOverMemory:
+    """What outlives a restart. `lives`: how many drivers have begun with this run."""
+
+    run: int
+    lives: int = 0
+    last: int = 0
+    steps: Tuple[ShownStep, ...] = ()
+    phase: HandOverPhase = HandOverPhase.LEFT
+    key: int = 0
+
+
+@dataclass(frozen=True)
+class HandOverMachine:
+    """See the module's text. `now` is in s of a clock that never steps back.
+
+    actor   -- the memory of the steps, as the fleet manager sees them
+    key     -- of the step that runs; 0: none
+    begun   -- number of exchanges that have begun; `is_awaited`: the last one has not ended
+    begun_at, read_at -- when that began, and when the last one began that had a reading
+    signals -- the last reading; None: there is none that counts
+    alike   -- number of readings in a row that were so, at most STEADY
+    since   -- when the phase began; `phase_from`: number of exchanges that had begun then
+    problem -- why the last exchange had no reading; empty: it had one
+
+    Its attributes are the facts of the last exchanges by which the phase is judged.
+    """
+
+    limits: DeviceLimits
+    actor: ActorState
+    lives: int
+    phase: HandOverPhase
+    key: int
+    since: float
+    begun: int = 0
+    is_awaited: bool = False
+    begun_at: float = 0.0
+    read_at: Optional[float] = None
+    signals: Optional[Signals] = None
+    alike: int = 0
+    phase_from: int = 0
+    problem: str = ''
+
+    @classmethod
+    def start(cls, limits: DeviceLimits, memory: HandOverMemory, now: float) -> HandOverMachine:
+        """The device after a start with what was stored. `memory` must be stored with `lives` + 1.
+        """
+        lives = memory.lives + 1
+        actor = ActorState(memory.run, memory.last, memory.steps, lives * _REPORTS)
+        return cls(limits, actor, lives, memory.phase, memory.key, now)
+
+    @property
+    def memory(self) -> HandOverMemory:
+        """What must be stored before anything else happens."""
+        return HandOverMemory(self.actor.run, self.lives, self.actor.last, self.actor.steps,
+                              self.phase, self.key)
+
+    @property
+    def is_urgent(self) -> bool:
+        """Does the device answer, and has no exchange begun in this phase?"""
+        return not self.problem and self.phase in RUNNING and self.begun == self.phase_from
+
+    # --- events -----------------------------------------------------------------------------------
+
+    def obey(self, command: StepCommand, now: float) -> HandOverMachine:
+        """A command has come. Nothing may be done, and nothing shown, before `memory` is stored."""
+        actor, reaction = self.actor.obey(command)
+        after = replace(self, actor=actor)
+        if reaction is Reaction.BREAK_OFF and command.key == self.key:
+            return after._break_off(now)
+        if reaction is not Reaction.BEGIN:
+            return after
+        if self.phase in RUNNING:
+            return after._refuse(command, StepCode.NOT_READY, 'another step runs there')
+        if command.type != HAND_OVER:
+            return after._refuse(command, StepCode.UNKNOWN_TYPE, f'a device does {HAND_OVER} only')
+        if command.parameters:
+            return after._refuse(command, StepCode.WRONG_PARAMETER, 'a device has no parameters')
+        return replace(after, key=command.key)._enter(HandOverPhase.READYING, now)
+
+    def begin(self, now: float) -> Tuple[HandOverMachine, Optional[StartSignal]]:
+        """An exchange begins; none may be awaited. Also returns what it writes; None: nothing.
+
+        A changed `memory` must be stored before the exchange is carried out.
+        """
+        after, write = self, None
+        if self.phase is HandOverPhase.READYING and self._is_steady():
+            assert self.signals is not None
+            if self._was_started():
+                after = self._enter(HandOverPhase.WORKING, now)
+            elif self.signals.are_off:
+                after, write = self._enter(HandOverPhase.WORKING, now), StartSignal(True, self.key)
+        if after is self and self._must_be_off():
+            write = OFF
+        return replace(after, begun=after.begun + 1, begun_at=now, is_awaited=True), write
+
+    def end(self, signals: Optional[Signals], problem: str, now: float) -> HandOverMachine:
+        """The exchange has ended. `signals`: None: it had no reading, because of `problem`.
+
+        An exchange without a reading may have had an effect.
+        """
+        if signals is None:
+            return replace(self, is_awaited=False, signals=None, alike=0,
+                           problem=problem).tick(now)
+        goes_on = self.alike and signals == self.signals
+        alike = min(self.alike + 1, STEADY) if goes_on else 1
+        if self.begun <= self.phase_from:
+            alike = 0
+        return replace(self, is_awaited=False, read_at=self.begun_at, signals=signals, alike=alike,
+                       problem='')._judge(now).tick(now)
+
+    def tick(self, now: float) -> HandOverMachine:
+        """Time has passed."""
+        if self.phase not in RUNNING:
+            return self
+        read_at = self.since if self.read_at is None else max(self.read_at, self.since)
+        if now - read_at > self.limits.offline_after:
+            return self._give_up(StepCode.LOST_LINK, self.problem or 'it does not answer', now)
+        if self.phase is not HandOverPhase.WORKING and now - self.since > self.limits.timeout:
+            aim = 'get ready' if self.phase is HandOverPhase.READYING else 'break off'
+            return self._give_up(StepCode.NOT_READY, f'it does not {aim} within '
+                                 f'{self.limits.timeout:g} s: {self._readings()}', now)
+        return self
+
+    # --- rules ------------------------------------------------------------------------------------
+
+    def _refuse(self, command: StepCommand, code: StepCode, text: str) -> HandOverMachine:
+        return replace(self, actor=self.actor.end(command.key, Word.FAILED, code, text))
+
+    def _break_off(self, now: float) -> HandOverMachine:
+        if self.phase is HandOverPhase.READYING:
+            return self._ended(Word.CANCELLED, StepCode.NONE, '', HandOverPhase.IDLE, now)
+        return self if self.phase is HandOverPhase.BREAKING else self._enter(
+            HandOverPhase.BREAKING, now)
+
+    def _judge(self, now: float) -> HandOverMachine:
+        """The device after a reading: has the step ended?"""
+        if self.phase not in (HandOverPhase.WORKING, HandOverPhase.BREAKING) or (
+                not self._is_steady()):
+            return self
+        signals = self.signals
+        assert signals is not None
+        if signals.key != self.key:
+            return self._unknown('it does not show the key of the step', now)
+        if self.phase is HandOverPhase.WORKING and not signals.start:
+            return self._unknown('its start is off', now)
+        if signals.done and signals.failed:
+            return self._unknown('it says that it is done, and that it has failed', now)
+        if signals.done:
+            return self._ended(Word.DONE, StepCode.NONE, '', HandOverPhase.IDLE, now)
+        if signals.failed:
+            return self._ended(Word.FAILED, StepCode.OTHER, 'it says that it has failed',
+                               HandOverPhase.IDLE, now)
+        return self
+
+    def _unknown(self, text: str, now: float) -> HandOverMachine:
+        return self._ended(Word.UNKNOWN, StepCode.OTHER, text, HandOverPhase.LEFT, now)
+
+    def _give_up(self, code: StepCode, text: str, now: float) -> HandOverMachine:
+        """A step that was never started has failed; of any other one it is not known how it ended.
+        """
+        word = Word.FAILED if self.phase is HandOverPhase.READYING else Word.UNKNOWN
+        return self._ended(word, code, text, HandOverPhase.LEFT, now)
+
+    def _ended(self, word: Word, code: StepCode, text: str, phase: HandOverPhase,
+               now: float) -> HandOverMachine:
+        actor = self.actor.end(self.key, word, code, text)
+        return replace(self, actor=actor, key=0)._enter(phase, now)
+
+    def _enter(self, phase: HandOverPhase, now: float) -> HandOverMachine:
+        """The device in a new phase, in which it must be read anew."""
+        return replace(self, phase=phase, since=now, alike=0, phase_from=self.begun)
+
+    def _is_steady(self) -> bool:
+        return self.alike >= STEADY
+
+    def _was_started(self) -> bool:
+        """Does the device show that it was started with the key of this step?"""
+        return self.signals is not None and self.signals.start and self.signals.key == self.key
+
+    def _must_be_off(self) -> bool:
+        """Must the start output be switched off? That of a step which may run is left."""
+        if self.phase not in (HandOverPhase.IDLE, HandOverPhase.READYING, HandOverPhase.BREAKING):
+            return False
+        if self.phase is HandOverPhase.READYING and (self.signals is None or self._was_started()):
+            return False
+        return self.signals is None or self.signals.start
+
+    def _readings(self) -> str:
+        if self.signals is None or not self._is_steady():
+            return 'its readings change'
+        names = [name for name, is_on in (('start', self.signals.start),
+                                          ('done', self.signals.done),
+                                          ('failed', self.signals.failed)) if is_on]
+        return f'{" and ".join(names)} {"are" if len(names) > 1 else "is"} on' if names else (
+            'all signals are off')
