@@ -137,6 +137,14 @@ class JobsTest(unittest.TestCase):
             PATIENCE, 'the mission to 6 and 18')
         program.close()
 
+    def test_a_robot_carries_out_the_steps_of_the_work_file_at_the_goals(self) -> None:
+        program = connected()
+        program.say('queuePickupDropoff 39 52 default default five')
+        for words in ('InProgress Driving', 'InProgress AfterPickup', 'Completed None Goal "39"',
+                      'InProgress AfterDropoff', 'Completed None Goal "52"'):
+            program.until('QueueUpdate: ', 'five', words)
+        program.close()
+
     def test_a_wrong_goal_makes_no_mission(self) -> None:
         program, before = connected(), len(self.missions())
         program.say('queuePickup nowhere')

@@ -20,6 +20,7 @@ Parameters
     ~jobs_file      string  omron_jobs/jobs.sqlite  keeps the jobs; a relative path begins in
                                         ROS_HOME
     ~robot_type     string  ''          robots that serve jobs; empty: all
+    ~work_file      string  ''          work file (YAML), for the steps at the goals of jobs
 """
 from __future__ import annotations
 
@@ -28,13 +29,16 @@ import queue
 import random
 import time
 from functools import partial
-from typing import Any, Callable, Optional, Set, Tuple
+from typing import Any, Callable, Dict, Optional, Set, Tuple
 
 import genpy
 import rospy
 from diagnostic_msgs.msg import DiagnosticStatus
 from diagnostic_updater import DiagnosticStatusWrapper
 
+from fleet_core.files.errors import FileError
+from fleet_core.files.work_file import load_work
+from fleet_core.work.site_work import SiteWork
 from fleet_requests import Sender, mission_request, stored_status
 from graph_topic import FollowedGraph
 from itrci_nav_msgs.msg import FleetState, MissionCommand, MissionRequest, MissionStatus
@@ -69,6 +73,8 @@ class JobServerNode:
     def __init__(self) -> None:
         password = read_password_file(parameter('~password_file'), 'password of the job server')
         self._robot_type = parameter('~robot_type', '')
+        self._work_path = parameter('~work_file', '')
+        self._site_work: Optional[SiteWork] = None  # None: it is not known yet
         self._jobs_file = JobFile(parameter('~jobs_file', 'omron_jobs/jobs.sqlite'), '~jobs_file')
         ids = random.SystemRandom()
         jobs, counters = self._jobs_file.read()
@@ -78,7 +84,7 @@ class JobServerNode:
         self._server = JobServer(JobCommands(self._book, self._site), password)
         self._port = JobPort(self._server, peers(), self._work)
         self._requests, self._commands = Sender(MissionRequest), Sender(MissionCommand)
-        self._problem = ''
+        self._problem = self._work_problem = ''
         self._questions: queue.Queue[Tuple[QueuedJob, float]] = queue.Queue()
         self._asked: Set[int] = set()  # missions of questions without an answer
         self._loop = asyncio.new_event_loop()
@@ -102,10 +108,19 @@ class JobServerNode:
     # --- callbacks --------------------------------------------------------------------------------
 
     def _on_graph(self, graph: Graph, _stamp: rospy.Time) -> None:
-        goals = goals_of(graph.vertices.values())
+        goals: Optional[Dict[str, int]] = goals_of(graph.vertices.values())
+        work: Optional[SiteWork] = None
+        self._work_problem = ''
+        try:
+            work = load_work(self._work_path, graph) if self._work_path else SiteWork()
+        except FileError as error:
+            goals = None
+            self._work_problem = (f'no jobs are taken: {str(error).rstrip(".")}. Mend the file, '
+                                  'and start this node again')
+            warn('work', self._work_problem)
 
         def put() -> None:
-            self._site.goals = goals
+            self._site.goals, self._site_work = goals, work
         self._put(put)
 
     def _on_state(self, message: FleetState) -> None:
@@ -176,8 +191,11 @@ class JobServerNode:
 
     def _send(self, message: FleetMessage) -> None:
         act, job, first = message
+        if act in (FleetAct.REQUEST, FleetAct.CHANGE) and self._site_work is None:
+            return  # what is to be done at its stops is not known yet: it is due again
+        work = self._site_work or SiteWork()
         if act is FleetAct.REQUEST:
-            request = mission_request((), request_id=job.mission, stops=stops_of(job),
+            request = mission_request((), request_id=job.mission, stops=stops_of(job, work),
                                       priority=job.segments[0].priority, requested_by=_NAME,
                                       robot_type=self._robot_type)
             request.header.stamp = stamp(job)
@@ -190,7 +208,7 @@ class JobServerNode:
             command = MissionCommand(
                 request_id=job.mission, requested_by=_NAME, priority=job.segments[0].priority,
                 command=MissionCommand.CANCEL if act is FleetAct.CANCEL else MissionCommand.MODIFY,
-                first_stop=first, stops=stops_of(job)[first - 1:] if first else [])
+                first_stop=first, stops=stops_of(job, work)[first - 1:] if first else [])
             command.header.stamp = rospy.Time.now()
             self._commands.repeat(command)
 
@@ -200,8 +218,8 @@ class JobServerNode:
                 and current.told.status is SegmentStatus.IN_PROGRESS else None)
 
     def _show(self, status: DiagnosticStatusWrapper) -> DiagnosticStatusWrapper:
-        if self._problem:
-            status.summary(DiagnosticStatus.ERROR, self._problem)
+        if self._problem or self._work_problem:
+            status.summary(DiagnosticStatus.ERROR, self._problem or self._work_problem)
         elif not self._requests.is_heard:
             status.summary(DiagnosticStatus.WARN, self._requests.complaint)
         else:
