@@ -115,7 +115,7 @@ LAYERS: Dict[str, Layer] = {
     # jobs
     'omron_jobs': layer(),
     'omron_jobs.core': layer('omron_arcl'),
-    'omron_jobs.network': layer('browser_guard omron_jobs.core', sockets='job_port'),
+    'omron_jobs.network': layer('browser_guard omron_jobs.core', sockets='job_port outgoing_link'),
     'omron_jobs.nodes': layer(
         'fleet_core.files fleet_core.work fleet_requests graph_fleet_manager.messages graph_topic '
         'json_records node_lifecycle omron_jobs.core omron_jobs.network trajectory_graph',
