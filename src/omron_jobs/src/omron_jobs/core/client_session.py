@@ -8,8 +8,8 @@
     OPEN    a line                             OPEN; it is carried out; CLOSED after `quit`
     all     a line that is too long; the end   CLOSED
 
-Nothing is carried out before the password, which only a client that connects must give. A reply goes to its client; the changes that follow from
-it go to all clients after that, in one order.
+Nothing is carried out before the password, which only a client that connects must give. A reply
+goes to its client; the changes that follow from it go to all clients after that, in one order.
 """
 from __future__ import annotations
 

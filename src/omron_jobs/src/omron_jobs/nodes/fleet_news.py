@@ -11,7 +11,14 @@ from graph_fleet_manager.messages.stops import stop_messages
 from itrci_nav_msgs import msg, srv
 from omron_jobs.core.job_commands import RobotNews
 from omron_jobs.core.job_words import DRIVING, RobotStatus, SegmentKind
-from omron_jobs.core.jobs import DriveAct, JobDrive, JobMission, JobMissionState, JobSegment, QueuedJob
+from omron_jobs.core.jobs import (
+    DriveAct,
+    JobDrive,
+    JobMission,
+    JobMissionState,
+    JobSegment,
+    QueuedJob,
+)
 from trajectory_graph import Vertex
 
 _KINDS = {SegmentKind.PICKUP: StopKind.PICKUP, SegmentKind.DROPOFF: StopKind.DROPOFF}
