@@ -3,60 +3,17 @@
 from __future__ import annotations
 
 import os
-import socket
-import time
 import unittest
-from pathlib import Path
 from typing import List
 
 import rospy
 
-from itrci_nav_msgs.msg import FleetRobot, FleetState, MissionStatus
+from fleet_requests import Sender
+from itrci_nav_msgs.msg import FleetRobot, FleetState, MissionCommand, MissionStatus
 from system_support import Recorder, kill_node, run_cases, wait_until
+from warehouse import PATIENCE, connected
 
 PORT = int(os.environ.get('LD90_ARCL_PORT', '17171'))
-PASSWORD = (Path(__file__).resolve().parents[1]
-            / 'src/omron_ld90_sim/config/simulator_password').read_bytes().strip()
-PATIENCE = 90.0
-
-
-class Warehouse:
-    """A program that splits lines at blanks, as those of warehouses do."""
-
-    def __init__(self) -> None:
-        self._socket = socket.create_connection(('127.0.0.1', PORT), timeout=PATIENCE)
-        self._lines = self._socket.makefile('r', newline='\r\n')
-        self.say(PASSWORD.decode())
-        self.until('End of commands')
-
-    def say(self, line: str) -> None:
-        self._socket.sendall(line.encode() + b'\n')
-
-    def until(self, *words: str) -> List[str]:
-        """The words of the first line that has all of these; fails at an error and at the end."""
-        for line in self._lines:
-            found = line.rstrip('\r\n').split(' ')
-            if all(word in line for word in words):
-                return found
-            if found[0] == 'CommandErrorDescription:':
-                raise AssertionError(line)
-        raise AssertionError(f'the connection ended before {words}')
-
-    def close(self) -> None:
-        self._lines.close()
-        self._socket.close()
-
-
-def connected() -> Warehouse:
-    """A warehouse program that is logged in, as soon as the server listens."""
-    end = time.monotonic() + PATIENCE
-    while True:
-        try:
-            return Warehouse()
-        except (OSError, AssertionError):
-            if time.monotonic() > end:
-                raise
-            time.sleep(0.2)
 
 
 class JobsTest(unittest.TestCase):
@@ -66,6 +23,8 @@ class JobsTest(unittest.TestCase):
     def setUpClass(cls) -> None:
         rospy.init_node('jobs_test')
         cls.statuses = Recorder('/mission_status', MissionStatus)
+        cls.commands, cls.answered = Sender(MissionCommand), 0
+        wait_until(lambda: cls.commands.is_heard, 60, 'the fleet manager')
         Recorder('/fleet_state', FleetState).wait_for(
             lambda state: all(robot.state == FleetRobot.IDLE for robot in state.robots), 60,
             'all robots')
@@ -73,14 +32,14 @@ class JobsTest(unittest.TestCase):
 
     @staticmethod
     def has_goals() -> bool:
-        program = connected()
+        program = connected(PORT)
         program.say('getGoals')
         found = program.until('Goal')[0] == 'Goal:'
         program.close()
         return found
 
     def test_a_pickup_and_its_drop_off_are_driven_in_order(self) -> None:
-        program, other = connected(), connected()
+        program, other = connected(PORT), connected(PORT)
         program.say('queuePickupDropoff 18 39 default default one')
         reply = program.until('successfully queued')
         self.assertEqual((reply[0], reply[15]), ('queuepickupdropoff', 'one'))
@@ -93,14 +52,14 @@ class JobsTest(unittest.TestCase):
         other.close()
 
     def test_a_job_outlives_the_server_and_the_fleet_manager_and_is_done_once(self) -> None:
-        program = connected()
+        program = connected(PORT)
         program.say('queuePickupDropoff 6 52 default default two')
         program.until('two', 'Driving')
         before = len(self.missions())
         for node in ('/job_server', '/path_supervisor'):
             kill_node(node)
         program.close()
-        again = connected()
+        again = connected(PORT)
         again.say('queueQuery jobId two')
         again.until('two', 'PICKUP')
 
@@ -113,7 +72,7 @@ class JobsTest(unittest.TestCase):
         again.close()
 
     def test_a_job_is_cancelled_on_its_way(self) -> None:
-        program = connected()
+        program = connected(PORT)
         program.say('queuePickup 52 10 three')
         program.until('three', 'Driving')
         program.say('queueCancel jobId three default tooLate')
@@ -122,7 +81,7 @@ class JobsTest(unittest.TestCase):
         program.close()
 
     def test_goals_of_a_job_change_while_its_robot_drives(self) -> None:
-        program = connected()  # no robot is near vertex 27 after the other tests
+        program = connected(PORT)  # no robot is near vertex 27 after the other tests
         program.say('queuePickupDropoff 27 18 default default four')
         pickup = program.until('successfully queued')[11]
         program.until(pickup, 'Driving')
@@ -137,8 +96,27 @@ class JobsTest(unittest.TestCase):
             PATIENCE, 'the mission to 6 and 18')
         program.close()
 
+    def test_a_robot_carries_out_the_steps_of_the_work_file_at_the_goals(self) -> None:
+        program = connected(PORT)
+        program.say('queuePickupDropoff 39 52 default default five')
+        for words in ('InProgress Driving', 'InProgress AfterPickup', 'Completed None Goal "39"',
+                      'InProgress AfterDropoff', 'Completed None Goal "52"'):
+            program.until('QueueUpdate: ', 'five', words)
+            if 'After' in words:
+                self.hand_over()
+        program.close()
+
+    def hand_over(self) -> None:
+        """Answers the step that asks, as the program of a station does."""
+        asking = self.statuses.wait_for(
+            lambda status: status.asks > self.answered, PATIENCE, 'a step that asks')
+        type(self).answered = asking.asks
+        self.commands.send(MissionCommand(
+            request_id=asking.request_id, command=MissionCommand.ANSWER,
+            answer=MissionCommand.DONE, step_key=asking.asks))
+
     def test_a_wrong_goal_makes_no_mission(self) -> None:
-        program, before = connected(), len(self.missions())
+        program, before = connected(PORT), len(self.missions())
         program.say('queuePickup nowhere')
         program.until('CommandError: queuePickup nowhere')
         program.until('CommandErrorDescription: queuePickup no such goal "nowhere"')

@@ -12,7 +12,7 @@ from omron_jobs.core.client_session import ClientSession, JobServer
 from omron_jobs.core.job_book import FleetAct, JobBook
 from omron_jobs.core.job_commands import JobCommands, JobSite, RobotNews
 from omron_jobs.core.job_words import RobotStatus
-from omron_jobs.core.jobs import JobDrive, JobMissionState
+from omron_jobs.core.jobs import DriveAct, JobDrive, JobMissionState
 
 BEGIN = calendar.timegm((2011, 12, 19, 6, 54, 18)) * 1000
 AT, LATER = '12/19/2011 06:54:18', '12/19/2011 06:54:34'
@@ -76,9 +76,10 @@ class Line:
         self.fleet.set(self.key(number), state, robot)
         return [*self.show(self.key(number)), *self.drive()]
 
-    def drive(self) -> List[str]:
-        """The fleet manager shows that robots drive to their next stops; the lines that follow."""
-        self.server.announce(self.book.hear_drives(self.fleet.drives()))
+    def drive(self, act: DriveAct = DriveAct.DRIVES) -> List[str]:
+        """The fleet manager shows robots on the way to their next stops; the lines that follow."""
+        drives = {key: drive._replace(act=act) for key, drive in self.fleet.drives().items()}
+        self.server.announce(self.book.hear_drives(drives))
         return self.heard()
 
     def reach(self, number: int = -1) -> List[str]:
@@ -302,6 +303,42 @@ def test_a_segment_is_driving_when_its_robot_drives_to_its_goal(line):
     line.fleet.reach(line.key())
     assert updates(line.show(line.key())) == [
         ('DROPOFF2', 'InProgress', 'Driving'), ('DROPOFF2', 'Completed', 'None')]
+
+
+def test_the_steps_at_a_goal_are_told_before_and_after(line):
+    line.say('queuePickupDropoff x y 10 20 j')
+    line.exchange()
+    line.set(ACTIVE, 'r')
+    for act, sub in ((DriveAct.WAITS, 'BeforePickup'), (DriveAct.WORKS, 'AfterPickup')):
+        assert updates(line.drive(act)) == [('PICKUP1', 'InProgress', sub)]
+    assert line.drive(DriveAct.DRIVES) == []  # it does not come from its work again
+    line.fleet.reach(line.key())
+    assert updates(line.show(line.key())) == [
+        ('PICKUP1', 'Completed', 'None'), ('DROPOFF2', 'InProgress', 'UnAllocated'),
+        ('DROPOFF2', 'InProgress', 'Allocated')]
+    assert updates(line.drive(DriveAct.WORKS)) == [
+        ('DROPOFF2', 'InProgress', 'Driving'), ('DROPOFF2', 'InProgress', 'AfterDropoff')]
+    assert updates(line.reach()) == [('DROPOFF2', 'Completed', 'None')]
+
+
+def test_another_robot_begins_with_the_steps_anew(line):
+    line.say('queuePickup x')
+    line.exchange()
+    line.set(ACTIVE, 'r')
+    line.drive(DriveAct.WORKS)
+    line.fleet.set(line.key(), ACTIVE, 'other')
+    assert updates(line.show(line.key())) == [('PICKUP1', 'Interrupted', 'None'), *(
+        ('PICKUP1', 'InProgress', sub) for sub in ('UnAllocated', 'Allocated'))]
+
+
+def test_the_goal_of_a_segment_does_not_change_when_its_robot_works_there(line):
+    line.say('queuePickup x')
+    line.exchange()
+    line.set(ACTIVE, 'r')
+    line.drive(DriveAct.WORKS)
+    assert line.say('queueModify PICKUP1 goal y')[1] == (
+        'CommandErrorDescription: queueModify failed: the robot works at the goal of "PICKUP1" '
+        'already')
 
 
 def test_the_goal_of_a_segment_that_waits_changes(line):

@@ -54,6 +54,10 @@ timetables:
 from: "06:00", to: 18:00, days: mon-fri}
 - {name: night, template: pallet, arguments: {from: 7, to: 8, cart: b}, every: 2 h, \
 from: "22:00", to: "04:00", days: 'fri-mon, wed', priority: 2}
+job_steps:
+- {kind: pickup, steps: [{type: engage, timeout: 60}]}
+- {kind: pickup, at: [press, 7]}
+- {kind: dropoff, at: [shelves], steps: [{type: disengage, timeout: 60}]}
 '''
 
 
@@ -105,6 +109,15 @@ def test_a_template_is_filled_with_arguments(tmp_path):
         WorkStop(7, StopKind.DROPOFF, (WorkStep('disengage', 60.0, load=LoadEffect.GIVES),)))
     on_cancel, = filled(template.on_cancel, arguments, places.__getitem__)
     assert (on_cancel.place, on_cancel.condition) == (4, Condition.LOADED)
+
+
+@pytest.mark.parametrize('place, kind, types', [
+    (4, StopKind.PICKUP, ['engage']), (3, StopKind.PICKUP, []), (7, StopKind.PICKUP, []),
+    (6, StopKind.DROPOFF, ['disengage']), (4, StopKind.DROPOFF, [])])
+def test_a_goal_of_a_job_has_the_steps_of_its_own_entry_or_those_of_its_kind(
+        tmp_path, place, kind, types):
+    steps = read(tmp_path, FILE).steps_of_job(place, kind)
+    assert [step.type for step in steps] == types
 
 
 def test_a_device_has_the_address_that_its_driver_needs(tmp_path):
@@ -210,6 +223,17 @@ def test_each_part_may_be_missing_or_empty(tmp_path, text):
     ('"06:00"', '"24:00"', 18, 'is no time of day'),
     ('days: mon-fri', 'days: mon-frei', 18, "days has 'mon-frei'"),
     ('{name: night, ', '{', 19, 'timetable pallet occurs twice, first in line 18'),
+    # steps of jobs
+    ('{kind: pickup, at: [press, 7]}', '{kind: park}', 22, 'kind is park, but jobs have pickups'),
+    ('{kind: pickup, at: [press, 7]}', '{at: [press]}', 22, 'kind is missing'),
+    ('{kind: pickup, at: [press, 7]}', '{kind: pickup}', 22,
+     'an entry without at occurs twice for pickup'),
+    ('at: [press, 7]', 'at: []', 22, 'at is empty'),
+    ('at: [press, 7]', 'at: [pres]', 22, "no station and no vertex is named 'pres'"),
+    ('{kind: pickup, at: [press, 7]}', '{kind: dropoff, at: [5]}', 23,
+     'vertex 5 occurs twice for dropoff'),
+    ('{kind: pickup, steps: [{type: engage', '{kind: pickup, steps: [{type: engaeg', 21,
+     "no step type 'engaeg'"),
     ('timetables:', 'timetable:', 18, "unknown key 'timetable'; did you mean timetables?")])
 def test_what_is_wrong_is_refused_with_its_line(tmp_path, right, wrong, line, told):
     assert FILE.count(right) >= 1

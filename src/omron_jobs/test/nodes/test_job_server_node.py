@@ -7,13 +7,23 @@ import sqlite3
 
 import pytest
 
-from itrci_nav_msgs.msg import FleetRobot, FleetState, MissionCommand, MissionStatus, MissionStop
+from fleet_core.work.site_work import JobSteps, SiteWork
+from fleet_core.work.stops import LoadEffect, StopKind, WorkStep
+from itrci_nav_msgs.msg import (
+    FleetRobot,
+    FleetState,
+    MissionCommand,
+    MissionStatus,
+    MissionStep,
+    MissionStop,
+)
 from itrci_nav_msgs.srv import ExplainMissionResponse
 from node_lifecycle import ConfigurationError
 from omron_jobs.core.job_book import JobCounters
 from omron_jobs.core.job_commands import RobotNews
 from omron_jobs.core.job_words import RobotStatus, SegmentKind, SegmentStatus
 from omron_jobs.core.jobs import (
+    DriveAct,
     JobDrive,
     JobMission,
     JobMissionState,
@@ -118,9 +128,16 @@ def test_a_stamp_comes_back_although_the_fleet_manager_rounds_it(queued):
     assert stamp_of(status) == queued
 
 
-def test_segments_become_stops():
-    assert [(stop.vertex, stop.kind) for stop in stops_of(JOB)] == [
+def test_segments_become_stops_with_the_steps_of_the_site():
+    work = SiteWork(job_steps=(
+        JobSteps(StopKind.PICKUP, (WorkStep('engage', 60.0, load=LoadEffect.TAKES),)),
+        JobSteps(StopKind.DROPOFF, (WorkStep('disengage', 60.0),), (7,))))
+    pickup, dropoff = stops_of(JOB, work)
+    assert [(stop.vertex, stop.kind) for stop in (pickup, dropoff)] == [
         (1, MissionStop.PICKUP), (2, MissionStop.DROPOFF)]
+    step, = pickup.steps
+    assert (step.type, step.timeout, step.load) == ('engage', 60.0, MissionStep.TAKES)
+    assert dropoff.steps == []
 
 
 @pytest.mark.parametrize('label, name', [
@@ -151,6 +168,11 @@ def test_a_robot_drives_for_its_mission_unless_it_waits_or_cannot_work():
     driving = FleetRobot(name='r', state=FleetRobot.BUSY, has_mission=True, request_id=41,
                          destination=3, waits_for_code=ExplainMissionResponse.NOTHING)
     assert drives_of(FleetState(robots=[driving])) == {41: JobDrive('r', 3)}
+    for left, act in ((2.5, DriveAct.WAITS), (0.0, DriveAct.WORKS)):
+        waiting = copy.copy(driving)
+        waiting.waits_for_code, waiting.to_destination = ExplainMissionResponse.STEP, left
+        assert drives_of(FleetState(robots=[waiting])) == {41: JobDrive('r', 3, act)}
+    driving.to_destination = float('nan')
     for field, value in (('waits_for_code', ExplainMissionResponse.STEP), ('has_mission', False),
                          ('state', FleetRobot.STOPPED), ('destination', 0)):
         other = copy.copy(driving)

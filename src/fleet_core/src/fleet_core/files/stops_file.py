@@ -87,11 +87,12 @@ def stop_of(node: yaml.Node, known: Sequence[str], place: Callable[[str], Place]
     except ValueError as error:
         raise WrongYaml(str(error), at[1]) from None
     return (where, word(fields, 'kind', StopKind, StopKind.VISIT),
-            tuple(map(_step, optional_items(fields, 'steps'))),
+            tuple(map(step_of, optional_items(fields, 'steps'))),
             word(fields, 'if', Condition, Condition.ALWAYS))
 
 
-def _step(node: yaml.Node) -> WorkStep:
+def step_of(node: yaml.Node) -> WorkStep:
+    """The step that a mapping describes. Raises WrongYaml."""
     fields = known_fields(node, 'a step', _STEP)
     step = WorkStep(
         strict_yaml.text(strict_yaml.field(fields, 'type', node)),

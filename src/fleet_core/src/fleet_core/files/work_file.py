@@ -19,6 +19,9 @@
     timetables:
     - {template: pallet, arguments: {from: press, to: shelves}, every: 30 min, from: "06:00",
        to: "18:00", days: mon-fri}
+    job_steps:
+    - {kind: pickup, steps: [{type: engage, timeout: 60, load: takes}]}
+    - {kind: dropoff, at: [press], steps: [{type: disengage, timeout: 60, load: gives}]}
 
 `step_types` lists the types of steps that the actors of the site know; any other one is an error.
 """
@@ -44,7 +47,7 @@ from typing import (
 import yaml
 
 from fleet_core.files.errors import FileError
-from fleet_core.files.stops_file import STOP, STOP_ON_CANCEL, stop_of
+from fleet_core.files.stops_file import STOP, STOP_ON_CANCEL, step_of, stop_of
 from fleet_core.files.strict_fields import (
     Entry,
     ReadEntry,
@@ -66,9 +69,9 @@ from fleet_core.work.devices import (
     RobotAddress,
     StepDevice,
 )
-from fleet_core.work.site_work import SiteWork
+from fleet_core.work.site_work import JobSteps, SiteWork
 from fleet_core.work.stations import Station, StationKind, places_of
-from fleet_core.work.stops import LONGEST_TIMEOUT, WorkStep
+from fleet_core.work.stops import LONGEST_TIMEOUT, StopKind, WorkStep
 from fleet_core.work.templates import (
     PARAMETER,
     Template,
@@ -81,7 +84,7 @@ from fleet_core.work.timetables import DAY, WEEK, Timetable, minute_of_day
 from trajectory_graph import Graph, strict_yaml
 from trajectory_graph.strict_yaml import Field, WrongYaml
 
-_FILE = ('step_types', 'stations', 'devices', 'templates', 'timetables')
+_FILE = ('step_types', 'stations', 'devices', 'templates', 'timetables', 'job_steps')
 _STATION = ('name', 'places', 'queue', 'capacity', 'kind')
 _ADDRESS = {DeviceDriver.MODBUS: ('host', 'port', 'unit', 'open_coil', 'is_open'),
             DeviceDriver.LD90: ('robot', 'output', 'input')}
@@ -90,6 +93,7 @@ _DEVICE = ('name', 'kind', 'edges', 'timeout', 'driver', *(
     key for keys in _ADDRESS.values() for key in keys), *_HAND_OVER[3:])
 _TEMPLATE = ('name', 'parameters', 'stops', 'on_cancel')
 _TIMETABLE = ('name', 'template', 'arguments', 'every', 'from', 'to', 'days', 'priority')
+_JOB_STEPS = ('kind', 'at', 'steps')
 _DAYS = ('mon', 'tue', 'wed', 'thu', 'fri', 'sat', 'sun')
 _MINUTES = {'min': 1, 'h': 60}
 _NAME = re.compile(r'[A-Za-z]\w*', re.ASCII)
@@ -111,7 +115,9 @@ def load_work(path: Union[str, os.PathLike], graph: Graph) -> SiteWork:
                                      graph))
         timetables = _entries(fields, 'timetables', 'timetable',
                               partial(_timetable, templates, stations, graph), 'template')
-        return SiteWork(stations, devices, machines, templates, timetables, types)
+        return SiteWork(stations, devices, machines, templates, timetables, types,
+                        _job_steps(stations, types, devices, machines, graph,
+                                   optional_items(fields, 'job_steps')))
     except WrongYaml as wrong:
         raise FileError.of(path, wrong) from None
 
@@ -371,6 +377,49 @@ def _check_device(name: str, devices: Container[str], machines: Mapping[str, Ste
     if name in devices:
         raise WrongYaml(f'device {name} carries out no steps: its kind is not machine', node)
     raise WrongYaml(f'there is no device {name!r}; {meant(name, list(machines))}', node)
+
+
+# -- jobs -----------------------------------------------------------------------------------------
+
+
+def _job_steps(stations: Mapping[str, Station], types: FrozenSet[str], devices: Container[str],
+               machines: Mapping[str, StepDevice], graph: Graph, nodes: Sequence[yaml.Node],
+               ) -> Tuple[JobSteps, ...]:
+    found: List[JobSteps] = []
+    for node in nodes:
+        one = _steps_of_kind(stations, types, graph, node)
+        for step in one.steps:
+            _check_device(step.device, devices, machines, node)
+        others = [place for other in found if other.kind is one.kind
+                  for place in other.places or ('',)]
+        for place in one.places or ('',):
+            if place in others:
+                raise WrongYaml(f'{f"vertex {place}" if place else "an entry without at"} occurs '
+                                f'twice for {one.kind.name.lower()}', node)
+        found.append(one)
+    return tuple(found)
+
+
+def _steps_of_kind(stations: Mapping[str, Station], types: FrozenSet[str], graph: Graph,
+                   node: yaml.Node) -> JobSteps:
+    fields = known_fields(node, 'an entry of job_steps', _JOB_STEPS)
+    strict_yaml.require(fields, ('kind',), node)
+    kind = word(fields, 'kind', StopKind, StopKind.VISIT)
+    if kind not in (StopKind.PICKUP, StopKind.DROPOFF):
+        raise WrongYaml(f'kind is {kind.name.lower()}, but jobs have pickups and drop-offs: say '
+                        'pickup or dropoff', fields['kind'])
+    steps = tuple(map(step_of, optional_items(fields, 'steps')))
+    for step in steps:
+        _check_step(step, types, node)
+    places: List[int] = []
+    for at in optional_items(fields, 'at'):
+        try:
+            places += places_of(strict_yaml.text(('an entry of at', at)), stations, graph)
+        except ValueError as error:
+            raise WrongYaml(str(error), at) from None
+    if 'at' in fields and not places:
+        raise WrongYaml('at is empty; leave it out for all goals', fields['at'])
+    return JobSteps(kind, steps, tuple(places))
 
 
 # -- timetables -----------------------------------------------------------------------------------

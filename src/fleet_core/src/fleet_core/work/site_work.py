@@ -2,12 +2,24 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import FrozenSet, Mapping
+from typing import FrozenSet, Mapping, NamedTuple, Tuple
 
 from fleet_core.work.devices import Device, StepDevice
 from fleet_core.work.stations import Station
+from fleet_core.work.stops import StopKind, WorkStep
 from fleet_core.work.templates import Template
 from fleet_core.work.timetables import Timetable
+
+
+class JobSteps(NamedTuple):
+    """The steps at the stops of one kind of jobs that other programs send.
+
+    places -- vertices of these stops; empty: all that no other entry of this kind names
+    """
+
+    kind: StopKind
+    steps: Tuple[WorkStep, ...]
+    places: Tuple[int, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -17,6 +29,7 @@ class SiteWork:
     devices -- those through which edges lead
     step_devices -- those that carry out steps
     step_types -- the types of steps that the actors of the site know; empty: not said
+    job_steps  -- of pickups and drop-offs of jobs
     """
 
     stations: Mapping[str, Station] = field(default_factory=dict)
@@ -25,3 +38,10 @@ class SiteWork:
     templates: Mapping[str, Template] = field(default_factory=dict)
     timetables: Mapping[str, Timetable] = field(default_factory=dict)
     step_types: FrozenSet[str] = frozenset()
+    job_steps: Tuple[JobSteps, ...] = ()
+
+    def steps_of_job(self, place: int, kind: StopKind) -> Tuple[WorkStep, ...]:
+        """Returns the steps at a stop of a job."""
+        of_kind = [one for one in self.job_steps if one.kind is kind]
+        return next((one.steps for named in (True, False) for one in of_kind
+                     if (place in one.places if named else not one.places)), ())

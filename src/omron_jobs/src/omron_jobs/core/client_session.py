@@ -1,13 +1,15 @@
 """One client of the job server without I/O, and the server: login, lines in, lines out.
 
     phase   event                              next phase
+            a client connects                  LOGIN; it is asked for the password
+            the server connects by itself      OPEN; nothing is sent
     LOGIN   the right password                 OPEN; welcome and list of commands are sent
             another line                       CLOSED
     OPEN    a line                             OPEN; it is carried out; CLOSED after `quit`
     all     a line that is too long; the end   CLOSED
 
-Nothing is carried out before the password. A reply goes to its client; the changes that follow from
-it go to all clients after that, in one order.
+Nothing is carried out before the password, which only a client that connects must give. A reply
+goes to its client; the changes that follow from it go to all clients after that, in one order.
 """
 from __future__ import annotations
 
@@ -39,13 +41,14 @@ class ClientSession:
     echo   -- whether its lines are sent back
     """
 
-    def __init__(self, server: JobServer) -> None:
+    def __init__(self, server: JobServer, phase: ClientPhase) -> None:
         self.output = bytearray()
-        self.phase = ClientPhase.LOGIN
+        self.phase = phase
         self.echo = False
         self._server = server
         self._input = LineBuffer(LONGEST_COMMAND)
-        self.send([words.PROMPT])
+        if phase is ClientPhase.LOGIN:
+            self.send([words.PROMPT])
 
     def send(self, lines: Iterable[str]) -> None:
         """Queues lines."""
@@ -93,9 +96,9 @@ class JobServer:
         self.sessions: List[ClientSession] = []
         self._commands = commands
 
-    def connect(self) -> ClientSession:
+    def connect(self, phase: ClientPhase = ClientPhase.LOGIN) -> ClientSession:
         """Begins the session of a client."""
-        session = ClientSession(self)
+        session = ClientSession(self, phase)
         self.sessions.append(session)
         return session
 

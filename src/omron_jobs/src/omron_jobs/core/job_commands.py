@@ -176,6 +176,8 @@ class JobCommands:
             raise JobRefused(f'needs goal or priority in the place of "{command.words[1]}"')
         place = self._place(command.words[2])
         job, one = self._modifiable(id, (SegmentStatus.PENDING, SegmentStatus.IN_PROGRESS))
+        if one.told.substatus in words.AFTER.values():
+            raise JobRefused(f'failed: the robot works at the goal of "{one.id}" already')
         changes = self._book.set_goal(job, one, place)
         return JobReply((words.MODIFYING_GOAL.format(words.printed(id), place.goal),),
                         tuple(changes))

@@ -88,6 +88,8 @@ class SegmentStatus(Enum):
 
 
 UNALLOCATED, ALLOCATED, DRIVING = 'UnAllocated', 'Allocated', 'Driving'
+BEFORE = {SegmentKind.PICKUP: 'BeforePickup', SegmentKind.DROPOFF: 'BeforeDropoff'}
+AFTER = {SegmentKind.PICKUP: 'AfterPickup', SegmentKind.DROPOFF: 'AfterDropoff'}
 WAITS_FOR = 'ID_{}'
 REFUSED_BY_FLEET = 'RefusedByFleet'
 

@@ -7,6 +7,7 @@ keeps what was last told of it, because clients hear each change once, and in OM
     change                              told on the way
     Pending -> InProgress Allocated     InProgress UnAllocated
     Pending -> InProgress Driving       InProgress UnAllocated, InProgress Allocated
+    InProgress -> InProgress After...   as to InProgress Driving, if that was not told
     InProgress -> Cancelled             Cancelling, Interrupted
     InProgress -> Pending               Interrupted; another robot gets it
     Interrupted -> InProgress           InProgress UnAllocated, InProgress Allocated
@@ -23,11 +24,13 @@ as reached; segments are completed in their order.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from enum import IntEnum
+from enum import Enum, IntEnum
 from typing import Callable, List, NamedTuple, Optional, Tuple
 
 from omron_jobs.core.job_words import (
+    AFTER,
     ALLOCATED,
+    BEFORE,
     DRIVING,
     NONE,
     REFUSED_BY_FLEET,
@@ -64,11 +67,20 @@ _ENDED = frozenset((JobMissionState.SUCCEEDED, JobMissionState.FAILED, JobMissio
                     JobMissionState.CANCELLED, JobMissionState.EXPIRED))
 
 
+class DriveAct(Enum):
+    """What a robot was seen to do. The order is that in which it is told."""
+
+    DRIVES = 'drives'
+    WAITS = 'waits'     # in front of its goal, for the end of steps before it enters
+    WORKS = 'works'     # at its goal
+
+
 class JobDrive(NamedTuple):
-    """A robot, and the vertex to which it drives."""
+    """A robot, the vertex to which it drives or where it works, and what it does."""
 
     robot: str
     vertex: int
+    act: DriveAct = DriveAct.DRIVES
 
 
 class JobMission(NamedTuple):
@@ -193,7 +205,8 @@ def news_of(job: QueuedJob, mission: JobMission, now: int
             continue
         segment, reverted = _as_placed(job, segment, k, mission)
         changes += reverted
-        for told in _course(segment.told, _target(job, tuple(segments), k, mission)):
+        for told in _course(segment.told, _target(job, tuple(segments), k, mission),
+                            segment.kind):
             segment = replace(segment, told=told, ended=now if told.status.is_final else 0)
             changes.append(SegmentChange(job.id, job.queued, segment))
         segments[k] = segment
@@ -243,30 +256,42 @@ def _target(job: QueuedJob, segments: Tuple[JobSegment, ...], index: int, missio
         return (Told(SegmentStatus.IN_PROGRESS, UNALLOCATED)
                 if state is JobMissionState.ACTIVE else _waiting(segments, index))
     if state is JobMissionState.ACTIVE:
-        driving = Told(SegmentStatus.IN_PROGRESS, DRIVING, robot)
-        drives = before == driving or mission.drive == (robot, segments[index].vertex)
-        return driving if drives else Told(SegmentStatus.IN_PROGRESS, ALLOCATED, robot)
+        return _served(segments[index], robot, mission.drive)
     return Told(SegmentStatus.INTERRUPTED, NONE, robot)
 
 
-def _course(before: Told, target: Told) -> List[Told]:
+def _served(segment: JobSegment, robot: str, drive: Optional[JobDrive]) -> Told:
+    """What a segment that a robot serves is shown as: never as less than before."""
+    course = _course_with(robot, segment.kind)
+    seen = 1
+    if drive is not None and (drive.robot, drive.vertex) == (robot, segment.vertex):
+        seen += 1 + list(DriveAct).index(drive.act)
+    told = course.index(segment.told) if segment.told in course else 0
+    return course[max(seen, told)]
+
+
+def _course_with(robot: str, kind: SegmentKind) -> List[Told]:
+    return [Told(SegmentStatus.IN_PROGRESS, sub, robot)
+            for sub in (UNALLOCATED, ALLOCATED, DRIVING, BEFORE[kind], AFTER[kind])]
+
+
+def _course(before: Told, target: Told, kind: SegmentKind) -> List[Told]:
     """What is told, one after the other, until the target is shown; nothing if it is already."""
     if before == target:
         return []
     status, robot = target.status, target.robot
-    begun = [Told(SegmentStatus.IN_PROGRESS, sub, robot) for sub in (UNALLOCATED, ALLOCATED)]
-    driving = Told(SegmentStatus.IN_PROGRESS, DRIVING, robot)
     interrupted = Told(SegmentStatus.INTERRUPTED, NONE, before.robot)
     told: List[Told] = []
     is_served = before.status is SegmentStatus.IN_PROGRESS
-    course = [*begun, driving]
+    course = _course_with(robot, kind)
+    to_drive = course[course.index(before) + 1 if before in course else 0:3]
     if target in course[1:]:
         if is_served and before.robot not in ('', robot):
             told = [interrupted]
-        told += course[course.index(before) + 1 if before in course else 0:course.index(target)]
+        told += to_drive[:to_drive.index(target)] if target in to_drive else to_drive
     elif status is SegmentStatus.COMPLETED:
         if before.status is not SegmentStatus.CANCELLING:
-            told = course[course.index(before) + 1 if before in course else 0:]
+            told = to_drive
     elif status is SegmentStatus.CANCELLED and before.status is not SegmentStatus.PENDING:
         cancelling = Told(SegmentStatus.CANCELLING, target.substatus, before.robot)
         told = ([] if before.status is SegmentStatus.CANCELLING else [cancelling]) + [interrupted]

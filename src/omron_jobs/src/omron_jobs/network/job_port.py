@@ -59,6 +59,10 @@ class JobPort:
             lambda: _Client(self), host, port)
         return int(self._listening.sockets[0].getsockname()[1])
 
+    def outgoing(self, ended: asyncio.Future[None]) -> OutgoingClient:
+        """Returns the protocol of a connection that this server opens. `ended`: set at its end."""
+        return OutgoingClient(self, ended)
+
     def flush(self) -> None:
         """Sends what the sessions have for their clients."""
         for client in list(self._clients):
@@ -80,8 +84,12 @@ class JobPort:
             _log.warning('A connection from %s is refused: %d clients are connected.', address,
                          MOST_CLIENTS)
             return False
-        self._clients.add(client)
+        self.join(client)
         return True
+
+    def join(self, client: _Client) -> None:
+        """Adds a connection."""
+        self._clients.add(client)
 
     def leaves(self, client: _Client) -> None:
         """Removes a connection that has ended."""
@@ -148,3 +156,30 @@ class _Client(asyncio.Protocol):
         if self._session is not None and self._session.phase is ClientPhase.LOGIN:
             self._session.close()
             self.flush()
+
+
+class OutgoingClient(_Client):
+    """A connection that this server has opened: the program there need not log in."""
+
+    def __init__(self, port: JobPort, ended: asyncio.Future[None]) -> None:
+        super().__init__(port)
+        self._ended = ended
+
+    def connection_made(self, transport: asyncio.BaseTransport) -> None:
+        """Begins a session."""
+        self._transport = cast(asyncio.Transport, transport)
+        self._port.join(self)
+        self._session = self._port.server.connect(ClientPhase.OPEN)
+
+    def connection_lost(self, exc: Optional[Exception]) -> None:
+        """Ends the session."""
+        super().connection_lost(exc)
+        if not self._ended.done():
+            self._ended.set_result(None)
+
+    def carry_out(self, line: str) -> None:
+        """Carries out a line as if the program had sent it."""
+        if self._session is not None and self._session.phase is ClientPhase.OPEN:
+            self._port.server.carry_out(self._session, line)
+            self._port.on_input()
+            self._port.flush()

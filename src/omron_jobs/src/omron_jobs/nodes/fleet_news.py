@@ -1,16 +1,27 @@
 """What the messages of the fleet manager say about missions, goals and robots."""
 from __future__ import annotations
 
+import math
 from collections import Counter
 from typing import Callable, Collection, Dict, List, Mapping, Optional
 
+from fleet_core.work.site_work import SiteWork
+from fleet_core.work.stops import StopKind, WorkStop
+from graph_fleet_manager.messages.stops import stop_messages
 from itrci_nav_msgs import msg, srv
 from omron_jobs.core.job_commands import RobotNews
 from omron_jobs.core.job_words import DRIVING, RobotStatus, SegmentKind
-from omron_jobs.core.jobs import JobDrive, JobMission, JobMissionState, QueuedJob
+from omron_jobs.core.jobs import (
+    DriveAct,
+    JobDrive,
+    JobMission,
+    JobMissionState,
+    JobSegment,
+    QueuedJob,
+)
 from trajectory_graph import Vertex
 
-_KINDS = {SegmentKind.PICKUP: msg.MissionStop.PICKUP, SegmentKind.DROPOFF: msg.MissionStop.DROPOFF}
+_KINDS = {SegmentKind.PICKUP: StopKind.PICKUP, SegmentKind.DROPOFF: StopKind.DROPOFF}
 _ROBOT = msg.FleetRobot
 _UNAVAILABLE: Mapping[int, str] = {
     _ROBOT.OFFLINE: 'OutgoingARCLConnLost', _ROBOT.UNKNOWN: 'OutgoingARCLConnLost',
@@ -44,9 +55,12 @@ def stamp_of(status: msg.MissionStatus) -> int:
     return round(status.request_stamp.to_nsec() / 1e6)
 
 
-def stops_of(job: QueuedJob) -> List[msg.MissionStop]:
-    """The stops of the mission of a job."""
-    return [msg.MissionStop(vertex=one.vertex, kind=_KINDS[one.kind]) for one in job.segments]
+def stops_of(job: QueuedJob, work: SiteWork) -> List[msg.MissionStop]:
+    """The stops of the mission of a job, with the steps that a site has for them."""
+    def stop(one: JobSegment) -> WorkStop:
+        kind = _KINDS[one.kind]
+        return WorkStop(one.vertex, kind, work.steps_of_job(one.vertex, kind))
+    return stop_messages([stop(one) for one in job.segments])
 
 
 def goals_of(vertices: Collection[Vertex]) -> Dict[str, int]:
@@ -73,10 +87,24 @@ def robots_of(state: msg.FleetState, substatus_of: SubstatusOf) -> Dict[str, Rob
 
 
 def drives_of(state: msg.FleetState) -> Dict[int, JobDrive]:
-    """The drives of all robots, by the mission that each one serves."""
-    return {robot.request_id: JobDrive(robot.name, robot.destination) for robot in state.robots
-            if robot.has_mission and robot.state == _ROBOT.BUSY and robot.destination
-            and robot.waits_for_code == srv.ExplainMissionResponse.NOTHING}
+    """What robots do on their missions, by the mission that each one serves."""
+    found = {}
+    for robot in state.robots:
+        act = _act_of(robot)
+        if act is not None and robot.has_mission and robot.destination:
+            found[robot.request_id] = JobDrive(robot.name, robot.destination, act)
+    return found
+
+
+def _act_of(robot: msg.FleetRobot) -> Optional[DriveAct]:
+    """What a robot does; None: it cannot be told, or is nothing that concerns a segment."""
+    if robot.state != _ROBOT.BUSY:
+        return None
+    if robot.waits_for_code == srv.ExplainMissionResponse.NOTHING:
+        return DriveAct.DRIVES
+    if robot.waits_for_code != srv.ExplainMissionResponse.STEP or math.isnan(robot.to_destination):
+        return None
+    return DriveAct.WAITS if robot.to_destination > 0.0 else DriveAct.WORKS
 
 
 def _robot_of(robot: msg.FleetRobot, substatus_of: SubstatusOf) -> RobotNews:

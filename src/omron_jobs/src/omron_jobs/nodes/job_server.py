@@ -19,7 +19,12 @@ Parameters
                                         separated by commas
     ~jobs_file      string  omron_jobs/jobs.sqlite  keeps the jobs; a relative path begins in
                                         ROS_HOME
+    ~outgoing_host  string  ''          a program to which this node connects by itself; empty: none
+    ~outgoing_port  int     7179
+    ~outgoing_commands string  ''       commands carried out for it again and again, separated by |
+    ~outgoing_seconds float  0.0        s between two times; 0: never
     ~robot_type     string  ''          robots that serve jobs; empty: all
+    ~work_file      string  ''          work file (YAML), for the steps at the goals of jobs
 """
 from __future__ import annotations
 
@@ -28,17 +33,27 @@ import queue
 import random
 import time
 from functools import partial
-from typing import Any, Callable, Optional, Set, Tuple
+from typing import Any, Callable, Dict, Optional, Set, Tuple
 
 import genpy
 import rospy
 from diagnostic_msgs.msg import DiagnosticStatus
 from diagnostic_updater import DiagnosticStatusWrapper
 
+from fleet_core.files.errors import FileError
+from fleet_core.files.work_file import load_work
+from fleet_core.work.site_work import SiteWork
 from fleet_requests import Sender, mission_request, stored_status
 from graph_topic import FollowedGraph
 from itrci_nav_msgs.msg import FleetState, MissionCommand, MissionRequest, MissionStatus
-from node_lifecycle import ConfigurationError, parameter, publish_diagnostics, run, warn
+from node_lifecycle import (
+    ConfigurationError,
+    number,
+    parameter,
+    publish_diagnostics,
+    run,
+    warn,
+)
 from node_lifecycle.secret_files import read_password_file
 from node_lifecycle.worker import start_worker
 from omron_jobs.core.client_session import JobServer
@@ -47,6 +62,7 @@ from omron_jobs.core.job_commands import JobCommands, JobSite
 from omron_jobs.core.job_words import SegmentStatus
 from omron_jobs.core.jobs import QueuedJob
 from omron_jobs.network.job_port import JobPort, WrongPeer, read_peers
+from omron_jobs.network.outgoing_link import OutgoingAddress, OutgoingLink
 from omron_jobs.nodes.fleet_news import (
     WrongStatus,
     drives_of,
@@ -60,6 +76,7 @@ from omron_jobs.nodes.job_file import JobFile
 from trajectory_graph import Graph
 
 TICK = 0.2          # s between two checks for what is due
+SHORTEST_PERIOD = 0.1  # s between two times of the commands of the outgoing connection
 _NAME = 'job_server'
 
 
@@ -69,6 +86,8 @@ class JobServerNode:
     def __init__(self) -> None:
         password = read_password_file(parameter('~password_file'), 'password of the job server')
         self._robot_type = parameter('~robot_type', '')
+        self._work_path = parameter('~work_file', '')
+        self._site_work: Optional[SiteWork] = None  # None: it is not known yet
         self._jobs_file = JobFile(parameter('~jobs_file', 'omron_jobs/jobs.sqlite'), '~jobs_file')
         ids = random.SystemRandom()
         jobs, counters = self._jobs_file.read()
@@ -78,10 +97,11 @@ class JobServerNode:
         self._server = JobServer(JobCommands(self._book, self._site), password)
         self._port = JobPort(self._server, peers(), self._work)
         self._requests, self._commands = Sender(MissionRequest), Sender(MissionCommand)
-        self._problem = ''
+        self._problem = self._work_problem = ''
         self._questions: queue.Queue[Tuple[QueuedJob, float]] = queue.Queue()
         self._asked: Set[int] = set()  # missions of questions without an answer
         self._loop = asyncio.new_event_loop()
+        self._outgoing = outgoing_link(self._port)
         self.port = self._listen(parameter('~host', '127.0.0.1'), parameter('~port', 7171, int))
         publish_diagnostics('none', {'jobs': self._show})
         rospy.on_shutdown(self._end)
@@ -102,10 +122,19 @@ class JobServerNode:
     # --- callbacks --------------------------------------------------------------------------------
 
     def _on_graph(self, graph: Graph, _stamp: rospy.Time) -> None:
-        goals = goals_of(graph.vertices.values())
+        goals: Optional[Dict[str, int]] = goals_of(graph.vertices.values())
+        work: Optional[SiteWork] = None
+        self._work_problem = ''
+        try:
+            work = load_work(self._work_path, graph) if self._work_path else SiteWork()
+        except FileError as error:
+            goals = None
+            self._work_problem = (f'no jobs are taken: {str(error).rstrip(".")}. Mend the file, '
+                                  'and start this node again')
+            warn('work', self._work_problem)
 
         def put() -> None:
-            self._site.goals = goals
+            self._site.goals, self._site_work = goals, work
         self._put(put)
 
     def _on_state(self, message: FleetState) -> None:
@@ -134,6 +163,8 @@ class JobServerNode:
     def _run(self) -> None:
         asyncio.set_event_loop(self._loop)
         self._loop.call_soon(self._tick)
+        if self._outgoing is not None:
+            self._loop.call_soon(self._outgoing.start)
         self._loop.run_forever()
 
     def _tick(self) -> None:
@@ -176,8 +207,11 @@ class JobServerNode:
 
     def _send(self, message: FleetMessage) -> None:
         act, job, first = message
+        if act in (FleetAct.REQUEST, FleetAct.CHANGE) and self._site_work is None:
+            return  # what is to be done at its stops is not known yet: it is due again
+        work = self._site_work or SiteWork()
         if act is FleetAct.REQUEST:
-            request = mission_request((), request_id=job.mission, stops=stops_of(job),
+            request = mission_request((), request_id=job.mission, stops=stops_of(job, work),
                                       priority=job.segments[0].priority, requested_by=_NAME,
                                       robot_type=self._robot_type)
             request.header.stamp = stamp(job)
@@ -190,7 +224,7 @@ class JobServerNode:
             command = MissionCommand(
                 request_id=job.mission, requested_by=_NAME, priority=job.segments[0].priority,
                 command=MissionCommand.CANCEL if act is FleetAct.CANCEL else MissionCommand.MODIFY,
-                first_stop=first, stops=stops_of(job)[first - 1:] if first else [])
+                first_stop=first, stops=stops_of(job, work)[first - 1:] if first else [])
             command.header.stamp = rospy.Time.now()
             self._commands.repeat(command)
 
@@ -200,10 +234,13 @@ class JobServerNode:
                 and current.told.status is SegmentStatus.IN_PROGRESS else None)
 
     def _show(self, status: DiagnosticStatusWrapper) -> DiagnosticStatusWrapper:
-        if self._problem:
-            status.summary(DiagnosticStatus.ERROR, self._problem)
+        if self._problem or self._work_problem:
+            status.summary(DiagnosticStatus.ERROR, self._problem or self._work_problem)
         elif not self._requests.is_heard:
             status.summary(DiagnosticStatus.WARN, self._requests.complaint)
+        elif self._outgoing is not None and self._outgoing.trouble:
+            status.summary(DiagnosticStatus.WARN,
+                           f'the outgoing connection is lost: {self._outgoing.trouble}')
         else:
             status.summary(DiagnosticStatus.OK, f'{len(self._server.sessions)} clients')
         status.add('active jobs', str(sum(job.is_open for job in self._book.jobs)))
@@ -211,6 +248,8 @@ class JobServerNode:
 
     def _end(self) -> None:
         def end() -> None:
+            if self._outgoing is not None:
+                self._outgoing.close()
             self._port.close()
             self._loop.stop()
         self._put(end)
@@ -227,6 +266,23 @@ def peers() -> Any:
         return read_peers(parameter('~peers', ''))
     except WrongPeer as wrong:
         raise ConfigurationError(f'Parameter {rospy.resolve_name("~peers")}: {wrong}.') from None
+
+
+def outgoing_link(port: JobPort) -> Optional[OutgoingLink]:
+    """The outgoing connection; None: it is not wanted. Raises ConfigurationError."""
+    host, number_of_port = parameter('~outgoing_host', ''), parameter('~outgoing_port', 7179, int)
+    commands = parameter('~outgoing_commands', '').split('|')
+    seconds = number('~outgoing_seconds', 0.0, 0.0, 86_400.0)
+    if not host:
+        return None
+    if not 0 < number_of_port < 65536:
+        raise ConfigurationError(f'Parameter {rospy.resolve_name("~outgoing_port")} is '
+                                 f'{number_of_port}: give a number from 1 to 65535.')
+    if seconds and seconds < SHORTEST_PERIOD:
+        raise ConfigurationError(f'Parameter {rospy.resolve_name("~outgoing_seconds")} is '
+                                 f'{seconds}: give 0, or at least {SHORTEST_PERIOD} s.')
+    return OutgoingLink(port, OutgoingAddress(
+        host, number_of_port, tuple(one.strip() for one in commands if one.strip()), seconds))
 
 
 def main() -> None:
