@@ -13,11 +13,20 @@ export function startAlarms(given) {
   act = given;
   $('fold_alarms').onclick = () => { store('alarms', isFolded() ? 'open' : 'folded'); showFold(); };
   $('sound').onclick = () => { store('sound', hasSound() ? 'off' : 'on'); showFold(); };
+  narrow.addEventListener('change', showFold);
   setInterval(sound, PERIOD);
 }
 
-const isFolded = () => (stored('alarms') || (matchMedia('(max-width: 600px)').matches ? 'folded' : 'open')) === 'folded';
+// On a narrow screen the open list takes the place of the panel.
+const narrow = matchMedia('(max-width: 1000px)');
+const isFolded = () => (stored('alarms') || (narrow.matches ? 'folded' : 'open')) === 'folded';
 const hasSound = () => stored('sound') !== 'off';
+
+export function uncoverPanel() {
+  if (isFolded() || !narrow.matches) return;
+  store('alarms', 'folded');
+  showFold();
+}
 
 export function showAlarms(person) {
   me = person;

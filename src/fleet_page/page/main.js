@@ -5,7 +5,7 @@ import { dateOf, duration, language, momentOf, preferred, said, store, stored, t
 import { drawMoving, drawnEdge, knowsEdge, redraw, siteChanged, startMap } from './map.js';
 import { chooseVertex, showMissions, showPlaces, startMissions } from './missions.js';
 import { GROUPS, choose, noteFollowed, showGroup, showRobots, startRobots } from './robots.js';
-import { showAlarms, startAlarms } from './alarms.js';
+import { showAlarms, startAlarms, uncoverPanel } from './alarms.js';
 import { leaveHistory, loadHistory, startHistory } from './history.js';
 import { enterReplay, leaveReplay, startReplay } from './replay.js';
 
@@ -156,6 +156,11 @@ function makeTabs() {
 }
 
 function openTab(name) {
+  uncoverPanel();
+  showTab(name);
+}
+
+function showTab(name) {
   if ($('fleet').dataset.panel === 'folded') showPanel('open');
   if (tab === 'history' && name !== tab) leaveHistory();
   if (tab === 'replay' && name !== tab) leaveReplay();
@@ -216,7 +221,7 @@ async function setLanguage(name) {
 
 async function main() {
   makeTabs();
-  openTab('missions');
+  showTab('missions');
   showPanel(stored('panel') || 'open');
   $('fold').onclick = () => showPanel($('fleet').dataset.panel === 'folded' ? 'open' : 'folded');
   $('widen').onclick = () => showPanel($('fleet').dataset.panel === 'wide' ? 'open' : 'wide');

@@ -517,6 +517,23 @@ def test_each_button_of_two_alarms_is_in_view(window, served, width, height):
     assert hidden == []
 
 
+@pytest.mark.parametrize('width, height', [(390, 844), (820, 1180)])
+def test_the_open_list_of_alarms_leaves_room_for_the_map_and_a_tab_brings_the_panel_back(
+        window, served, width, height):
+    window.resize(width, height)
+    served.do(lambda: served.page.model.take_robots(
+        [robot(f'r{k}', state='FAILED', outage='FAILED') for k in range(60)], time.time()))
+    window.wait(lambda: '(60)' in window.text('#alarm_count'))
+    window.click('#fold_alarms')
+    assert window.one('#alarm_list').is_displayed()
+    assert window.one('#map').rect['height'] > 200
+    buttons = [window.one(name).rect for name in ('#sound', '#fold_alarms')]
+    assert buttons[0]['y'] == buttons[1]['y']
+    window.click('#tab_button_robots')
+    assert window.one('#robots').is_displayed() and not window.one('#alarm_list').is_displayed()
+    window.script('localStorage.clear()')
+
+
 def test_a_step_that_a_person_does_is_ended_by_a_button_and_cannot_be_tried_again(window, served):
     assert not window.driver.find_elements('css selector', '[data-act^=answer_]')
     ask(served, 'ACTIVE', 'step 1 (pick) of stop 2 by a person: say `mission answer 7 done`')
