@@ -85,7 +85,7 @@ class GoalTracker:
 
     @property
     def awaits_motion(self) -> bool:
-        """Whether `motion` has still to tell what became of the last command, or who ended it."""
+        """Whether `motion` has still to tell what became of the last command, and why."""
         return self.word.is_lost or self._unexplained is not None
 
     # --- our commands ----------------------------------------------------------------------------
