@@ -15,7 +15,7 @@ import threading
 import time
 from pathlib import Path
 from random import Random
-from typing import Callable, Dict, List
+from typing import Any, Callable, Dict, List
 
 from ros_master import RosMaster
 from soaking.disturbances import Disturbances
@@ -23,8 +23,9 @@ from soaking.fleet import Fleet
 from soaking.hall import CLEARANCE, Hall, write_hall
 from soaking.launch import PLANTS, Launch, resources
 from soaking.simulators import Simulators
+from soaking.work import PRESS, SoakPlc
 
-from itrci_nav_msgs.msg import FleetRobot
+from itrci_nav_msgs.msg import FleetRobot, MissionCommand, MissionStep, MissionStop
 from world.witness import Witness, growth
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -51,13 +52,15 @@ class Soak:
         self._ended = threading.Event()
         self._over = threading.Event()
         self._samples: Dict[str, List[float]] = {kind: [] for kind in KINDS}
-        self.hall: Hall = write_hall(folder, given.ld90s, given.agvs)
+        self.site = SoakPlc()
+        self.site.start()
+        self.hall: Hall = write_hall(folder, given.ld90s, given.agvs, self.site.port)
         self.witness = Witness(self.hall.radii, CLEARANCE, self.hall.places, GRACE)
         self.launch = Launch(self.hall.words, given.speed, folder, LOG, given.plant)
         self.fleet = Fleet(self.witness, self._lock, given.seed, given.corrupted)
         self._master = master
         self._errors: List[str] = []
-        self._sent = 0
+        self._sent = self._worked = self._answered = 0
 
     def run(self) -> bool:
         """Runs the soak; returns whether each promise held. Raises SystemExit if the fleet does not
@@ -72,9 +75,11 @@ class Soak:
         self.simulators = Simulators(port, port + 1)
         self.disturbances = Disturbances(
             self.hall, self.simulators, self.fleet, self.witness, self._lock, self.launch,
-            self._master, self._given.speed, self._given.seed, self._ended)
+            self._master, self._given.speed, self._given.seed, self._ended,
+            self.site)
         threads = [threading.Thread(target=self._guarded, args=(work,), daemon=True)
-                   for work in (self._watch, self._send, self._help, self._sample, self._disturb)]
+                   for work in (self._watch, self._send, self._help, self._answer,
+                                self._sample, self._disturb)]
         begun = time.monotonic()
         for thread in threads:
             thread.start()
@@ -88,6 +93,7 @@ class Soak:
         for thread in threads[:-1]:
             thread.join(30.0)
         self._judge_growth()
+        self._judge_press()
         self._report(time.monotonic() - begun)
         return not self.witness.broken and not self._errors
 
@@ -102,6 +108,7 @@ class Soak:
         if self.witness.broken and self._given.until_broken:
             return
         self.disturbances.remedy_all()
+        self.site.breaks = self.site.lies = False
         self.fleet.wait_for(lambda: not self.witness.open_missions, LAST)
         with self._lock:
             self.witness.end()
@@ -132,12 +139,38 @@ class Soak:
                     more['robot'] = self._chance.choice(sorted(self.hall.radii))
                 if self._chance.random() < 0.3:
                     more['dwell'] = [self._chance.choice((0.0, 0.5, 2.0))] * count
-                self.fleet.send(self._chance.sample(self.hall.stations, count),
-                                priority=self._chance.choice((0, 0, 0, 5)), **more)
+                chosen = self._chance.sample(self.hall.stations, count)
+                if self._chance.random() < 0.4:
+                    more = self._with_steps(chosen)
+                self.fleet.send(chosen, priority=self._chance.choice((0, 0, 0, 5)), **more)
                 self._sent += 1
             self.fleet.repeat_unanswered()
         while not self._over.wait(1.0):
             self.fleet.repeat_unanswered()
+
+    def _with_steps(self, stations: List[int]) -> Dict[str, Any]:
+        """What a request for a mission with steps has besides its destinations."""
+        self._worked += 1
+        press = MissionStep(type='handshake', actor=MissionStep.DEVICE, device=PRESS, timeout=40.0,
+                            on_failure=MissionStep.RETRY, retries=1)
+        steps = [press]
+        if self._chance.random() < 0.5:  # only AGVs carry out steps themselves
+            steps.append(MissionStep(type='work', timeout=40.0, on_failure=MissionStep.ASK))
+        stops = [MissionStop(vertex=stations[0], steps=steps),
+                 *(MissionStop(vertex=vertex) for vertex in stations[1:])]
+        return {'stops': stops, **({'robot_type': 'agv'} if len(steps) > 1 else {})}
+
+    def _answer(self) -> None:
+        """A person looks at the press, and answers for each step that asks."""
+        while not self._over.wait(1.0):
+            with self._lock:
+                asking = dict(self.fleet.asking)
+            for mission, key in asking.items():
+                is_done = key in self.site.done
+                self.fleet.answer(mission, key,
+                                  MissionCommand.DONE if is_done else self._chance.choice(
+                                      (MissionCommand.RETRY, MissionCommand.SKIP)))
+                self._answered += 1
 
     def _help(self) -> None:
         while not self._over.wait(2.0):
@@ -164,6 +197,11 @@ class Soak:
         if size > most + each * self._sent:
             self.witness.broken.append(f'the journal has {size} bytes after {self._sent} missions')
 
+    def _judge_press(self) -> None:
+        """The press was started once at most with each key, also over all deaths and restarts."""
+        self.witness.broken += [f'the press was started again with the key {key}'
+                                for key in sorted(self.site.repeated)]
+
     @property
     def journal_size(self) -> int:
         """Size of the journal in bytes, with its write-ahead log."""
@@ -176,6 +214,9 @@ class Soak:
         ends = ', '.join(f'{count} {state.name.lower()}'
                          for state, count in self.witness.ends().items())
         print(f'missions: {self._sent} sent; {ends}')
+        print(f'missions with steps: {self._worked}; the press was started '
+              f'{sum(self.site.started.values())} times and has handed over '
+              f'{len(self.site.done)} times; {self._answered} answers of persons')
         print(f'disturbances: {dict(sorted(self.disturbances.done.items()))}')
         print(f'plan answers: {self.fleet.answers}, of these made wrong: '
               f'{self.fleet.wrong_answers}')
@@ -225,6 +266,7 @@ def main() -> None:
     finally:
         if soak is not None:
             soak.launch.stop()
+            soak.site.kill()
             shutil.rmtree(soak.launch.folder, ignore_errors=True)
         master.kill()
         shutil.rmtree(folder, ignore_errors=True)

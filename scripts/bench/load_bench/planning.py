@@ -9,12 +9,14 @@ from typing import Dict, Iterator, List, NamedTuple, Tuple
 from measuring.tables import Row
 
 from fleet_core.fleet import DOCK_APPROACH, Fleet, RobotType
+from fleet_core.geometry.site_geometry import Alone
 from fleet_core.planning.plan_requests import PlanRequest
 from fleet_core.planning.plan_service import PlanService
 from fleet_core.planning.tasks import PlannedDrive, Task
 from load_bench.site import grid, starts
 
 ROBOTS, SIDE = 200, 71
+DOORS = 50
 AT_ONCE = 10  # robots that get a first destination together
 REPLANS = 20
 LIMIT = 30.0  # s, the limit for one plan
@@ -27,10 +29,15 @@ class _Answer(NamedTuple):
 
 
 class _Site:
-    """The robots, their tasks, and their present plans."""
+    """The robots, their tasks, and their present plans.
 
-    def __init__(self) -> None:
+    doors -- number of edges on which one robot may be at once
+    """
+
+    def __init__(self, doors: int = 0) -> None:
         self.graph = grid(SIDE)
+        self._alone = tuple(Alone(frozenset({edge})) for edge in (
+            list(self.graph.edges)[::len(self.graph.edges) // doors][:doors] if doors else ()))
         self.goals: Dict[str, int] = {}
         self._service = PlanService(self.graph, Fleet((KIND,), (), 0.1, DOCK_APPROACH))
         self._service.prepare()
@@ -54,7 +61,8 @@ class _Site:
             for name, vertex in self._places.items())
         begun = time.process_time()
         outcome = self._service.answer(PlanRequest(
-            tasks, (), frozenset(), {}, self._parking, time_limit=LIMIT, improvement=0.0, seed=0))
+            tasks, alone=self._alone, parking=self._parking, time_limit=LIMIT,
+            improvement=0.0, seed=0))
         seconds = time.process_time() - begun
         self._kept = {name: tuple(drives) for name, drives in outcome.drives.items()
                       if name not in outcome.unserved}
@@ -78,10 +86,18 @@ def planning() -> Iterator[Row]:
         site.send(1, False)
         replans.append(site.plan())
     yield f'{what}: one of them gets another destination', _told(replans), '', ''
-    fresh = _Site()
-    fresh.plan()
-    fresh.send(ROBOTS, True)
-    yield f'{what}: all get a destination at once', _told([fresh.plan()]), '', ''
+    plain, doors = _all_at_once(0), _all_at_once(DOORS)
+    yield f'{what}: all get a destination at once', _told([plain]), '', ''
+    yield (f'{what}: the same with {DOORS} doors, each for one robot at a time', _told([doors]),
+           f'{plain.seconds:.2f} s without doors', '+10 %')
+
+
+def _all_at_once(doors: int) -> _Answer:
+    """The plan for destinations of all robots, which come at once."""
+    site = _Site(doors)
+    site.plan()
+    site.send(ROBOTS, True)
+    return site.plan()
 
 
 def _told(answers: List[_Answer]) -> str:

@@ -21,6 +21,7 @@ from soaking.fleet import Fleet
 from soaking.hall import Hall
 from soaking.launch import Launch, process_of
 from soaking.simulators import Simulators
+from soaking.work import SoakPlc
 from world.witness import Witness
 
 RECOVERS = 8.0  # s after a program or link is back, until the robot can be reached again
@@ -36,7 +37,8 @@ NEEDS_PERSON = (FleetRobot.TAKEN_OVER, FleetRobot.FAILED, FleetRobot.OFF_GRAPH,
                 FleetRobot.OUT_OF_SERVICE)
 LD90_NODES = ('omron_controller', 'omron_connection_receiver', 'omron_edges_to_vertices',
               'robot_state_publisher')
-MANAGER_NODES = ('path_supervisor', 'path_planner', 'graph_server', 'fleet_visualisation')
+MANAGER_NODES = ('path_supervisor', 'path_planner', 'graph_server', 'fleet_visualisation',
+                 'fleet_devices')
 
 
 class Effect(enum.Flag):
@@ -105,10 +107,11 @@ class Disturbances:
 
     def __init__(self, hall: Hall, simulators: Simulators, fleet: Fleet, witness: Witness,
                  lock: threading.RLock, launch: Launch, master: RosMaster, speed: float,
-                 seed: int, ended: threading.Event) -> None:
+                 seed: int, ended: threading.Event, site: SoakPlc) -> None:
         self._hall, self._simulators, self._fleet = hall, simulators, fleet
         self._witness, self._lock = witness, lock
         self._launch, self._master, self._speed = launch, master, speed
+        self._site = site
         self._chance, self._ended = Random(seed), ended
         self._names = sorted(hall.radii)
         self._ld90s = [name for name in self._names if name.startswith('ld90')]
@@ -122,9 +125,11 @@ class Disturbances:
             'fault': self._fault, 'stop': self._stop, 'stop-and-kill': self._stop_and_kill,
             'stop-without-link': self._stop_without_link, 'out': self._out,
             'closure': self._closure, 'command': self._command, 'kill': self._kill,
+            'plc': self._plc, 'door': self._door, 'press': self._press,
             'hang': self._hang, 'master': self._restart_master, 'quiet': self._quiet}
         self.weights = {'fault': 6, 'stop': 1, 'stop-and-kill': 1, 'stop-without-link': 1,
                         'out': 1, 'closure': 2, 'command': 4, 'kill': 2, 'hang': 2, 'master': 1,
+                        'plc': 2, 'door': 2, 'press': 2,
                         'quiet': 1}
 
     def run(self, only: Sequence[str]) -> None:
@@ -378,7 +383,7 @@ class Disturbances:
                  *((f'/{name}/{node}', [name]) for name in self._ld90s for node in LD90_NODES),
                  ('node_host', self._names)]
         self._turn += 1
-        return nodes[(self._turn * 7) % len(nodes)]
+        return nodes[(self._turn * 11) % len(nodes)]
 
     def _kill(self) -> None:
         node, robots = self._next_node()
@@ -411,6 +416,38 @@ class Disturbances:
             self._master.start()
             self._wait(MASTER_RECOVERS)
         self.notes.append('ROS master restarted')
+
+    # -- the PLC -----------------------------------------------------------------------------------
+
+    def _plc(self) -> None:
+        """The PLC dies, if possible in a hand-over; it has lost its memory when it is back."""
+        self._until(lambda: self._site.is_working)
+        in_work = self._site.is_working
+        self._site.kill()
+        self._wait(self._chance.uniform(1.0, 8.0))
+        self._site.start()
+        self.notes.append(f'PLC dead{" in a hand-over" if in_work else ""}')
+
+    def _door(self) -> None:
+        """The door closes, if possible on a robot that has claimed it."""
+        self._until(lambda: self._site.is_door_open)
+        is_open, self._site.lies = self._site.is_door_open, True
+        self._wait(self._chance.uniform(3.0, 12.0))
+        self._site.lies = False
+        self.notes.append(f'door shut{" on a claim" if is_open else ""}')
+
+    def _press(self) -> None:
+        """The press breaks: each hand-over fails."""
+        self._site.breaks = True
+        self._until(lambda: self._site.is_working)
+        self._wait(self._chance.uniform(4.0, 10.0))
+        self._site.breaks = False
+        self.notes.append('press broken')
+
+    def _until(self, condition: Callable[[], bool]) -> None:
+        deadline = time.monotonic() + 15.0
+        while not condition() and time.monotonic() < deadline and not self._ended.is_set():
+            self._wait(0.1)
 
     def _wait(self, seconds: float) -> None:
         self._ended.wait(seconds)

@@ -44,6 +44,8 @@ class Fleet:
         self._chance, self._share = Random(seed), share
         self._ids = itertools.count(1)
         self._unanswered: Dict[int, Tuple[float, MissionRequest]] = {}
+        self.asking: Dict[int, int] = {}
+        """By mission, the key of the step that asks a person. The lock guards it."""
         self._requests = rospy.Publisher('/mission_request', MissionRequest, queue_size=100)
         self._commands = rospy.Publisher('/mission_command', MissionCommand, queue_size=100)
         self._edges = rospy.Publisher('/edge_command', EdgeCommand, queue_size=10)
@@ -60,10 +62,18 @@ class Fleet:
         return bool(self._requests.get_num_connections() and self._plans.get_num_connections()
                     and self._commands.get_num_connections() and self._edges.get_num_connections())
 
+    def answer(self, mission: int, key: int, answer: int) -> None:
+        """A person answers a step that asks."""
+        message = MissionCommand(request_id=mission, command=MissionCommand.ANSWER,
+                                 answer=answer, step_key=key)
+        message.header.stamp = rospy.Time.now()
+        self._commands.publish(message)
+
     def send(self, destinations: List[int], **more: Any) -> int:
         """Requests a mission; returns its id."""
-        request = MissionRequest(request_id=next(self._ids), destination_vertices_id=destinations,
-                                 **more)
+        if 'stops' not in more:  # which say the destinations themselves
+            more['destination_vertices_id'] = destinations
+        request = MissionRequest(request_id=next(self._ids), **more)
         request.header.stamp = rospy.Time.now()
         with self._lock:
             self._witness.ask(request.request_id, destinations, time.monotonic())
@@ -123,6 +133,10 @@ class Fleet:
     def _on_status(self, status: MissionStatus) -> None:
         with self._lock:
             self._unanswered.pop(status.request_id, None)
+            if status.state == MissionStatus.NEEDS_PERSON and status.asks:
+                self.asking[status.request_id] = status.asks
+            else:
+                self.asking.pop(status.request_id, None)
             self._witness.hear(status.request_id, State(status.state), status.robot,
                                status.destinations_reached, status.reason)
 

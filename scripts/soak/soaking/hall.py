@@ -8,6 +8,7 @@ from typing import Dict, List, Tuple
 from fleet_bench.instances import aisles
 from scale_bench.hall import map_text
 
+from soaking.work import work_file
 from trajectory_graph import Graph, save_graph
 
 CLEARANCE = 0.1
@@ -45,10 +46,10 @@ class Hall:
         """Arguments of `fleet_launch` for the hall."""
         return [f'{key}:={self.folder / name}' for key, name in (
             ('fleet', 'site_fleet.yaml'), ('graph_file', 'site_graph.yaml'),
-            ('base_map', 'base.map'))]
+            ('base_map', 'base.map'), ('work_file', 'site_work.yaml'))]
 
 
-def write_hall(folder: Path, ld90s: int, agvs: int) -> Hall:
+def write_hall(folder: Path, ld90s: int, agvs: int, plc_port: int) -> Hall:
     """Writes the files of a hall, which has at least 1.5 stations per robot."""
     count = ld90s + agvs
     size = 40
@@ -58,6 +59,8 @@ def write_hall(folder: Path, ld90s: int, agvs: int) -> Hall:
         graph, stations = aisles(size)
     save_graph(graph, folder / 'site_graph.yaml')
     (folder / 'base.map').write_text(map_text(graph))
+    edges = sorted(graph.edges)
+    (folder / 'site_work.yaml').write_text(work_file(edges[len(edges) // 2], plc_port))
     names = [*(f'ld90_{k}' for k in range(1, ld90s + 1)), *(f'agv_{k}' for k in range(1, agvs + 1))]
     kinds = [name.split('_')[0] for name in names]
     (folder / 'site_fleet.yaml').write_text(TYPES + ''.join(

@@ -142,6 +142,23 @@ def test_a_mission_succeeds_where_its_robot_was_everywhere_in_order(witness: Wit
     assert witness.ends()[State.SUCCEEDED] == 1
 
 
+def test_a_success_that_is_heard_before_the_last_visit_is_sampled_counts(witness: Witness) -> None:
+    witness.ask(7, [2], 0.0)
+    drive(witness, (0.0, 0.0), (2.5, 0.0))
+    is_told(witness, State.SUCCEEDED)
+    drive(witness, (2.5, 0.0), (5.0, 0.0), (5.0, 0.0), since=0.3)
+    witness.end()
+    assert witness.broken == []
+
+
+def test_a_visit_that_is_missing_at_the_end_of_the_run_is_named(witness: Witness) -> None:
+    witness.ask(7, [2], 0.0)
+    drive(witness, (0.0, 0.0), (2.5, 0.0))
+    is_told(witness, State.SUCCEEDED)
+    witness.end()
+    assert 'did not visit [2]' in witness.broken[0]
+
+
 @pytest.mark.parametrize('destinations, missed', [([3, 2], '[2]'), ([1, 2], '[1, 2]')])
 def test_a_success_without_the_visits_is_named(witness: Witness, destinations: Sequence[int],
                                                missed: str) -> None:
@@ -149,6 +166,7 @@ def test_a_success_without_the_visits_is_named(witness: Witness, destinations: S
     witness.ask(7, destinations, 5.0)
     drive(witness, (4.0, 0.0), (5.0, 0.0), (5.0, 2.5), (5.0, 5.0), since=5.0)
     is_told(witness, State.SUCCEEDED)
+    drive(witness, (5.0, 5.0), (5.0, 5.0), since=6.0)
     assert missed in witness.broken[0]
 
 

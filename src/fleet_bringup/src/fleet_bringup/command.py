@@ -78,6 +78,7 @@ def prepare(options: Options, folder: str, check: bool = True) -> Dict[str, str]
         files['journal'] = os.path.join(folder, 'fleet.sqlite')
         files['page'] = os.path.join(folder, 'page')
         files['device_memory'] = os.path.join(folder, 'devices.json')
+        files['device_steps'] = os.path.join(folder, 'device_steps.json')
     files['rviz'] = write_file(folder, 'fleet.rviz', rviz_text(gathered.entries, options))
     files['launch'] = write_file(folder, 'fleet.launch', launch_text(
         gathered.entries, gathered.site, options, files))
@@ -163,7 +164,8 @@ def _with_work(site: StartedSite, options: Options, laboratory: str) -> StartedS
     path = os.path.join(laboratory, 'lab_work.yaml') if options.work else options.work_file
     if not path:
         return site
-    return replace(site, work_file=path, has_devices=bool(load_work(path, site.graph).devices))
+    work = load_work(path, site.graph)
+    return replace(site, work_file=path, has_devices=bool(work.devices or work.step_devices))
 
 
 def write_file(folder: str, name: str, text: str) -> str:

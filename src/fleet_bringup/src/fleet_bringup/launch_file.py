@@ -109,7 +109,8 @@ def _devices(root: ET.Element, site: StartedSite, options: Options, files: Dict[
     _node(root, 'fleet_devices', 'fleet_devices', 'fleet_devices', {
         'work_file': site.work_file, 'graph_file': site.graph_file,
         'simulated_travel': TRAVEL / options.sim_speed,
-        **({'memory_file': files['device_memory']} if 'device_memory' in files else {})}, RESPAWN)
+        **({'memory_file': files['device_memory'], 'steps_file': files['device_steps']}
+           if 'device_memory' in files else {})}, RESPAWN)
 
 
 def _memory(files: Dict[str, str]) -> Dict[str, str]:

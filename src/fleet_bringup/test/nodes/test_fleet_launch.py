@@ -101,6 +101,7 @@ def test_the_work_of_the_laboratory_comes_with_its_doors_and_a_plc(tmp_path, mor
     assert nodes['plc_sim']['seconds'] == nodes['fleet_devices']['simulated_travel'] == '1.5'
     assert nodes['fleet_devices']['graph_file'] == str(tmp_path / 'graph.yaml')
     assert nodes['fleet_devices']['memory_file'] == files['device_memory']
+    assert nodes['fleet_devices']['steps_file'] == files['device_steps']
     work = nodes['fleet_devices']['work_file']
     assert f'name="work_file" value="{work}"' in Path(files['launch']).read_text()
     found = load_work(work, load_graph(tmp_path / 'graph.yaml'))

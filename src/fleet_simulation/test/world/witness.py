@@ -24,6 +24,7 @@ SKEW = 0.06  # m that robots move between the answers of two simulators
 NEAR = 0.6  # m from a vertex within which a robot counts as having visited it
 CLOSE = 0.5  # m; if a moved robot has less free space to another, missions of both may fail. So
 #              may those of a third one that has less to the second: this one stops where it is.
+_LOOKS_AFTER = 2  # samples after a status until the robot's place of that moment is known
 STANDS = 0.15  # m by which a stopped robot may still move
 
 
@@ -37,11 +38,17 @@ class State(enum.IntEnum):
     REFUSED = 4
     CANCELLED = 5
     PAUSED = 6
+    CANCELLING = 7
+    NEEDS_PERSON = 8
+    BLOCKED = 9
+    PLANNED = 10
+    EXPIRED = 11
 
     @property
     def is_end(self) -> bool:
         """Whether no other state may follow."""
-        return self in (State.SUCCEEDED, State.FAILED, State.REFUSED, State.CANCELLED)
+        return self in (State.SUCCEEDED, State.FAILED, State.REFUSED, State.CANCELLED,
+                        State.EXPIRED)
 
 
 @dataclass
@@ -79,6 +86,8 @@ class Witness:
         self.driven: Dict[str, float] = dict.fromkeys(radii, 0.0)
         self._named: Set[Tuple[str, ...]] = set()
         self._missions: Dict[int, _Mission] = {}
+        self._succeeded: Dict[int, int] = {}
+        """By mission whose visits are still to be judged: number of samples when it succeeded."""
         self._trails: Dict[str, List[Tuple[float, Place]]] = {name: [] for name in radii}
         self._carried: Set[str] = set()
         self._returned: Set[str] = set()
@@ -149,6 +158,7 @@ class Witness:
         for name, place in second.items():
             self._follow(name, place, now)
             self._check_rest(name, place, now)
+        self._check_visits()
 
     def hear(self, mission: int, state: State, robot: str, reached: int, reason: str) -> None:
         """Judges a published status. Missions that the caller did not request are ignored."""
@@ -171,6 +181,7 @@ class Witness:
 
     def end(self) -> None:
         """Judges open missions at the end of the run; all missions had time to end."""
+        self._check_visits(is_over=True)
         for mission, asked in self._missions.items():
             if asked.is_open:
                 told = 'none' if asked.state is None else asked.state.name
@@ -223,7 +234,8 @@ class Witness:
         if step > 0.02:
             trail.append((now, place))
             self.driven[name] += step if math.isfinite(step) else 0.0
-        oldest = min((self._missions[one].since for one in self.open_missions), default=now)
+        oldest = min((self._missions[one].since for one in (
+            *self.open_missions, *self._succeeded)), default=now)
         while len(trail) > 2 and trail[1][0] < oldest - 1.0:
             del trail[0]
 
@@ -241,11 +253,7 @@ class Witness:
 
     def _check_end(self, mission: int, asked: _Mission, reason: str) -> None:
         if asked.state is State.SUCCEEDED:
-            missed = self._missed(asked)
-            if missed:
-                self._break(f'mission {mission} over {list(asked.destinations)} succeeded, but '
-                            f'{asked.robot} did not visit {missed} in this order',
-                            'missed', str(mission))
+            self._succeeded[mission] = self.looks
         elif asked.state is State.CANCELLED and not asked.is_cancelled:
             self._break(f'no person cancelled mission {mission}: {reason}', 'cancel', str(mission))
         elif asked.state is State.REFUSED:
@@ -254,6 +262,23 @@ class Witness:
                 self._troubled.get(name, -math.inf) >= asked.since for name in asked.served_by):
             self._break(f'mission {mission} of {asked.robot} failed, though no fault affected it: '
                         f'{reason}', 'failed', str(mission))
+
+    def _check_visits(self, is_over: bool = False) -> None:
+        """Judges the visits of missions that have succeeded, with the samples of that moment.
+
+        The sample that is taken when a status is heard may be older than the last visit, so two
+        more samples are awaited; the robot's trail is kept until then.
+        """
+        for mission, looks in list(self._succeeded.items()):
+            if self.looks < looks + _LOOKS_AFTER and not is_over:
+                continue
+            del self._succeeded[mission]
+            asked = self._missions[mission]
+            missed = self._missed(asked)
+            if missed:
+                self._break(f'mission {mission} over {list(asked.destinations)} succeeded, but '
+                            f'{asked.robot} did not visit {missed} in this order',
+                            'missed', str(mission))
 
     def _missed(self, asked: _Mission) -> List[int]:
         """Returns the first destination that the robot did not visit, and all after it."""
