@@ -754,7 +754,8 @@ class Supervisor:
         busy = set(self.book.serving)
         for name in self.charging.update(busy, self._waiting.short, self.network, now):
             self._out.robot_changed(name)
-        for name in self._waiting.assign(self.acceptance, self.networks, now):
+        for name in self._waiting.assign(self.acceptance, self.networks, now,
+                                         self.stations.room):
             mission_progress.follow(self.book, self.robots[name], now)
         self.stations.advance(self.network)
         self.plan_executor.advance(self._world(), now)
