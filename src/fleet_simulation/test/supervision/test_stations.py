@@ -10,7 +10,7 @@ import pytest
 from fleet_builders import AGV, graph_of
 
 from fleet_core.supervision.hindrances import Hindrance
-from fleet_core.supervision.missions import CommandKind, MissionState, Request
+from fleet_core.supervision.missions import CommandKind, MissionChange, MissionState, Request
 from fleet_core.supervision.settings import RobotSettings
 from fleet_core.supervision.waits import WaitCode
 from fleet_core.supervision.why import mission_reason
@@ -325,6 +325,37 @@ def test_robots_at_a_group_never_go_to_one_place() -> None:
     fleet.run(3.0)
     assert {shelf(fleet, id) for id in (1, 2, 3)} == {13, 14, 15}
     fleet.run_until_done(1, 2, 3)
+
+
+def test_a_request_without_a_template_may_name_a_group() -> None:
+    fleet = at_shelves(3)
+    stops = (WorkStop(0, steps=(ENGAGE,), group='shelves'),)
+    for id, name in enumerate('abc', 1):
+        fleet.request(id, 0, stops=stops, dwells=dwells_of(stops), robot=name)
+    fleet.request(1, 0, stops=stops, dwells=dwells_of(stops), robot='a')  # sent again
+    fleet.run(3.0)
+    assert {shelf(fleet, id) for id in (1, 2, 3)} == {13, 14, 15}
+    fleet.run_until_done(1, 2, 3)
+    assert len(fleet.supervisor.book.open) == 0
+
+
+def test_a_change_may_name_a_group() -> None:
+    fleet = at_shelves(1)
+    stops = (WorkStop(1, steps=(ENGAGE,)), WorkStop(2))
+    fleet.request(1, 1, 2, stops=stops, dwells=dwells_of(stops))
+    change = MissionChange(0, stops=(WorkStop(0, group='shelves'),), first_stop=2)
+    fleet.do(fleet.supervisor.command(1, CommandKind.MODIFY, fleet.now, change))
+    fleet.run_until_done(1)
+    assert fleet.supervisor.robots['a'].position.vertex == 13
+
+
+@pytest.mark.parametrize('group', ['press', 'shelf', '18'])
+def test_a_request_for_an_unknown_group_is_refused(group: str) -> None:
+    fleet = at_shelves(1)
+    fleet.request(1, 0, stops=(WorkStop(0, group=group),))
+    assert fleet.told(1)[-1] is MissionState.REFUSED
+    assert fleet.statuses[-1].reason == (
+        f"there is no group '{group}'; there are: shelves")
 
 
 def test_the_nearest_free_place_is_chosen_when_the_robot_may_go() -> None:

@@ -363,6 +363,7 @@ class Supervisor:
     def _modify(self, mission: Mission, change: MissionChange) -> str:
         """Changes a mission. Returns why it did not, as a clause; empty: it did."""
         try:
+            change = replace(change, stops=self._work_requests.placed(change.stops))
             self._work_requests.check_types(change.stops)
         except RequestRefused as refusal:
             return str(refusal)
