@@ -6,7 +6,7 @@ from typing import Dict, List, Optional, Set, Tuple
 
 import pytest
 
-from fleet_core.work.queues import EMPTY_QUEUE, Others, Queue, Waiter, advanced
+from fleet_core.work.queues import EMPTY_QUEUE, Others, Queue, Waiter, advanced, has_place_for
 from fleet_core.work.stations import Station, StationKind
 
 PRESS = Station('press', (18,), (20, 22))
@@ -107,6 +107,30 @@ def test_two_robots_that_want_each_others_places_have_no_turn_until_one_leaves()
     assert queue.turns == {} and queue.waits == {'a': 20, 'b': None}
     left = (waiter('a', (19,), ends_at=20), both[1])
     assert after((both, Others()), (left, Others()), station=station).turns == {'b': 18}
+
+
+@pytest.mark.parametrize('station, waiters, others, place, is_so', [
+    (PRESS, 0, Others(), (18,), True),
+    (PRESS, 2, Others(), (18,), True),                        # the second queue place
+    (PRESS, 3, Others(), (18,), False),
+    (PRESS, 2, Others(1), (18,), False),                      # one that stays in the press
+    (PRESS, 2, Others(0, frozenset(), frozenset({20})), (18,), False),   # ... in the queue
+    (SHELVES, 2, Others(), (39, 42), True),
+    (SHELVES, 3, Others(), (39, 42), False),
+    (SHELVES, 1, Others(0, frozenset(), frozenset({39})), (39, 42), True),
+    (SHELVES, 2, Others(0, frozenset(), frozenset({39})), (39, 42), False)])
+def test_a_station_has_a_place_for_one_more_until_it_and_its_queue_are_full(
+        station: Station, waiters: int, others: Others, place: Tuple[int, ...], is_so: bool
+        ) -> None:
+    assert has_place_for(place, [place] * waiters, station, others) is is_so
+
+
+def test_robots_that_go_to_one_place_of_a_station_need_the_queue_although_another_is_free() -> None:
+    twins = Station('twins', (18, 19), (20,), 2)
+    assert has_place_for((18,), [(18,)], twins, Others())
+    assert not has_place_for((18,), [(18,), (18,)], twins, Others())
+    assert has_place_for((19,), [(18,), (18,)], twins, Others())
+    assert not has_place_for((19,), [(18,), (19,), (19,)], twins, Others())
 
 
 class Yard:

@@ -67,6 +67,13 @@ def test_a_mission_has_a_limited_number_of_stops():
         check_stops((WorkStop(1),) * MOST_STOPS, (WorkStop(1),))
 
 
+def test_a_request_for_a_group_is_the_same_one_after_a_place_was_chosen():
+    asked = Request(1, (0,), stops=(WorkStop(0, group='shelves'),))
+    chosen = replace(asked, destinations=(42,), stops=(WorkStop(42, group='shelves'),))
+    assert asked.is_repeat_of(chosen, True)
+    assert not asked.is_repeat_of(replace(chosen, stops=(WorkStop(42, group='press'),)), True)
+
+
 @pytest.mark.parametrize('condition', [Condition.LOADED, Condition.EMPTY])
 def test_only_a_stop_of_on_cancel_has_a_condition(condition):
     stop = WorkStop(1, condition=condition)
@@ -126,7 +133,7 @@ stops:
   - {type: engage, timeout: 60, load: takes}
   - {type: say, timeout: 5.5, parameters: {text: hello, times: 2}, when: before_leaving,
      blocking: none, on_failure: retry, retries: 2, harmless: true, breakable: true}
-- at: 39
+- group: shelves
 on_cancel:
 - {if: loaded, at: 6, kind: dropoff, steps: [{type: wait, timeout: 9, actor: person}]}
 ''')
@@ -136,7 +143,7 @@ on_cancel:
             WorkStep('say', 5.5, (('text', 'hello'), ('times', '2')), When.BEFORE_LEAVING,
                      blocking=StepBlocking.NONE, on_failure=Policy.RETRY, retries=2,
                      harmless=True, breakable=True))),
-        WorkStop(39))
+        WorkStop(0, group='shelves'))
     assert found.on_cancel == (WorkStop(6, StopKind.DROPOFF, (
         WorkStep('wait', 9.0, actor=Actor.PERSON),), Condition.LOADED),)
 
@@ -150,6 +157,9 @@ on_cancel:
     ('stops:\n- {at: 1, steps: [{type: a}]}', 2, 'timeout is missing'),
     ('stops:\n- {at: 1, steps: [{type: a, timeout: 1, load: takes, blocking: soft}]}', 2, 'HARD'),
     ('stops:\n- {at: 1}\non_cancel:\n- {at: 2, iff: empty}', 4, 'did you mean if'),
+    ('stops:\n- {at: 1, group: shelves}', 2, 'either at or group'),
+    ("stops:\n- {group: ''}", 2, 'either at or group'),
+    ('stops:\n- {kind: pickup}', 2, 'at is missing'),
     ('missions: []', 1, 'unknown key')])
 def test_a_wrong_file_is_refused_with_its_line(tmp_path, text, line, told):
     with pytest.raises(FileError, match=told) as error:

@@ -9,7 +9,8 @@ from typing import Any, Dict, List, Mapping, Optional
 import pytest
 from fleet_builders import AGV, graph_of
 
-from fleet_core.supervision.missions import CommandKind, Request
+from fleet_core.supervision.hindrances import Hindrance
+from fleet_core.supervision.missions import CommandKind, MissionChange, MissionState, Request
 from fleet_core.supervision.settings import RobotSettings
 from fleet_core.supervision.waits import WaitCode
 from fleet_core.supervision.why import mission_reason
@@ -122,15 +123,106 @@ def test_robots_fill_the_queue_in_order_and_are_served_in_that_order() -> None:
     assert fleet.arrived[1:] == line
 
 
-def test_a_robot_for_which_the_queue_is_full_waits_where_it_is() -> None:
-    short = Station('press', (18,), (5,))
-    fleet = lane(3, short)
-    for id, name in enumerate('bac', 1):
+SHORT = Station('press', (18,), (5,))
+
+
+def full_press() -> FleetAtStations:
+    """Three robots, of which two fill the press and its queue, and a mission 3 for the press."""
+    fleet = lane(3, SHORT)
+    for id, name in enumerate('ba', 1):
         fleet.visit(id, 18, robot=name)
-    place = fleet.agvs['c'].position
     fleet.run_until(lambda: fleet.queued == ['a'])
+    fleet.visit(3, 18)
+    fleet.run(2.0)
+    return fleet
+
+
+def test_a_mission_to_a_full_station_gets_no_robot_that_would_only_stand_in_the_way() -> None:
+    fleet = full_press()
+    mission = fleet.supervisor.book.find(3)
+    assert (mission.state, mission.robot) == (MissionState.PENDING, '')
+    fleet.request(4, 14)
+    fleet.run_until_done(4)
+    assert fleet.supervisor.book.find(4).robot == 'c'
+    fleet.run_until_done(1, 2, 3)
+    assert fleet.arrived[:2] == ['b', 'a']
+
+
+def test_why_a_mission_gets_no_robot_names_the_full_station_and_who_is_there() -> None:
+    fleet = full_press()
+    mission = fleet.supervisor.book.find(3)
+    told = mission_reason(mission, fleet.supervisor, fleet.now)
+    assert told.wait.code is WaitCode.RESOURCE
+    assert told.wait.text == mission.reason == (
+        'station press is full with its queue: it waits for one of b, a to leave')
+    assert 0.0 < told.wait.until <= STAY
+    assert {one.robot: one.hindrance for one in told.robots} == {
+        'a': Hindrance.BUSY, 'b': Hindrance.BUSY, 'c': Hindrance.FULL}
+    assert 'station' in told.robots[2].text
+
+
+def test_a_mission_to_a_full_station_gets_a_robot_when_the_queue_moves_up() -> None:
+    fleet = full_press()
+    fleet.run_until(lambda: bool(fleet.supervisor.book.find(3).robot))
+    assert fleet.supervisor.book.find(1).state is MissionState.SUCCEEDED
+    assert fleet.supervisor.book.find(2).state.is_open
+
+
+def test_a_robot_in_the_station_gets_no_further_mission_there_while_others_wait() -> None:
+    fleet = lane(3)
+    fleet.visit(1, 18, robot='b')
+    fleet.visit(2, 18, robot='a')
+    fleet.run_until(lambda: fleet.queued == ['a'])
+    fleet.run_until_done(1)
+    fleet.visit(3, 18, robot='b')
+    fleet.visit(4, 18)
+    fleet.run_until_done(2, 3, 4)
+    assert fleet.arrived[:2] == ['b', 'a']
+
+
+def test_missions_that_come_together_get_no_more_robots_than_the_station_and_its_queue_hold(
+        ) -> None:
+    fleet = lane(4, SHORT)
+    for id in range(1, 5):
+        fleet.visit(id, 18)
+    fleet.run(1.0)
+    robots = [fleet.supervisor.book.find(id).robot for id in range(1, 5)]
+    assert all(robots[:2]) and robots[2:] == ['', '']
+    fleet.run_until_done(1, 2, 3, 4)
+
+
+def test_a_robot_without_work_in_a_station_does_not_make_it_full() -> None:
+    fleet = lane(2, Station('press', (18,)))
+    fleet.visit(1, 18, robot='b')
+    fleet.run_until_done(1)
+    fleet.visit(2, 18, robot='a')
+    fleet.run_until_done(2)
+
+
+def test_a_station_in_which_a_robot_cannot_work_gets_only_robots_for_its_queue() -> None:
+    fleet = lane(3, SHORT)
+    fleet.visit(1, 18, robot='b')
+    fleet.run_until(lambda: fleet.arrived == ['b'])
+    fleet.do(fleet.supervisor.take_out('b', fleet.now))
+    fleet.visit(2, 18)
+    fleet.visit(3, 18)
+    fleet.run(2.0)
+    assert fleet.supervisor.book.find(2).robot and not fleet.supervisor.book.find(3).robot
+
+
+def test_a_robot_on_a_longer_mission_for_which_the_queue_is_full_waits_where_it_is() -> None:
+    fleet = lane(3, SHORT)
+    fleet.request(3, 14, 18, dwells=(0.0, 1.0), robot='c')
+    for id, name in enumerate('ba', 1):
+        fleet.visit(id, 18, robot=name)
+    fleet.run_until(lambda: fleet.queued == ['a'] and fleet.supervisor.book.find(3).reached == 1)
+    fleet.run(2.0)
+    place = fleet.agvs['c'].position
     fleet.run(3.0)
     assert fleet.agvs['c'].position == place
+    mission = fleet.supervisor.book.find(3)
+    assert mission_reason(mission, fleet.supervisor, fleet.now).wait.text.startswith(
+        'its turn at station press, which is full with its queue: ')
     fleet.run_until_done(1, 2, 3)
     assert fleet.arrived == ['b', 'a', 'c']
 
@@ -233,6 +325,37 @@ def test_robots_at_a_group_never_go_to_one_place() -> None:
     fleet.run(3.0)
     assert {shelf(fleet, id) for id in (1, 2, 3)} == {13, 14, 15}
     fleet.run_until_done(1, 2, 3)
+
+
+def test_a_request_without_a_template_may_name_a_group() -> None:
+    fleet = at_shelves(3)
+    stops = (WorkStop(0, steps=(ENGAGE,), group='shelves'),)
+    for id, name in enumerate('abc', 1):
+        fleet.request(id, 0, stops=stops, dwells=dwells_of(stops), robot=name)
+    fleet.request(1, 0, stops=stops, dwells=dwells_of(stops), robot='a')  # sent again
+    fleet.run(3.0)
+    assert {shelf(fleet, id) for id in (1, 2, 3)} == {13, 14, 15}
+    fleet.run_until_done(1, 2, 3)
+    assert len(fleet.supervisor.book.open) == 0
+
+
+def test_a_change_may_name_a_group() -> None:
+    fleet = at_shelves(1)
+    stops = (WorkStop(1, steps=(ENGAGE,)), WorkStop(2))
+    fleet.request(1, 1, 2, stops=stops, dwells=dwells_of(stops))
+    change = MissionChange(0, stops=(WorkStop(0, group='shelves'),), first_stop=2)
+    fleet.do(fleet.supervisor.command(1, CommandKind.MODIFY, fleet.now, change))
+    fleet.run_until_done(1)
+    assert fleet.supervisor.robots['a'].position.vertex == 13
+
+
+@pytest.mark.parametrize('group', ['press', 'shelf', '18'])
+def test_a_request_for_an_unknown_group_is_refused(group: str) -> None:
+    fleet = at_shelves(1)
+    fleet.request(1, 0, stops=(WorkStop(0, group=group),))
+    assert fleet.told(1)[-1] is MissionState.REFUSED
+    assert fleet.statuses[-1].reason == (
+        f"there is no group '{group}'; there are: shelves")
 
 
 def test_the_nearest_free_place_is_chosen_when_the_robot_may_go() -> None:

@@ -39,6 +39,15 @@ def test_stops_come_back():
     assert stops_of(stop_messages(STOPS)) == STOPS
 
 
+def test_a_stop_at_a_group_has_no_vertex_yet():
+    stops = (WorkStop(0, group='shelves'),)
+    assert stops_of(stop_messages(stops)) == stops
+    chosen = (WorkStop(42, group='shelves'),)
+    assert stops_of(stop_messages(chosen)) == stops
+    with pytest.raises(WrongStopMessage, match='vertex 42 and also a group'):
+        stops_of([msg.MissionStop(vertex=42, group='shelves')])
+
+
 def test_the_constants_of_the_messages_are_those_of_the_values():
     for enum, message in ((When, msg.MissionStep), (Actor, msg.MissionStep),
                           (StepBlocking, msg.MissionStep), (Policy, msg.MissionStep),

@@ -5,18 +5,18 @@
       kind: pickup
       steps:
       - {type: engage, timeout: 60, load: takes}
-    - at: shelf_3                  # a label that only one vertex has
+    - group: shelves               # in place of `at`: a group of the work file
       kind: dropoff
       steps:
       - {type: handshake, actor: outside, timeout: 120}
       - {type: disengage, timeout: 60, load: gives}
     on_cancel:
-    - {if: loaded, at: 39, kind: dropoff, steps: [{type: disengage, timeout: 60, load: gives}]}
+    - {if: loaded, at: shelf_3, kind: dropoff, steps: [{type: disengage, timeout: 60, load: gives}]}
 """
 from __future__ import annotations
 
 import os
-from typing import Callable, NamedTuple, Sequence, Tuple, TypeVar, Union
+from typing import Callable, Dict, NamedTuple, Sequence, Tuple, TypeVar, Union
 
 import yaml
 
@@ -42,6 +42,7 @@ VertexOf = Callable[[str], int]
 """Returns the id of the vertex with this label or id. Raises ValueError with a clause."""
 
 _FILE = ('stops', 'on_cancel')
+_GROUP = 'group'
 STOP = ('at', 'kind', 'steps')
 STOP_ON_CANCEL = ('if', *STOP)
 _STEP = ('type', 'parameters', 'when', 'actor', 'blocking', 'timeout', 'on_failure', 'retries',
@@ -61,15 +62,27 @@ def load_stops(path: Union[str, os.PathLike], vertex: VertexOf) -> StopsFile:
         root = strict_yaml.compose(path)
         fields = known_fields(root, 'the file', _FILE)
         found = StopsFile(
-            tuple(WorkStop(*stop_of(node, STOP, vertex))
+            tuple(_stop(node, STOP, vertex)
                   for node in strict_yaml.items(strict_yaml.field(fields, 'stops', root))),
-            tuple(WorkStop(*stop_of(node, STOP_ON_CANCEL, vertex))
+            tuple(_stop(node, STOP_ON_CANCEL, vertex)
                   for node in optional_items(fields, 'on_cancel')))
         if not found.stops:
             raise WrongYaml('stops is empty; describe at least one', fields['stops'])
         return found
     except WrongYaml as wrong:
         raise FileError.of(path, wrong) from None
+
+
+def _stop(node: yaml.Node, known: Sequence[str], vertex: VertexOf) -> WorkStop:
+    """The stop that a mapping describes, at a vertex or at any place of a group."""
+    fields = known_fields(node, 'a stop', (*known, _GROUP))
+    if _GROUP not in fields:
+        return WorkStop(*stop_of(node, known, vertex))
+    group = strict_yaml.text((_GROUP, fields[_GROUP]))
+    if 'at' in fields or not group:
+        raise WrongYaml('a stop needs either at or group, not both, and no empty one',
+                        fields[_GROUP])
+    return WorkStop(0, *_rest_of(fields), group)
 
 
 def stop_of(node: yaml.Node, known: Sequence[str], place: Callable[[str], Place],
@@ -86,7 +99,12 @@ def stop_of(node: yaml.Node, known: Sequence[str], place: Callable[[str], Place]
         where = place(strict_yaml.text(at))
     except ValueError as error:
         raise WrongYaml(str(error), at[1]) from None
-    return (where, word(fields, 'kind', StopKind, StopKind.VISIT),
+    return (where, *_rest_of(fields))
+
+
+def _rest_of(fields: Dict[str, yaml.Node]) -> Tuple[StopKind, Tuple[WorkStep, ...], Condition]:
+    """The kind, steps and condition of a stop."""
+    return (word(fields, 'kind', StopKind, StopKind.VISIT),
             tuple(map(step_of, optional_items(fields, 'steps'))),
             word(fields, 'if', Condition, Condition.ALWAYS))
 

@@ -14,6 +14,7 @@ from fleet_core.supervision.hindrances import Hindrance
 from fleet_core.supervision.missions import Acceptance, Mission
 from fleet_core.supervision.networks import Networks
 from fleet_core.supervision.robots import ManagedRobot
+from fleet_core.supervision.station_room import NO_STATIONS, StationRoom
 
 _NEVER = 1e15   # s, in place of infinity: the matching needs finite costs
 # s: more than all driving times together, so that an older mission is served first, however far it
@@ -42,15 +43,17 @@ class Assignment:
 
 def assign(missions: Sequence[Mission], own: Mapping[str, Hindrance],
            robots: Mapping[str, ManagedRobot], acceptance: Acceptance,
-           networks: Networks, now: float) -> Assignment:
+           networks: Networks, now: float, room: StationRoom = NO_STATIONS) -> Assignment:
     """Assigns missions to robots: those of higher priority first, then the oldest.
 
     Among missions of one priority, the sum of the times to the first destinations is minimal. The
-    range of a battery is compared with nominal times.
+    range of a battery is compared with nominal times. A station gets no more robots than it and its
+    queue hold.
 
-    own -- by robot, what hinders it from serving any mission
+    own  -- by robot, what hinders it from serving any mission
+    room -- at the stations, before any of these missions gets a robot
     """
-    own = dict(own)
+    own, room = dict(own), room.copy()
     assigned: List[Assigned] = []
     waiting: Dict[int, str] = {}
     short: Dict[int, str] = {}
@@ -59,29 +62,35 @@ def assign(missions: Sequence[Mission], own: Mapping[str, Hindrance],
         group = [m for m in order if m.request.priority == order[0].request.priority]
         order = order[len(group):]
         able: List[Tuple[Mission, Sequence[str]]] = []
+        left = room.copy()
         for mission in group:
-            found = hindrances(mission, own, robots, acceptance, networks.nominal)
-            reason, empty = why_nobody(found, robots, now)
+            found = hindrances(mission, own, robots, acceptance, networks.nominal, left)
+            reason, empty = why_nobody(mission, found, robots, now, left)
             waiting[mission.serial] = reason
             if empty:
                 short[mission.serial] = empty
             able_ones = [name for name, one in found.items() if one is Hindrance.NONE]
             if able_ones:
                 able.append((mission, able_ones))
+                left.send(mission)
         for mission, name in _match(able, robots, networks):
             assigned.append(Assigned(mission, name))
             own[name] = Hindrance.BUSY
+            room.send(mission)
             del waiting[mission.serial]
     return Assignment(tuple(assigned), waiting, short)
 
 
 def hindrances(mission: Mission, own: Mapping[str, Hindrance], robots: Mapping[str, ManagedRobot],
-               acceptance: Acceptance, network: RoadNetwork) -> Dict[str, Hindrance]:
+               acceptance: Acceptance, network: RoadNetwork,
+               room: StationRoom) -> Dict[str, Hindrance]:
     """By robot that may serve a mission, why it cannot serve it now.
 
     own -- by robot, what hinders it from serving any mission
     """
-    return {name: own[name] or _on_the_way(mission, robots[name], network)
+    is_full, leaving = room.full_station(mission) is not None, room.leaving(mission)
+    return {name: own[name] or _on_the_way(mission, robots[name], network) or (
+                Hindrance.FULL if is_full or name in leaving else Hindrance.NONE)
             for name in acceptance.robots_for(mission.request)}
 
 
@@ -133,8 +142,9 @@ def _all_alike(missions: Sequence[Mission]) -> bool:
     return len({(m.request.robot_type, m.request.robot) for m in missions}) == 1
 
 
-def why_nobody(found: Mapping[str, Hindrance], robots: Mapping[str, ManagedRobot],
-               now: float) -> Tuple[str, str]:
+def why_nobody(mission: Mission, found: Mapping[str, Hindrance],
+               robots: Mapping[str, ManagedRobot], now: float,
+               room: StationRoom) -> Tuple[str, str]:
     """What a mission waits for, by the hindrances of its robots.
 
     Also returns the robot that could serve it if it were charged; empty: none.
@@ -146,6 +156,9 @@ def why_nobody(found: Mapping[str, Hindrance], robots: Mapping[str, ManagedRobot
     free = [robot for robot in serving if found[robot.name].is_free]
     if not free and not any(robot.is_charged for robot in serving):
         return _must_charge(serving, now), ''
+    full = room.full_station(mission)
+    if full is not None and Hindrance.FULL in found.values():
+        return room.why_full(full), ''
     if free and Hindrance.NONE not in found.values():
         return _unable([robot for robot in free if found[robot.name] is Hindrance.BATTERY])
     return f'it waits for {names[0] if len(names) == 1 else "a robot"} to be free', ''

@@ -23,6 +23,7 @@ class Hindrance(IntEnum):
     NO_PLACE = 9
     NO_WAY = 10
     BATTERY = 11
+    FULL = 12
 
     @property
     def is_outage(self) -> bool:
@@ -32,7 +33,7 @@ class Hindrance(IntEnum):
     @property
     def is_free(self) -> bool:
         """Does the robot wait for a mission, if not for this one?"""
-        return self in (Hindrance.NONE, Hindrance.NO_WAY, Hindrance.BATTERY)
+        return self in (Hindrance.NONE, Hindrance.NO_WAY, Hindrance.BATTERY, Hindrance.FULL)
 
 
 WORDS: Mapping[Hindrance, str] = {
@@ -47,4 +48,5 @@ WORDS: Mapping[Hindrance, str] = {
     Hindrance.MUST_CHARGE: 'it must charge first',
     Hindrance.NO_PLACE: 'its place on the graph is unknown',
     Hindrance.NO_WAY: 'no open edges lead it to all destinations',
-    Hindrance.BATTERY: 'its charge is too low for the whole mission'}
+    Hindrance.BATTERY: 'its charge is too low for the whole mission',
+    Hindrance.FULL: 'the station of the first stop and its queue have no place for it now'}

@@ -114,12 +114,14 @@ class Request:
         """The key by which two requests are the same request, sent twice.
 
         Fields that are added to the message in later versions are not part of it. Otherwise an
-        update would repeat missions. If there is a stamp, it tells requests apart, also after
+        update would repeat missions. Of a group its name counts, not the place that was chosen. If
+        there is a stamp, it tells requests apart, also after
         MODIFY. If there is none, all of the content counts. Of a template its name and arguments
         count, because the template may be another one by now.
         """
-        places = (self.template, self.arguments) if self.template else (
-            self.destinations, self.dwells, *((self.stops, self.on_cancel) if self.stops else ()))
+        places: Tuple[object, ...] = (self.template, self.arguments) if self.template else (
+            _as_asked(self.stops), _as_asked(self.on_cancel), self.dwells) if self.stops else (
+            self.destinations, self.dwells)
         asked = () if self.stamp else (self.priority, *places)
         return (self.id, self.stamp, self.robot_type, self.robot, *asked)
 
@@ -280,6 +282,11 @@ class Mission:
                 index += 1
                 count += 1
         return count
+
+
+def _as_asked(stops: Iterable[WorkStop]) -> Tuple[WorkStop, ...]:
+    """Stops without the places that were chosen for their groups."""
+    return tuple(replace(stop, place=0) if stop.group else stop for stop in stops)
 
 
 class RequestRefused(Exception):

@@ -14,6 +14,7 @@ from fleet_core.supervision.duties import NO_LIMIT, WINDOW, StationLimit, follow
 from fleet_core.supervision.mission_book import MissionBook
 from fleet_core.supervision.missions import Mission
 from fleet_core.supervision.robots import ManagedRobot
+from fleet_core.supervision.station_room import Occupancy, StationRoom, places_for
 from fleet_core.supervision.work_desk import WorkDesk
 from fleet_core.work.queues import EMPTY_QUEUE, Others, Queue, Waiter, advanced
 from fleet_core.work.stations import Station
@@ -72,6 +73,31 @@ class StationDesk:
         """Names of the robots that claim a station."""
         return self._claims.holders(station)
 
+    def room(self) -> StationRoom:
+        """To which stations a further robot may be sent now."""
+        going = self._going()
+        return StationRoom(self._at, self._desk.choices, {
+            name: self._occupancy(station, going) for name, station in self._stations.items()})
+
+    def _occupancy(self, station: Station, going: Mapping[str, Mission]) -> Occupancy:
+        waiters = {name: mission for name, mission in going.items()
+                   if self._at.get(mission.left[0]) is station}
+        staying = [robot for name, robot in self._robots.items() if name not in waiters
+                   and self._is_at(robot, station) and not self._makes_room(robot, going)]
+        kept = frozenset(robot.record.last_vertex for robot in staying
+                         if robot.record.last_vertex is not None)
+        inside = sum(station.name in self._claims.of(robot.name) for robot in staying)
+        waits = self._queue_of(station).waits
+        return Occupancy(
+            (*waiters, *(robot.name for robot in staying)),
+            tuple(places_for(mission, station, self._desk.choices(mission))
+                  for mission in waiters.values()), Others(inside, kept, kept),
+            frozenset(self._claims.holders(station.name) if waits else ()))
+
+    def _is_at(self, robot: ManagedRobot, station: Station) -> bool:
+        return station.name in self._claims.of(robot.name) or (
+            robot.record.last_vertex in station.queue)
+
     def _queue_of(self, station: Station) -> Queue:
         return self._queues.get(station.name, EMPTY_QUEUE)
 
@@ -81,8 +107,7 @@ class StationDesk:
         """Follows missions, robots and claims. Chooses among the places of groups."""
         if not self._stations:
             return
-        going = {name: mission for name, mission in self._book.serving.items()
-                 if mission.left and follows(mission) and self._robots[name].outage is None}
+        going = self._going()
         leaving: Set[str] = set()
         for station in self._stations.values():
             waiters = [self._waiter(name, mission, station, network)
@@ -104,11 +129,17 @@ class StationDesk:
                        for limit in (self._limit(name, going.get(name), name in leaving),)
                        if limit != NO_LIMIT}
 
+    def _going(self) -> Dict[str, Mission]:
+        """The missions whose robots go on to their next stops, by robot."""
+        return {name: mission for name, mission in self._book.serving.items()
+                if mission.left and follows(mission) and self._robots[name].outage is None}
+
     def _waiter(self, name: str, mission: Mission, station: Station,
                 network: RoadNetwork) -> Waiter:
-        robot, places = self._robots[name], mission.left[:1]
-        if self._desk.choices(mission) == station.name:
-            places = tuple(sorted(station.places, key=lambda one: time_to(one, robot, network)))
+        robot, places = self._robots[name], places_for(mission, station,
+                                                       self._desk.choices(mission))
+        if len(places) > 1:
+            places = tuple(sorted(places, key=lambda one: time_to(one, robot, network)))
         return Waiter(name, places, (-mission.request.priority, mission.serial),
                       robot.record.last_vertex, station.name in self._claims.of(name))
 

@@ -363,6 +363,7 @@ class Supervisor:
     def _modify(self, mission: Mission, change: MissionChange) -> str:
         """Changes a mission. Returns why it did not, as a clause; empty: it did."""
         try:
+            change = replace(change, stops=self._work_requests.placed(change.stops))
             self._work_requests.check_types(change.stops)
         except RequestRefused as refusal:
             return str(refusal)
@@ -762,7 +763,8 @@ class Supervisor:
         busy = set(self.book.serving)
         for name in self.charging.update(busy, self._waiting.short, self.network, now):
             self._out.robot_changed(name)
-        for name in self._waiting.assign(self.acceptance, self.networks, now):
+        for name in self._waiting.assign(self.acceptance, self.networks, now,
+                                         self.stations.room):
             mission_progress.follow(self.book, self.robots[name], now)
         self.stations.advance(self.network)
         self.plan_executor.advance(self._world(), now)

@@ -11,6 +11,7 @@ from fleet_core.supervision.missions import Acceptance, Mission, MissionState
 from fleet_core.supervision.networks import Networks
 from fleet_core.supervision.pending_missions import FIRST, Key, key_of
 from fleet_core.supervision.robots import ManagedRobot
+from fleet_core.supervision.station_room import StationRoom
 
 AGAIN = 1.0   # s after which waiting missions are examined although no robot became free
 AT_ONCE = 50  # number of missions that are examined beside those that robots could serve now
@@ -53,7 +54,8 @@ class WaitingMissions:
         for mission in self._next():
             self._book.set(mission, MissionState.PENDING, reason)
 
-    def assign(self, acceptance: Acceptance, networks: Networks, now: float) -> List[str]:
+    def assign(self, acceptance: Acceptance, networks: Networks, now: float,
+               room_now: Callable[[], StationRoom]) -> List[str]:
         """Assigns waiting missions. Returns the robots that got one."""
         pending = self._book.pending
         if not pending:
@@ -61,7 +63,8 @@ class WaitingMissions:
             return []
         own = self.own_hindrances
         free = {name: self._robots[name] for name, one in own.items() if not one}
-        question = (pending.changes, *free)
+        room = room_now()
+        question = (pending.changes, room.key, *free)
         if question != self._question or now - self._looked >= AGAIN:
             self._question, self._looked, self._left = question, now, len(pending)
         elif not self._left:
@@ -69,7 +72,8 @@ class WaitingMissions:
         missions = {mission.serial: mission for mission in (
             *pending.first({name: robot.type.name for name, robot in free.items()}),
             *self._next())}
-        found = assign(list(missions.values()), own, self._robots, acceptance, networks, now)
+        found = assign(list(missions.values()), own, self._robots, acceptance, networks, now,
+                       room)
         for mission, name in found.assigned:
             self._book.set(mission, MissionState.ACTIVE, '', name)
         for serial, reason in found.waiting.items():

@@ -58,16 +58,21 @@ def mission_reason(mission: Mission, supervisor: Supervisor, now: float) -> Miss
     if mission.state is MissionState.BLOCKED:
         return MissionReason(Wait(WaitCode.MISSIONS, mission.reason))
     acceptance = supervisor.acceptance
+    room = supervisor.stations.room()
     found = hindrances(mission, supervisor.own_hindrances, supervisor.robots, acceptance,
-                       supervisor.networks.nominal)
+                       supervisor.networks.nominal, room)
     robots = tuple(
         _robot_reason(name, found[name] if name in found else acceptance.unfitness(
             mission.request, name), supervisor, now) for name in supervisor.robots)
     if supervisor.all_wait.code:
         return MissionReason(supervisor.all_wait, robots)
+    reason = why_nobody(mission, found, supervisor.robots, now, room)[0]
+    full = room.full_station(mission)
+    if full is not None and Hindrance.FULL in found.values():
+        return MissionReason(Wait(WaitCode.RESOURCE, reason, _until_free(
+            room.robots_at(full), supervisor, now)), robots)
     ends = [one.until for one in robots if isfinite(one.until)]
-    return MissionReason(Wait(WaitCode.ROBOT, why_nobody(found, supervisor.robots, now)[0],
-                              min(ends, default=nan)), robots)
+    return MissionReason(Wait(WaitCode.ROBOT, reason, min(ends, default=nan)), robots)
 
 
 def _robot_reason(name: str, hindrance: Hindrance, supervisor: Supervisor,

@@ -1,9 +1,9 @@
-"""Requests as the work file of the site lets them be made: templates, and types of steps."""
+"""Requests as the work file of the site lets them be made: templates, groups, types of steps."""
 from __future__ import annotations
 
 from collections import Counter
 from dataclasses import replace
-from typing import Iterable
+from typing import Iterable, Tuple
 
 from fleet_core.supervision.mission_book import MissionBook
 from fleet_core.supervision.missions import Request, RequestRefused
@@ -15,7 +15,7 @@ from trajectory_graph import Graph
 
 
 class WorkRequests:
-    """Fills in the template of a request that is not a repeat.
+    """Fills in the template of a request that is not a repeat, and chooses places of groups.
 
     The stops that result are stored. The work file is not asked again, so the mission stays as it
     was accepted, even if the file changes.
@@ -25,11 +25,31 @@ class WorkRequests:
         self._work, self._graph, self._book = work, graph, book
 
     def complete(self, request: Request) -> Request:
-        """The request with the stops of its template. Raises RequestRefused."""
+        """The request with the stops of its template, and places of its groups.
+
+        Raises RequestRefused.
+        """
         if request.template:
             request = self._filled(request)
+        elif request.stops:
+            stops = self.placed(request.stops)
+            request = replace(request, stops=stops, on_cancel=self.placed(request.on_cancel),
+                              destinations=tuple(stop.place for stop in stops))
         self.check_types((*request.stops, *request.on_cancel))
         return request
+
+    def placed(self, stops: Iterable[WorkStop]) -> Tuple[WorkStop, ...]:
+        """The stops with a place of each group. Raises RequestRefused for an unknown group."""
+        return tuple(replace(stop, place=self._place_of(stop.group)) if stop.group else stop
+                     for stop in stops)
+
+    def _place_of(self, group: str) -> int:
+        if not self._group(group):
+            groups = [name for name in self._work.stations if self._group(name)]
+            name = ''.join(one if one.isprintable() else '?' for one in group[:40])
+            raise RequestRefused(f'there is no group {name!r}; there are: '
+                                 f'{", ".join(groups) or "none"}')
+        return self._place(group)
 
     def check_types(self, stops: Iterable[WorkStop]) -> None:
         """Raises RequestRefused for a type of step, or its device, that the site does not have."""

@@ -12,6 +12,11 @@ A robot whose next stop is at a station is a *waiter* until it has left that sto
     | is on its way to the queue                           | no   | the queue places behind those  |
     | finds no queue place free                            | no   | where it is                    |
 
+A mission that no robot serves yet is no waiter. It gets no robot while the station is full with its
+queue (`has_place_for`), so that no robot waits in the way of others, and is kept from other work.
+A waiter finds no queue place only if its mission has a stop before this one, or if the queue was
+shortened meanwhile.
+
 The rest is ordered as the lower three rows are. Those that have arrived are in the order of their
 arrival; those on their way, in the order in which they got a queue place; those without one, by
 priority and age of their missions. So no robot passes another one in the queue.
@@ -127,6 +132,25 @@ def advanced(before: Queue, station: Station, waiters: Iterable[Waiter], others:
     return Queue(turns, tuple(name for name in arrived if name in waits),
                  tuple(name for name in rest if waits[name] is not None and name not in arrived),
                  waits)
+
+
+def has_place_for(places: Sequence[int], waiters: Iterable[Sequence[int]], station: Station,
+                  others: Others) -> bool:
+    """Would one more waiter find a place of the station, or a queue place, beside all waiters?
+
+    If not, it could only wait elsewhere, perhaps in the way.
+
+    places  -- that would do for it, as for each waiter
+    others  -- of which only those count that do not make room
+    """
+    wishes = [tuple(one) for one in (*waiters, places)]
+    free = set(station.places) - set(others.kept)
+    fixed = {one[0] for one in wishes if len(one) == 1} & free
+    flexible = sum(len(one) > 1 for one in wishes)
+    inside = min(station.capacity - others.inside,
+                 len(fixed) + min(flexible, len(free) - len(fixed)))
+    queued = sum(place not in others.kept for place in station.queue)
+    return len(wishes) <= max(inside, 0) + queued
 
 
 def _arrived(before: Queue, station: Station, waiting: Sequence[Waiter]) -> List[str]:

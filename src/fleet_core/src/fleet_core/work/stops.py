@@ -114,6 +114,7 @@ class WorkStep:
 class WorkStop:
     """One stop: a vertex, and the steps there.
 
+    place     -- vertex; of a group, the chosen one; 0 in a request: none is chosen yet
     condition -- for a stop after a cancellation: by which load it is made
     group     -- name of the group of which any place would do; empty: only `place` would
     """

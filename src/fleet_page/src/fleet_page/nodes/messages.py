@@ -108,7 +108,7 @@ def sender_of(message: Any, own: str) -> str:
 def request_of(message: msg.MissionRequest) -> MissionRequest:
     """The request of a mission."""
     destinations = tuple(message.destination_vertices_id) or tuple(
-        stop.vertex for stop in message.stops)
+        stop.vertex for stop in message.stops if not stop.group)
     return MissionRequest(message.request_id, message.header.stamp.to_nsec(), destinations,
                           message.robot, message.robot_type, message.priority,
                           person_of(message.requested_by))

@@ -301,8 +301,7 @@ def _acknowledged(request: MissionRequest, listener: TopicListener) -> MissionSt
 def _follow(request: MissionRequest, status: MissionStatus, listener: TopicListener,
             graph: Graph) -> int:
     """Shows the progress of a mission until it ends. Returns the exit status."""
-    destinations = list(request.destination_vertices_id) or [
-        stop.vertex for stop in request.stops]
+    destinations = list(request.destination_vertices_id) or list(status.destinations)
     states = TopicListener('/fleet_state', FleetState)
     state: Optional[FleetState] = None
     line = ProgressLine()

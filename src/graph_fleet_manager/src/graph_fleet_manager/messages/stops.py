@@ -28,10 +28,20 @@ def stops_of(messages: Iterable[msg.MissionStop]) -> Tuple[WorkStop, ...]:
     """The stops in messages. Raises WrongStopMessage."""
     try:
         return tuple(WorkStop(one.vertex, StopKind(one.kind), tuple(map(_step_of, one.steps)),
-                          Condition(one.condition)) for one in messages)
+                          Condition(one.condition), _group_of(one)) for one in messages)
+    except WrongStopMessage:
+        raise
     except ValueError as error:
         raise WrongStopMessage(f'a stop or a step has a constant that does not exist ({error})'
                                ) from None
+
+
+def _group_of(message: msg.MissionStop) -> str:
+    """The group of a stop. Raises WrongStopMessage for a stop with a vertex as well."""
+    if message.group and message.vertex:
+        raise WrongStopMessage(f'a stop has vertex {message.vertex} and also a group: give one of '
+                               'them')
+    return str(message.group)
 
 
 def _step_of(message: msg.MissionStep) -> WorkStep:
@@ -44,7 +54,8 @@ def _step_of(message: msg.MissionStep) -> WorkStep:
 
 def stop_messages(stops: Sequence[WorkStop]) -> List[msg.MissionStop]:
     """Stops as messages."""
-    return [msg.MissionStop(vertex=stop.place, kind=int(stop.kind), condition=int(stop.condition),
+    return [msg.MissionStop(vertex=0 if stop.group else stop.place, group=stop.group,
+                            kind=int(stop.kind), condition=int(stop.condition),
                             steps=[_step_message(step) for step in stop.steps])
             for stop in stops]
 
