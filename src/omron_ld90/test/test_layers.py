@@ -92,7 +92,7 @@ LAYERS: Dict[str, Layer] = {
     'fleet_page': layer(),
     'fleet_page.core': layer(
         'fleet_core.supervision fleet_core.work node_program trajectory_graph'),
-    'fleet_page.door': layer('fleet_page.core', sockets='*'),
+    'fleet_page.door': layer('browser_guard fleet_page.core', sockets='*'),
     'fleet_page.web': layer('fleet_core.supervision fleet_page.core fleet_page.door', sockets='*'),
     'fleet_page.nodes': layer(
         'fleet_core.supervision fleet_page.core fleet_page.door fleet_page.web fleet_requests '
@@ -115,9 +115,9 @@ LAYERS: Dict[str, Layer] = {
     # jobs
     'omron_jobs': layer(),
     'omron_jobs.core': layer('omron_arcl'),
-    'omron_jobs.network': layer('browser_guard omron_jobs.core', sockets='job_port'),
+    'omron_jobs.network': layer('browser_guard omron_jobs.core', sockets='job_port rest_port'),
     'omron_jobs.nodes': layer(
-        'fleet_requests graph_topic json_records node_lifecycle omron_jobs.core '
+        'browser_guard fleet_requests graph_topic json_records node_lifecycle omron_jobs.core '
         'omron_jobs.network trajectory_graph', ros=True, sockets='job_server'),
     # graphs
     'graph_editor': layer('file_replacement graph_editor.checking graph_editor.making omron_map '
