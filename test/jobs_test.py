@@ -1,13 +1,16 @@
 #!/usr/bin/env python3
-"""Jobs under a ROS master: a program sends them over ARCL, and simulated AGVs drive them."""
+"""Jobs under a ROS master: programs send them over ARCL and REST, and simulated AGVs drive them."""
 from __future__ import annotations
 
+import base64
+import http.client
+import json
 import os
 import socket
 import time
 import unittest
 from pathlib import Path
-from typing import List
+from typing import Any, List
 
 import rospy
 
@@ -57,6 +60,17 @@ def connected() -> Warehouse:
             if time.monotonic() > end:
                 raise
             time.sleep(0.2)
+
+
+class RestProgram:
+    """A program that gives jobs over REST."""
+
+    def ask(self, method: str, path: str, record: Any = None) -> http.client.HTTPResponse:
+        connection = http.client.HTTPConnection('127.0.0.1', PORT - 10_000, timeout=PATIENCE)
+        login = base64.b64encode(b'toolkitadmin:' + PASSWORD).decode()
+        connection.request(method, path, json.dumps(record) if record else None,
+                           {'Authorization': f'Basic {login}'})
+        return connection.getresponse()
 
 
 class JobsTest(unittest.TestCase):
@@ -135,6 +149,31 @@ class JobsTest(unittest.TestCase):
             lambda status: (status.state == MissionStatus.SUCCEEDED
                             and list(status.destinations) == [6, 18]),
             PATIENCE, 'the mission to 6 and 18')
+        program.close()
+
+    def test_a_job_of_rest_is_watched_by_stream_and_seen_in_arcl(self) -> None:
+        program, rest = connected(), RestProgram()
+        stream = rest.ask('GET', '/Job/Stream')
+        self.assertEqual(200, stream.status)
+        stream.readline()  # the stream has begun
+        answer = rest.ask('POST', '/JobRequest', {
+            'namekey': 'own', 'jobId': 'five', 'defaultPriority': True,
+            'details': [{'pickupGoal': '18', 'dropoffGoal': '39', 'priority': 10}]})
+        self.assertEqual(201, answer.status)
+        for words in (('PICKUP', 'Pending'), ('PICKUP', 'Driving'), ('DROPOFF', 'Completed')):
+            program.until('QueueUpdate: ', 'five', *words)
+        statuses: List[str] = []
+        while 'Completed' not in statuses:
+            line = stream.readline()
+            self.assertTrue(line, statuses)
+            job = json.loads(line[5:]) if line.startswith(b'data:') else {}
+            if job.get('jobId') == 'five':
+                statuses.append(job['status'])
+        self.assertEqual(['Pending', 'InProgress', 'Completed'], sorted(set(statuses),
+                                                                       key=statuses.index))
+        found = json.load(rest.ask('GET', '/JobRequest/ByKey/own'))
+        self.assertEqual(('Completed', 'five'), (found['status'], found['assignedJobId']))
+        stream.close()
         program.close()
 
     def test_a_wrong_goal_makes_no_mission(self) -> None:

@@ -10,8 +10,8 @@ import time
 from pathlib import Path
 from typing import Any, List, Optional, Tuple
 
-from fleet_core.supervision.history import HistoryLine
 from browser_guard.certificates import certificates_of
+from fleet_core.supervision.history import HistoryLine
 from fleet_page.core.acts import Act, ActKind, ActOutcome
 from fleet_page.core.fleet import MissionRequest, MissionStatus, ShownPlan, ShownPose, ShownRobot
 from fleet_page.core.page import Missions, Page

@@ -17,7 +17,7 @@ from omron_jobs.core.job_book import JobBook
 from omron_jobs.core.job_commands import JobCommands, JobSite, RobotNews
 from omron_jobs.core.job_words import RobotStatus
 from omron_jobs.core.jobs import JobMissionState
-from omron_jobs.core.rest_api import RestApi, RestAnswer, stream_of
+from omron_jobs.core.rest_api import RestAnswer, RestApi, stream_of
 from omron_jobs.core.rest_records import RestRecords
 from omron_jobs.core.rest_words import RestType
 
@@ -415,7 +415,7 @@ def test_a_job_id_of_an_active_job_is_refused():
     assert answer.status == 400 and 'active job' in answer.body['message']
 
 
-NAMES = [name for name in (*PATHS, 'WaitTaskCancel', 'DataStoreValueLatest', '', '%', '%ff')]
+NAMES = [*PATHS, 'WaitTaskCancel', 'DataStoreValueLatest', '', '%', '%ff']
 FIELD = st.sampled_from((
     'namekey', 'jobId', 'defaultPriority', 'details', 'goal', 'priority', 'segmentType',
     'pickupGoal', 'dropoffGoal', 'robot', 'cancelType', 'cancelValue', 'cancelReason', 'segmentId',

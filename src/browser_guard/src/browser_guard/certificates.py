@@ -11,7 +11,9 @@ class WrongCertificate(Exception):
 
 
 def certificates_of(certificate: str, key: str) -> ssl.SSLContext:
-    """Returns the TLS context of a server, from PEM files. Without `key`, the certificate's file has it.
+    """Returns the TLS context of a server, from PEM files.
+
+    Without `key`, the certificate's file has it.
 
     Raises WrongCertificate, also for a key with a password, because no person can enter it, and for
     a key that every user of the computer may read.

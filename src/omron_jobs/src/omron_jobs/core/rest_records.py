@@ -91,7 +91,8 @@ def segment_record(job: QueuedJob, segment: JobSegment) -> Record:
     return {
         'namekey': segment.id, 'seq': index + 1, 'segmentId': segment.id,
         'segmentType': SEGMENT_TYPE[segment.kind], 'status': SEGMENT_STATUS[segment.told.status],
-        'subStatus': segment.told.substatus, 'job': job_key(job), 'robot': segment.told.robot or None,
+        'subStatus': segment.told.substatus, 'job': job_key(job),
+        'robot': segment.told.robot or None,
         'linkedJobSegment': job.segments[index - 1].id if index else None,
         'goalName': segment.goal, 'priority': segment.priority,
         'completedTimestamp': moment(segment.ended), 'cancelReason': _reason(segment)}

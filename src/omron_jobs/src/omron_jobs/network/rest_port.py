@@ -18,7 +18,7 @@ from typing import Any, Callable, Dict, List, Optional, Sequence, Set, cast
 from aiohttp import web
 
 from browser_guard import is_from_browser
-from omron_jobs.core.rest_api import RestApi, RestAnswer, error, stream_of
+from omron_jobs.core.rest_api import RestAnswer, RestApi, error, stream_of
 from omron_jobs.core.rest_records import Record, RestRecords
 from omron_jobs.core.rest_words import USER, RestType
 from omron_jobs.network.job_port import Network, is_peer
@@ -141,7 +141,9 @@ class RestPort:
             while True:
                 data = await stream.next()
                 await asyncio.wait_for(response.write(data), STALLED)
-        except (ConnectionError, asyncio.TimeoutError, _TooSlow):
+        except ConnectionError:
+            pass  # the client has ended it
+        except (asyncio.TimeoutError, _TooSlow):
             _log.warning('A client does not read its stream: its connection is ended.')
             if request.transport is not None:
                 request.transport.abort()

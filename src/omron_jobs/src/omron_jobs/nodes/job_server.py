@@ -1,7 +1,7 @@
 """job_server: takes jobs of warehouse programs as OMRON's Fleet Manager does.
 
-They come over ARCL, or over REST as to FLOW Core's Integration Toolkit. Each job is a mission of the
-fleet manager.
+They come over ARCL, or over REST as to FLOW Core's Integration Toolkit. Each job is a mission of
+the fleet manager.
 
 Subscribes
     /graph (itrci_nav_msgs/Graph), /fleet_state (itrci_nav_msgs/FleetState): latched
@@ -121,8 +121,8 @@ class JobServerNode:
                 port.open(settings.host, settings.port, settings.certificates))
         except (OSError, OverflowError) as error:
             raise ConfigurationError(
-                f'Port {settings.port} of {settings.host} cannot be listened on ({error}): free it, '
-                'or set ~rest_host and ~rest_port.') from None
+                f'Port {settings.port} of {settings.host} cannot be listened on ({error}): free '
+                'it, or set ~rest_host and ~rest_port.') from None
         return port
 
     # --- callbacks --------------------------------------------------------------------------------
@@ -279,8 +279,8 @@ def rest_settings() -> Optional[RestSettings]:
     if not file:
         raise ConfigurationError('The REST interface needs ~rest_password_file.')
     if not certificate and host not in ('127.0.0.1', '::1', 'localhost'):
-        raise ConfigurationError(f'The REST interface would send its password unencrypted to {host}: '
-                                 'set ~rest_certificate and ~rest_key.')
+        raise ConfigurationError(f'The REST interface would send its password unencrypted to '
+                                 f'{host}: set ~rest_certificate and ~rest_key.')
     password = read_password_file(file, 'password of the REST interface')
     try:
         certificates = certificates_of(certificate, key) if certificate else None
