@@ -1,19 +1,33 @@
 #!/usr/bin/env python3
-"""Jobs under a ROS master: a program sends them over ARCL, and simulated AGVs drive them."""
+"""Jobs under a ROS master: programs send them over ARCL and REST, and simulated AGVs drive them."""
 from __future__ import annotations
 
+import base64
+import http.client
+import json
 import os
 import unittest
-from typing import List
+from typing import Any, List
 
 import rospy
 
 from fleet_requests import Sender
 from itrci_nav_msgs.msg import FleetRobot, FleetState, MissionCommand, MissionStatus
 from system_support import Recorder, kill_node, run_cases, wait_until
-from warehouse import PATIENCE, connected
+from warehouse import PASSWORD, PATIENCE, connected
 
 PORT = int(os.environ.get('LD90_ARCL_PORT', '17171'))
+
+
+class RestProgram:
+    """A program that gives jobs over REST."""
+
+    def ask(self, method: str, path: str, record: Any = None) -> http.client.HTTPResponse:
+        connection = http.client.HTTPConnection('127.0.0.1', PORT - 10_000, timeout=PATIENCE)
+        login = base64.b64encode(b'toolkitadmin:' + PASSWORD).decode()
+        connection.request(method, path, json.dumps(record) if record else None,
+                           {'Authorization': f'Basic {login}'})
+        return connection.getresponse()
 
 
 class JobsTest(unittest.TestCase):
@@ -114,6 +128,32 @@ class JobsTest(unittest.TestCase):
         self.commands.send(MissionCommand(
             request_id=asking.request_id, command=MissionCommand.ANSWER,
             answer=MissionCommand.DONE, step_key=asking.asks))
+
+
+    def test_a_job_of_rest_is_watched_by_stream_and_seen_in_arcl(self) -> None:
+        program, rest = connected(PORT), RestProgram()
+        stream = rest.ask('GET', '/Job/Stream')
+        self.assertEqual(200, stream.status)
+        stream.readline()  # the stream has begun
+        answer = rest.ask('POST', '/JobRequest', {
+            'namekey': 'own', 'jobId': 'six', 'defaultPriority': True,
+            'details': [{'pickupGoal': '18', 'dropoffGoal': '39', 'priority': 10}]})
+        self.assertEqual(201, answer.status)
+        for words in (('PICKUP', 'Pending'), ('PICKUP', 'Driving'), ('DROPOFF', 'Completed')):
+            program.until('QueueUpdate: ', 'six', *words)
+        statuses: List[str] = []
+        while 'Completed' not in statuses:
+            line = stream.readline()
+            self.assertTrue(line, statuses)
+            job = json.loads(line[5:]) if line.startswith(b'data:') else {}
+            if job.get('jobId') == 'six':
+                statuses.append(job['status'])
+        self.assertEqual(['Pending', 'InProgress', 'Completed'], sorted(set(statuses),
+                                                                       key=statuses.index))
+        found = json.load(rest.ask('GET', '/JobRequest/ByKey/own'))
+        self.assertEqual(('Completed', 'six'), (found['status'], found['assignedJobId']))
+        stream.close()
+        program.close()
 
     def test_a_wrong_goal_makes_no_mission(self) -> None:
         program, before = connected(PORT), len(self.missions())

@@ -10,6 +10,7 @@ import time
 from pathlib import Path
 from typing import Any, List, Optional, Tuple
 
+from browser_guard.certificates import certificates_of
 from fleet_core.supervision.history import HistoryLine
 from fleet_page.core.acts import Act, ActKind, ActOutcome
 from fleet_page.core.fleet import MissionRequest, MissionStatus, ShownPlan, ShownPose, ShownRobot
@@ -19,7 +20,7 @@ from fleet_page.core.replay import ReplayRing
 from fleet_page.core.roles import Person, TokenFile, Tokens, UserRole, load_tokens
 from fleet_page.door.door import Access, Door
 from fleet_page.door.files import CHART, PageFiles
-from fleet_page.door.security import Addresses, certificates_of
+from fleet_page.door.security import Addresses
 from fleet_page.door.worker import Worker
 from fleet_page.web.server import WebServer, serve
 from trajectory_graph import CurveType, Edge, Graph, Vertex

@@ -14,8 +14,8 @@ pytest.importorskip('aiohttp')
 from aiohttp import ClientError, ClientSession, CookieJar  # noqa: E402
 from page_builders import TOKENS, ServedSite  # noqa: E402
 
+from browser_guard.certificates import WrongCertificate, certificates_of  # noqa: E402
 from fleet_page.door.door import COOKIE  # noqa: E402
-from fleet_page.door.security import WrongCertificate, certificates_of  # noqa: E402
 
 pytestmark = pytest.mark.skipif(shutil.which('openssl') is None, reason='openssl is not installed')
 

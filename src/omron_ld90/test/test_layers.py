@@ -92,7 +92,7 @@ LAYERS: Dict[str, Layer] = {
     'fleet_page': layer(),
     'fleet_page.core': layer(
         'fleet_core.supervision fleet_core.work node_program trajectory_graph'),
-    'fleet_page.door': layer('fleet_page.core', sockets='*'),
+    'fleet_page.door': layer('browser_guard fleet_page.core', sockets='*'),
     'fleet_page.web': layer('fleet_core.supervision fleet_page.core fleet_page.door', sockets='*'),
     'fleet_page.nodes': layer(
         'fleet_core.supervision fleet_page.core fleet_page.door fleet_page.web fleet_requests '
@@ -115,11 +115,12 @@ LAYERS: Dict[str, Layer] = {
     # jobs
     'omron_jobs': layer(),
     'omron_jobs.core': layer('omron_arcl'),
-    'omron_jobs.network': layer('browser_guard omron_jobs.core', sockets='job_port outgoing_link'),
+    'omron_jobs.network': layer('browser_guard omron_jobs.core',
+                                sockets='job_port outgoing_link rest_port'),
     'omron_jobs.nodes': layer(
-        'fleet_core.files fleet_core.work fleet_requests graph_fleet_manager.messages graph_topic '
-        'json_records node_lifecycle omron_jobs.core omron_jobs.network trajectory_graph',
-        ros=True, sockets='job_server'),
+        'browser_guard fleet_core.files fleet_core.work fleet_requests '
+        'graph_fleet_manager.messages graph_topic json_records node_lifecycle omron_jobs.core '
+        'omron_jobs.network trajectory_graph', ros=True, sockets='job_server'),
     # graphs
     'graph_editor': layer('file_replacement graph_editor.checking graph_editor.making omron_map '
                           'trajectory_graph'),

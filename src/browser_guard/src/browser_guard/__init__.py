@@ -31,13 +31,19 @@ def is_http_request(first_line: bytes) -> bool:
     return _REQUEST_LINE.match(first_line) is not None
 
 
+def is_from_browser(names: Iterable[str]) -> bool:
+    """Whether these are the names of the headers of a request that a web page makes a browser send.
+    """
+    return any(name.lower().startswith(_OF_BROWSERS) for name in names)
+
+
 def reason_to_refuse(method: str, headers: Iterable[Tuple[str, str]],
                      hosts: OwnHosts) -> Optional[str]:
     """Why an XML-RPC server of ROS refuses an HTTP request; None if it comes from a program."""
     by_name = {name.lower(): value.strip() for name, value in headers}
     if method != 'POST':
         return 'only POST is accepted'
-    if any(name.startswith(_OF_BROWSERS) for name in by_name):
+    if is_from_browser(by_name):
         return 'web browsers are refused'
     if by_name.get('content-type', '').partition(';')[0].strip().lower() != CONTENT_TYPE:
         return f'the content type must be {CONTENT_TYPE}'

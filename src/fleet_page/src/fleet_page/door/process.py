@@ -16,11 +16,12 @@ import socket
 from dataclasses import asdict, dataclass
 from typing import Any, Callable, Dict, NoReturn, Tuple
 
+from browser_guard.certificates import WrongCertificate, certificates_of
 from fleet_page.core.acts import ActOutcome
 from fleet_page.core.roles import TokenFile, TokenFileError
 from fleet_page.door.door import Access, Door
 from fleet_page.door.files import PageFiles
-from fleet_page.door.security import Addresses, WrongCertificate, certificates_of
+from fleet_page.door.security import Addresses
 from fleet_page.door.worker import Worker
 
 OPEN_WITHIN = 10.0        # s within which the door must listen

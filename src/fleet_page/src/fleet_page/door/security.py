@@ -1,10 +1,7 @@
 """The security headers of each answer, and the checks of a request's host and origin."""
 from __future__ import annotations
 
-import os
-import ssl
 from dataclasses import dataclass
-from shlex import quote
 from typing import FrozenSet, Iterable, Optional
 from urllib.parse import urlsplit
 
@@ -23,33 +20,6 @@ TRANSPORT = {'Strict-Transport-Security': 'max-age=31536000'}
 """The further header of a page with TLS: a browser that has accepted the certificate uses TLS for
 each later request to this host name."""
 LOOPBACK = ('127.0.0.1', 'localhost', '::1')
-
-
-class WrongCertificate(Exception):
-    """The certificate cannot be used. The text is one sentence."""
-
-
-def certificates_of(certificate: str, key: str) -> ssl.SSLContext:
-    """The TLS context of the page, from PEM files. Without `key`, the certificate's file has it.
-
-    Raises WrongCertificate, also for a key with a password, because no person can enter it, and for
-    a key that every user of the computer may read.
-    """
-    context = ssl.create_default_context(ssl.Purpose.CLIENT_AUTH)
-    context.minimum_version = ssl.TLSVersion.TLSv1_2
-    try:
-        context.load_cert_chain(certificate, key or None, password=lambda: '')
-    except (OSError, ValueError) as error:  # ssl.SSLError is an OSError
-        raise WrongCertificate(f'The certificate {certificate!r} with the key {key!r} cannot be '
-                               f'used ({error}): name PEM files that belong together.') from None
-    _check_private(key or certificate)
-    return context
-
-
-def _check_private(path: str) -> None:
-    if os.stat(path).st_mode & 0o007:
-        raise WrongCertificate(f'Others may read the key in {path}: chmod 600 {quote(path)}, '
-                               'or chmod 640 if a group must read it.')
 
 
 def is_loopback(host: str) -> bool:

@@ -15,7 +15,7 @@ from __future__ import annotations
 
 import hmac
 from enum import Enum
-from typing import Iterable, List
+from typing import Callable, Iterable, List, Sequence
 
 from omron_arcl.framing import LineBuffer, decode
 from omron_jobs.core import job_words as words
@@ -89,11 +89,15 @@ class ClientSession:
 
 
 class JobServer:
-    """All clients, and what they are told."""
+    """All clients, and what they are told.
+
+    on_changes -- is called with the changes that all clients were told
+    """
 
     def __init__(self, commands: JobCommands, password: bytes) -> None:
         self.password = password
         self.sessions: List[ClientSession] = []
+        self.on_changes: Callable[[Sequence[SegmentChange]], None] = lambda changes: None
         self._commands = commands
 
     def connect(self, phase: ClientPhase = ClientPhase.LOGIN) -> ClientSession:
@@ -121,10 +125,13 @@ class JobServer:
 
     def announce(self, changes: Iterable[SegmentChange]) -> None:
         """Tells changes to all clients that are logged in."""
-        lines = [update_line(change) for change in changes]
+        told = tuple(changes)
+        lines = [update_line(change) for change in told]
         for session in list(self.sessions):
             if session.phase is ClientPhase.OPEN:
                 session.send(lines)
+        if told:
+            self.on_changes(told)
 
     def shut_down(self) -> None:
         """Says farewell to all clients, and ends their sessions."""

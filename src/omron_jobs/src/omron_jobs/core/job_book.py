@@ -32,6 +32,7 @@ from omron_jobs.core.jobs import (
     JobDrive,
     JobMission,
     JobMissionState,
+    JobOrigin,
     JobSegment,
     Place,
     QueuedJob,
@@ -147,10 +148,13 @@ class JobBook:
 
     # -- what clients want -----------------------------------------------------------------------
 
-    def queue(self, goals: Sequence[JobGoal], id: str = '') -> QueuedJob:
+    def queue(self, goals: Sequence[JobGoal], id: str = '', robot: str = '',
+              origin: Optional[JobOrigin] = None) -> QueuedJob:
         """Accepts a job. Raises JobRefused, and OSError if it cannot be stored.
 
-        id -- given by the client; empty: the job gets that of OMRON
+        id     -- given by the client; empty: the job gets that of OMRON
+        robot  -- must serve it; empty: any
+        origin -- its record of the REST interface
         """
         active = {job.id.lower() for job in self._jobs.values() if job.is_open}
         if id.lower() in active:
@@ -163,7 +167,7 @@ class JobBook:
         job = QueuedJob(
             id or f'JOB{number}',
             queued_segments(tuple(JobSegment(number + k, *goal) for k, goal in enumerate(goals))),
-            self._clock(), self._free_mission())
+            self._clock(), self._free_mission(), robot=robot, origin=origin)
         counters = self.counters._replace(number=number + len(goals))
         self._store.write([job], (), counters)
         self._jobs[job.mission], self.counters = job, counters

@@ -6,7 +6,7 @@ told after that. A wrong argument has OMRON's pair of error lines.
 from __future__ import annotations
 
 import time
-from typing import Callable, Dict, Iterable, List, Mapping, NamedTuple, Optional, Sequence, Tuple
+from typing import Callable, Dict, Iterable, List, Mapping, NamedTuple, Optional, Tuple
 
 from omron_jobs.core import job_words as words
 from omron_jobs.core.command_line import CommandLine, read_line
@@ -25,9 +25,9 @@ SHOWN_ENDED = 11        # segments that have ended in the list of queueShow
 VERSION = '1.0.0'
 PICKUP_PRIORITY, DROPOFF_PRIORITY = 10, 20
 _LONGEST_NAME = 16      # characters of an unknown command that are repeated
-_DEFAULTS = {SegmentKind.PICKUP: PICKUP_PRIORITY, SegmentKind.DROPOFF: DROPOFF_PRIORITY}
-_CANCELLABLE = (SegmentStatus.PENDING, SegmentStatus.IN_PROGRESS, SegmentStatus.INTERRUPTED)
-_QUERIED = (*_CANCELLABLE, SegmentStatus.COMPLETED, SegmentStatus.CANCELLED, SegmentStatus.FAILED)
+DEFAULT_PRIORITIES = {SegmentKind.PICKUP: PICKUP_PRIORITY, SegmentKind.DROPOFF: DROPOFF_PRIORITY}
+CANCELLABLE = (SegmentStatus.PENDING, SegmentStatus.IN_PROGRESS, SegmentStatus.INTERRUPTED)
+_QUERIED = (*CANCELLABLE, SegmentStatus.COMPLETED, SegmentStatus.CANCELLED, SegmentStatus.FAILED)
 QUEUING_MANAGER = 'Queuing Manager'
 
 
@@ -106,7 +106,7 @@ class JobCommands:
                                command.text(2, 'job_id'))
         one, = job.segments
         return JobReply((words.PICKUP_QUEUED.format(one.goal, one.priority, one.id, job.id),),
-                        _changes_of(job))
+                        changes_of(job))
 
     def queue_pickup_dropoff(self, command: CommandLine) -> JobReply:
         """Queues a pickup and the drop-off after it."""
@@ -116,7 +116,7 @@ class JobCommands:
         one, two = job.segments
         return JobReply((words.PICKUP_DROPOFF_QUEUED.format(
             one.goal, two.goal, one.priority, two.priority, one.id, two.id, job.id),),
-            _changes_of(job))
+            changes_of(job))
 
     def queue_multi(self, command: CommandLine) -> JobReply:
         """Queues a job of several goals. The first one must be a pickup."""
@@ -136,12 +136,12 @@ class JobCommands:
         for k, one in enumerate(job.segments):
             line = words.MULTI_QUEUED.format(one.goal, one.priority, one.id, job.id)
             lines.append(line + (words.LINKED.format(job.segments[k - 1].id) if k else ''))
-        return JobReply((*lines, words.END_OF_MULTI), _changes_of(job))
+        return JobReply((*lines, words.END_OF_MULTI), changes_of(job))
 
     def _goal(self, command: CommandLine, kind: SegmentKind, name: int, priority: int) -> JobGoal:
         """The goal at this argument. `priority`: the argument that is its priority."""
         return JobGoal(kind, *self._place(command.words[name]),
-                       command.number(priority, _DEFAULTS[kind]))
+                       command.number(priority, DEFAULT_PRIORITIES[kind]))
 
     def _place(self, goal: str) -> Place:
         vertex = self._site.vertex_of(goal)
@@ -154,8 +154,8 @@ class JobCommands:
         kind, value = command.words[0].lower(), command.words[1]
         echo, reason = command.text(2, 'echo'), command.text(3, 'reason')
         if kind == 'status':
-            _status(value, _CANCELLABLE)
-        jobs = self._book.find(_matching(kind, value, only_current=True), only_open=True)
+            _status(value, CANCELLABLE)
+        jobs = self._book.find(matching(kind, value, only_current=True), only_open=True)
         if not jobs and kind in ('id', 'jobid'):
             raise JobRefused(f'failed: there is no active job with {kind} "{value}"')
         changes = self._book.cancel(jobs, reason)
@@ -168,30 +168,17 @@ class JobCommands:
         id, what = command.words[0], command.words[1].lower()
         if what == 'priority':
             priority = command.number(2, 0)
-            job, one = self._modifiable(id, (SegmentStatus.PENDING,))
+            job, one = of_other_priority(self._book, id)
             changes = self._book.set_priority(job, one, priority)
             return JobReply((words.MODIFYING_PRIORITY.format(words.printed(id), priority),),
                             tuple(changes))
         if what != 'goal':
             raise JobRefused(f'needs goal or priority in the place of "{command.words[1]}"')
         place = self._place(command.words[2])
-        job, one = self._modifiable(id, (SegmentStatus.PENDING, SegmentStatus.IN_PROGRESS))
-        if one.told.substatus in words.AFTER.values():
-            raise JobRefused(f'failed: the robot works at the goal of "{one.id}" already')
+        job, one = of_other_goal(self._book, id)
         changes = self._book.set_goal(job, one, place)
         return JobReply((words.MODIFYING_GOAL.format(words.printed(id), place.goal),),
                         tuple(changes))
-
-    def _modifiable(self, id: str, statuses: Sequence[SegmentStatus]
-                    ) -> Tuple[QueuedJob, JobSegment]:
-        """The segment with an id, if it has one of these statuses. Raises JobRefused."""
-        for job in self._book.find(_matching('id', id), only_open=True):
-            for one in job.segments:
-                if (one.id.lower() == id.lower() and one.told.status in statuses
-                        and job.cancel is None):
-                    return job, one
-        names = ' or '.join(status.value for status in statuses)
-        raise JobRefused(f'failed: no segment "{id}" is {names}')
 
     def of_a_robot(self, command: CommandLine) -> JobReply:
         """Refuses a command that OMRON's robots take, and its Fleet Manager does not."""
@@ -205,7 +192,7 @@ class JobCommands:
         echo = command.text(2, 'echo')
         if kind == 'status':
             _status(value, _QUERIED)
-        matches = _matching(kind, value)
+        matches = matching(kind, value)
         found = [SegmentChange(job.id, job.queued, one) for job in self._book.jobs
                  for one in job.segments if matches(job, one)]
         found.sort(key=lambda change: -change.segment.priority)
@@ -214,7 +201,7 @@ class JobCommands:
     def queue_show(self, command: CommandLine) -> JobReply:
         """Lists the robots, and all segments that have not ended; of the others the last ones."""
         echo = command.text(0, 'echo')
-        every = [change for job in self._book.jobs for change in _changes_of(job)]
+        every = [change for job in self._book.jobs for change in changes_of(job)]
         ended = [one.segment.number for one in every if one.segment.told.status.is_final]
         left_out = frozenset(ended[:-SHOWN_ENDED])
         shown = [one for one in every if one.segment.number not in left_out]
@@ -223,7 +210,7 @@ class JobCommands:
 
     def queue_show_completed(self, command: CommandLine) -> JobReply:
         """Lists the segments that are completed, the oldest first."""
-        found = [change for job in self._book.jobs for change in _changes_of(job)
+        found = [change for job in self._book.jobs for change in changes_of(job)
                  if change.segment.told.status is SegmentStatus.COMPLETED]
         return _list(words.SHOW, found, command.text(0, 'echo'), words.END_OF_SHOW_COMPLETED)
 
@@ -280,18 +267,19 @@ class JobCommands:
 
     def get_data_store_group_list(self, command: CommandLine) -> JobReply:
         """Lists the groups of values that clients read."""
-        return JobReply((*map(words.GROUP.format, self._groups()), words.END_OF_GROUPS))
+        return JobReply((*map(words.GROUP.format, self.groups()), words.END_OF_GROUPS))
 
     def get_data_store_group_values(self, command: CommandLine) -> JobReply:
         """Shows the values of a group."""
-        groups = {name.lower(): values for name, values in self._groups().items()}
+        groups = {name.lower(): values for name, values in self.groups().items()}
         values = groups.get(command.words[0].lower())
         if values is None:
             raise JobRefused(f'No group of name "{command.words[0]}"')
         return JobReply((*(words.GROUP_VALUE.format(*one) for one in values.items()),
                          words.END_OF_GROUP_VALUES))
 
-    def _groups(self) -> Dict[str, Dict[str, object]]:
+    def groups(self) -> Dict[str, Dict[str, object]]:
+        """Returns the groups of values, each by the names of its values."""
         counters = self._book.counters
         statuses = [one.told.status for job in self._book.jobs for one in job.segments]
         return {'FleetRobotInformation': {'Robots': len(self._site.robots)},
@@ -320,11 +308,34 @@ class JobCommands:
         return JobReply((words.CLOSING,), ends=True)
 
 
+def of_other_priority(book: JobBook, id: str) -> Tuple[QueuedJob, JobSegment]:
+    """Returns the segment with an id, if its priority can be changed. Raises JobRefused."""
+    return _modifiable(book, id, SegmentStatus.PENDING)
+
+
+def of_other_goal(book: JobBook, id: str) -> Tuple[QueuedJob, JobSegment]:
+    """Returns the segment with an id, if its goal can be changed. Raises JobRefused."""
+    job, one = _modifiable(book, id, SegmentStatus.PENDING, SegmentStatus.IN_PROGRESS)
+    if one.told.substatus in words.AFTER.values():
+        raise JobRefused(f'failed: the robot works at the goal of "{one.id}" already')
+    return job, one
+
+
+def _modifiable(book: JobBook, id: str, *statuses: SegmentStatus) -> Tuple[QueuedJob, JobSegment]:
+    for job in book.find(matching('id', id), only_open=True):
+        for one in job.segments:
+            if (one.id.lower() == id.lower() and one.told.status in statuses
+                    and job.cancel is None):
+                return job, one
+    names = ' or '.join(status.value for status in statuses)
+    raise JobRefused(f'failed: no segment "{id}" is {names}')
+
+
 _Matches = Callable[[QueuedJob, JobSegment], bool]
 
 
-def _matching(kind: str, value: str, only_current: bool = False) -> _Matches:
-    """Which segments a type and a value of a command mean. Raises JobRefused.
+def matching(kind: str, value: str, only_current: bool = False) -> _Matches:
+    """Returns which segments a type and a value of a command mean. Raises JobRefused.
 
     only_current -- of a robot and a status, only the segment of a job that is served, or comes next
     """
@@ -359,7 +370,8 @@ def _kind(command: CommandLine, index: int) -> SegmentKind:
         raise JobRefused(f'needs pickup or dropoff in the place of "{word}"') from None
 
 
-def _changes_of(job: QueuedJob) -> Tuple[SegmentChange, ...]:
+def changes_of(job: QueuedJob) -> Tuple[SegmentChange, ...]:
+    """Returns all segments of a new job, to be told to all clients."""
     return tuple(SegmentChange(job.id, job.queued, one) for one in job.segments)
 
 

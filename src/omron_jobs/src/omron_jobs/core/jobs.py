@@ -143,6 +143,21 @@ class JobSegment:
 
 
 @dataclass(frozen=True)
+class JobOrigin:
+    """The record of the REST interface by which a job was asked for.
+
+    kind   -- type of the record
+    key    -- its key; empty: the client gave none
+    job_id -- the job id as the client gave it
+    """
+
+    kind: str
+    key: str
+    job_id: str
+    default_priority: bool
+
+
+@dataclass(frozen=True)
 class QueuedJob:
     """One job.
 
@@ -151,6 +166,8 @@ class QueuedJob:
     mission  -- id of the request
     is_known -- the fleet manager has the mission
     cancel   -- why it is to be cancelled; None: it is not. Empty: no reason was given
+    robot    -- the one that must serve it; empty: any
+    origin   -- its record of the REST interface; None: it came over ARCL
     """
 
     id: str
@@ -159,6 +176,8 @@ class QueuedJob:
     mission: int
     is_known: bool = False
     cancel: Optional[str] = None
+    robot: str = ''
+    origin: Optional[JobOrigin] = None
 
     @property
     def is_open(self) -> bool:

@@ -13,6 +13,7 @@ from omron_jobs.core.job_book import JobCounters
 from omron_jobs.core.jobs import QueuedJob
 
 VERSION = 1
+_ADDED = ('robot', 'origin')  # fields of jobs that older files do not have
 _LAYOUT = '''
 CREATE TABLE job (mission INTEGER PRIMARY KEY, record TEXT NOT NULL);
 CREATE TABLE counters (one INTEGER PRIMARY KEY CHECK (one = 1), record TEXT NOT NULL);
@@ -49,7 +50,7 @@ class JobFile:
     def read(self) -> Tuple[List[QueuedJob], JobCounters]:
         """Returns what was stored. Raises ConfigurationError: without it, jobs would be lost."""
         try:
-            jobs = [from_json(QueuedJob, json.loads(record)) for record, in
+            jobs = [from_json(QueuedJob, json.loads(record), _ADDED) for record, in
                     self._database.execute('SELECT record FROM job')]
             counters = [from_json(JobCounters, json.loads(record)) for record, in
                         self._database.execute('SELECT record FROM counters')]

@@ -1,6 +1,7 @@
-"""job_server: takes jobs of warehouse programs as OMRON's Fleet Manager does, over ARCL.
+"""job_server: takes jobs of warehouse programs as OMRON's Fleet Manager does.
 
-Each job is a mission of the fleet manager.
+They come over ARCL, or over REST as to FLOW Core's Integration Toolkit. Each job is a mission of
+the fleet manager.
 
 Subscribes
     /graph (itrci_nav_msgs/Graph), /fleet_state (itrci_nav_msgs/FleetState): latched
@@ -25,21 +26,27 @@ Parameters
     ~outgoing_seconds float  0.0        s between two times; 0: never
     ~robot_type     string  ''          robots that serve jobs; empty: all
     ~work_file      string  ''          work file (YAML), for the steps at the goals of jobs
+    ~rest_port      int     0           of the REST interface; 0: there is none
+    ~rest_host      string  127.0.0.1   the address on which its clients may connect
+    ~rest_password_file  string  ''     contains the password of its clients, and nothing else
+    ~rest_certificate, ~rest_key  string  ''  PEM files: it is served by TLS
 """
 from __future__ import annotations
 
 import asyncio
 import queue
 import random
+import ssl
 import time
 from functools import partial
-from typing import Any, Callable, Dict, Optional, Set, Tuple
+from typing import Any, Callable, Dict, NamedTuple, Optional, Set, Tuple
 
 import genpy
 import rospy
 from diagnostic_msgs.msg import DiagnosticStatus
 from diagnostic_updater import DiagnosticStatusWrapper
 
+from browser_guard.certificates import WrongCertificate, certificates_of
 from fleet_core.files.errors import FileError
 from fleet_core.files.work_file import load_work
 from fleet_core.work.site_work import SiteWork
@@ -61,8 +68,11 @@ from omron_jobs.core.job_book import FleetAct, FleetMessage, JobBook
 from omron_jobs.core.job_commands import JobCommands, JobSite
 from omron_jobs.core.job_words import SegmentStatus
 from omron_jobs.core.jobs import QueuedJob
+from omron_jobs.core.rest_api import RestApi
+from omron_jobs.core.rest_records import RestRecords
 from omron_jobs.network.job_port import JobPort, WrongPeer, read_peers
 from omron_jobs.network.outgoing_link import OutgoingAddress, OutgoingLink
+from omron_jobs.network.rest_port import RestPort
 from omron_jobs.nodes.fleet_news import (
     WrongStatus,
     drives_of,
@@ -96,6 +106,8 @@ class JobServerNode:
         self._site = JobSite()
         self._server = JobServer(JobCommands(self._book, self._site), password)
         self._port = JobPort(self._server, peers(), self._work)
+        self._records = RestRecords(self._book, self._site, lambda: int(time.time() * 1000))
+        self._server.on_changes = self._records.announce
         self._requests, self._commands = Sender(MissionRequest), Sender(MissionCommand)
         self._problem = self._work_problem = ''
         self._questions: queue.Queue[Tuple[QueuedJob, float]] = queue.Queue()
@@ -103,6 +115,8 @@ class JobServerNode:
         self._loop = asyncio.new_event_loop()
         self._outgoing = outgoing_link(self._port)
         self.port = self._listen(parameter('~host', '127.0.0.1'), parameter('~port', 7171, int))
+        rest = rest_settings()
+        self._rest_port = self._open_rest(rest) if rest is not None else None
         publish_diagnostics('none', {'jobs': self._show})
         rospy.on_shutdown(self._end)
         start_worker('questions', self._ask)
@@ -118,6 +132,18 @@ class JobServerNode:
         except (OSError, OverflowError) as error:
             raise ConfigurationError(f'Port {port} of {host} cannot be listened on ({error}): free '
                                      'it, or set ~host and ~port.') from None
+
+    def _open_rest(self, settings: RestSettings) -> RestPort:
+        port = RestPort(RestApi(self._book, self._site, self._records, self._server.announce),
+                        self._records, settings.password, self._port.peers, self._work)
+        try:
+            self._loop.run_until_complete(
+                port.open(settings.host, settings.port, settings.certificates))
+        except (OSError, OverflowError) as error:
+            raise ConfigurationError(
+                f'Port {settings.port} of {settings.host} cannot be listened on ({error}): free '
+                'it, or set ~rest_host and ~rest_port.') from None
+        return port
 
     # --- callbacks --------------------------------------------------------------------------------
 
@@ -135,12 +161,14 @@ class JobServerNode:
 
         def put() -> None:
             self._site.goals, self._site_work = goals, work
+            self._records.refresh()
         self._put(put)
 
     def _on_state(self, message: FleetState) -> None:
         def put() -> None:
             self._server.announce(self._book.hear_drives(drives_of(message)))
             self._site.robots = robots_of(message, self._substatus)
+            self._records.refresh()
             self._work()
         self._put(put)
 
@@ -201,6 +229,7 @@ class JobServerNode:
                 self._send(message)
         try:
             self._book.store_news()
+            self._records.refresh()
             self._problem = ''
         except OSError as error:
             self._problem = f'jobs cannot be stored: {error.strerror}'
@@ -213,7 +242,7 @@ class JobServerNode:
         if act is FleetAct.REQUEST:
             request = mission_request((), request_id=job.mission, stops=stops_of(job, work),
                                       priority=job.segments[0].priority, requested_by=_NAME,
-                                      robot_type=self._robot_type)
+                                      robot_type=self._robot_type, robot=job.robot)
             request.header.stamp = stamp(job)
             self._requests.repeat(request)
         elif act is FleetAct.ASK:
@@ -251,6 +280,8 @@ class JobServerNode:
             if self._outgoing is not None:
                 self._outgoing.close()
             self._port.close()
+            if self._rest_port is not None:
+                self._rest_port.close()
             self._loop.stop()
         self._put(end)
 
@@ -283,6 +314,35 @@ def outgoing_link(port: JobPort) -> Optional[OutgoingLink]:
                                  f'{seconds}: give 0, or at least {SHORTEST_PERIOD} s.')
     return OutgoingLink(port, OutgoingAddress(
         host, number_of_port, tuple(one.strip() for one in commands if one.strip()), seconds))
+
+
+class RestSettings(NamedTuple):
+    """What the REST interface needs. certificates: None: it is served without TLS."""
+
+    host: str
+    port: int
+    password: bytes
+    certificates: Optional[ssl.SSLContext]
+
+
+def rest_settings() -> Optional[RestSettings]:
+    """The settings of the REST interface; None: there is none. Raises ConfigurationError."""
+    port = parameter('~rest_port', 0, int)
+    host, file = parameter('~rest_host', '127.0.0.1'), parameter('~rest_password_file', '')
+    certificate, key = parameter('~rest_certificate', ''), parameter('~rest_key', '')
+    if not port:
+        return None
+    if not file:
+        raise ConfigurationError('The REST interface needs ~rest_password_file.')
+    if not certificate and host not in ('127.0.0.1', '::1', 'localhost'):
+        raise ConfigurationError(f'The REST interface would send its password unencrypted to '
+                                 f'{host}: set ~rest_certificate and ~rest_key.')
+    password = read_password_file(file, 'password of the REST interface')
+    try:
+        certificates = certificates_of(certificate, key) if certificate else None
+    except WrongCertificate as wrong:
+        raise ConfigurationError(str(wrong)) from None
+    return RestSettings(host, port, password, certificates)
 
 
 def main() -> None:

@@ -1,0 +1,285 @@
+"""The records of the REST server, derived from the job book and the site: no I/O.
+
+The records have no truth of their own: each follows from a job, a robot or a goal. What is kept
+beside them is when each one changed last, and what it was before (`History`). After a restart each
+record of an open job counts as changed, so that no client misses a change; the history begins anew.
+"""
+from __future__ import annotations
+
+from collections import deque
+from dataclasses import replace
+from typing import Any, Callable, Deque, Dict, Iterable, List, Mapping, Optional, Sequence, Tuple
+
+from omron_jobs.core.job_book import JobBook
+from omron_jobs.core.job_commands import JobSite, RobotNews
+from omron_jobs.core.job_words import NONE, RobotStatus, SegmentStatus
+from omron_jobs.core.jobs import JobSegment, QueuedJob, SegmentChange
+from omron_jobs.core.rest_words import (
+    AUDITED,
+    BEING_MODIFIED,
+    FAILED,
+    JOB_TYPE,
+    MULTI,
+    ROBOT_STATUS,
+    SEGMENT_STATUS,
+    SEGMENT_TYPE,
+    WITH_HISTORY,
+    JobStatus,
+    RestType,
+)
+
+LONGEST_HISTORY = 5000  # records of each type
+MOST_POSTED = 1000      # cancellations and modifications that are kept, each
+Record = Dict[str, Any]
+Listener = Callable[[RestType, Record], None]
+_REFUSED = (SegmentStatus.CANCELLED, SegmentStatus.CANCELLING)
+
+
+def moment(milliseconds: int) -> Optional[Dict[str, int]]:
+    """Returns a moment (ms since 1970) as records have it; 0: it has not come."""
+    return {'millis': milliseconds} if milliseconds else None
+
+
+def job_key(job: QueuedJob) -> str:
+    """Returns the namekey of a job. No other one ever has it; a job id may be used again."""
+    return f'JOB{job.segments[0].number}'
+
+
+def request_key(job: QueuedJob) -> str:
+    """Returns the namekey of the request that a job was made of."""
+    key = job.origin.key if job.origin is not None else ''
+    return key or f'~{job.segments[0].number}'
+
+
+def status_of(job: QueuedJob) -> JobStatus:
+    """Returns the status of a job: that of its segments together."""
+    statuses = [one.told.status for one in job.segments]
+    if any(one in BEING_MODIFIED for one in statuses):
+        return JobStatus.MODIFYING
+    if all(one is SegmentStatus.COMPLETED for one in statuses):
+        return JobStatus.COMPLETED
+    if statuses[-1].is_final:
+        return JobStatus.CANCELLED
+    if any(one in _REFUSED for one in statuses) or job.cancel is not None:
+        return JobStatus.CANCELLING
+    return (JobStatus.PENDING if all(one is SegmentStatus.PENDING for one in statuses)
+            else JobStatus.IN_PROGRESS)
+
+
+def job_record(job: QueuedJob) -> Record:
+    """Returns the record of a job, without its time."""
+    robots = [one.told.robot for one in job.segments if one.told.robot]
+    statuses = [one.told.status for one in job.segments]
+    return {
+        'namekey': job_key(job), 'jobId': job.id,
+        'jobType': JOB_TYPE.get(tuple(one.kind for one in job.segments), MULTI),
+        'queuedTimestamp': moment(job.queued),
+        'completedTimestamp': moment(job.segments[-1].ended), 'status': status_of(job).value,
+        'linkedJob': None, 'failCount': 0, 'lastAssignedRobot': robots[-1] if robots else '',
+        'cancelReason': FAILED if SegmentStatus.FAILED in statuses else _reason(job.segments[-1])
+        or job.cancel or None}
+
+
+def _reason(segment: JobSegment) -> Optional[str]:
+    told = segment.told
+    return told.substatus if told.status in _REFUSED and told.substatus != NONE else None
+
+
+def segment_record(job: QueuedJob, segment: JobSegment) -> Record:
+    """Returns the record of a segment of a job, without its time."""
+    index = next(k for k, one in enumerate(job.segments) if one.number == segment.number)
+    return {
+        'namekey': segment.id, 'seq': index + 1, 'segmentId': segment.id,
+        'segmentType': SEGMENT_TYPE[segment.kind], 'status': SEGMENT_STATUS[segment.told.status],
+        'subStatus': segment.told.substatus, 'job': job_key(job),
+        'robot': segment.told.robot or None,
+        'linkedJobSegment': job.segments[index - 1].id if index else None,
+        'goalName': segment.goal, 'priority': segment.priority,
+        'completedTimestamp': moment(segment.ended), 'cancelReason': _reason(segment)}
+
+
+def request_record(job: QueuedJob) -> Record:
+    """Returns the record of the request of a job that came by REST, without its time."""
+    assert job.origin is not None
+    record: Record = {'namekey': request_key(job), 'jobId': job.origin.job_id}
+    first, last = job.segments[0], job.segments[-1]
+    kind = RestType(job.origin.kind)
+    if kind is RestType.JOB_REQUEST:
+        record.update(defaultPriority=job.origin.default_priority, details=[
+            {'goal': one.goal, 'priority': one.priority, 'segmentType': SEGMENT_TYPE[one.kind]}
+            for one in job.segments])
+    elif kind is RestType.PICKUP_DROPOFF:
+        record.update(pickupGoal=first.goal, pickupPriority=first.priority, dropoffGoal=last.goal,
+                      dropoffPriority=last.priority)
+    else:
+        record.update(goal=first.goal, priority=first.priority)
+        if kind is RestType.DROPOFF:
+            record['robot'] = job.robot
+    record.update(status=status_of(job).value, assignedJobId=job.id)
+    return record
+
+
+def robot_record(name: str, robot: RobotNews) -> Record:
+    """Returns the record of a robot, without its time."""
+    return {'namekey': name, 'status': ROBOT_STATUS[robot.status], 'subStatus': robot.substatus}
+
+
+def fault_record(name: str, fault: str, is_active: bool) -> Record:
+    """Returns the record of a fault of a robot, without its time: why it serves no job."""
+    return {
+        'namekey': f'{name}:{fault}', 'robot': name, 'active': is_active, 'driving': True,
+        'critical': False, 'clearedOnGo': False, 'clearedOnAck': False, 'application': False,
+        'name': fault, 'type': 'Fault', 'shortDescription': fault,
+        'longDescription': f'{name} serves no jobs ({fault})'}
+
+
+def updated(kind: RestType, record: Mapping[str, Any]) -> int:
+    """Returns when a record changed last, in ms since 1970."""
+    stamp = record['audit']['upd'] if kind in AUDITED else record['upd']
+    return int(stamp['millis'])
+
+
+class RestRecords:
+    """All records, each with the time of its last change.
+
+    clock -- returns ms since 1970
+    listeners -- are told each record that is new or has changed
+    """
+
+    def __init__(self, book: JobBook, site: JobSite, clock: Callable[[], int]) -> None:
+        self.listeners: List[Listener] = []
+        self._book, self._site, self._clock = book, site, clock
+        self._tables: Dict[RestType, Dict[str, Record]] = {kind: {} for kind in RestType}
+        self._history: Dict[RestType, Deque[Record]] = {
+            kind: deque(maxlen=LONGEST_HISTORY) for kind in WITH_HISTORY}
+        self._shown: Dict[int, QueuedJob] = {}
+        self._by_segment: Dict[int, int] = {}
+        self._robots: Mapping[str, RobotNews] = {}
+        self._goals: Optional[Mapping[str, int]] = None
+        self._last = 0
+        for job in book.jobs:  # what has ended did not change when this program started
+            if not job.is_open:
+                self._show_job(job, job.segments[-1].ended)
+        self.refresh()
+
+    # -- what is asked ---------------------------------------------------------------------------
+
+    def of(self, kind: RestType) -> Sequence[Record]:
+        """Returns all records of a type, the oldest first."""
+        return list(self._tables[kind].values())
+
+    def by_key(self, kind: RestType, key: str) -> Optional[Record]:
+        """Returns the record with a key."""
+        return self._tables[kind].get(key)
+
+    def history(self, kind: RestType) -> Sequence[Record]:
+        """Returns all kept versions of all records of a type, in order."""
+        return list(self._history[kind])
+
+    # -- what changes ----------------------------------------------------------------------------
+
+    def post(self, kind: RestType, record: Record) -> Record:
+        """Keeps a cancellation or modification that was carried out, and returns its record."""
+        table = self._tables[kind]
+        while len(table) >= MOST_POSTED:
+            del table[next(iter(table))]
+        return self._put(kind, record)
+
+    def put_values(self, groups: Mapping[str, Mapping[str, object]]) -> None:
+        """Takes the values of the data store, by group and item."""
+        for group, items in groups.items():
+            for item, value in items.items():
+                self._put(RestType.STORE_ITEM, {
+                    'namekey': item, 'groupName': group, 'itemName': item, 'displayName': item})
+                self._put(RestType.STORE_VALUE, {'namekey': item, 'value': str(value)})
+
+    def announce(self, changes: Iterable[SegmentChange]) -> None:
+        """Follows changes of segments in their order, then what else has changed."""
+        self._find_new_jobs()
+        for change in changes:
+            job = self._shown.get(self._by_segment.get(change.segment.number, 0))
+            if job is not None:
+                self._show_job(replace(job, segments=tuple(
+                    change.segment if one.number == change.segment.number else one
+                    for one in job.segments)))
+        self.refresh()
+
+    def _find_new_jobs(self) -> None:
+        for job in self._book.jobs:
+            if job.mission not in self._shown:
+                self._show_job(job)
+
+    def refresh(self) -> None:
+        """Follows jobs, robots and goals."""
+        jobs = {job.mission: job for job in self._book.jobs}
+        for mission, job in jobs.items():
+            if self._shown.get(mission) is not job:
+                self._show_job(job)
+        for mission in [one for one in self._shown if one not in jobs]:
+            self._forget_job(self._shown.pop(mission))
+        self._show_robots()
+        if self._site.goals is not None and self._site.goals is not self._goals:
+            self._goals = self._site.goals
+            for name in [one for one in self._tables[RestType.GOAL] if one not in self._goals]:
+                del self._tables[RestType.GOAL][name]
+            for name in self._goals:
+                self._put(RestType.GOAL, {'namekey': name})
+
+    def _show_job(self, job: QueuedJob, at: int = 0) -> None:
+        self._shown[job.mission] = job
+        for segment in job.segments:
+            self._by_segment[segment.number] = job.mission
+            self._put(RestType.JOB_SEGMENT, segment_record(job, segment), at)
+        self._put(RestType.JOB, job_record(job), at)
+        if job.origin is not None:
+            self._put(RestType(job.origin.kind), request_record(job), at)
+
+    def _forget_job(self, job: QueuedJob) -> None:
+        keys: List[Tuple[RestType, str]] = [(RestType.JOB, job_key(job))]
+        for segment in job.segments:
+            del self._by_segment[segment.number]
+            keys.append((RestType.JOB_SEGMENT, segment.id))
+        if job.origin is not None:
+            keys.append((RestType(job.origin.kind), request_key(job)))
+        for kind, key in keys:
+            self._tables[kind].pop(key, None)
+
+    def _show_robots(self) -> None:
+        robots = self._site.robots
+        if robots is self._robots:
+            return
+        self._robots = robots
+        for name in [one for one in self._tables[RestType.ROBOT] if one not in robots]:
+            del self._tables[RestType.ROBOT][name]
+        active = set()
+        for name, robot in robots.items():
+            self._put(RestType.ROBOT, robot_record(name, robot))
+            if robot.status is RobotStatus.UNAVAILABLE:
+                active.add((name, robot.substatus))
+                self._put(RestType.ROBOT_FAULT, fault_record(name, robot.substatus, True))
+        for record in self.of(RestType.ROBOT_FAULT):
+            if record['active'] and (record['robot'], record['name']) not in active:
+                self._put(RestType.ROBOT_FAULT,
+                          fault_record(record['robot'], record['name'], False))
+
+    def _put(self, kind: RestType, content: Record, at: int = 0) -> Record:
+        """Keeps a record if it has changed. `at`: when; 0: now."""
+        table, key = self._tables[kind], content['namekey']
+        before = table.get(key)
+        if before is not None and all(before[name] == value for name, value in content.items()):
+            return before
+        if not at:  # times of changes never go back, or `UpdatedSince` would miss some
+            at = self._last = max(self._last, self._clock())
+        stamp = {'millis': at}
+        record = dict(content)
+        if kind in AUDITED:
+            created = before['audit']['crt'] if before is not None else stamp
+            record['audit'] = {'crt': created, 'upd': stamp}
+        else:
+            record['upd'] = stamp
+        table[key] = record
+        if kind in self._history:
+            self._history[kind].append(record)
+        for listener in list(self.listeners):
+            listener(kind, record)
+        return record
