@@ -36,6 +36,7 @@ from omron_jobs.core.jobs import (
     Place,
     QueuedJob,
     SegmentChange,
+    carrier_to,
     first_misplaced,
     lost,
     news_of,
@@ -147,10 +148,17 @@ class JobBook:
 
     # -- what clients want -----------------------------------------------------------------------
 
-    def queue(self, goals: Sequence[JobGoal], id: str = '') -> QueuedJob:
+    def swap_at(self, vertex: int) -> Optional[QueuedJob]:
+        """The oldest job whose robot, when it has dropped off at a vertex, has no other job yet."""
+        taken = {job.robot for job in self._jobs.values() if job.is_open}
+        return next((job for job in self._jobs.values()
+                     if carrier_to(job, vertex) not in ('', *taken)), None)
+
+    def queue(self, goals: Sequence[JobGoal], id: str = '', robot: str = '') -> QueuedJob:
         """Accepts a job. Raises JobRefused, and OSError if it cannot be stored.
 
-        id -- given by the client; empty: the job gets that of OMRON
+        id    -- given by the client; empty: the job gets that of OMRON
+        robot -- the one that must serve it; empty: any
         """
         active = {job.id.lower() for job in self._jobs.values() if job.is_open}
         if id.lower() in active:
@@ -162,8 +170,9 @@ class JobBook:
             number += 1
         job = QueuedJob(
             id or f'JOB{number}',
-            queued_segments(tuple(JobSegment(number + k, *goal) for k, goal in enumerate(goals))),
-            self._clock(), self._free_mission())
+            queued_segments(tuple(JobSegment(number + k, *goal) for k, goal in enumerate(goals)),
+                            robot),
+            self._clock(), self._free_mission(), robot=robot)
         counters = self.counters._replace(number=number + len(goals))
         self._store.write([job], (), counters)
         self._jobs[job.mission], self.counters = job, counters

@@ -7,8 +7,8 @@
     LINKED     the connection ends            LOST
     all        `close`                        CLOSED
 
-OMRON's outgoing connections have no password, and no welcome. So whoever answers at the address may
-send commands. A program that is silently gone counts as lost after about SILENCE s.
+OMRON's outgoing connections have no password, and no welcome. So the program at the address may send
+commands. A program that is silently gone counts as lost after about SILENCE s.
 """
 from __future__ import annotations
 

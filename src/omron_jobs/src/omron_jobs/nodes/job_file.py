@@ -49,7 +49,7 @@ class JobFile:
     def read(self) -> Tuple[List[QueuedJob], JobCounters]:
         """Returns what was stored. Raises ConfigurationError: without it, jobs would be lost."""
         try:
-            jobs = [from_json(QueuedJob, json.loads(record)) for record, in
+            jobs = [from_json(QueuedJob, json.loads(record), ('robot',)) for record, in
                     self._database.execute('SELECT record FROM job')]
             counters = [from_json(JobCounters, json.loads(record)) for record, in
                         self._database.execute('SELECT record FROM counters')]

@@ -213,7 +213,7 @@ class JobServerNode:
         if act is FleetAct.REQUEST:
             request = mission_request((), request_id=job.mission, stops=stops_of(job, work),
                                       priority=job.segments[0].priority, requested_by=_NAME,
-                                      robot_type=self._robot_type)
+                                      robot_type=self._robot_type, robot=job.robot)
             request.header.stamp = stamp(job)
             self._requests.repeat(request)
         elif act is FleetAct.ASK:
