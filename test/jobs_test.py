@@ -11,8 +11,7 @@ from typing import Any, List
 
 import rospy
 
-from fleet_requests import Sender
-from itrci_nav_msgs.msg import FleetRobot, FleetState, MissionCommand, MissionStatus
+from itrci_nav_msgs.msg import FleetRobot, FleetState, MissionStatus
 from system_support import Recorder, kill_node, run_cases, wait_until
 from warehouse import PASSWORD, PATIENCE, connected
 
@@ -37,8 +36,6 @@ class JobsTest(unittest.TestCase):
     def setUpClass(cls) -> None:
         rospy.init_node('jobs_test')
         cls.statuses = Recorder('/mission_status', MissionStatus)
-        cls.commands, cls.answered = Sender(MissionCommand), 0
-        wait_until(lambda: cls.commands.is_heard, 60, 'the fleet manager')
         Recorder('/fleet_state', FleetState).wait_for(
             lambda state: all(robot.state == FleetRobot.IDLE for robot in state.robots), 60,
             'all robots')
@@ -109,26 +106,6 @@ class JobsTest(unittest.TestCase):
                             and list(status.destinations) == [6, 18]),
             PATIENCE, 'the mission to 6 and 18')
         program.close()
-
-    def test_a_robot_carries_out_the_steps_of_the_work_file_at_the_goals(self) -> None:
-        program = connected(PORT)
-        program.say('queuePickupDropoff 39 52 default default five')
-        for words in ('InProgress Driving', 'InProgress AfterPickup', 'Completed None Goal "39"',
-                      'InProgress AfterDropoff', 'Completed None Goal "52"'):
-            program.until('QueueUpdate: ', 'five', words)
-            if 'After' in words:
-                self.hand_over()
-        program.close()
-
-    def hand_over(self) -> None:
-        """Answers the step that asks, as the program of a station does."""
-        asking = self.statuses.wait_for(
-            lambda status: status.asks > self.answered, PATIENCE, 'a step that asks')
-        type(self).answered = asking.asks
-        self.commands.send(MissionCommand(
-            request_id=asking.request_id, command=MissionCommand.ANSWER,
-            answer=MissionCommand.DONE, step_key=asking.asks))
-
 
     def test_a_job_of_rest_is_watched_by_stream_and_seen_in_arcl(self) -> None:
         program, rest = connected(PORT), RestProgram()

@@ -321,6 +321,47 @@ def test_the_steps_at_a_goal_are_told_before_and_after(line):
     assert updates(line.reach()) == [('DROPOFF2', 'Completed', 'None')]
 
 
+def delivering(line):
+    """A job whose robot, Lynx1, has picked up at x and drives to y."""
+    line.say('queuePickupDropoff x y 10 20 first')
+    line.exchange()
+    line.set(ACTIVE, 'Lynx1')
+    line.reach()
+
+
+def test_a_pickup_where_a_running_job_drops_off_is_a_swap_for_its_robot(line):
+    delivering(line)
+    assert line.say('queuePickupDropoff y z 10 20 second') == [
+        'queuepickupdropoff goals "y" and "z" with priorities 10 and 20 ids PICKUP3 and DROPOFF4 '
+        'job_id second successfully queued and linked to job_id first',
+        f'QueueUpdate: PICKUP3 second 10 Pending None Goal "y" "Lynx1" {AT} None None 0 ',
+        f'QueueUpdate: DROPOFF4 second 20 Pending ID_PICKUP3 Goal "z" "Lynx1" {AT} None None 0 ']
+    message, = line.book.due(line.now)
+    assert (message.act, message.job.robot) == (FleetAct.REQUEST, 'Lynx1')
+    for key, shown in line.fleet.handle(message):
+        line.server.announce(tell(line.book, key, shown, line.now))
+    assert line.heard() == []  # its robot stays named while it waits
+    assert 'linked' not in line.say('queuePickupDropoff y z')[0]  # one robot, one swap
+
+
+def test_there_is_no_swap_before_the_robot_carries_the_load_and_after_a_cancellation(line):
+    line.say('queuePickupDropoff x y 10 20 first')
+    line.exchange()
+    line.set(ACTIVE, 'Lynx1')
+    assert 'linked' not in line.say('queuePickupDropoff y z')[0]
+    line.reach(0)
+    assert 'linked' not in line.say('queuePickupDropoff x z')[0]
+    line.say('queueCancel jobId first')
+    assert 'linked' not in line.say('queuePickupDropoff y z')[0]
+
+
+def test_a_swap_outlives_a_restart(line):
+    delivering(line)
+    line.say('queuePickupDropoff y z 10 20 second')
+    again = Line(line.disk, line.fleet)
+    assert [job.robot for job in again.book.jobs] == ['', 'Lynx1']
+
+
 def test_another_robot_begins_with_the_steps_anew(line):
     line.say('queuePickup x')
     line.exchange()

@@ -86,7 +86,8 @@ class JobsInAnyOrder(RuleBasedStateMachine):
             self.clients.pop(which % len(self.clients)).close()
 
     @rule(command=st.sampled_from((
-        ('queuePickup x', 1), ('queuePickupDropoff x y 5 6', 2), ('queuePickup x 3 JOB4', 1),
+        ('queuePickup x', 1), ('queuePickupDropoff x y 5 6', 2),
+        ('queuePickupDropoff y z', 2), ('queuePickup x 3 JOB4', 1),
         ('queueMulti 3 2 x pickup 1 y pickup default y dropoff 2', 3))))
     def queue(self, command: Tuple[str, int]) -> None:
         line, count = command
@@ -258,10 +259,11 @@ TestJobsInAnyOrder = JobsInAnyOrder.TestCase
 class StoresLate(JobBook):
     """Says that a job is queued before it is on the disk."""
 
-    def queue(self, goals: Sequence[JobGoal], id: str = '') -> QueuedJob:
+    def queue(self, goals: Sequence[JobGoal], id: str = '', robot: str = ''
+              ) -> QueuedJob:
         disk, self._store = self._store, Disk()
         try:
-            return super().queue(goals, id)
+            return super().queue(goals, id, robot)
         finally:
             self._store = disk
 

@@ -9,7 +9,7 @@ from test_job_port import log_in, with_port
 
 from omron_jobs.network import job_port, outgoing_link
 from omron_jobs.network.job_port import JobPort
-from omron_jobs.network.outgoing_link import OutgoingAddress, OutgoingLink
+from omron_jobs.network.outgoing_link import DialledAddress, DialledLink
 
 Streams = Tuple[asyncio.StreamReader, asyncio.StreamWriter]
 
@@ -39,13 +39,13 @@ def _dials_soon(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(outgoing_link, 'RETRY', 0.01)
 
 
-def with_link(act: Callable[[JobPort, int, Program, OutgoingLink], Awaitable[None]],
+def with_link(act: Callable[[JobPort, int, Program, DialledLink], Awaitable[None]],
               *commands: str) -> None:
     """Calls `act` with a job server that dials to a program."""
     async def run(port: JobPort, number: int) -> None:
         program = Program()
         await program.listen()
-        link = OutgoingLink(port, OutgoingAddress(
+        link = DialledLink(port, DialledAddress(
             '127.0.0.1', program.port, commands, 0.02 if commands else 0.0))
         link.start()
         try:
@@ -58,7 +58,7 @@ def with_link(act: Callable[[JobPort, int, Program, OutgoingLink], Awaitable[Non
 
 
 def test_the_program_is_a_client_without_login_and_hears_of_the_jobs_of_others():
-    async def act(port: JobPort, number: int, program: Program, link: OutgoingLink) -> None:
+    async def act(port: JobPort, number: int, program: Program, link: DialledLink) -> None:
         reader, writer = await program.connection()
         writer.write(b'queuePickup x 10 mine\r\n')
         assert (await reader.readline()).startswith(b'queuepickup goal "x" with priority 10 ')
@@ -73,7 +73,7 @@ def test_the_program_is_a_client_without_login_and_hears_of_the_jobs_of_others()
 
 
 def test_a_lost_connection_is_dialled_again_also_if_nobody_listens_for_a_while():
-    async def act(port: JobPort, number: int, program: Program, link: OutgoingLink) -> None:
+    async def act(port: JobPort, number: int, program: Program, link: DialledLink) -> None:
         _, writer = await program.connection()
         await program.leave()
         writer.close()
@@ -89,7 +89,7 @@ def test_a_lost_connection_is_dialled_again_also_if_nobody_listens_for_a_while()
 
 
 def test_quit_ends_the_connection_and_it_is_dialled_again():
-    async def act(port: JobPort, number: int, program: Program, link: OutgoingLink) -> None:
+    async def act(port: JobPort, number: int, program: Program, link: DialledLink) -> None:
         reader, writer = await program.connection()
         writer.write(b'quit\r\n')
         assert await reader.read() == b'Closing connection\r\n'
@@ -100,7 +100,7 @@ def test_quit_ends_the_connection_and_it_is_dialled_again():
 
 
 def test_commands_are_carried_out_for_the_program_again_and_again():
-    async def act(port: JobPort, number: int, program: Program, link: OutgoingLink) -> None:
+    async def act(port: JobPort, number: int, program: Program, link: DialledLink) -> None:
         reader, writer = await program.connection()
         for _ in range(3):
             assert await reader.readline() == b'EndQueueShowRobot\r\n'
@@ -112,7 +112,7 @@ def test_commands_are_carried_out_for_the_program_again_and_again():
 def test_a_program_that_does_not_read_loses_its_own_connection_only(monkeypatch):
     monkeypatch.setattr(job_port, 'MOST_UNREAD', 20_000)
 
-    async def act(port: JobPort, number: int, program: Program, link: OutgoingLink) -> None:
+    async def act(port: JobPort, number: int, program: Program, link: DialledLink) -> None:
         stalled = await program.connection()
         good = await log_in(number)
         again = asyncio.ensure_future(program.connection())

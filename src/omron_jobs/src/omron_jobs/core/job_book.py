@@ -37,6 +37,7 @@ from omron_jobs.core.jobs import (
     Place,
     QueuedJob,
     SegmentChange,
+    carrier_to,
     first_misplaced,
     lost,
     news_of,
@@ -148,6 +149,12 @@ class JobBook:
 
     # -- what clients want -----------------------------------------------------------------------
 
+    def swap_at(self, vertex: int) -> Optional[QueuedJob]:
+        """The oldest job whose robot, when it has dropped off at a vertex, has no other job yet."""
+        taken = {job.robot for job in self._jobs.values() if job.is_open}
+        return next((job for job in self._jobs.values()
+                     if carrier_to(job, vertex) not in ('', *taken)), None)
+
     def queue(self, goals: Sequence[JobGoal], id: str = '', robot: str = '',
               origin: Optional[JobOrigin] = None) -> QueuedJob:
         """Accepts a job. Raises JobRefused, and OSError if it cannot be stored.
@@ -166,7 +173,8 @@ class JobBook:
             number += 1
         job = QueuedJob(
             id or f'JOB{number}',
-            queued_segments(tuple(JobSegment(number + k, *goal) for k, goal in enumerate(goals))),
+            queued_segments(tuple(JobSegment(number + k, *goal) for k, goal in enumerate(goals)),
+                            robot),
             self._clock(), self._free_mission(), robot=robot, origin=origin)
         counters = self.counters._replace(number=number + len(goals))
         self._store.write([job], (), counters)

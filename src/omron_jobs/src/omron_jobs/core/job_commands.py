@@ -109,14 +109,17 @@ class JobCommands:
                         changes_of(job))
 
     def queue_pickup_dropoff(self, command: CommandLine) -> JobReply:
-        """Queues a pickup and the drop-off after it."""
-        job = self._book.queue([self._goal(command, SegmentKind.PICKUP, 0, 2),
-                                self._goal(command, SegmentKind.DROPOFF, 1, 3)],
-                               command.text(4, 'job_id'))
+        """Queues a pickup and the drop-off after it: for the robot that drops off there before."""
+        pickup = self._goal(command, SegmentKind.PICKUP, 0, 2)
+        swap = self._book.swap_at(pickup.vertex)
+        job = self._book.queue([pickup, self._goal(command, SegmentKind.DROPOFF, 1, 3)],
+                               command.text(4, 'job_id'),
+                               '' if swap is None else swap.segments[-1].told.robot)
         one, two = job.segments
-        return JobReply((words.PICKUP_DROPOFF_QUEUED.format(
-            one.goal, two.goal, one.priority, two.priority, one.id, two.id, job.id),),
-            changes_of(job))
+        line = words.PICKUP_DROPOFF_QUEUED.format(
+            one.goal, two.goal, one.priority, two.priority, one.id, two.id, job.id)
+        return JobReply((line + ('' if swap is None else words.LINKED_TO_JOB.format(swap.id)),),
+                        changes_of(job))
 
     def queue_multi(self, command: CommandLine) -> JobReply:
         """Queues a job of several goals. The first one must be a pickup."""

@@ -30,6 +30,7 @@ PICKUP_DROPOFF_QUEUED = ('queuepickupdropoff goals "{}" and "{}" with priorities
                          'and {} job_id {} successfully queued')
 MULTI_QUEUED = 'QueueMulti: goal "{}"' + QUEUED
 LINKED = ' and linked to {}'
+LINKED_TO_JOB = ' and linked to job_id {}'
 END_OF_MULTI = 'EndQueueMulti'
 CANCELLING = 'queuecancel cancelling "{}" "{}" {} "{}" from queue'
 MODIFYING_PRIORITY = 'queuemodify modifying id {} priority {}'

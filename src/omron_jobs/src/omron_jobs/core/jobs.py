@@ -166,7 +166,7 @@ class QueuedJob:
     mission  -- id of the request
     is_known -- the fleet manager has the mission
     cancel   -- why it is to be cancelled; None: it is not. Empty: no reason was given
-    robot    -- the one that must serve it; empty: any
+    robot    -- the one that must serve it, as its client said or because of a swap; empty: any
     origin   -- its record of the REST interface; None: it came over ARCL
     """
 
@@ -199,9 +199,26 @@ class SegmentChange:
     segment: JobSegment
 
 
-def queued_segments(segments: Tuple[JobSegment, ...]) -> Tuple[JobSegment, ...]:
-    """Returns the segments of a new job: each waits for the one before it."""
-    return tuple(replace(one, told=_waiting(segments, k)) for k, one in enumerate(segments))
+def queued_segments(segments: Tuple[JobSegment, ...], robot: str = '') -> Tuple[JobSegment, ...]:
+    """Returns the segments of a new job: each waits for the one before it.
+
+    robot -- the one that must serve the job; it is told from the beginning
+    """
+    return tuple(replace(one, told=_waiting(segments, k)._replace(robot=robot))
+                 for k, one in enumerate(segments))
+
+
+def carrier_to(job: QueuedJob, vertex: int) -> str:
+    """Returns the robot that only has to drop off at a vertex to end a job; empty: there is none.
+
+    Such a robot carries the load of the job, so that no other one can get the job.
+    """
+    segment = job.current
+    if segment is None or segment is not job.segments[-1] or job.cancel is not None:
+        return ''
+    told, is_dropoff = segment.told, segment.kind is SegmentKind.DROPOFF
+    return told.robot if (is_dropoff and segment.vertex == vertex
+                          and told.status is SegmentStatus.IN_PROGRESS) else ''
 
 
 def _waiting(segments: Tuple[JobSegment, ...], index: int) -> Told:
@@ -267,13 +284,14 @@ def _target(job: QueuedJob, segments: Tuple[JobSegment, ...], index: int, missio
         return Told(SegmentStatus.CANCELLED,
                     REFUSED_BY_FLEET if is_refused else job.cancel or NONE, before.robot)
     if index > mission.reached:
-        return _waiting(segments, index)
+        return _waiting(segments, index)._replace(robot=job.robot)
     if state is JobMissionState.CANCELLING or job.cancel is not None:
         is_begun = before.status is not SegmentStatus.PENDING
         return Told(SegmentStatus.CANCELLING, job.cancel or NONE, robot) if is_begun else before
     if not mission.robot:
         return (Told(SegmentStatus.IN_PROGRESS, UNALLOCATED)
-                if state is JobMissionState.ACTIVE else _waiting(segments, index))
+                if state is JobMissionState.ACTIVE
+                else _waiting(segments, index)._replace(robot=job.robot))
     if state is JobMissionState.ACTIVE:
         return _served(segments[index], robot, mission.drive)
     return Told(SegmentStatus.INTERRUPTED, NONE, robot)

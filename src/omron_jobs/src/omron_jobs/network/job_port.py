@@ -59,9 +59,9 @@ class JobPort:
             lambda: _Client(self), host, port)
         return int(self._listening.sockets[0].getsockname()[1])
 
-    def outgoing(self, ended: asyncio.Future[None]) -> OutgoingClient:
+    def dialled(self, ended: asyncio.Future[None]) -> DialledClient:
         """Returns the protocol of a connection that this server opens. `ended`: set at its end."""
-        return OutgoingClient(self, ended)
+        return DialledClient(self, ended)
 
     def flush(self) -> None:
         """Sends what the sessions have for their clients."""
@@ -158,7 +158,7 @@ class _Client(asyncio.Protocol):
             self.flush()
 
 
-class OutgoingClient(_Client):
+class DialledClient(_Client):
     """A connection that this server has opened: the program there need not log in."""
 
     def __init__(self, port: JobPort, ended: asyncio.Future[None]) -> None:

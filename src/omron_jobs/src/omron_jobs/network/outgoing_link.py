@@ -7,7 +7,7 @@
     LINKED     the connection ends            LOST
     all        `close`                        CLOSED
 
-OMRON's outgoing connections have no password, and no welcome. So whoever answers at the address may
+OMRON's outgoing connections have no password, and no welcome. So the program at the address may
 send commands. A program that is silently gone counts as lost after about SILENCE s.
 """
 from __future__ import annotations
@@ -26,7 +26,7 @@ _PROBE = 5          # s between two questions of TCP whether the other computer 
 _log = logging.getLogger(__name__)
 
 
-class OutgoingAddress(NamedTuple):
+class DialledAddress(NamedTuple):
     """Where the server connects, and what it sends there by itself.
 
     commands -- carried out every `seconds`, as if the program had sent them; 0: never
@@ -38,10 +38,10 @@ class OutgoingAddress(NamedTuple):
     seconds: float = 0.0
 
 
-class OutgoingLink:
+class DialledLink:
     """Keeps one connection to a program. `trouble`: why there is none; empty: there is one."""
 
-    def __init__(self, port: JobPort, address: OutgoingAddress) -> None:
+    def __init__(self, port: JobPort, address: DialledAddress) -> None:
         self.trouble = 'it is opened'
         self._port, self._address = port, address
         self._task: Optional[asyncio.Task[None]] = None
@@ -76,7 +76,7 @@ class OutgoingLink:
         loop = asyncio.get_running_loop()
         ended: asyncio.Future[None] = loop.create_future()
         transport, client = await asyncio.wait_for(loop.create_connection(
-            lambda: self._port.outgoing(ended), self._address.host, self._address.port), DIAL_TIME)
+            lambda: self._port.dialled(ended), self._address.host, self._address.port), DIAL_TIME)
         find_out_loss(transport.get_extra_info('socket'))
         self.trouble = ''
         while not ended.done():

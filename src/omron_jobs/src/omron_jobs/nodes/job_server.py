@@ -71,7 +71,7 @@ from omron_jobs.core.jobs import QueuedJob
 from omron_jobs.core.rest_api import RestApi
 from omron_jobs.core.rest_records import RestRecords
 from omron_jobs.network.job_port import JobPort, WrongPeer, read_peers
-from omron_jobs.network.outgoing_link import OutgoingAddress, OutgoingLink
+from omron_jobs.network.outgoing_link import DialledAddress, DialledLink
 from omron_jobs.network.rest_port import RestPort
 from omron_jobs.nodes.fleet_news import (
     WrongStatus,
@@ -299,7 +299,7 @@ def peers() -> Any:
         raise ConfigurationError(f'Parameter {rospy.resolve_name("~peers")}: {wrong}.') from None
 
 
-def outgoing_link(port: JobPort) -> Optional[OutgoingLink]:
+def outgoing_link(port: JobPort) -> Optional[DialledLink]:
     """The outgoing connection; None: it is not wanted. Raises ConfigurationError."""
     host, number_of_port = parameter('~outgoing_host', ''), parameter('~outgoing_port', 7179, int)
     commands = parameter('~outgoing_commands', '').split('|')
@@ -312,7 +312,7 @@ def outgoing_link(port: JobPort) -> Optional[OutgoingLink]:
     if seconds and seconds < SHORTEST_PERIOD:
         raise ConfigurationError(f'Parameter {rospy.resolve_name("~outgoing_seconds")} is '
                                  f'{seconds}: give 0, or at least {SHORTEST_PERIOD} s.')
-    return OutgoingLink(port, OutgoingAddress(
+    return DialledLink(port, DialledAddress(
         host, number_of_port, tuple(one.strip() for one in commands if one.strip()), seconds))
 
 
