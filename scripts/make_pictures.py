@@ -3,9 +3,9 @@
 
 After `source devel/setup.bash`: `PYTHONPATH=test:$PYTHONPATH scripts/make_pictures.py`
 
-Writes rviz_map.png, rviz_route.png, rviz_drive.gif, made_graph.png, graph_editor.png and fleet.gif
-into docs/images. With `stack` it writes only the first three, with `graph` the next two, with
-`fleet` the last one.
+Writes rviz_map.png, rviz_route.png, rviz_drive.gif, made_graph.png, graph_editor.png, fleet.gif and
+fleet_work.png into docs/images. With `stack` it writes only the first three, with `graph` the next
+two, with `fleet` and `work` one each.
 """
 from __future__ import annotations
 
@@ -15,8 +15,9 @@ import subprocess
 import sys
 import tempfile
 import time
+from contextlib import contextmanager
 from pathlib import Path
-from typing import Callable, List, Optional, Tuple
+from typing import Callable, Iterator, List, Optional, Tuple
 
 import rosgraph
 import rospy
@@ -45,6 +46,8 @@ STATION_SIDE = '-13.2,-7.0,180'  # where the laboratory's charger is
 VERTEX_2 = (600, 198)  # pixel of a vertex of the made graph
 NAVY, YELLOW = (31, 51, 89), (255, 217, 26)
 FLEET_FILM = 45.0  # s
+PALLETS = 5  # so many that robots queue at the press
+DOOR = 17  # edge through the door of the press
 CORNER = (1240, 860)  # pixel at which the mouse hides nothing
 ROUTE = (9, 3, 4, 31, 32, 34)  # edges from vertex 4 to 52
 
@@ -160,6 +163,36 @@ def graph_pictures(screen: Screen) -> None:
 
 def fleet_film(screen: Screen) -> None:
     """Eight robots at work, as `scripts/run.sh fleet:=4 longest_edge:=1.5 demo:=true` shows."""
+    with fleet_in_rviz(screen, 'longest_edge:=1.5', 'demo:=true') as (fleet, window):
+        wait_until(lambda: sum(robot.has_mission for robot in fleet.state.messages[-1].robots) == 8,
+                   120.0, 'eight missions')
+        window.hover(CORNER)
+        pictures = Film(window)
+        pictures.take_until(lambda: False, FLEET_FILM)
+        pictures.save(IMAGES / 'fleet.gif')
+
+
+def work_picture(screen: Screen) -> None:
+    """Doors, and a station with a queue, as `scripts/run.sh fleet:=4 work:=true` shows them."""
+    with fleet_in_rviz(screen, 'work:=true') as (fleet, window):
+        for _ in range(PALLETS):
+            subprocess.run(['rosrun', 'graph_fleet_manager', 'mission', 'run', 'pallet',
+                            'from:=press', 'to:=shelves'], check=True, stdout=subprocess.DEVNULL)
+        window.hover(CORNER)
+
+        def is_busy() -> bool:
+            state = fleet.state.messages[-1]
+            queue = sum('its turn at station press' in robot.waits_for for robot in state.robots)
+            is_in_door = any(abs(robot.pose.edge_id) == DOOR and 20.0 < robot.pose.percentage < 60.0
+                             for robot in state.robots)
+            return is_in_door and queue > 1
+        wait_until(is_busy, 300.0, 'a robot in the door, and robots in the queue of the press')
+        keep(window, 'fleet_work')
+
+
+@contextmanager
+def fleet_in_rviz(screen: Screen, *options: str) -> Iterator[Tuple[Factory, RvizWindow]]:
+    """Eight robots under a ROS master of their own, and an RViz that shows them."""
     port = free_port()
     os.environ['ROS_MASTER_URI'] = screen.environment['ROS_MASTER_URI'] = (
         f'http://127.0.0.1:{port}')
@@ -168,17 +201,12 @@ def fleet_film(screen: Screen) -> None:
     try:
         wait_until(rosgraph.Master('/make_pictures').is_online, 60.0, 'the ROS master')
         rospy.init_node('make_pictures', disable_signals=True)
-        fleet = Factory('4', 'longest_edge:=1.5', 'demo:=true')
+        fleet = Factory('4', *options)
         window = RvizWindow(screen, str(IMAGES), SCALE, 'omron_ld90', 'rviz.launch',
                             'robot_name:=rviz_of_fleet', f'map_file:={fleet.folder}/fleet.map',
                             f'rviz_config:={fleet.folder}/fleet.rviz')
         fleet.wait_until_ready()
-        wait_until(lambda: sum(robot.has_mission for robot in fleet.state.messages[-1].robots) == 8,
-                   120.0, 'eight missions')
-        window.hover(CORNER)
-        pictures = Film(window)
-        pictures.take_until(lambda: False, FLEET_FILM)
-        pictures.save(IMAGES / 'fleet.gif')
+        yield fleet, window
     finally:
         if window is not None:
             window.close()
@@ -195,7 +223,8 @@ def main() -> int:
         print(f'Not installed: {", ".join(missing)}.', file=sys.stderr)
         return 1
     IMAGES.mkdir(parents=True, exist_ok=True)
-    parts = {'stack': stack_pictures, 'graph': graph_pictures, 'fleet': fleet_film}
+    parts = {'stack': stack_pictures, 'graph': graph_pictures, 'fleet': fleet_film,
+             'work': work_picture}
     if sys.argv[1:] not in [[name] for name in parts]:
         for name in parts:  # each part in its own process, because a process has one ROS master
             subprocess.run([sys.executable, __file__, name], check=True)

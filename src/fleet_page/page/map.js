@@ -21,8 +21,8 @@ let rem = 16; // px; larger on a wall screen
 let followed = '', fixed = []; // the robot in the middle of the view; the boxes of vertices and of their names
 let buttons = [0, 0, 0, 0]; // the box of the buttons in the map
 
-const planLayer = makeSvg('g', { 'aria-hidden': 'true' }), robotLayer = makeSvg('g');
-svg.append(planLayer, robotLayer);
+const planLayer = makeSvg('g', { 'aria-hidden': 'true' }), resourceLayer = makeSvg('g'), robotLayer = makeSvg('g');
+svg.append(planLayer, resourceLayer, robotLayer);
 
 export function startMap(given) {
   handlers = given;
@@ -280,6 +280,7 @@ export function drawMoving(keys) {
   placeLabels();
   if (followed) keepInMiddle();
   if (!keys || [...keys].some(key => key.startsWith('plan:'))) drawPlans();
+  if (!keys || [...keys].some(key => key.startsWith('resource:'))) drawResources();
 }
 
 function drawPast() {
@@ -291,7 +292,7 @@ function drawPast() {
   }
   dropRobots(wanted);
   placeLabels();
-  planLayer.replaceChildren();
+  planLayer.replaceChildren(); resourceLayer.replaceChildren();
 }
 
 function dropRobots(wanted) {
@@ -378,6 +379,46 @@ function newRobot(name) {
   const shapes = { group, card, ring, body, nose, text, title, words: '', side: -1 };
   robots.set(name, shapes);
   return shapes;
+}
+
+// Doors and other devices along their edges, and stations around their places. The words tell what the line shows.
+function drawResources() {
+  const places = new Places(size.width, size.height);
+  places.cover(buttons);
+  for (const box of fixed) places.cover(box);
+  resourceLayer.replaceChildren(...[...all('resource:')].map(([name, resource]) => {
+    const shown = resourceWords(name, resource), words = resource.robots.length ? `${shown} (${resource.robots.join(', ')})` : shown;
+    const group = makeSvg('g', { class: `resource ${resource.device || 'place'}`, role: 'img', 'aria-label': words, 'data-name': name });
+    const title = makeSvg('title'), middles = [];
+    title.textContent = words;
+    group.append(title);
+    for (const edge of resource.edges.map(id => edgesById.get(id)).filter(Boolean)) {
+      const points = [];
+      for (let k = 0; k < edge[3].length; k += 2) points.push(pixel(edge[3][k], edge[3][k + 1]));
+      group.append(makeSvg('path', { d: `M${points.map(point => point.map(v => v.toFixed(1)).join(' ')).join('L')}` }));
+      middles.push(points.length === 2 ? [0, 1].map(k => (points[0][k] + points[1][k]) / 2) : points[points.length >> 1]);
+    }
+    for (const vertex of resource.vertices.map(id => verticesById.get(id)).filter(Boolean)) {
+      const [x, y] = pixel(vertex[1], vertex[2]);
+      group.append(makeSvg('circle', { cx: x.toFixed(1), cy: y.toFixed(1), r: Math.max(8, 0.45 * view.scale).toFixed(1) }));
+      middles.push([x, y]);
+    }
+    if (middles.length) {
+      const [x, y] = middles[0], text = { x, y, away: resource.edges.length ? 6 : Math.max(8, 0.45 * view.scale) + 3, width: widthOf(shown), height: 0.95 * rem };
+      const side = places.place(text, ABOVE_FIRST);
+      if (side >= 0) {
+        const box = boxOf(text, ABOVE_FIRST[side]), label = makeSvg('text', { x: ((box[0] + box[2]) / 2).toFixed(1), y: ((box[1] + box[3]) / 2).toFixed(1), 'text-anchor': 'middle', 'dominant-baseline': 'central' });
+        label.textContent = shown;
+        group.append(label);
+      }
+    }
+    return group;
+  }));
+}
+
+function resourceWords(name, resource) {
+  const what = `${t(`resource_${resource.kind}`)} ${name}`;
+  return resource.device ? `${what}: ${t(`device_${resource.device}`)}` : what;
 }
 
 function drawPlans() {

@@ -3,6 +3,7 @@ from __future__ import annotations
 
 import colorsys
 import time
+from dataclasses import replace
 
 import pytest
 
@@ -18,7 +19,7 @@ from fleet_core.supervision.fleet_stop import (  # noqa: E402
     StopCause,
 )
 from fleet_page.core.acts import ActKind  # noqa: E402
-from fleet_page.core.fleet import ShownPose  # noqa: E402
+from fleet_page.core.fleet import ShownPose, ShownResource  # noqa: E402
 from trajectory_graph import split_edges  # noqa: E402
 
 pytestmark = needs_browser
@@ -75,6 +76,25 @@ def test_a_robot_that_moves_is_drawn_where_it_is(window, served):
     before = window.one('.robot[data-name=a]').get_attribute('transform')
     served.do(lambda: served.page.model.take_places({'a': ShownPose(2.5, 0.0, 0.0)}))
     window.wait(lambda: window.one('.robot[data-name=a]').get_attribute('transform') != before)
+
+
+def test_a_door_and_a_station_are_drawn_with_words_for_what_they_show(window, served):
+    def show(*resources):
+        served.do(lambda: served.page.model.show_resources(resources))
+    press, door = ShownResource('press', 'STATION', vertices=(6,), robots=('a',)), ShownResource(
+        'gate', 'DOOR', edges=(8,), device='CLOSED')
+    show(press, door)
+    window.wait(lambda: window.text('.resource[data-name=gate] text') == 'door gate: closed')
+    assert window.one('.resource[data-name=gate] path')
+    assert window.one('.resource[data-name=press] circle')
+    assert window.text('.resource[data-name=press] text') == 'station press'
+    named = window.one('.resource[data-name=press]').get_attribute('aria-label')
+    assert named == 'station press (a)'
+    window.picture('resources')
+    show(press, replace(door, device='OPEN'))
+    window.wait(lambda: window.text('.resource[data-name=gate] text') == 'door gate: open')
+    show()
+    window.wait(lambda: not window.driver.find_elements('css selector', '.resource'))
 
 
 def test_the_header_counts_robots_and_missions_and_opens_their_lists(window, served):

@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 from page_builders import PAGE_FOLDER
 
+from fleet_core.interlocking.resources import ResourceKind
 from fleet_core.supervision.fleet_view import WORKING, RobotState
 from fleet_core.supervision.outages import Outage
 from fleet_page.core.acts import ANSWERS, ActKind
@@ -19,6 +20,7 @@ from fleet_page.core.fleet import (
     RobotGroup,
 )
 from fleet_page.door.files import CHART
+from route_protocol.devices import DeviceMode
 
 SOURCES = {path.name: path.read_text() for path in PAGE_FOLDER.iterdir()
            if path.suffix in ('.js', '.html', '.css')}
@@ -36,6 +38,8 @@ def used_keys():
     found |= {f'robot_{state}' for state in ROBOT_STATES}
     found |= {f'mission_{state}' for state in MISSION_STATES}
     found |= {f'deadline_{state}' for state in DEADLINE_ALARMS}
+    found |= {f'resource_{kind.name}' for kind in ResourceKind}
+    found |= {f'device_{mode.name}' for mode in DeviceMode}
     tabs = re.search(r'TABS = \[(.*?)\]', SOURCES['main.js']).group(1)
     found |= {f'tab_{name}' for name in re.findall(r"'(\w+)'", tabs)}
     columns = re.search(r'COLUMNS = \[(.*?)\]', SOURCES['missions.js']).group(1)

@@ -12,7 +12,7 @@ from nav_msgs.msg import OccupancyGrid
 from std_srvs.srv import Trigger, TriggerResponse
 
 from fleet_page.core.acts import Act, ActKind
-from fleet_page.core.fleet import MISSION_STATES, ROBOT_STATES, ShownPose
+from fleet_page.core.fleet import MISSION_STATES, ROBOT_STATES, ShownPose, ShownResource
 from fleet_page.core.fleet_model import FleetModel
 from fleet_page.core.roles import Person, UserRole
 from fleet_page.core.site import WrongMap
@@ -57,6 +57,22 @@ def test_a_robot_in_a_door_that_is_not_open_is_an_alarm(state, not_open):
     alarm = model.live.get('alarm:robot:a')
     assert (alarm and alarm['cause']) == ('NOT_OPEN' if not_open else None)
     assert model.live.get('alarm:robot:b') is None
+
+
+def test_stations_and_doors_are_told_with_what_they_show_and_the_robots_there():
+    found = messages.resources_of(msg.FleetState(resources=[
+        msg.FleetResource(name='gate', kind=msg.FleetResource.DOOR, edges=[17], has_device=True,
+                          device_mode=msg.DeviceState.OPEN,
+                          claims=[msg.ResourceClaim('a', msg.ResourceClaim.IN_USE)]),
+        msg.FleetResource(name='press', kind=msg.FleetResource.STATION, vertices=[18])]))
+    assert found == [ShownResource('gate', 'DOOR', (17,), (), 'OPEN', ('a',)),
+                     ShownResource('press', 'STATION', vertices=(18,))]
+    model = FleetModel()
+    model.show_resources(found)
+    assert model.live.get('resource:gate')['device'] == 'OPEN'
+    model.show_resources(found[1:])
+    assert model.live.get('resource:gate') is None
+    json.loads(model.live.update(0))
 
 
 def test_a_plan_says_how_much_of_it_is_released():

@@ -69,6 +69,25 @@ class ShownRobot:
             self.wait != WaitCode.NOTHING.name)
 
 
+@dataclass(frozen=True)
+class ShownResource:
+    """A station, a door or the like, as the map shows it.
+
+    kind     -- name of the kind (fleet_core.interlocking.resources)
+    edges    -- ids of the edges that need it
+    vertices -- ids of the vertices that need it
+    device   -- what its device shows (name of a DeviceMode); empty: it has none
+    robots   -- names of the robots that claim it
+    """
+
+    name: str
+    kind: str
+    edges: Tuple[int, ...] = ()
+    vertices: Tuple[int, ...] = ()
+    device: str = ''
+    robots: Tuple[str, ...] = ()
+
+
 ALARMING = ('STOPPED', 'TAKEN_OVER', 'FAILED', 'OFF_GRAPH', 'TOO_NEAR', 'CLOCK', 'DEAF')
 NEVER_HEARD = 'NEVER_HEARD'
 _SILENT = 'SILENT'

@@ -1,7 +1,8 @@
 """The model of the fleet that the page shows. It is the only writer of the live state.
 
 Keys of the live state: `fleet`, `stop`, `counts`, `site`, `closed`, `favourites`, `robot:NAME`,
-`pose:NAME`, `plan:NAME`, `mission:ID:STAMP`, `alarm:robot:NAME`, `alarm:mission:ID:STAMP`.
+`pose:NAME`, `plan:NAME`, `resource:NAME`, `mission:ID:STAMP`, `alarm:robot:NAME`,
+`alarm:mission:ID:STAMP`.
 """
 from __future__ import annotations
 
@@ -21,6 +22,7 @@ from fleet_page.core.fleet import (
     RobotGroup,
     ShownPlan,
     ShownPose,
+    ShownResource,
     ShownRobot,
     alarm_of,
     group_of,
@@ -83,6 +85,10 @@ class FleetModel:
     def close_edges(self, edges: Iterable[int]) -> None:
         """Takes the list of all closed edges."""
         self.live.put('closed', sorted(edges))
+
+    def show_resources(self, resources: Iterable[ShownResource]) -> None:
+        """Shows all stations, doors and the like."""
+        self.live.replace('resource:', {one.name: asdict(one) for one in resources})
 
     def show_favourites(self, favourites: Mapping[str, Any]) -> None:
         """Shows the favourites: missions that are stored under a name."""

@@ -14,11 +14,13 @@ from fleet_page.core.fleet import (
     MissionStatus,
     ShownPlan,
     ShownPose,
+    ShownResource,
     ShownRobot,
 )
 from fleet_page.core.site import WallMap, wall_map
 from fleet_page.nodes.fleet_commands import COMMANDS, EDGES
 from graph_fleet_manager.messages.missions import person_of
+from graph_fleet_manager.messages.resources import KIND_OF_CODE, device_of
 from itrci_nav_msgs import msg
 
 _OUTAGES: Dict[int, str] = {
@@ -47,6 +49,14 @@ def _robot_of(message: msg.FleetRobot, not_open: str) -> ShownRobot:
         message.request_id if message.has_mission else None, message.destination,
         message.waits_for, message.to_end if math.isfinite(message.to_end) else None,
         _WAITS.get(message.waits_for_code, 'UNKNOWN'), not_open)
+
+
+def resources_of(message: msg.FleetState) -> List[ShownResource]:
+    """The stations, doors and the like in /fleet_state."""
+    return [ShownResource(
+        one.name, KIND_OF_CODE[one.kind].name, tuple(one.edges), tuple(one.vertices),
+        '' if device is None else device.mode.name, tuple(claim.robot for claim in one.claims))
+        for one in message.resources for device in (device_of(one),)]
 
 
 def places_of(message: msg.FleetPoses) -> Dict[str, ShownPose]:
