@@ -16,13 +16,14 @@ from system_support import Recorder, kill_node, run_cases, wait_until
 from warehouse import PASSWORD, PATIENCE, connected
 
 PORT = int(os.environ.get('LD90_ARCL_PORT', '17171'))
+REST_PORT = int(os.environ.get('LD90_OUTGOING_PORT', '17179'))
 
 
 class RestProgram:
     """A program that gives jobs over REST."""
 
     def ask(self, method: str, path: str, record: Any = None) -> http.client.HTTPResponse:
-        connection = http.client.HTTPConnection('127.0.0.1', PORT - 10_000, timeout=PATIENCE)
+        connection = http.client.HTTPConnection('127.0.0.1', REST_PORT, timeout=PATIENCE)
         login = base64.b64encode(b'toolkitadmin:' + PASSWORD).decode()
         connection.request(method, path, json.dumps(record) if record else None,
                            {'Authorization': f'Basic {login}'})

@@ -49,7 +49,7 @@ class SoakPlc(plc.Plc):
 
     @property
     def is_door_open(self) -> bool:
-        """Is the door open for somebody who holds it?"""
+        """Is the door open, as its output asks?"""
         return self.coils.get(plc.COIL, False) and not self.lies
 
     def _set(self, address: int, value: bool) -> None:
