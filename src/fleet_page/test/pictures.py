@@ -140,6 +140,8 @@ def make(folder: Path, wanted: Callable[[str], bool]) -> None:
                               'de' if view == 'german' else 'en')
                 if view in TABS:
                     window.click(f'#tab_button_{view}')
+                if view == 'robots':
+                    window.script("document.getElementById('faults_box').open = true")
                 if view in ('robots', 'german'):
                     window.click('#tab_button_robots')
                     window.click('#robots [data-act=choose]')

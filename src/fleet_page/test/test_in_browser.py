@@ -314,6 +314,23 @@ def test_a_chosen_robot_shows_its_battery_its_missions_and_what_happened_to_it(w
     window.picture('robot')
 
 
+def test_the_list_of_faults_names_every_robot_that_does_not_work_with_code_and_remedy(
+        window, served):
+    served.do(lambda: served.page.model.take_robots([
+        robot('a'), robot('b', state='FAILED', outage='FAILED', waits_for='wheel blocked'),
+        robot('c', state='OUT_OF_SERVICE', outage='OUT_OF_SERVICE', mission=None)], time.time()))
+    window.click('#tab_button_robots')
+    window.click('#faults_box summary')
+    window.wait(lambda: '(2)' in window.text('#faults_box summary'))
+    for row, words in (('b', ('FAILED', 'wheel blocked', 'since', 'Look at the robot')),
+                       ('c', ('OUT_OF_SERVICE', 'taken out of service', 'put it into service'))):
+        text = window.text(f'#faults [data-key={row}]')
+        assert all(word in text for word in words), text
+    window.click('#faults [data-key=b] [data-act=choose]')
+    window.one('#robots li.chosen[data-key=b]')
+    window.script('localStorage.clear()')
+
+
 def test_a_robot_at_a_step_works_in_words_and_in_the_counts(window, served):
     served.do(lambda: served.page.model.take_robots([
         robot('a', waits_for='step 1 (pick) of stop 2', wait='STEP'),

@@ -23,6 +23,7 @@ from fleet_page.core.fleet import (
     ShownPose,
     ShownRobot,
     alarm_of,
+    fault_of,
     group_of,
 )
 from fleet_page.core.live_state import LiveState
@@ -68,6 +69,7 @@ class FleetModel:
         self._times: Dict[Key, Tuple[Optional[float], Optional[float]]] = {}
         self._done: Deque[float] = deque()
         self._events: List[RobotEvent] = []
+        self._faults: Dict[str, Tuple[str, int]] = {}
         self.site_revision = 0
         self.live.put('fleet', {'alive': False, 'heard': None})
         self.live.put('stop', None)
@@ -99,8 +101,10 @@ class FleetModel:
         for name in found:
             # RViz numbers the robots in the same order: the number selects the colour.
             self._numbers.setdefault(name, len(self._numbers))
+        self._faults = {name: self._fault_since(robot, now) for name, robot in found.items()}
         self.live.replace('robot:', {
-            name: {**_robot_values(robot), 'number': self._numbers[name]}
+            name: {**_robot_values(robot), 'number': self._numbers[name],
+                   'fault': self._faults[name][0], 'fault_since': self._faults[name][1]}
             for name, robot in found.items()})
         happened = (event_between(self.robots[name], robot, now)
                     for name, robot in found.items() if name in self.robots)
@@ -118,6 +122,14 @@ class FleetModel:
                     self._show_place(name, place)
         self._expect_ends(now)
         self.tick(now)
+
+    def _fault_since(self, robot: ShownRobot, now: float) -> Tuple[str, int]:
+        """Returns what keeps a robot from working, and since when (s since 1970; 0: nothing)."""
+        fault = fault_of(robot)
+        known = self._faults.get(robot.name)
+        if known is not None and known[0] == fault:
+            return known
+        return fault, round(now) if fault else 0
 
     def _expect_ends(self, now: float) -> None:
         """Notes when each mission under way ends. Small changes would only be noise."""
