@@ -708,6 +708,27 @@ def test_edges_are_closed_and_opened(window, served):
     asked(window, served, ActKind.OPEN, edges=(3,))
 
 
+def test_an_area_has_a_name_and_is_closed_and_opened_as_one(window, served):
+    cut = split_edges(served.page.model.graph, 1.6)
+    sections = {edge: sorted(cut.whole_edges([edge])) for edge in (3, 4)}
+    served.do(lambda: (setattr(served.page.model, 'graph', cut), served.page.model.site_changed()))
+    window.click('#tab_button_edges')
+    window.one('#edge').send_keys('3 4')
+    window.one('#area_name').send_keys('<b>hall</b>')
+    window.click('#keep_area')
+    window.wait(lambda: '<b>hall</b> · Edge 3, 4 · open' in window.text('#areas'))
+    window.click('#areas [data-act=close]')
+    asked(window, served, ActKind.CLOSE, edges=(3, 4))
+    served.do(lambda: served.page.model.close_edges(sections[3]))
+    window.wait(lambda: '1 of 2 edges closed' in window.text('#areas'))
+    served.do(lambda: served.page.model.close_edges(sections[3] + sections[4]))
+    window.wait(lambda: '· closed' in window.text('#areas'))
+    window.click('#areas [data-act=open]')
+    asked(window, served, ActKind.OPEN, edges=(3, 4))
+    window.click('#areas [data-act=remove_area]')
+    window.wait(lambda: window.text('#areas') == '')
+
+
 def test_the_page_knows_the_edges_and_places_of_the_users_graph_not_their_sections(window, served):
     cut = split_edges(served.page.model.graph, 1.6)
     sections = sorted(cut.whole_edges([3]))

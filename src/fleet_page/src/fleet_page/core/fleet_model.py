@@ -1,6 +1,6 @@
 """The model of the fleet that the page shows. It is the only writer of the live state.
 
-Keys of the live state: `fleet`, `stop`, `counts`, `site`, `closed`, `favourites`, `robot:NAME`,
+Keys of the live state: `fleet`, `stop`, `counts`, `site`, `closed`, `favourites`, `areas`, `robot:NAME`,
 `pose:NAME`, `plan:NAME`, `mission:ID:STAMP`, `alarm:robot:NAME`, `alarm:mission:ID:STAMP`.
 """
 from __future__ import annotations
@@ -86,9 +86,9 @@ class FleetModel:
         """Takes the list of all closed edges."""
         self.live.put('closed', sorted(edges))
 
-    def show_favourites(self, favourites: Mapping[str, Any]) -> None:
-        """Shows the favourites: missions that are stored under a name."""
-        self.live.put('favourites', dict(favourites))
+    def show_named(self, key: str, content: Mapping[str, Any]) -> None:
+        """Shows what users have stored under names; `key`: `favourites` or `areas`."""
+        self.live.put(key, dict(content))
 
     # -- robots -----------------------------------------------------------------------------------
 
