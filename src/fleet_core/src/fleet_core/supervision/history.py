@@ -62,7 +62,8 @@ def row_of(line: HistoryLine, moment: Callable[[float], str]) -> List[str]:
     return [str(line.request_id), ' '.join(map(str, line.destinations)), line.robot_type,
             str(line.priority), line.state.name, line.robot, str(line.reached),
             written(line.accepted), written(line.started), written(line.ended),
-            seconds(line.waited), seconds(line.took), line.reason, line.requested_by, short_name(line.serial)]
+            seconds(line.waited), seconds(line.took), line.reason, line.requested_by,
+            short_name(line.serial)]
 
 
 def history(path: str, since: float = -math.inf) -> Iterator[HistoryLine]:
@@ -120,8 +121,8 @@ def _opened(path: str) -> Tuple[sqlite3.Connection, Callable[[], bool]]:
             lambda: version() == before)
 
 
-def _history_line(serial: int, text: str, number: int, robot: str, reached: int, reason: str, accepted: float,
-                  started: Optional[float], last: float) -> HistoryLine:
+def _history_line(serial: int, text: str, number: int, robot: str, reached: int, reason: str,
+                  accepted: float, started: Optional[float], last: float) -> HistoryLine:
     request, state = read_request(text), MissionState(number)
     return HistoryLine(request.id, request.destinations, request.robot_type, request.priority,
                        state, robot, reached, accepted, started, None if state.is_open else last,

@@ -143,8 +143,8 @@ class MissionBook:
             if other.state.is_open:
                 found.append(replace(one, serial=other.serial))
             elif not _is_met(one, other):
-                raise RequestRefused(f'it comes after mission {short_name(other.serial)}, which has ended: '
-                                     f'{other.state.name}')
+                raise RequestRefused(f'it comes after mission {short_name(other.serial)}, '
+                                     f'which has ended: {other.state.name}')
         return tuple(found)
 
     def _let_follow(self, mission: Mission) -> None:

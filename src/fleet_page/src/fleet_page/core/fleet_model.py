@@ -1,7 +1,8 @@
 """The model of the fleet that the page shows. It is the only writer of the live state.
 
-Keys of the live state: `fleet`, `stop`, `counts`, `site`, `closed`, `favourites`, `areas`, `robot:NAME`,
-`pose:NAME`, `plan:NAME`, `mission:ID:STAMP`, `alarm:robot:NAME`, `alarm:mission:ID:STAMP`.
+Keys of the live state: `fleet`, `stop`, `counts`, `site`, `closed`, `favourites`, `areas`,
+`robot:NAME`, `pose:NAME`, `plan:NAME`, `mission:ID:STAMP`, `alarm:robot:NAME`,
+`alarm:mission:ID:STAMP`.
 """
 from __future__ import annotations
 

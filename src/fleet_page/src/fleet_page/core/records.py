@@ -1,5 +1,5 @@
-"""The records of the page: acts with their senders, favourites, areas, sums for the history, and for
-each robot its events and its battery."""
+"""The records of the page: acts with their senders, favourites, areas, sums for the history, and
+for each robot its events and its battery."""
 from __future__ import annotations
 
 import json
