@@ -116,6 +116,7 @@ function showLists() {
   showMissions(me);
   showRobots(me);
   showEdges();
+  showAreas();
   showAlarms(me);
 }
 
@@ -131,6 +132,26 @@ function showCounts() {
 function showEdges() {
   showRows($('closed'), [...new Set((entries.get('closed') || []).map(drawnEdge))], edge => edge, edge => make('li', { class: 'row' }, `${t('edge')} ${edge}`,
     me.role === 'see' ? '' : make('button', { 'data-act': 'open', 'aria-label': `${t('open')} ${edge}`, onclick: () => act({ act: 'open', edges: [edge] }) }, t('open'))), language + me.role);
+}
+
+// An area is closed if all of its edges are.
+function showAreas() {
+  const closed = new Set((entries.get('closed') || []).map(drawnEdge));
+  const areas = Object.entries(entries.get('areas') || {}).map(([name, { edges }]) => ({ name, edges, shut: edges.filter(edge => closed.has(edge)).length }));
+  const state = ({ edges, shut }) => t(!shut ? 'area_open' : shut === edges.length ? 'area_closed' : 'area_partly', { shut, whole: edges.length });
+  const button = (area, kind, text, values) => make('button', { 'data-act': kind, 'aria-label': `${t(text)} ${area.name}`, onclick: () => act({ act: kind, ...values }) }, t(text));
+  showRows($('areas'), areas, area => area.name, area => make('li', { class: 'row' }, make('span', {}, make('b', {}, area.name), ` · ${t('edge')} ${area.edges.join(', ')} · `, make('span', { class: area.shut ? 'bad' : 'soft' }, state(area))),
+    ...me.role === 'see' ? [] : [button(area, 'close', 'close', { edges: area.edges }), button(area, 'open', 'open', { edges: area.edges }), button(area, 'remove_area', 'remove', { name: area.name })]), language + me.role);
+}
+
+// A click on the map adds an edge to those typed, or takes it away.
+function toggleEdge(edge) {
+  const typed = $('edge').value.split(/[\s,]+/).filter(Boolean), text = String(edge);
+  $('edge').value = (typed.includes(text) ? typed.filter(one => one !== text) : [...typed, text]).join(' ');
+}
+
+async function actOnEdges(kind, edges) {
+  if (await act({ act: kind, edges })) $('edge').value = '';
 }
 
 function edgesTyped() {
@@ -227,11 +248,16 @@ async function main() {
   $('widen').onclick = () => showPanel($('fleet').dataset.panel === 'wide' ? 'open' : 'wide');
   startMissions(act); startRobots(act); startAlarms(act); startHistory(); startReplay();
   startMap({ vertex: vertex => { if (me.role !== 'see') { openTab('missions'); chooseVertex(vertex); } },
-    edge: edge => { openTab('edges'); $('edge').value = String(edge); }, robot: name => { openTab('robots'); choose(name); }, followed: noteFollowed });
+    edge: edge => { openTab('edges'); toggleEdge(edge); }, robot: name => { openTab('robots'); choose(name); }, followed: noteFollowed });
   $('stop').onclick = () => { makeWay(); act({ act: 'stop' }); };
   $('resume').onclick = () => act({ act: 'resume' });
-  $('edges').addEventListener('submit', event => { event.preventDefault(); const edges = edgesTyped(); if (edges) act({ act: 'close', edges }); });
-  $('open_edge').onclick = () => { const edges = edgesTyped(); if (edges) act({ act: 'open', edges }); };
+  $('edges').addEventListener('submit', event => { event.preventDefault(); const edges = edgesTyped(); if (edges) actOnEdges('close', edges); });
+  $('area').addEventListener('submit', async event => {
+    event.preventDefault();
+    const edges = edgesTyped();
+    if (edges && await act({ act: 'add_area', name: $('area_name').value.trim(), edges: [...new Set(edges.map(drawnEdge))] })) $('area_name').value = $('edge').value = '';
+  });
+  $('open_edge').onclick = () => { const edges = edgesTyped(); if (edges) actOnEdges('open', edges); };
   $('load_audit').onclick = loadAudit;
   $('login').addEventListener('submit', login);
   $('logout').onclick = async () => { await post('/api/logout', {}); location.reload(); };

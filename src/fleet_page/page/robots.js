@@ -1,8 +1,8 @@
 // The list of robots. The chosen one shows its acts, its battery, its last missions and events; the map can follow it.
 import { $, make, makeSvg, showRows, withCode } from './dom.js';
 import { all, get } from './server.js';
-import { clockOf, dateOf, language, said, t } from './texts.js';
-import { chooseRobot, colourOf, followRobot, robotWords } from './map.js';
+import { clockOf, dateOf, language, momentOf, said, store, stored, t } from './texts.js';
+import { chooseRobot, colourOf, followRobot, outageWords, robotWords } from './map.js';
 
 export const GROUPS = ['idle', 'driving', 'working', 'waiting', 'charging', 'trouble', 'away'];
 const MOST_MISSIONS = 5, MOST_EVENTS = 8;
@@ -15,6 +15,8 @@ let log = { robot: '', of: '', at: 0, number: 0, charges: [], events: [] }; // o
 export function startRobots(given) {
   act = given;
   $('robot_group').onchange = () => showRobots(me);
+  $('faults_box').open = stored('faults') === 'open';
+  $('faults_box').addEventListener('toggle', () => store('faults', $('faults_box').open ? 'open' : 'folded'));
 }
 
 export function showGroup(group) {
@@ -25,12 +27,24 @@ export function showGroup(group) {
 export function showRobots(person) {
   me = person;
   showGroups();
+  showFaults();
   askForLog();
   const group = $('robot_group').value;
   const robots = all('robot:').map(([name, robot]) => ({ name, ...robot })).filter(robot => !group || robot.group === group || robot.name === chosen)
     .sort((a, b) => a.name.localeCompare(b.name, undefined, { numeric: true }))
     .map(robot => robot.name === chosen ? { ...robot, isFollowed: robot.name === followed, missions: missionsOf(robot.name), missionName: robot.mission === null ? '' : nameOf(robot.mission), log: log.number } : robot);
   showRows($('robots'), robots, robot => robot.name, robotRow, language + me.role + chosen);
+}
+
+// What keeps robots from working: the code for people who look it up, the words, the beginning and the remedy.
+function showFaults() {
+  const faults = all('robot:').map(([name, robot]) => ({ name, code: robot.fault, since: robot.fault_since, why: robot.fault === 'NOT_OPEN' ? t('not_open', { name: robot.not_open }) : outageWords(robot) || t(`outage_${robot.outage}`) })).filter(fault => fault.code)
+    .sort((a, b) => a.since - b.since || a.name.localeCompare(b.name, undefined, { numeric: true }));
+  showRows($('faults'), faults, fault => fault.name, ({ name, code, since, why }) => make('li', { class: 'fault' },
+    make('button', { class: 'line', 'data-act': 'choose', onclick: () => { if (name !== chosen) choose(name); } }, colourDot(name), make('b', {}, name), make('span', { class: 'words' }, ...withCode(why)), make('code', {}, code)),
+    make('p', { class: 'soft' }, t('since', { time: momentOf(since) }), ' · ', t(`todo_${code}`))), language);
+  $('fault_count').textContent = `(${faults.length})`;
+  $('no_faults').hidden = faults.length > 0;
 }
 
 function showGroups() {

@@ -19,6 +19,7 @@ from page_builders import graph, request, robot, status
 from fleet_core.supervision.fleet_stop import FleetStop, StopCause
 from fleet_page.core.fleet import ShownPlan, ShownPose, ShownRobot, alarm_of
 from fleet_page.core.page import Page
+from fleet_page.core.records import NamedKind
 from fleet_page.core.robot_events import RobotEvent
 from fleet_page.core.site import WallMap, wall_map
 
@@ -79,6 +80,9 @@ def show(page: Page, count: int, in_trouble: bool, is_stopped: bool) -> None:
     page.site.walls, page.site.radii = walls(columns, rows), {'omron_ld90': 0.4}
     page.site.parking = frozenset(range(columns, columns * rows, columns))
     model.site_changed()
+    page.records.keep_named(NamedKind.AREA, 'Loading bay', {'edges': [2, 3, 5]})
+    model.show_named('areas', page.records.named(NamedKind.AREA))
+    model.close_edges([2, 3, 5])
     fleet = robots(count, in_trouble)
     model.take_robots(fleet.values(), now)
     edges = list(model.graph.edges)
@@ -140,6 +144,8 @@ def make(folder: Path, wanted: Callable[[str], bool]) -> None:
                               'de' if view == 'german' else 'en')
                 if view in TABS:
                     window.click(f'#tab_button_{view}')
+                if view == 'robots':
+                    window.script("document.getElementById('faults_box').open = true")
                 if view in ('robots', 'german'):
                     window.click('#tab_button_robots')
                     window.click('#robots [data-act=choose]')

@@ -55,6 +55,17 @@ def test_each_robot_counts_once_and_its_alarm_says_why(values, group, alarm):
     assert (model.live.get('alarm:robot:a') or {'cause': ''})['cause'] == alarm
 
 
+def test_a_robot_that_does_not_work_has_its_fault_and_the_time_since_when():
+    model = FleetModel()
+    model.take_robots([robot()], 100.0)
+    assert (model.live.get('robot:a')['fault'], model.live.get('robot:a')['fault_since']) == ('', 0)
+    for now, outage, since in ((110.0, 'OUT_OF_SERVICE', 110), (120.0, 'OUT_OF_SERVICE', 110),
+                               (130.0, 'FAILED', 130), (140.0, 'NONE', 0)):
+        model.take_robots([robot(outage=outage)], now)
+        shown = model.live.get('robot:a')
+        assert (shown['fault'], shown['fault_since']) == ('' if outage == 'NONE' else outage, since)
+
+
 @pytest.mark.parametrize('outage', Outage)
 def test_every_outage_that_ends_only_by_a_person_is_an_alarm_or_was_ordered(outage):
     shown = alarm_of(robot(outage=outage.name, state='OFFLINE'))

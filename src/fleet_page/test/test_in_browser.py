@@ -334,6 +334,23 @@ def test_a_chosen_robot_shows_its_battery_its_missions_and_what_happened_to_it(w
     window.picture('robot')
 
 
+def test_the_list_of_faults_names_every_robot_that_does_not_work_with_code_and_remedy(
+        window, served):
+    served.do(lambda: served.page.model.take_robots([
+        robot('a'), robot('b', state='FAILED', outage='FAILED', waits_for='wheel blocked'),
+        robot('c', state='OUT_OF_SERVICE', outage='OUT_OF_SERVICE', mission=None)], time.time()))
+    window.click('#tab_button_robots')
+    window.click('#faults_box summary')
+    window.wait(lambda: '(2)' in window.text('#faults_box summary'))
+    for row, words in (('b', ('FAILED', 'wheel blocked', 'since', 'Look at the robot')),
+                       ('c', ('OUT_OF_SERVICE', 'taken out of service', 'put it into service'))):
+        text = window.text(f'#faults [data-key={row}]')
+        assert all(word in text for word in words), text
+    window.click('#faults [data-key=b] [data-act=choose]')
+    window.one('#robots li.chosen[data-key=b]')
+    window.script('localStorage.clear()')
+
+
 def test_a_robot_at_a_step_works_in_words_and_in_the_counts(window, served):
     served.do(lambda: served.page.model.take_robots([
         robot('a', waits_for='step 1 (pick) of stop 2', wait='STEP'),
@@ -709,6 +726,27 @@ def test_edges_are_closed_and_opened(window, served):
     served.do(lambda: served.page.model.close_edges([3]))
     window.click('#closed [data-act=open]')
     asked(window, served, ActKind.OPEN, edges=(3,))
+
+
+def test_an_area_has_a_name_and_is_closed_and_opened_as_one(window, served):
+    cut = split_edges(served.page.model.graph, 1.6)
+    sections = {edge: sorted(cut.whole_edges([edge])) for edge in (3, 4)}
+    served.do(lambda: (setattr(served.page.model, 'graph', cut), served.page.model.site_changed()))
+    window.click('#tab_button_edges')
+    window.one('#edge').send_keys('3 4')
+    window.one('#area_name').send_keys('<b>hall</b>')
+    window.click('#keep_area')
+    window.wait(lambda: '<b>hall</b> · Edge 3, 4 · open' in window.text('#areas'))
+    window.click('#areas [data-act=close]')
+    asked(window, served, ActKind.CLOSE, edges=(3, 4))
+    served.do(lambda: served.page.model.close_edges(sections[3]))
+    window.wait(lambda: '1 of 2 edges closed' in window.text('#areas'))
+    served.do(lambda: served.page.model.close_edges(sections[3] + sections[4]))
+    window.wait(lambda: '· closed' in window.text('#areas'))
+    window.click('#areas [data-act=open]')
+    asked(window, served, ActKind.OPEN, edges=(3, 4))
+    window.click('#areas [data-act=remove_area]')
+    window.wait(lambda: window.text('#areas') == '')
 
 
 def test_the_page_knows_the_edges_and_places_of_the_users_graph_not_their_sections(window, served):

@@ -13,8 +13,8 @@ from fleet_core.supervision.fleet_view import WORKING, RobotState
 from fleet_core.supervision.outages import Outage
 from fleet_page.core.acts import ANSWERS, ActKind
 from fleet_page.core.fleet import (
-    ALARMS,
     DEADLINE_ALARMS,
+    FAULTS,
     MISSION_STATES,
     ROBOT_STATES,
     RobotGroup,
@@ -45,7 +45,7 @@ def used_keys():
     columns = re.search(r'COLUMNS = \[(.*?)\]', SOURCES['missions.js']).group(1)
     found |= {f'column_{name}' for name in (*re.findall(r"'(\w+)'", columns), 'urgency')}
     found |= {f'count_{group.value}' for group in RobotGroup} | {'count_open', 'count_done'}
-    return found | {f'todo_{name}' for name in ALARMS}
+    return found | {f'todo_{name}' for name in FAULTS}
 
 
 @pytest.mark.parametrize('language', TABLES)

@@ -9,7 +9,7 @@ from fleet_core.supervision.missions import MissionState
 from fleet_page.core import records as records_module
 from fleet_page.core.acts import Act, ActKind, ActOutcome
 from fleet_page.core.history import history_csv, history_values
-from fleet_page.core.records import Records, Sums, TooManyFavourites
+from fleet_page.core.records import NamedKind, Records, Sums, TooManyNamed
 from fleet_page.core.replay import KEY_PERIOD, SEGMENTS, ReplayRing
 from fleet_page.core.robot_events import RobotEvent
 
@@ -24,15 +24,17 @@ def test_the_audit_list_keeps_the_newest_rows(monkeypatch):
     assert rows[0]['details'] == {'robot': 'a'}
 
 
-def test_favourites_are_kept_replaced_and_removed(monkeypatch):
+@pytest.mark.parametrize('kind', NamedKind)
+def test_favourites_and_areas_are_kept_replaced_and_removed(monkeypatch, kind):
     records = Records(':memory:')
-    records.keep_favourite('tour', {'destinations': [1]})
-    records.keep_favourite('tour', {'destinations': [2]})
-    assert records.favourites() == {'tour': {'destinations': [2]}}
-    monkeypatch.setattr(records_module, 'MOST_FAVOURITES', 1)
-    with pytest.raises(TooManyFavourites):
-        records.keep_favourite('other', {})
-    assert records.remove_favourite('tour') and not records.remove_favourite('tour')
+    records.keep_named(kind, 'tour', {'destinations': [1]})
+    records.keep_named(kind, 'tour', {'destinations': [2]})
+    assert [records.named(one) for one in NamedKind if one is not kind] == [{}]
+    assert records.named(kind) == {'tour': {'destinations': [2]}}
+    monkeypatch.setattr(records_module, 'MOST_NAMED', 1)
+    with pytest.raises(TooManyNamed):
+        records.keep_named(kind, 'other', {})
+    assert records.remove_named(kind, 'tour') and not records.remove_named(kind, 'tour')
 
 
 def test_sums_of_an_hour_add_up():

@@ -74,7 +74,7 @@ def test_the_end_of_a_mission_lets_the_next_one_begin_or_fail(until, end, state)
     accept(book, 1, ())
     accept(book, 2, (Dependency(1, until),))
     second = book.find(2)
-    assert second.reason == 'it waits for the end of mission 1'
+    assert second.reason == 'it waits for the end of mission M1'
     restarted = MissionBook(book.open, 3)
     restarted.set(restarted.find(1), end)
     assert restarted.find(2).state is state

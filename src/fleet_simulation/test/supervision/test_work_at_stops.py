@@ -16,6 +16,7 @@ from fleet_core.supervision.missions import (
     Request,
     StepAnswer,
 )
+from fleet_core.supervision.waits import WaitCode
 from fleet_core.work.rules import StepDecision
 from fleet_core.work.stops import (
     Actor,
@@ -313,6 +314,8 @@ def test_a_robot_whose_driver_shows_no_steps_begins_none_and_can_be_cancelled():
     fleet.run(30.0)
     assert fleet.state(1) is MissionState.ACTIVE and fleet.load() is LoadState.EMPTY
     assert 'a shows no steps' in fleet.reason(1)
+    # It does not work.
+    assert robot_views(fleet.supervisor, fleet.now)[0].waits_for.code is WaitCode.PERSON
     fleet.command(1, CommandKind.CANCEL)
     fleet.run_until_done(1)
     assert fleet.state(1) is MissionState.CANCELLED

@@ -1,6 +1,7 @@
 """The command `mission` follows its own request, even if other messages have the same id."""
 from __future__ import annotations
 
+import argparse
 import json
 import time
 from datetime import datetime
@@ -9,14 +10,17 @@ import pytest
 import rosgraph
 import rospy
 
+from fleet_core.supervision.history import HistoryLine
 from fleet_core.supervision.mission_commands import not_done, not_stored
 from fleet_core.supervision.missions import CommandKind, MissionState, RequestRefused, Status
 from fleet_requests import NotSent
 from graph_fleet_manager.commands import fleet_client, mission
 from graph_fleet_manager.commands.command_line import NOT_DONE, OK, WRONG, CommandProblem
+from graph_fleet_manager.commands.mission_names import mission_name
 from graph_fleet_manager.messages.missions import request_of, status_message
 from itrci_nav_msgs.msg import (
     MissionCommand,
+    MissionDependency,
     MissionRequest,
     MissionStatus,
     MissionTemplate,
@@ -180,6 +184,29 @@ def test_a_mission_that_is_so_already_is_told_at_once(monkeypatch, capsys, word,
     change(monkeypatch, word, status(state))
     assert [message.request_id for message in asked] == [7]
     assert capsys.readouterr().out == f'Mission 7 is {state.name} already: nothing to {word}.\n'
+
+
+def test_a_mission_comes_after_one_that_is_named_by_its_short_name(monkeypatch):
+    sent, known = [], status(MissionState.ACTIVE)
+    known.serial = 42
+    monkeypatch.setattr(Nobody, 'send', lambda _, message: sent.append(message))
+    monkeypatch.setattr(mission, '_open_mission',
+                        lambda name, _: known if name.is_of(known) else None)
+    monkeypatch.setattr(mission, 'TopicListener', lambda *_: None)
+    found = mission._conditions(argparse.Namespace(
+        type='', robot='', priority=0, id=None, not_before=None, before=None,
+        after=[mission_name('M42')], after_end=[mission_name('5')]))
+    assert [(one.request_id, one.until) for one in found['after']] == [
+        (7, MissionDependency.DONE), (5, MissionDependency.ENDED)]
+
+
+def test_the_history_has_the_short_name_first_in_the_table_and_last_as_csv(monkeypatch, capsys):
+    monkeypatch.setattr(mission, 'history', lambda _: iter([HistoryLine(
+        7, (4, 5), '', 0, MissionState.ACTIVE, 'a', 0, 1.0, 2.0, None, '', serial=42)]))
+    mission.main(['history', '--journal', 'any'])
+    assert capsys.readouterr().out.splitlines()[1].split()[:2] == ['M42', '7']
+    mission.main(['history', '--journal', 'any', '--csv'])
+    assert capsys.readouterr().out.splitlines()[1].endswith(',M42')
 
 
 @pytest.mark.parametrize('is_online, runs, place', [

@@ -9,7 +9,7 @@ from urllib.parse import quote
 
 from fleet_core.supervision.journal import OPEN_STATES, read_request
 from fleet_core.supervision.journal_database import JournalError
-from fleet_core.supervision.missions import MissionState
+from fleet_core.supervision.missions import MissionState, short_name
 
 _PAGE = 1000  # number of missions that are read at a time
 
@@ -32,6 +32,7 @@ class HistoryLine(NamedTuple):
     ended: Optional[float]
     reason: str
     requested_by: str = ''
+    serial: int = 0
 
     @property
     def waited(self) -> Optional[float]:
@@ -47,7 +48,7 @@ class HistoryLine(NamedTuple):
 
 HISTORY_COLUMNS = ('request_id', 'destinations', 'robot_type', 'priority', 'state', 'robot',
                    'reached', 'accepted', 'started', 'ended', 'waited_s', 'took_s', 'reason',
-                   'requested_by')
+                   'requested_by', 'mission')
 """The columns of the history as CSV."""
 
 
@@ -61,7 +62,8 @@ def row_of(line: HistoryLine, moment: Callable[[float], str]) -> List[str]:
     return [str(line.request_id), ' '.join(map(str, line.destinations)), line.robot_type,
             str(line.priority), line.state.name, line.robot, str(line.reached),
             written(line.accepted), written(line.started), written(line.ended),
-            seconds(line.waited), seconds(line.took), line.reason, line.requested_by]
+            seconds(line.waited), seconds(line.took), line.reason, line.requested_by,
+            short_name(line.serial)]
 
 
 def history(path: str, since: float = -math.inf) -> Iterator[HistoryLine]:
@@ -91,7 +93,7 @@ def history(path: str, since: float = -math.inf) -> Iterator[HistoryLine]:
                 if not unchanged():
                     raise JournalError(f'The journal {path} was written while it was read: try '
                                        'again.')
-                yield from (_history_line(*row[1:]) for row in rows)
+                yield from (_history_line(*row) for row in rows)
                 if len(rows) < _PAGE:
                     return
                 last = rows[-1][0]
@@ -119,9 +121,9 @@ def _opened(path: str) -> Tuple[sqlite3.Connection, Callable[[], bool]]:
             lambda: version() == before)
 
 
-def _history_line(text: str, number: int, robot: str, reached: int, reason: str, accepted: float,
-                  started: Optional[float], last: float) -> HistoryLine:
+def _history_line(serial: int, text: str, number: int, robot: str, reached: int, reason: str,
+                  accepted: float, started: Optional[float], last: float) -> HistoryLine:
     request, state = read_request(text), MissionState(number)
     return HistoryLine(request.id, request.destinations, request.robot_type, request.priority,
                        state, robot, reached, accepted, started, None if state.is_open else last,
-                       reason, request.requested_by)
+                       reason, request.requested_by, serial)

@@ -14,6 +14,7 @@ from fleet_core.supervision.missions import (
     Request,
     RequestRefused,
     Status,
+    short_name,
 )
 from fleet_core.supervision.pending_missions import PendingMissions
 from fleet_core.work.dependencies import Dependency, Until
@@ -142,8 +143,8 @@ class MissionBook:
             if other.state.is_open:
                 found.append(replace(one, serial=other.serial))
             elif not _is_met(one, other):
-                raise RequestRefused(f'it comes after mission {one.mission}, which has ended: '
-                                     f'{other.state.name}')
+                raise RequestRefused(f'it comes after mission {short_name(other.serial)}, '
+                                     f'which has ended: {other.state.name}')
         return tuple(found)
 
     def _let_follow(self, mission: Mission) -> None:
@@ -164,8 +165,9 @@ class MissionBook:
         """One of the missions for which a mission waits has ended."""
         after = mission.request.after
         if not all(_is_met(one, ended) for one in after if one.serial == ended.serial):
-            self._set(mission, MissionState.FAILED, f'it comes after mission {ended.request.id}, '
-                                                    f'which has ended: {ended.state.name}')
+            self._set(mission, MissionState.FAILED,
+                      f'it comes after mission {short_name(ended.serial)}, which has ended: '
+                      f'{ended.state.name}')
             return
         after = tuple(one for one in after if one.serial != ended.serial)
         mission.request = replace(mission.request, after=after)
@@ -301,6 +303,6 @@ def waits_as(request: Request, is_early: bool = True) -> Tuple[MissionState, str
     if request.earliest and is_early:
         return MissionState.PLANNED, 'it waits for its earliest time'
     if request.after:
-        ids = ', '.join(str(one.mission) for one in request.after)
-        return MissionState.BLOCKED, f'it waits for the end of mission {ids}'
+        names = ', '.join(short_name(one.serial) for one in request.after)
+        return MissionState.BLOCKED, f'it waits for the end of mission {names}'
     return MissionState.PENDING, ''

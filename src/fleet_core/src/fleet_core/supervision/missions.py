@@ -40,6 +40,11 @@ class MissionState(IntEnum):
                             MissionState.CANCELLED, MissionState.EXPIRED)
 
 
+def short_name(serial: int) -> str:
+    """The name of a mission that people say; '-' for a request that was not accepted."""
+    return f'M{serial}' if serial else '-'
+
+
 class DeadlineState(IntEnum):
     """Will a mission be done by its deadline? As in itrci_nav_msgs/MissionStatus."""
 

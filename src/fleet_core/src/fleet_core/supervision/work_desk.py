@@ -134,7 +134,9 @@ class WorkDesk:
         phase = rules.phase_of(Situation(mission.serial, work, load))
         if phase is WorkPhase.NEEDS_PERSON:
             return Wait(WaitCode.PERSON, mission.reason)
-        return Wait(WaitCode.STEP, mission.reason or 'the end of its work',
+        # A step that cannot be ordered is no work: a person must help.
+        code = WaitCode.PERSON if name in self._hindered else WaitCode.STEP
+        return Wait(code, mission.reason or 'the end of its work',
                     rules.time_left(work, self._clock()))
 
     # -- events -----------------------------------------------------------------------------------

@@ -38,6 +38,8 @@ class ActKind(Enum):
     ABSENT = 'absent'
     ADD_FAVOURITE = 'add_favourite'
     REMOVE_FAVOURITE = 'remove_favourite'
+    ADD_AREA = 'add_area'
+    REMOVE_AREA = 'remove_area'
     ACKNOWLEDGE = 'acknowledge'
 
 
@@ -48,7 +50,7 @@ class Act:
     mission -- request id
     robot   -- the robot that the act concerns, or that must serve the mission
     stays   -- s at each destination, negative: until released; empty: no stays
-    name    -- name of a favourite, or key of an alarm
+    name    -- name of a favourite or an area, or key of an alarm
     answer  -- to a step: one of ANSWERS
     step    -- key of the step that the answer is about; 0: the one that asks now
 
@@ -184,6 +186,8 @@ RULES: Dict[ActKind, Rule] = {
                                  robot=_text_or_empty, robot_type=_text_or_empty,
                                  priority=_whole, stays=_stays),
     ActKind.REMOVE_FAVOURITE: _rule(UserRole.OPERATE, {'name': _text}),
+    ActKind.ADD_AREA: _rule(UserRole.OPERATE, {'name': _text, **_EDGES}),
+    ActKind.REMOVE_AREA: _rule(UserRole.OPERATE, {'name': _text}),
     ActKind.ACKNOWLEDGE: _rule(UserRole.OPERATE, {'name': _text}),
 }
 

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from enum import Enum
 from typing import Optional, Tuple
 
+from fleet_core.supervision.outages import Outage
 from fleet_core.supervision.waits import WaitCode
 
 ROBOT_STATES = ('IDLE', 'BUSY', 'CHARGING', 'OFFLINE', 'STOPPED', 'TAKEN_OVER', 'FAILED',
@@ -103,6 +104,14 @@ def alarm_of(robot: ShownRobot) -> str:
     if is_missed or robot.outage in ALARMING:
         return robot.outage
     return NOT_OPEN if robot.not_open else ''
+
+
+FAULTS = (*ALARMS, *(outage.name for outage in Outage if outage.name not in ALARMS))
+
+
+def fault_of(robot: ShownRobot) -> str:
+    """What keeps a robot from working, as one of FAULTS; empty: nothing does."""
+    return alarm_of(robot) or ('' if robot.outage == 'NONE' else robot.outage)
 
 
 class RobotGroup(Enum):

@@ -1,7 +1,7 @@
 """The model of the fleet that the page shows. It is the only writer of the live state.
 
-Keys of the live state: `fleet`, `stop`, `counts`, `site`, `closed`, `favourites`, `robot:NAME`,
-`pose:NAME`, `plan:NAME`, `resource:NAME`, `mission:ID:STAMP`, `alarm:robot:NAME`,
+Keys of the live state: `fleet`, `stop`, `counts`, `site`, `closed`, `favourites`, `areas`,
+`robot:NAME`, `pose:NAME`, `plan:NAME`, `resource:NAME`, `mission:ID:STAMP`, `alarm:robot:NAME`,
 `alarm:mission:ID:STAMP`.
 """
 from __future__ import annotations
@@ -25,6 +25,7 @@ from fleet_page.core.fleet import (
     ShownResource,
     ShownRobot,
     alarm_of,
+    fault_of,
     group_of,
 )
 from fleet_page.core.live_state import LiveState
@@ -70,6 +71,7 @@ class FleetModel:
         self._times: Dict[Key, Tuple[Optional[float], Optional[float]]] = {}
         self._done: Deque[float] = deque()
         self._events: List[RobotEvent] = []
+        self._faults: Dict[str, Tuple[str, int]] = {}
         self.site_revision = 0
         self.live.put('fleet', {'alive': False, 'heard': None})
         self.live.put('stop', None)
@@ -90,9 +92,9 @@ class FleetModel:
         """Shows all stations, doors and the like."""
         self.live.replace('resource:', {one.name: asdict(one) for one in resources})
 
-    def show_favourites(self, favourites: Mapping[str, Any]) -> None:
-        """Shows the favourites: missions that are stored under a name."""
-        self.live.put('favourites', dict(favourites))
+    def show_named(self, key: str, content: Mapping[str, Any]) -> None:
+        """Shows what users have stored under names; `key`: `favourites` or `areas`."""
+        self.live.put(key, dict(content))
 
     # -- robots -----------------------------------------------------------------------------------
 
@@ -105,8 +107,10 @@ class FleetModel:
         for name in found:
             # RViz numbers the robots in the same order: the number selects the colour.
             self._numbers.setdefault(name, len(self._numbers))
+        self._faults = {name: self._fault_since(robot, now) for name, robot in found.items()}
         self.live.replace('robot:', {
-            name: {**_robot_values(robot), 'number': self._numbers[name]}
+            name: {**_robot_values(robot), 'number': self._numbers[name],
+                   'fault': self._faults[name][0], 'fault_since': self._faults[name][1]}
             for name, robot in found.items()})
         happened = (event_between(self.robots[name], robot, now)
                     for name, robot in found.items() if name in self.robots)
@@ -124,6 +128,14 @@ class FleetModel:
                     self._show_place(name, place)
         self._expect_ends(now)
         self.tick(now)
+
+    def _fault_since(self, robot: ShownRobot, now: float) -> Tuple[str, int]:
+        """Returns what keeps a robot from working, and since when (s since 1970; 0: nothing)."""
+        fault = fault_of(robot)
+        known = self._faults.get(robot.name)
+        if known is not None and known[0] == fault:
+            return known
+        return fault, round(now) if fault else 0
 
     def _expect_ends(self, now: float) -> None:
         """Notes when each mission under way ends. Small changes would only be noise."""

@@ -5,7 +5,7 @@ import logging
 import sqlite3
 from dataclasses import asdict, dataclass, field
 from functools import partial
-from typing import Any, Callable, Dict, List, Optional
+from typing import Any, Callable, Dict, List, NamedTuple, Optional
 
 from fleet_core.supervision.history import HistoryLine
 from fleet_page.core.acts import Act, ActKind, ActOutcome
@@ -13,7 +13,7 @@ from fleet_page.core.fleet import OPEN_STATES, MissionRequest, MissionStatus, Sh
 from fleet_page.core.fleet_model import FleetModel
 from fleet_page.core.latencies import Histogram, ReleaseWatch
 from fleet_page.core.metrics import metrics_text
-from fleet_page.core.records import HistorySums, Records, TooManyFavourites
+from fleet_page.core.records import HistorySums, NamedKind, Records, TooManyNamed
 from fleet_page.core.replay import ReplayRing
 from fleet_page.core.roles import Person
 from fleet_page.core.site import WallMap, site_values
@@ -24,7 +24,28 @@ ones. Raises JournalError. It may be slow."""
 _LOG = logging.getLogger(__name__)
 REPLAY_PERIOD = 1.0   # s between two moments of the replay
 SUMS_PERIOD = 20.0    # s between two additions to the sums of the history
+NAMED: Dict[ActKind, NamedKind] = {
+    ActKind.ADD_FAVOURITE: NamedKind.FAVOURITE, ActKind.REMOVE_FAVOURITE: NamedKind.FAVOURITE,
+    ActKind.ADD_AREA: NamedKind.AREA, ActKind.REMOVE_AREA: NamedKind.AREA}
 MOST_EVENTS = 20      # most events of a robot that are shown
+
+
+class NamedWords(NamedTuple):
+    """The key in the live state, and the sentences, of what users store under names."""
+
+    key: str
+    unknown: str
+    too_many: str
+    disk: str
+
+
+_WORDS: Dict[NamedKind, NamedWords] = {
+    NamedKind.FAVOURITE: NamedWords(
+        'favourites', 'There is no favourite {}.', 'There are too many favourites: remove some.',
+        'The favourite cannot be written to the disk: {}.'),
+    NamedKind.AREA: NamedWords(
+        'areas', 'There is no area {}.', 'There are too many areas: remove some.',
+        'The area cannot be written to the disk: {}.')}
 
 
 @dataclass
@@ -48,7 +69,8 @@ class Page:
         self._recorded = self._summed = 0.0
         self._troubles: Dict[str, str] = {}
         self.model.site_changed()
-        self.model.show_favourites(records.favourites())
+        for kind, words in _WORDS.items():
+            self.model.show_named(words.key, records.named(kind))
 
     # -- data from the fleet ----------------------------------------------------------------------
 
@@ -117,22 +139,25 @@ class Page:
         """Adds an act of a person, and its outcome, to the audit list."""
         self._keep('audit list', lambda: self.records.note(now, person.name, act, outcome))
 
-    def change_favourites(self, act: Act) -> ActOutcome:
-        """Stores or removes a favourite."""
+    def change_named(self, act: Act) -> ActOutcome:
+        """Stores or removes a favourite or an area."""
+        kind = NAMED[act.kind]
+        words = _WORDS[kind]
+        outcome = ActOutcome(True, '')
         try:
-            if act.kind is ActKind.REMOVE_FAVOURITE:
-                found = self.records.remove_favourite(act.name)
-                outcome = ActOutcome(found, '' if found else f'There is no favourite {act.name}.')
+            if act.kind in (ActKind.REMOVE_FAVOURITE, ActKind.REMOVE_AREA):
+                if not self.records.remove_named(kind, act.name):
+                    outcome = ActOutcome(False, words.unknown.format(act.name))
             else:
-                self.records.keep_favourite(act.name, {
+                self.records.keep_named(kind, act.name, {'edges': act.edges} if (
+                    kind is NamedKind.AREA) else {
                     'destinations': act.destinations, 'robot': act.robot,
                     'robot_type': act.robot_type, 'priority': act.priority, 'stays': act.stays})
-                outcome = ActOutcome(True, '')
-        except TooManyFavourites:
-            return ActOutcome(False, 'There are too many favourites: remove some.')
+        except TooManyNamed:
+            return ActOutcome(False, words.too_many)
         except sqlite3.Error as error:
-            return ActOutcome(False, f'The favourite cannot be written to the disk: {error}.')
-        self.model.show_favourites(self.records.favourites())
+            return ActOutcome(False, words.disk.format(error))
+        self.model.show_named(words.key, self.records.named(kind))
         return outcome
 
     def acknowledge(self, alarm: str, person: Person) -> ActOutcome:

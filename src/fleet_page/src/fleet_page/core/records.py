@@ -1,17 +1,18 @@
-"""The records of the page: acts with their senders, favourites, sums for the history, and for each
-robot its events and its battery."""
+"""The records of the page: acts with their senders, favourites, areas, sums for the history, and
+for each robot its events and its battery."""
 from __future__ import annotations
 
 import json
 import sqlite3
 from dataclasses import asdict, astuple, dataclass
+from enum import Enum
 from typing import Any, Dict, Iterable, List, Mapping, Tuple
 
 from fleet_page.core.acts import Act, ActOutcome
 from fleet_page.core.robot_events import RobotEvent
 
 MOST_ROWS = 50000       # most rows of the audit list; the oldest are deleted
-MOST_FAVOURITES = 100
+MOST_NAMED = 100        # most favourites, and most areas
 HOUR = 3600
 KEPT_HOURS = 24 * 90
 CHARGE_PERIOD = 300     # s between two values of a battery
@@ -23,6 +24,7 @@ CREATE TABLE IF NOT EXISTS audit (
     details TEXT NOT NULL, ok INTEGER NOT NULL, outcome TEXT NOT NULL, mission INTEGER NOT NULL);
 CREATE INDEX IF NOT EXISTS audit_by_mission ON audit (mission);
 CREATE TABLE IF NOT EXISTS favourite (name TEXT PRIMARY KEY, content TEXT NOT NULL);
+CREATE TABLE IF NOT EXISTS area (name TEXT PRIMARY KEY, content TEXT NOT NULL);
 CREATE TABLE IF NOT EXISTS robot_hour (
     hour INTEGER NOT NULL, robot TEXT NOT NULL, distance REAL NOT NULL, busy REAL NOT NULL,
     waiting REAL NOT NULL, watched REAL NOT NULL, PRIMARY KEY (hour, robot));
@@ -39,8 +41,17 @@ CREATE INDEX IF NOT EXISTS robot_event_by_robot ON robot_event (robot);
 '''
 
 
-class TooManyFavourites(Exception):
-    """The number of favourites has reached its limit."""
+class NamedKind(Enum):
+    """What users store under names; the value is the name of the table."""
+
+    FAVOURITE = 'favourite'
+    """A mission."""
+    AREA = 'area'
+    """Edges that are closed and opened as one."""
+
+
+class TooManyNamed(Exception):
+    """The number of stored favourites or areas has reached its limit."""
 
 
 @dataclass
@@ -111,23 +122,24 @@ class Records:
                  'ok': bool(ok), 'outcome': outcome}
                 for time, person, act, details, ok, outcome in rows]
 
-    # -- favourites -------------------------------------------------------------------------------
+    # -- favourites and areas ---------------------------------------------------------------------
 
-    def keep_favourite(self, name: str, content: Mapping[str, Any]) -> None:
-        """Stores a favourite; one with the same name is replaced. Raises TooManyFavourites."""
-        if len(self.favourites()) >= MOST_FAVOURITES and name not in self.favourites():
-            raise TooManyFavourites
-        self._db.execute('INSERT OR REPLACE INTO favourite VALUES (?, ?)',
+    def keep_named(self, kind: NamedKind, name: str, content: Mapping[str, Any]) -> None:
+        """Stores a favourite or area; one with the same name is replaced. Raises TooManyNamed."""
+        known = self.named(kind)
+        if len(known) >= MOST_NAMED and name not in known:
+            raise TooManyNamed
+        self._db.execute(f'INSERT OR REPLACE INTO {kind.value} VALUES (?, ?)',
                          (name, json.dumps(content)))
 
-    def remove_favourite(self, name: str) -> bool:
-        """Removes a favourite. Returns whether there was one."""
-        return self._db.execute('DELETE FROM favourite WHERE name = ?', (name,)).rowcount > 0
+    def remove_named(self, kind: NamedKind, name: str) -> bool:
+        """Removes a favourite or area. Returns whether there was one."""
+        return self._db.execute(f'DELETE FROM {kind.value} WHERE name = ?', (name,)).rowcount > 0
 
-    def favourites(self) -> Dict[str, Any]:
-        """All favourites, by name."""
+    def named(self, kind: NamedKind) -> Dict[str, Any]:
+        """All favourites or areas, by name."""
         return {name: json.loads(content) for name, content in
-                self._db.execute('SELECT name, content FROM favourite ORDER BY name')}
+                self._db.execute(f'SELECT name, content FROM {kind.value} ORDER BY name')}
 
     # -- history ----------------------------------------------------------------------------------
 

@@ -18,7 +18,7 @@ from fleet_core.supervision.journal_database import JournalError
 from fleet_page.core.acts import RULES, Act, ActKind, ActOutcome, WrongAct, act_of
 from fleet_page.core.history import history_csv, history_values
 from fleet_page.core.metrics import CONTENT_TYPE
-from fleet_page.core.page import Page
+from fleet_page.core.page import NAMED, Page
 from fleet_page.core.rate_limits import RateLimit
 from fleet_page.core.records import HOUR
 from fleet_page.core.roles import Person, UserRole
@@ -226,8 +226,8 @@ class WebServer:
 
     async def _done(self, person: Person, act: Act) -> ActOutcome:
         """Carries out an act and records its outcome, even if the client does not wait for it."""
-        if act.kind in (ActKind.ADD_FAVOURITE, ActKind.REMOVE_FAVOURITE):
-            outcome = self._page.change_favourites(act)
+        if act.kind in NAMED:
+            outcome = self._page.change_named(act)
         elif act.kind is ActKind.ACKNOWLEDGE:
             outcome = self._page.acknowledge(act.name, person)
         else:

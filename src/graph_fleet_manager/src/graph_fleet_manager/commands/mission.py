@@ -36,7 +36,12 @@ from fleet_core.files.stops_file import StopsFile, load_stops
 from fleet_core.supervision.hindrances import Hindrance
 from fleet_core.supervision.history import HISTORY_COLUMNS, history, row_of
 from fleet_core.supervision.journal_database import JournalError
-from fleet_core.supervision.missions import CommandKind, DeadlineState, MissionState
+from fleet_core.supervision.missions import (
+    CommandKind,
+    DeadlineState,
+    MissionState,
+    short_name,
+)
 from fleet_core.supervision.waits import WaitCode
 from fleet_core.work.rules import StepDecision
 from fleet_core.work.stations import UnknownPlace, labelled
@@ -54,7 +59,7 @@ from graph_fleet_manager.commands.fleet_client import (
     requested_by,
     run,
 )
-from graph_fleet_manager.commands.mission_names import MissionName, mission_name, short_name
+from graph_fleet_manager.commands.mission_names import MissionName, mission_name
 from graph_fleet_manager.commands.mission_watch import MissionWatch, ask_for
 from graph_fleet_manager.commands.progress import ProgressLine, line_of
 from graph_fleet_manager.commands.tables import (
@@ -177,9 +182,10 @@ def _offer_conditions(parser: Parser) -> None:
     parser.add_argument('--robot', default='', help='the robot that must do it')
     parser.add_argument('--priority', type=int, default=0,
                         help='a mission with a higher priority is served first (0)')
-    parser.add_argument('--after', type=int, nargs='+', default=[], metavar='ID',
-                        help='missions that must succeed first')
-    parser.add_argument('--after-end', type=int, nargs='+', default=[], metavar='ID',
+    parser.add_argument('--after', type=mission_name, nargs='+', default=[], metavar='MISSION',
+                        help='missions that must succeed first: id of the request, or the '
+                             'short name of an open mission (M42)')
+    parser.add_argument('--after-end', type=mission_name, nargs='+', default=[], metavar='MISSION',
                         help='missions that must end first, in any way')
     parser.add_argument('--not-before', type=_time_of_day, metavar='HH:MM',
                         help='it does not begin before the next time at which clocks show this')
@@ -200,13 +206,20 @@ def _time_of_day(text: str) -> rospy.Time:
 def _conditions(options: argparse.Namespace) -> Dict[str, Any]:
     """The fields of a request for the options of each mission."""
     return {'robot_type': options.type, 'robot': options.robot, 'priority': options.priority,
-            'after': [*(MissionDependency(id, MissionDependency.DONE) for id in options.after),
-                      *(MissionDependency(id, MissionDependency.ENDED)
-                        for id in options.after_end)],
+            'after': [MissionDependency(_request_id(name), until) for names, until in (
+                (options.after, MissionDependency.DONE),
+                (options.after_end, MissionDependency.ENDED)) for name in names],
             'requested_by': requested_by('mission'),
             **({} if options.id is None else {'request_id': options.id}),
             **({} if options.not_before is None else {'earliest': options.not_before}),
             **({} if options.before is None else {'deadline': options.before})}
+
+
+def _request_id(name: MissionName) -> int:
+    """The id of the request of a mission; only an open one can be found by its short name."""
+    if not name.is_serial:
+        return name.number
+    return int(_open_mission(name, TopicListener('/mission_status', MissionStatus)).request_id)
 
 
 def _run_template(arguments: List[str]) -> int:
@@ -516,7 +529,7 @@ def _history(arguments: List[str]) -> int:
             writer.writerow(HISTORY_COLUMNS)
             writer.writerows(map(cell, row) for row in rows)
         else:
-            shown = (0, 1, 4, 5, 7, 11, 12, 13)
+            shown = (14, 0, 1, 4, 5, 7, 11, 12, 13)
             print(table([[HISTORY_COLUMNS[k] for k in shown],
                          *([row[k] for k in shown] for row in rows)]))
     except JournalError as error:

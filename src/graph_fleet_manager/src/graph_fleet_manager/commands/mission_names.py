@@ -8,6 +8,7 @@ import argparse
 import re
 from typing import NamedTuple
 
+from fleet_core.supervision.missions import short_name
 from itrci_nav_msgs.msg import MissionStatus
 
 _SHORT = re.compile(r'[Mm]([1-9]\d{0,9})')
@@ -37,8 +38,3 @@ def mission_name(text: str) -> MissionName:
         return MissionName(int(text))
     raise argparse.ArgumentTypeError(f"{text!r} is neither the id of a mission nor a short name "
                                      'such as M42')
-
-
-def short_name(serial: int) -> str:
-    """The short name of a mission; '-' for a request that was not accepted."""
-    return f'M{serial}' if serial else '-'
