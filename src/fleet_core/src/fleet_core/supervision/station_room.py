@@ -9,7 +9,7 @@ from fleet_core.work.stations import Station
 
 
 class Occupancy(NamedTuple):
-    """Who takes the places of a station and of its queue.
+    """The robots that take the places of a station and of its queue.
 
     robots  -- names of all of them
     waiters -- of each robot that goes to the station, the places that would do
