@@ -127,10 +127,13 @@ class HandedJob:
         return replace(self, state=TRANSITIONS.get((self.state, event), self.state))
 
     def with_segment(self, id: str, status: str, robot: str) -> HandedJob:
-        """The job after a line about one of its segments; an ended job does not change."""
-        if not self.is_open:
-            return self
+        """The job after a line about one of its segments; an ended job does not change.
+
+        A line about one segment more than the job has is ignored.
+        """
         segments: Dict[str, str] = {**dict(self.segments), id: status}
+        if not self.is_open or len(segments) > len(self.stops):
+            return self
         changed = replace(self, segments=tuple(segments.items()), robot=robot or self.robot)
         return changed.after(_event_of(tuple(segments.values()), len(self.stops)))
 

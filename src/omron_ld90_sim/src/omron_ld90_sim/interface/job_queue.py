@@ -130,7 +130,7 @@ class JobQueue:
 
     def _next(self) -> Optional[QueueSegment]:
         waiting = [one for one in self.segments
-                   if one.status == 'Pending' and not one.after and one.robot == NO_ROBOT]
+                   if (one.status, one.substatus) == ('Pending', 'None')]
         return max(waiting, key=lambda one: one.priority) if waiting else None
 
     def _begin(self, segment: QueueSegment, robot: QueueRobot) -> None:
