@@ -85,7 +85,7 @@ class QueueJobTest(unittest.TestCase):
         status = again.get_result().status
         self.assertEqual(status.state, JobStatus.COMPLETED)
         self.assertEqual(status.segment_states, ['Completed', 'Completed'])
-        self.assertEqual(link.queued, [status.job_id])
+        self.assertEqual((link.cuts, link.queued), (0, [status.job_id]))
 
 
 if __name__ == '__main__':

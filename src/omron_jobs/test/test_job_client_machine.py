@@ -15,13 +15,19 @@ from hypothesis.stateful import (
     run_state_machine_as_test,
 )
 
-from omron_jobs.client.handed_jobs import HandedEvent, HandedJob, HandedState, HandedStop, StopKind
+from omron_jobs.client.handed_jobs import (
+    HandedEvent,
+    HandedJob,
+    HandedState,
+    HandedStop,
+    HandedStopKind,
+)
 from omron_jobs.client.job_client import ASKED_EVERY, RESENT_WITHIN, JobClient
 from omron_ld90_sim.clock import SimClock
 from omron_ld90_sim.interface.fleet_manager import SimFleetManager
 from omron_ld90_sim.interface.session import SimSession
 
-P, D = StopKind.PICKUP, StopKind.DROPOFF
+P, D = HandedStopKind.PICKUP, HandedStopKind.DROPOFF
 JOBS: Tuple[Tuple[HandedStop, ...], ...] = (
     (HandedStop('x', P),), (HandedStop('x', P, 5), HandedStop('y z', D)),
     (HandedStop('x', P), HandedStop('y z', D, 3), HandedStop('x', D)),

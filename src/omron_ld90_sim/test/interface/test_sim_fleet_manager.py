@@ -64,7 +64,8 @@ def test_a_robot_serves_a_pickup_and_its_drop_off(program: Program) -> None:
     program.say('queueQuery jobId abc')
     answer = program.until('EndQueueQuery')
     assert [line.split()[1:6] for line in answer[:-1]] == [
-        ['DROPOFF2', 'abc', '30', 'Completed', 'None'], ['PICKUP1', 'abc', '10', 'Completed', 'None']]
+        ['DROPOFF2', 'abc', '30', 'Completed', 'None'],
+        ['PICKUP1', 'abc', '10', 'Completed', 'None']]
 
 
 def test_an_unknown_goal_and_a_double_id_are_errors(program: Program) -> None:

@@ -9,7 +9,7 @@ import re
 from dataclasses import dataclass
 from typing import List, Optional, Union
 
-from omron_jobs.client.handed_jobs import HandedJob, StopKind
+from omron_jobs.client.handed_jobs import HandedJob, HandedStopKind
 
 QUERY = 'queuequery'
 MOST_STOPS = 50
@@ -65,7 +65,7 @@ def command_of(job: HandedJob) -> str:
     goals = [_quoted(stop.goal) for stop in stops]
     if len(stops) == 1:
         return f'queuePickup {goals[0]} {priorities[0]} {job.id}'
-    if [stop.kind for stop in stops] == [StopKind.PICKUP, StopKind.DROPOFF]:
+    if [stop.kind for stop in stops] == [HandedStopKind.PICKUP, HandedStopKind.DROPOFF]:
         return f'queuePickupDropoff {" ".join(goals)} {" ".join(priorities)} {job.id}'
     fields = ' '.join(f'{goal} {stop.kind.value} {priority}'
                       for goal, stop, priority in zip(goals, stops, priorities))
@@ -86,7 +86,7 @@ def check(job: HandedJob) -> None:
     """Raises WrongJob if the Fleet Manager takes no such job."""
     if not 0 < len(job.stops) <= MOST_STOPS:
         raise WrongJob(f'it has {len(job.stops)} goals, not 1 to {MOST_STOPS}')
-    if job.stops[0].kind is not StopKind.PICKUP:
+    if job.stops[0].kind is not HandedStopKind.PICKUP:
         raise WrongJob('its first goal is no pickup')
     for stop in job.stops:
         if not stop.goal or len(stop.goal) > _LONGEST_NAME or '"' in stop.goal \

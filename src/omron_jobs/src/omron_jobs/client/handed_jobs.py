@@ -74,7 +74,7 @@ TRANSITIONS: Mapping[Tuple[HandedState, HandedEvent], HandedState] = {
 }
 
 
-class StopKind(Enum):
+class HandedStopKind(Enum):
     """What a robot does at a goal."""
 
     PICKUP = 'pickup'
@@ -86,7 +86,7 @@ class HandedStop:
     """A goal of a job. `priority` None: the Fleet Manager's default."""
 
     goal: str
-    kind: StopKind
+    kind: HandedStopKind
     priority: Optional[int] = None
 
 

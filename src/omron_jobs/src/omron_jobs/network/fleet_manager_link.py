@@ -27,7 +27,7 @@ _RESET = struct.pack('ii', 1, 0)    # SO_LINGER with time 0: closing sends RST
 
 
 class LinkUser(Protocol):
-    """Whom the link serves, in the link's thread."""
+    """The user of the link; the link's thread calls it."""
 
     def hear_login(self) -> None:
         """The link is logged in."""

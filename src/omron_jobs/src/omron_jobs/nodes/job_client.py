@@ -27,14 +27,14 @@ from diagnostic_updater import DiagnosticStatusWrapper
 from node_lifecycle import parameter, publish_diagnostics, run, warn
 from node_lifecycle.secret_files import read_password_file
 from omron_jobs.client.fleet_manager_lines import WrongJob
-from omron_jobs.client.handed_jobs import HandedJob, HandedState, HandedStop, StopKind
+from omron_jobs.client.handed_jobs import HandedJob, HandedState, HandedStop, HandedStopKind
 from omron_jobs.client.job_client import JobClient, TooManyJobs
 from omron_jobs.network.fleet_manager_link import FleetManagerLink
 from omron_jobs.nodes.handed_jobs_file import HandedJobsFile
 from omron_ld90_msgs.msg import JobStatus, JobStop, QueueJobAction, QueueJobFeedback, QueueJobResult
 
 _NAME = 'job_client'
-_KINDS = {JobStop.PICKUP: StopKind.PICKUP, JobStop.DROPOFF: StopKind.DROPOFF}
+_KINDS = {JobStop.PICKUP: HandedStopKind.PICKUP, JobStop.DROPOFF: HandedStopKind.DROPOFF}
 
 
 class JobClientNode:
