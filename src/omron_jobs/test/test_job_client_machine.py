@@ -151,6 +151,9 @@ class HandedJobsInAnyOrder(RuleBasedStateMachine):
         self.unread = rest
         for line in whole:
             self.client.hear_line(line.decode(), self.now)
+        for job in self.client.pop_changes():
+            if job.state is HandedState.UNKNOWN and job.id not in self.seen:
+                assert self.now - job.sent / 1000 > RESENT_WITHIN, f'{job} is lost'
         self.store_news()
 
     @property
