@@ -115,11 +115,14 @@ LAYERS: Dict[str, Layer] = {
     # jobs
     'omron_jobs': layer(),
     'omron_jobs.core': layer('omron_arcl'),
-    'omron_jobs.network': layer('browser_guard omron_jobs.core',
-                                sockets='job_port outgoing_link rest_port'),
+    'omron_jobs.client': layer(),
+    'omron_jobs.network': layer(
+        'browser_guard omron_arcl omron_jobs.core',
+        sockets='fleet_manager_link job_port outgoing_link rest_port'),
     'omron_jobs.nodes': layer(
         'browser_guard fleet_core.files fleet_core.work fleet_requests '
-        'graph_fleet_manager.messages graph_topic json_records node_lifecycle omron_jobs.core '
+        'graph_fleet_manager.messages graph_topic json_records node_lifecycle omron_jobs.client '
+        'omron_jobs.core '
         'omron_jobs.network trajectory_graph', ros=True, sockets='job_server'),
     # graphs
     'graph_editor': layer('file_replacement graph_editor.checking graph_editor.making omron_map '

@@ -21,6 +21,7 @@ GIVEN = {
     'edit.launch': ['map_file:=/nowhere/site.map', 'graph_file:=/nowhere/graph.yaml'],
     'editor_rviz.launch': ['map_file:=/nowhere/site.map'],
     'fleet_manager.launch': ['graph_file:=/nowhere/graph.yaml', 'fleet_file:=/nowhere/fleet.yaml'],
+    'job_client.launch': ['fleet_manager_ip:=10.0.0.1', 'password_file:=/nowhere/password'],
     'job_server.launch': ['password_file:=/nowhere/password'],
     'join_masters.launch': ['peer:=127.0.0.3'],
     'map_converter.launch': ['base_map:=/nowhere/base.map', 'graph_file:=/nowhere/graph.yaml',

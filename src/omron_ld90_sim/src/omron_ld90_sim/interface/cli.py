@@ -115,6 +115,9 @@ def parser() -> argparse.ArgumentParser:
         help='largest distance from a goal at which the robot may stop (30,1); 0,0 is exact')
     add('--seed', type=int, default=0, help='seed of all random numbers (0)')
     add('--robots', metavar='FILE', help='YAML list of robots: a fleet in one process')
+    add('--fleet-manager', type=_port, metavar='PORT',
+        help='play an OMRON Fleet Manager on this port: it takes jobs for these robots; 0 chooses '
+             'a free one')
     add('--fault', action='append', default=[], metavar='"[SECONDS] FAULT"',
         help='fault at that time or at once; --help-faults lists them')
     add('--fault-script', metavar='FILE', help='file with one such fault per line')
@@ -168,6 +171,9 @@ def _simulator(arguments: argparse.Namespace, stack: ExitStack) -> Simulator:
         simulator.log_to(stack.enter_context(file))
     if arguments.control is not None:
         print(f'faults on 127.0.0.1:{simulator.control_on(arguments.control)}', flush=True)
+    if arguments.fleet_manager is not None:
+        port = simulator.manage_on(arguments.fleet_manager, _password(arguments))
+        print(f'Fleet Manager on {arguments.host}:{port}', flush=True)
     for name, port in simulator.ports.items():
         robot = f' ({name})' if specs else ''
         print(f'ready: ARCL on {arguments.host}:{port}{robot}', flush=True)

@@ -24,6 +24,7 @@ from omron_ld90_sim.interface.configuration_table import (
 from omron_ld90_sim.interface.control import SimControlServer
 from omron_ld90_sim.interface.faults import Faults, NoSuchFault
 from omron_ld90_sim.interface.fleet import RobotSpec
+from omron_ld90_sim.interface.fleet_manager import QueuedUnit, SimFleetManager
 from omron_ld90_sim.interface.loop import Loop
 from omron_ld90_sim.interface.numbers import speed_factor
 from omron_ld90_sim.interface.outgoing import OutgoingLink
@@ -97,6 +98,8 @@ class Simulator:
         specs = list(robots or [RobotSpec('robot', port, outgoing, start, battery)])
         self.loop = Loop(SimClock(), speed)
         self.units: List[Unit] = []
+        self._host = host
+        self._manager: Optional[TcpServer] = None
         try:
             places = start_places(document, floor, [spec.start for spec in specs], seed)
             for number, (spec, place) in enumerate(zip(specs, places)):
@@ -133,6 +136,15 @@ class Simulator:
     def control_on(self, port: int) -> int:
         """Opens the control socket on loopback; returns its port."""
         return SimControlServer(self.loop, port, self._inject_here, self.where).port
+
+    def manage_on(self, port: int, password: str) -> int:
+        """Opens the port of a Fleet Manager with these robots; returns it. Raises PortTaken."""
+        robots = [QueuedUnit(unit.name, unit.robot) for unit in self.units]
+        manager = SimFleetManager(
+            self.loop.clock, robots,
+            lambda: [goal.name for goal in self.robot.document.goals], password)
+        self._manager = TcpServer(self.loop, manager, self._host, port)
+        return self._manager.port
 
     def where(self) -> Dict[str, object]:
         """The simulated time (s), and by name the true pose of every robot (m, m, degrees).
@@ -203,6 +215,8 @@ class Simulator:
     def _close(self) -> None:
         for unit in self.units:
             unit.tcp.close()
+        if self._manager is not None:
+            self._manager.close()
         self.loop.close()
 
     def start(self) -> None:

@@ -1,0 +1,127 @@
+"""The lines between a program that gives jobs and OMRON's Fleet Manager, from the program's side.
+
+The server of this package and the simulator have tables of their own: a wrong belief in one of them
+then shows as a difference.
+"""
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from typing import List, Optional, Union
+
+from omron_jobs.client.handed_jobs import HandedJob, HandedStopKind
+
+QUERY = 'queuequery'
+MOST_STOPS = 50
+_LONGEST_NAME = 127
+_WORD = re.compile(r'"[^"]*"|\S+')
+_SEGMENT_LINES = ('queueupdate:', 'queuequery:', 'queueshow:')
+
+
+class WrongJob(ValueError):
+    """A job that cannot be said in a line. The text is a clause that says why."""
+
+
+@dataclass(frozen=True)
+class SegmentLine:
+    """A line about a segment of a job. `is_listed`: it is part of the answer to a question."""
+
+    segment: str
+    job: str
+    status: str
+    robot: str
+    is_listed: bool
+
+
+@dataclass(frozen=True)
+class AnswerEnd:
+    """The last line of the answer to a command; `command` in lower case."""
+
+    command: str
+
+
+@dataclass(frozen=True)
+class ErrorBegin:
+    """The first line of an error: it names the command, in lower case."""
+
+    command: str
+
+
+@dataclass(frozen=True)
+class ErrorText:
+    """The last line of an error. `is_whole`: no other line came before it."""
+
+    text: str
+    is_whole: bool
+
+
+FleetManagerLine = Union[SegmentLine, AnswerEnd, ErrorBegin, ErrorText]
+
+
+def command_of(job: HandedJob) -> str:
+    """The command that hands a job over."""
+    stops = job.stops
+    priorities = ['default' if stop.priority is None else str(stop.priority) for stop in stops]
+    goals = [_quoted(stop.goal) for stop in stops]
+    if len(stops) == 1:
+        return f'queuePickup {goals[0]} {priorities[0]} {job.id}'
+    if [stop.kind for stop in stops] == [HandedStopKind.PICKUP, HandedStopKind.DROPOFF]:
+        return f'queuePickupDropoff {" ".join(goals)} {" ".join(priorities)} {job.id}'
+    fields = ' '.join(f'{goal} {stop.kind.value} {priority}'
+                      for goal, stop, priority in zip(goals, stops, priorities))
+    return f'queueMulti {len(stops)} 2 {fields} {job.id}'
+
+
+def query_of(job: HandedJob) -> str:
+    """The question whether the Fleet Manager knows a job, and what its segments do."""
+    return f'queueQuery jobId {job.id}'
+
+
+def cancellation_of(job: HandedJob) -> str:
+    """The command that cancels a job."""
+    return f'queueCancel jobId {job.id}'
+
+
+def check(job: HandedJob) -> None:
+    """Raises WrongJob if the Fleet Manager takes no such job."""
+    if not 0 < len(job.stops) <= MOST_STOPS:
+        raise WrongJob(f'it has {len(job.stops)} goals, not 1 to {MOST_STOPS}')
+    if job.stops[0].kind is not HandedStopKind.PICKUP:
+        raise WrongJob('its first goal is no pickup')
+    for stop in job.stops:
+        if not stop.goal or len(stop.goal) > _LONGEST_NAME or '"' in stop.goal \
+                or not stop.goal.isascii() or not stop.goal.isprintable():
+            raise WrongJob(f'{stop.goal!r} can be no name of a goal')
+
+
+def read_line(text: str) -> Optional[FleetManagerLine]:
+    """Returns what a line says about jobs; None: nothing."""
+    words = _WORD.findall(text)
+    if not words:
+        return None
+    first = words[0].lower()
+    if first in _SEGMENT_LINES:
+        return _read_segment(words)
+    if first in ('endqueuequery', 'endqueuemulti'):
+        return AnswerEnd(first[3:])
+    if first in ('queuepickup', 'queuepickupdropoff') and 'successfully queued' in text:
+        return AnswerEnd(first)
+    if first == 'commanderror:':
+        return ErrorBegin(words[1].lower() if len(words) > 1 else '')
+    if first == 'commanderrordescription:':
+        return ErrorText(text.partition(':')[2].strip(), False)
+    if first == 'setuperror:' or text.startswith('Unknown command'):
+        return ErrorText(text.strip(), True)
+    return None
+
+
+def _read_segment(words: List[str]) -> Optional[SegmentLine]:
+    if len(words) < 9:
+        return None
+    robot = words[8].strip('"')
+    return SegmentLine(words[1], words[2], words[4], '' if robot.lower() == 'none' else robot,
+                       words[0].lower() == 'queuequery:')
+
+
+def _quoted(name: str) -> str:
+    return f'"{name}"' if ' ' in name else name

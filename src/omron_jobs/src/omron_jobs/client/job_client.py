@@ -1,0 +1,240 @@
+"""All jobs that are handed to one Fleet Manager, over losses of the link and restarts of both.
+
+One command or question waits for its answer at a time, because answers have no number.
+
+    event         what follows
+    request       the job is stored, then it is sent as soon as there is a link
+    login         each job that the Fleet Manager may have is asked for, before anything is sent
+    answer ends   what it says of the job counts; the next command is due
+    error         the job is asked for: only if the Fleet Manager does not know it, it was refused
+    loss          the open question is dropped: its job is in doubt, and is asked for after a login
+    restart       as after a loss, with what the disk has
+
+Invariants: a job is on the disk as SENT before its command is sent. A job is sent again only after
+the Fleet Manager said that it does not know it, at most RESENT_WITHIN after it was sent: a Fleet
+Manager forgets the jobs that have ended (by default after 60 minutes, or 100 later ones), so a
+later "not known" is no proof. Such a job ends as UNKNOWN, and a person decides.
+"""
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Callable, Dict, Iterable, List, Optional, Sequence, Tuple
+
+from omron_jobs.client.fleet_manager_lines import (
+    QUERY,
+    AnswerEnd,
+    ErrorBegin,
+    ErrorText,
+    SegmentLine,
+    cancellation_of,
+    check,
+    command_of,
+    query_of,
+    read_line,
+)
+from omron_jobs.client.handed_jobs import HandedEvent, HandedJob, HandedState, HandedStop
+
+RESENT_WITHIN = 300.0   # s after it was sent, within which a job that is not known is sent again
+ANSWERED_WITHIN = 10.0  # s after which a link without the answer is given up
+ASKED_EVERY = 10.0      # s without news of an open job, after which it is asked for
+MOST_OPEN = 1000
+MOST_ENDED = 1000       # jobs that have ended, and are remembered for their callers
+
+Store = Callable[[Sequence[HandedJob]], None]
+"""Stores all jobs, forced to the disk. Raises OSError."""
+
+
+class TooManyJobs(Exception):
+    """The most jobs that may be open are open."""
+
+
+@dataclass(frozen=True)
+class _Question:
+    """The command that waits for its answer, the name of it in lower case, and since when."""
+
+    command: str
+    job: str
+    since: float
+    listed: Tuple[str, ...] = ()    # the segments of the job in the answer
+    is_error: bool = False      # the first line of an error came
+
+
+class JobClient:
+    """See the module's text. `clock`: the wall clock in ms. `new_id`: draws the id of a job.
+
+    It has many attributes because one machine has jobs, their file, and the state of one link.
+    """
+
+    def __init__(self, jobs: Iterable[HandedJob], store: Store, clock: Callable[[], int],
+                 new_id: Callable[[], str]) -> None:
+        self._jobs: Dict[str, HandedJob] = {job.id: job for job in jobs}
+        self._store, self._clock, self._new_id = store, clock, new_id
+        self._is_linked = False
+        self._question: Optional[_Question] = None
+        self._heard: Dict[str, float] = {}      # when each job was heard of over this link
+        self._asked: Dict[str, float] = {}      # when each job was asked for over this link
+        self._errors: Dict[str, str] = {}       # the words that refused a job, until it is asked
+        self._changed: Dict[str, HandedJob] = {}
+        self._is_stored = True
+        self.problem = ''                       # why the Fleet Manager answers no question
+
+    @property
+    def jobs(self) -> List[HandedJob]:
+        """All jobs, the oldest first."""
+        return list(self._jobs.values())
+
+    def request(self, stops: Tuple[HandedStop, ...], request: str = '') -> HandedJob:
+        """Stores a job and returns it; a job that was requested already is returned as it is.
+
+        Raises WrongJob, TooManyJobs or OSError: then there is no job.
+        """
+        known = next((job for job in self._jobs.values() if request and job.request == request),
+                     None)
+        if known is not None:
+            return known
+        id = self._new_id()
+        while id in self._jobs:
+            id = self._new_id()
+        job = HandedJob(id, stops, request)
+        check(job)
+        if sum(one.is_open for one in self._jobs.values()) >= MOST_OPEN:
+            raise TooManyJobs(f'{MOST_OPEN} jobs are open')
+        self._keep(job)
+        return job
+
+    def cancel(self, id: str) -> None:
+        """Cancels a job; it ends when the Fleet Manager says so, or at once if it was not sent.
+
+        Raises OSError: then it is not cancelled.
+        """
+        job = self._jobs.get(id)
+        if job is not None and job.is_open and not job.is_unwanted:
+            self._keep(replace(job, is_unwanted=True).after(HandedEvent.WITHDRAWN))
+            self._asked.pop(id, None)
+
+    def hear_login(self) -> None:
+        """Begins a link."""
+        self.hear_loss()
+        self._is_linked, self.problem = True, ''
+
+    def hear_loss(self) -> None:
+        """Ends the link; what was not answered is in doubt."""
+        self._is_linked, self._question = False, None
+        self._heard.clear()
+        self._asked.clear()
+
+    def hear_line(self, text: str, now: float) -> None:
+        """Reads a line of the Fleet Manager."""
+        line, question = read_line(text), self._question
+        if isinstance(line, SegmentLine):
+            self._hear_segment(line, now)
+        elif question is None:
+            return
+        elif isinstance(line, AnswerEnd) and line.command == question.command:
+            self._end_question(question, now)
+        elif isinstance(line, ErrorBegin) and line.command == question.command:
+            self._question = replace(question, is_error=True)
+        elif isinstance(line, ErrorText) and (line.is_whole or question.is_error):
+            self._question = None
+            if question.command == QUERY:
+                self.problem = f'the Fleet Manager answers no queueQuery: {line.text}'
+            else:
+                self._errors[question.job] = line.text
+
+    def due(self, now: float) -> List[str]:
+        """The lines that are to be sent now, stored before. Raises OSError: nothing is sent."""
+        if not self._is_linked or self._question is not None or self.problem:
+            return []
+        asked = self._next_to_ask(now)
+        if asked is not None:
+            self._question = _Question(QUERY, asked.id, now)
+            self._asked[asked.id] = now
+            return [*([cancellation_of(asked)] if asked.is_unwanted else []), query_of(asked)]
+        job = next((job for job in self._jobs.values() if job.state is HandedState.STORED), None)
+        if job is None:
+            return []
+        line = command_of(job)
+        self._keep(replace(job, sent=self._clock()).after(HandedEvent.SENDING))
+        self._question = _Question(line.partition(' ')[0].lower(), job.id, now)
+        return [line]
+
+    def is_stuck(self, now: float) -> bool:
+        """Whether an answer is so late that the link is to be given up."""
+        return self._question is not None and now - self._question.since > ANSWERED_WITHIN
+
+    def store_news(self) -> None:
+        """Stores what was heard. Raises OSError: it is tried again at the next call."""
+        if not self._is_stored:
+            self._store(self.jobs)
+            self._is_stored = True
+
+    def pop_changes(self) -> List[HandedJob]:
+        """Returns the jobs that have changed since the last call, each as it is now."""
+        changed, self._changed = list(self._changed.values()), {}
+        return changed
+
+    # -- what was heard ----------------------------------------------------------------------------
+
+    def _hear_segment(self, line: SegmentLine, now: float) -> None:
+        job = self._jobs.get(line.job)
+        if job is None:
+            return
+        self._heard[job.id] = now
+        question = self._question
+        if line.is_listed and question is not None and question.job == job.id:
+            self._question = replace(question, listed=(*question.listed, line.segment))
+        self._errors.pop(job.id, None)
+        self._put(job.with_segment(line.segment, line.status, line.robot))
+
+    def _end_question(self, question: _Question, now: float) -> None:
+        self._question = None
+        job = self._jobs.get(question.job)
+        self._heard[question.job] = now
+        if job is None:
+            return
+        if question.command != QUERY:
+            if job.state is HandedState.SENT:
+                self._put(job.after(HandedEvent.ACCEPTED))
+        elif question.listed:
+            self._put(job.after_listing(question.listed))
+        else:
+            self._hear_not_known(job)
+
+    def _hear_not_known(self, job: HandedJob) -> None:
+        error = self._errors.pop(job.id, None)
+        age = (self._clock() - job.sent) / 1000.0
+        if error is not None:
+            self._put(replace(job, reason=error).after(HandedEvent.REFUSED))
+        elif not 0.0 <= age <= RESENT_WITHIN:
+            self._put(job.after(HandedEvent.FORGOTTEN))
+        else:
+            job = job.after(HandedEvent.NOT_KNOWN)
+            self._put(job.after(HandedEvent.WITHDRAWN) if job.is_unwanted else job)
+
+    def _next_to_ask(self, now: float) -> Optional[HandedJob]:
+        return next((job for job in self._jobs.values()
+                     if job.is_in_hand and self._is_to_be_asked(job, now)), None)
+
+    def _is_to_be_asked(self, job: HandedJob, now: float) -> bool:
+        """Whether nothing was heard of a job; a cancellation is repeated until it has its end."""
+        times = self._asked if job.is_unwanted else self._heard
+        return (job.id in self._errors or job.id not in times
+                or now - times[job.id] >= ASKED_EVERY)
+
+    # -- the disk ----------------------------------------------------------------------------------
+
+    def _keep(self, job: HandedJob) -> None:
+        """Changes a job, or adds it, once it is on the disk."""
+        jobs = {**self._jobs, job.id: job}
+        ended = [one.id for one in jobs.values() if not one.is_open]
+        for id in ended[:max(0, len(ended) - MOST_ENDED)]:
+            del jobs[id]
+        self._store(list(jobs.values()))
+        self._jobs, self._is_stored = jobs, True
+        self._changed[job.id] = job
+
+    def _put(self, job: HandedJob) -> None:
+        """Changes a job by what was heard; it is stored later: it can be asked for again."""
+        if job != self._jobs[job.id]:
+            self._jobs[job.id] = self._changed[job.id] = job
+            self._is_stored = False

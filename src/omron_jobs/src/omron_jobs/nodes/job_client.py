@@ -1,0 +1,192 @@
+"""job_client: hands jobs of this workspace to an OMRON Fleet Manager, over ARCL.
+
+Actions
+    ~queue_job (omron_ld90_msgs/QueueJob): a job, from its acceptance to its end
+Publishes
+    ~job_status (omron_ld90_msgs/JobStatus): each change of a job; those of all open jobs at a start
+    /diagnostics
+Parameters
+    ~fleet_manager_ip  string  (required)  address or name of the Fleet Manager
+    ~port              int     7171        its ARCL port
+    ~password_file     string  (required)  contains its ARCL password, and nothing else
+    ~jobs_file         string  omron_jobs/handed_jobs.json  keeps the jobs; a relative path begins
+                                           in ROS_HOME
+"""
+from __future__ import annotations
+
+import secrets
+import threading
+import time
+from typing import Dict, Iterable, List, Tuple
+
+import actionlib
+import rospy
+from diagnostic_msgs.msg import DiagnosticStatus
+from diagnostic_updater import DiagnosticStatusWrapper
+
+from node_lifecycle import parameter, publish_diagnostics, run, warn
+from node_lifecycle.secret_files import read_password_file
+from omron_jobs.client.fleet_manager_lines import WrongJob
+from omron_jobs.client.handed_jobs import HandedJob, HandedState, HandedStop, HandedStopKind
+from omron_jobs.client.job_client import JobClient, TooManyJobs
+from omron_jobs.network.fleet_manager_link import FleetManagerLink
+from omron_jobs.nodes.handed_jobs_file import HandedJobsFile
+from omron_ld90_msgs.msg import JobStatus, JobStop, QueueJobAction, QueueJobFeedback, QueueJobResult
+
+_NAME = 'job_client'
+_KINDS = {JobStop.PICKUP: HandedStopKind.PICKUP, JobStop.DROPOFF: HandedStopKind.DROPOFF}
+
+
+class JobClientNode:
+    """The node: see the module's text. One lock guards the jobs; the link's thread serves them."""
+
+    def __init__(self) -> None:
+        host = parameter('~fleet_manager_ip')
+        password = read_password_file(parameter('~password_file'), 'password of the Fleet Manager')
+        self._file = HandedJobsFile(parameter('~jobs_file', 'omron_jobs/handed_jobs.json'),
+                                    '~jobs_file')
+        self._lock = threading.RLock()
+        self._jobs = JobClient(self._file.read(), self._file.write,
+                               lambda: int(time.time() * 1000),
+                               lambda: f'ROS{secrets.token_hex(8)}')
+        self._goals: Dict[str, List[actionlib.ServerGoalHandle]] = {}
+        self._problem = ''
+        self._status = rospy.Publisher('~job_status', JobStatus, queue_size=1000)
+        self._link = FleetManagerLink(host, parameter('~port', 7171, int), password, self)
+        self._server = actionlib.ActionServer('~queue_job', QueueJobAction, self._on_goal,
+                                              self._on_cancel, auto_start=False)
+        for job in self._jobs.jobs:
+            if job.is_open:
+                self._status.publish(status_of(job))
+        publish_diagnostics('none', {'jobs': self._show})
+        rospy.on_shutdown(self._link.close)
+        self._link.start()
+        self._server.start()
+
+    # -- the action --------------------------------------------------------------------------------
+
+    def _on_goal(self, goal: actionlib.ServerGoalHandle) -> None:
+        with self._lock:
+            try:
+                wanted = goal.get_goal()
+                job = self._jobs.request(stops_of(wanted.stops), wanted.request_id)
+            except (WrongJob, TooManyJobs) as problem:
+                goal.set_rejected(text=f'The job is not queued: {problem}.')
+                return
+            except OSError as problem:
+                goal.set_rejected(text=f'The job is not queued, it cannot be stored: {problem}.')
+                return
+            goal.set_accepted()
+            self._goals.setdefault(job.id, []).append(goal)
+            goal.publish_feedback(QueueJobFeedback(status_of(job)))
+            if not job.is_open:
+                self._end(job)
+            self._tell()
+        self._link.wake()
+
+    def _on_cancel(self, goal: actionlib.ServerGoalHandle) -> None:
+        with self._lock:
+            for id, goals in self._goals.items():
+                if goal in goals:
+                    try:
+                        self._jobs.cancel(id)
+                    except OSError as problem:
+                        warn('cancel', f'Job {id} is not cancelled, this cannot be stored '
+                                       f'({problem}): cancel it again.')
+                    break
+            self._tell()
+        self._link.wake()
+
+    # -- in the thread of the link -----------------------------------------------------------------
+
+    def hear_login(self) -> None:
+        """Begins a link."""
+        with self._lock:
+            self._jobs.hear_login()
+
+    def hear_loss(self) -> None:
+        """Ends a link."""
+        with self._lock:
+            self._jobs.hear_loss()
+
+    def hear_line(self, text: str, now: float) -> None:
+        """Reads a line of the Fleet Manager, and tells what has changed."""
+        with self._lock:
+            self._jobs.hear_line(text, now)
+            self._tell()
+
+    def due(self, now: float) -> Iterable[str]:
+        """What is to be sent; stores what was heard."""
+        with self._lock:
+            try:
+                self._jobs.store_news()
+                lines = self._jobs.due(now)
+                self._problem = self._jobs.problem
+            except OSError as problem:
+                self._problem, lines = f'jobs cannot be stored: {problem.strerror}', []
+            self._tell()
+            return lines
+
+    def is_stuck(self, now: float) -> bool:
+        """Whether an answer is overdue."""
+        with self._lock:
+            return self._jobs.is_stuck(now)
+
+    # -- to people and programs --------------------------------------------------------------------
+
+    def _tell(self) -> None:
+        for job in self._jobs.pop_changes():
+            status = status_of(job)
+            self._status.publish(status)
+            for goal in self._goals.get(job.id, []):
+                goal.publish_feedback(QueueJobFeedback(status))
+            if not job.is_open:
+                self._end(job)
+
+    def _end(self, job: HandedJob) -> None:
+        result = QueueJobResult(status_of(job))
+        for goal in self._goals.pop(job.id, []):
+            if job.state is HandedState.COMPLETED:
+                goal.set_succeeded(result)
+            elif job.state is HandedState.CANCELLED and job.is_unwanted:
+                goal.set_canceled(result)
+            else:
+                goal.set_aborted(result, f'The job ended as {job.state.name}. {job.reason}'.strip())
+
+    def _show(self, status: DiagnosticStatusWrapper) -> DiagnosticStatusWrapper:
+        link = self._link.link
+        if self._problem:
+            status.summary(DiagnosticStatus.ERROR, self._problem)
+        elif not link.connected:
+            status.summary(DiagnosticStatus.WARN, f'no link to {link.peer}: {link.reason}')
+        else:
+            status.summary(DiagnosticStatus.OK, f'linked to {link.peer}')
+        with self._lock:
+            status.add('open jobs', str(sum(job.is_open for job in self._jobs.jobs)))
+        return status
+
+
+def stops_of(stops: Iterable[JobStop]) -> Tuple[HandedStop, ...]:
+    """The stops of a message. Raises WrongJob."""
+    found: List[HandedStop] = []
+    for stop in stops:
+        if stop.kind not in _KINDS:
+            raise WrongJob(f'kind {stop.kind} is neither PICKUP nor DROPOFF')
+        found.append(HandedStop(stop.goal, _KINDS[stop.kind],
+                                stop.priority if stop.has_priority else None))
+    return tuple(found)
+
+
+def status_of(job: HandedJob) -> JobStatus:
+    """The message about a job."""
+    status = JobStatus(job_id=job.id, request_id=job.request, state=int(job.state),
+                       segment_ids=[id for id, _ in job.segments],
+                       segment_states=[state for _, state in job.segments], robot=job.robot,
+                       reason=job.reason)
+    status.header.stamp = rospy.Time.now()
+    return status
+
+
+def main() -> None:
+    """Runs the node."""
+    run(_NAME, JobClientNode)

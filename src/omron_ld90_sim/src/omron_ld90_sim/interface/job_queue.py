@@ -1,0 +1,174 @@
+"""The queue of a simulated Fleet Manager: jobs, their segments, and the robots that serve them.
+
+    status      event                                     next status
+    Pending     its turn, and a robot is free             InProgress
+                cancelled                                 Cancelled
+    InProgress  its robot has reached the goal            Completed
+                its robot gave up                         Interrupted, then Pending again
+                cancelled                                 Cancelling, Interrupted, Cancelled
+
+Invariants: a robot serves one job at a time; the segments of a job are served in their order, by
+one robot. Words, ids and lines: OMRON's manual I617-E-01 p. 44-49 and 188-236.
+"""
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Callable, List, Optional, Protocol, Sequence, Tuple
+
+FINAL = ('Completed', 'Cancelled')
+NO_ROBOT = 'None'
+
+
+class QueueRobot(Protocol):
+    """A robot of the Fleet Manager."""
+
+    name: str
+
+    @property
+    def is_free(self) -> bool:
+        """Whether it may get a job."""
+
+    def drive(self, goal: str, ended: Callable[[bool], None]) -> None:
+        """Drives to a goal, and says once whether it has reached it, but not at once."""
+
+    def stop(self) -> None:
+        """Ends the drive."""
+
+
+@dataclass
+class QueueSegment:
+    """A segment of a job."""
+
+    id: str
+    job: str
+    goal: str
+    priority: int
+    queued: str
+    after: str = ''         # the segment that must be completed before
+    status: str = 'Pending'
+    substatus: str = 'None'
+    robot: str = NO_ROBOT
+    completed: str = 'None None'
+    fails: int = 0
+
+    @property
+    def is_open(self) -> bool:
+        """Whether it has not ended."""
+        return self.status not in FINAL
+
+
+@dataclass(frozen=True)
+class NewSegment:
+    """A segment that a client wants to queue; `kind`: PICKUP or DROPOFF."""
+
+    goal: str
+    kind: str
+    priority: int
+
+
+class DoubleJob(ValueError):
+    """The id of an active job."""
+
+
+@dataclass
+class JobQueue:
+    """All segments, the oldest first. `tell` is called after each change of a segment."""
+
+    robots: Sequence[QueueRobot]
+    date: Callable[[], str]
+    tell: Callable[[QueueSegment], None] = lambda segment: None
+    segments: List[QueueSegment] = field(default_factory=list)
+    _count: int = 0
+
+    def add(self, wanted: Sequence[NewSegment], job: str) -> List[QueueSegment]:
+        """Queues a job; its changes are told from the next `advance` on. Raises DoubleJob."""
+        if any(one.is_open and one.job.lower() == job.lower() for one in self.segments):
+            raise DoubleJob(f'job id "{job}" is that of an active job')
+        added: List[QueueSegment] = []
+        job = job or f'JOB{self._count + 1}'
+        for new in wanted:
+            self._count += 1
+            before = added[-1].id if added else ''
+            added.append(QueueSegment(f'{new.kind}{self._count}', job, new.goal, new.priority,
+                                      self.date(), before,
+                                      substatus=f'ID_{before}' if before else 'None'))
+        self.segments += added
+        return added
+
+    def announce(self, added: Sequence[QueueSegment]) -> None:
+        """Tells segments that were added, after their client has its reply."""
+        for one in added:
+            self.tell(one)
+
+    def find(self, kind: str, value: str) -> List[QueueSegment]:
+        """The segments with an id, jobId, robotName or status."""
+        fields = {'id': 'id', 'jobid': 'job', 'robotname': 'robot', 'status': 'status'}
+        return [one for one in self.segments
+                if getattr(one, fields[kind.lower()]).lower() == value.lower()]
+
+    def cancel(self, found: Sequence[QueueSegment], reason: str) -> None:
+        """Cancels segments and what follows them in their jobs."""
+        jobs = {one.job for one in found if one.is_open}
+        for one in self.segments:
+            if one.is_open and one.job in jobs:
+                if one.status == 'InProgress':
+                    self._enter(one, 'Cancelling', reason)
+                    self._robot(one.robot).stop()
+                    self._enter(one, 'Interrupted', 'None')
+                one.completed = self.date()
+                self._enter(one, 'Cancelled', reason)
+
+    def advance(self) -> None:
+        """Gives free robots what is due."""
+        busy = {one.robot for one in self.segments if one.is_open}
+        for robot in self.robots:
+            if robot.is_free and robot.name not in busy:
+                due = self._next()
+                if due is None:
+                    return
+                self._begin(due, robot)
+
+    def _next(self) -> Optional[QueueSegment]:
+        waiting = [one for one in self.segments
+                   if (one.status, one.substatus) == ('Pending', 'None')]
+        return max(waiting, key=lambda one: one.priority) if waiting else None
+
+    def _begin(self, segment: QueueSegment, robot: QueueRobot) -> None:
+        self._enter(segment, 'InProgress', 'UnAllocated')
+        segment.robot = robot.name
+        self._enter(segment, 'InProgress', 'Allocated')
+        self._enter(segment, 'InProgress', 'Driving')
+
+        def ended(is_there: bool) -> None:
+            if segment.status == 'InProgress':
+                self._end(segment, robot, is_there)
+        robot.drive(segment.goal, ended)
+
+    def _end(self, segment: QueueSegment, robot: QueueRobot, is_there: bool) -> None:
+        if not is_there:
+            self._enter(segment, 'Interrupted', 'None')
+            segment.robot, segment.fails = NO_ROBOT, segment.fails + 1
+            self._enter(segment, 'Pending', 'None')
+            return
+        segment.completed = self.date()
+        self._enter(segment, 'Completed', 'None')
+        for following in self.segments:
+            if following.after == segment.id and following.is_open:
+                self._begin(following, robot)
+
+    def _enter(self, segment: QueueSegment, status: str, substatus: str) -> None:
+        segment.status, segment.substatus = status, substatus
+        self.tell(segment)
+
+    def _robot(self, name: str) -> QueueRobot:
+        return next(robot for robot in self.robots if robot.name == name)
+
+
+def line_of(word: str, segment: QueueSegment, echo: Optional[str] = None) -> str:
+    """A line about a segment. `echo` None: a QueueUpdate, which has none."""
+    robot = f'"{segment.robot}"'
+    parts: Tuple[str, ...] = (
+        f'{word}:', segment.id, segment.job, str(segment.priority), segment.status,
+        segment.substatus, 'Goal', f'"{segment.goal}"', robot, segment.queued, segment.completed,
+        *(() if echo is None else (echo or '""',)), str(segment.fails))
+    return ' '.join(parts)
