@@ -1,7 +1,7 @@
 """Answers requests of REST clients: the part of FLOW Core's Integration Toolkit about jobs. No I/O.
 
 A request is answered with a status and JSON. An error record says what is wrong with a request,
-whatever its bytes are, and then nothing was done: only an answer 201 makes or changes a job.
+also with bytes that are no JSON. Only an answer 201 makes or changes a job.
 """
 from __future__ import annotations
 
