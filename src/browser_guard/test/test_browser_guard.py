@@ -122,6 +122,7 @@ OTHERWISE = {
     'node_lifecycle': 'a connection of a topic begins with a header: see bounded_messages',
     'omron_arcl': 'the session of a connection recognises them',
 }
+KNOWS = re.compile(r'is_http_request\(|is_from_browser\(')
 #: As on the robot, the first line is the password.
 ROBOT = 'omron_ld90_sim/src/omron_ld90_sim/interface/transport.py'
 
@@ -132,6 +133,6 @@ def test_every_program_that_listens_knows_browsers():
                  if LISTENS.search(file.read_text(encoding='utf-8'))}
     assert len(listening) >= 6
     forgotten = [name for name, text in listening.items()
-                 if 'is_http_request(' not in text and name != ROBOT
+                 if not KNOWS.search(text) and name != ROBOT
                  and name.split('/')[0] not in OTHERWISE]
-    assert not forgotten, 'let the first line end the connection if is_http_request'
+    assert not forgotten, 'it must ask is_http_request or is_from_browser'

@@ -1,7 +1,7 @@
 """Answers requests of REST clients: the part of FLOW Core's Integration Toolkit about jobs. No I/O.
 
-A request is answered with a status and JSON. What is wrong with it, whatever its bytes are, is told
-in an error record, and then nothing was done: only an answer 201 makes or changes a job.
+A request is answered with a status and JSON. An error record says what is wrong with a request,
+also with bytes that are no JSON. Only an answer 201 makes or changes a job.
 """
 from __future__ import annotations
 
