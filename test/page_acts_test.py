@@ -167,6 +167,16 @@ class FleetOnThePage(unittest.TestCase):
         self.window.click('#closed [data-act=open]')
         wait_until(lambda: not self.closed.messages[-1].edges, 10.0, 'edge 2 is open')
         self.assertIn(2, self.edges_driven(SECOND, 14))
+        self.window.click('#tab_button_edges')
+        self.window.one('#edge').send_keys('2')
+        self.window.one('#area_name').send_keys('gate')
+        self.window.click('#keep_area')
+        self.window.click('#areas [data-act=close]')
+        wait_until(lambda: list(self.closed.messages[-1].edges) == [2], 10.0, 'the area is closed')
+        self.window.click('#areas [data-act=open]')
+        wait_until(lambda: not self.closed.messages[-1].edges, 10.0, 'the area is open')
+        self.window.click('#areas [data-act=remove_area]')
+        self.window.wait(lambda: self.window.text('#areas') == '', 'the area is removed')
 
     def test_6_stop_stops_all_and_robots_go_out_of_service_and_in_again(self) -> None:
         self.send(33, 26, 33, 26, robot_type='agv', robot=SECOND)

@@ -4,7 +4,7 @@ A proof is a file of tests that searches all states of code without I/O, or a gr
 lives. Whole, it takes long. So its file asks `is_whole(__file__)` for the bounds of its searches:
 
     WHOLE = is_whole(__file__)
-    LIVES = 60 if LONG else 20 if WHOLE else 5
+    LIVES = 60 if LONG else 20 if WHOLE else 3
 
 The answer depends on contents alone: on those of the file, of all files of the workspace that it
 imports, directly or not, and of the `conftest.py` above it. When all tests of the file have passed,

@@ -74,6 +74,7 @@ ELSEWHERE = {
     'map_converter.launch': ('converter.test', 'map_converter'),
     'multimaster.launch': ('joined_fleet.py', 'multimaster'),
     'join_masters.launch': ('joined_fleet.py', 'multimaster'),
+    'job_client.launch': ('queue_job.test', 'job_client'),
     'job_server.launch': ('jobs.test', 'job_server'),
     'node_host.launch': ('hosted_test.py', 'node_host'),
     'robot_host.launch': ('hosted.test', 'hosted')}

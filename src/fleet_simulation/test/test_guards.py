@@ -47,7 +47,7 @@ from world.wrong_plans import WRONG, Spoil, exchanged, with_holes, without_order
 
 AGV = RobotType('agv', 0.4, 1.0, docks=frozenset(DOCKS))
 WHOLE = is_whole(__file__)
-LIVES = 60 if LONG else 20 if WHOLE else 5  # number of lives with all guards
+LIVES = 60 if LONG else 20 if WHOLE else 3  # number of lives with all guards
 
 
 class CorruptedFleet(SupervisedFleet):

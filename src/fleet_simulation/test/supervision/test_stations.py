@@ -8,6 +8,7 @@ from typing import Any, Dict, List, Mapping, Optional
 
 import pytest
 from fleet_builders import AGV, graph_of
+from proofs import LONG, is_whole
 
 from fleet_core.supervision.hindrances import Hindrance
 from fleet_core.supervision.missions import CommandKind, MissionChange, MissionState, Request
@@ -23,6 +24,7 @@ from trajectory_graph import Graph
 from world.plain_agv import Agv
 from world.supervised_fleet import SupervisedFleet
 
+LIVES = 40 if LONG else 12 if is_whole(__file__) else 4
 STAY = 12.0  # s of work at a place
 
 
@@ -406,7 +408,7 @@ def test_robots_in_a_queue_make_room_where_it_is_the_only_way_out() -> None:
     assert len(fleet.arrived) == 6
 
 
-@pytest.mark.parametrize('seed', range(12))
+@pytest.mark.parametrize('seed', range(LIVES))
 def test_many_missions_at_one_station_all_end_and_each_is_served_once(seed: int) -> None:
     draw = Random(seed)
     fleet = lane(5, seed=seed)
@@ -419,7 +421,7 @@ def test_many_missions_at_one_station_all_end_and_each_is_served_once(seed: int)
     assert len(fleet.arrived) == len(ids)
 
 
-@pytest.mark.parametrize('seed', range(8))
+@pytest.mark.parametrize('seed', range(LIVES))
 def test_all_missions_end_although_robots_break_down_and_the_fleet_manager_dies(seed: int) -> None:
     draw = Random(seed)
     fleet = lane(4, seed=seed)

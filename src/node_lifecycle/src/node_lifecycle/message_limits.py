@@ -79,6 +79,9 @@ LIMITS: Dict[str, int] = {
     'omron_ld90_msgs/ExecuteCommandActionResult': 4 * _MIB,  # all lines of an answer
     'omron_ld90_msgs/LinkState': TEXT,
     'omron_ld90_msgs/Motion': TEXT,
+    'omron_ld90_msgs/QueueJobActionFeedback': LIST,  # the segments of a job
+    'omron_ld90_msgs/QueueJobActionGoal': LIST,  # the stops of a job
+    'omron_ld90_msgs/QueueJobActionResult': LIST,
     'omron_ld90_msgs/RobotStatus': TEXT,
     'roscpp/GetLoggersRequest': POINT,
     'roscpp/GetLoggersResponse': TEXT,

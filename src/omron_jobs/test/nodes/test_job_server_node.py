@@ -3,9 +3,11 @@ from __future__ import annotations
 
 import copy
 import shutil
+import socket
 import sqlite3
 
 import pytest
+import rospy
 
 from fleet_core.work.site_work import JobSteps, SiteWork
 from fleet_core.work.stops import LoadEffect, StopKind, WorkStep
@@ -42,7 +44,7 @@ from omron_jobs.nodes.fleet_news import (
     stops_of,
 )
 from omron_jobs.nodes.job_file import JobFile
-from omron_jobs.nodes.job_server import stamp
+from omron_jobs.nodes.job_server import JobServerNode, stamp
 from trajectory_graph import Vertex
 
 JOB = QueuedJob('own', (
@@ -187,3 +189,27 @@ def test_every_state_of_a_robot_has_its_words():
     shown = [robots_of(FleetState(robots=[FleetRobot(name='r', state=state)]), {}.get)['r']
              for state in states]
     assert sum(one.status is RobotStatus.UNAVAILABLE for one in shown) == 8
+
+
+# -- the ports -------------------------------------------------------------------------------------
+
+
+def test_a_node_that_lacks_one_of_its_ports_listens_on_none(tmp_path, monkeypatch):
+    """A client would be connected, and wait for ever for an answer."""
+    password = tmp_path / 'password'
+    password.write_text('a-password')
+    password.chmod(0o600)
+    with socket.create_server(('127.0.0.1', 0)) as taken, socket.socket() as free:
+        free.bind(('127.0.0.1', 0))
+        port = free.getsockname()[1]
+        free.close()
+        values = {'~password_file': str(password), '~rest_password_file': str(password),
+                  '~jobs_file': str(tmp_path / 'jobs.sqlite'), '~port': port,
+                  '~rest_port': taken.getsockname()[1]}
+        monkeypatch.setattr(rospy, 'get_param', lambda name, default=None: values.get(
+            name, default))
+        monkeypatch.setattr(rospy, 'resolve_name', lambda name: name.replace('~', '/job_server/'))
+        with pytest.raises(ConfigurationError, match='~rest_port'):
+            JobServerNode()
+        with pytest.raises(ConnectionRefusedError):
+            socket.create_connection(('127.0.0.1', port))

@@ -38,7 +38,7 @@ REPEAT = 0.5  # s between two commands for a step that the robot has not shown
 _BY: Mapping[Actor, str] = {
     Actor.ROBOT: '', Actor.PERSON: ' by a person: say `mission answer {} done`',
     Actor.OUTSIDE: ' by a program: it says `mission answer {} done`',
-    Actor.DEVICE: ''}
+    Actor.DEVICE: ' by device {}'}
 _SHOWS_NONE = 'a step is due, but {} shows no steps: is the program running that carries them out?'
 _OTHER_RUNS = 'a step is due, but {} carries out another one'
 _NO_KEY_LEFT = ('a step is due, but {} shows a step with a key above all that a fleet manager '
@@ -501,7 +501,6 @@ def _words(work: Work, load: RobotLoad, phase: WorkPhase, mission: Mission) -> s
         return (f'its load is {load.state.value}: unload {mission.robot}, and say '
                 f'`fleet load {mission.robot} empty`')
     running = [f'step {place.step + 1} ({step.type}) of stop {place.stop + 1}'
-               f'{_BY[step.actor].format(mission.request.id)}'
-               f'{f" by device {step.device}" if step.device else ""}'
+               f'{_BY[step.actor].format(step.device or mission.request.id)}'
                for place, step, own in work.steps if own.state is StepState.RUNNING]
     return '; '.join(running) or (work.reason if work.ending is not Ending.NONE else '')

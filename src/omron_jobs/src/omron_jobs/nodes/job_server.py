@@ -108,15 +108,20 @@ class JobServerNode:
         self._port = JobPort(self._server, peers(), self._work)
         self._records = RestRecords(self._book, self._site, lambda: int(time.time() * 1000))
         self._server.on_changes = self._records.announce
-        self._requests, self._commands = Sender(MissionRequest), Sender(MissionCommand)
         self._problem = self._work_problem = ''
         self._questions: queue.Queue[Tuple[QueuedJob, float]] = queue.Queue()
         self._asked: Set[int] = set()  # missions of questions without an answer
         self._loop = asyncio.new_event_loop()
-        self._outgoing = outgoing_link(self._port)
-        self.port = self._listen(parameter('~host', '127.0.0.1'), parameter('~port', 7171, int))
-        rest = rest_settings()
-        self._rest_port = self._open_rest(rest) if rest is not None else None
+        self._outgoing, rest = outgoing_link(self._port), rest_settings()
+        self._rest_port: Optional[RestPort] = None
+        try:
+            self.port = self._listen(parameter('~host', '127.0.0.1'), parameter('~port', 7171, int))
+            if rest is not None:
+                self._rest_port = self._open_rest(rest)
+        except ConfigurationError:
+            self._port.close()  # no client waits for a node that does not work
+            raise
+        self._requests, self._commands = Sender(MissionRequest), Sender(MissionCommand)
         publish_diagnostics('none', {'jobs': self._show})
         rospy.on_shutdown(self._end)
         start_worker('questions', self._ask)
