@@ -209,7 +209,7 @@ class Drives:
         self._executions: Dict[int, Execution] = {}  # commands under way, by number of the record
         self._aside: Tuple[DriveRecord, ...] = ()  # dropped records of commands under way
         self._connected = False
-        # Whether nothing shows yet what happened to the robot before this connection.
+        # True until the robot's first status shows what happened before this connection.
         self._unseen = stored is not None
         self._look_until = self._retry_at = -math.inf
         self._records = tuple(r if r.fate is Fate.OVER else replace(r, fate=Fate.UNKNOWN)

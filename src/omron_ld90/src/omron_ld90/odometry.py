@@ -18,7 +18,7 @@ MAX_GAP = 2.0  # s between two locations; a longer gap gives no velocity
 #: sigma), and the change from one location to the next, with rounding to 1 mm and 1 degree.
 POSITION_SIGMA, HEADING_SIGMA = 0.05, math.radians(1.0)
 STEP_SIGMA, TURN_SIGMA = 0.005, math.radians(0.5)
-SIDEWAYS = 0.1  # m that a robot may appear to move sideways, which it cannot do
+SIDEWAYS = 0.1  # m; no robot moves sideways, but errors of the locations look like it
 TURN_ACCELERATION = math.radians(180.0)  # rad/s2
 
 

@@ -271,10 +271,10 @@ class _Stretches(NamedTuple):
     pieces: np.ndarray  # (S,) number of pieces
     place: np.ndarray   # (S,)
     middle: np.ndarray  # (2, S) m
-    radius: np.ndarray  # (S,) m: the curves of all pieces are within it around the middle
+    radius: np.ndarray  # (S,) m; this circle around `middle` holds all pieces
     piece_middle: np.ndarray  # (2, N) m, of each piece
     piece_half: np.ndarray    # (N,) m, half of its length
-    piece_radius: np.ndarray  # (N,) m: the piece's curve is within it around the piece's middle
+    piece_radius: np.ndarray  # (N,) m; this circle around `piece_middle` holds the piece
 
 
 def _stretches(pieces: Pieces, longest: float) -> _Stretches:

@@ -61,7 +61,7 @@ def _march(floor: SimFloor, origin: np.ndarray, direction: np.ndarray) -> np.nda
         for _ in range(STEPS_AT_ONCE):
             x, y = start[0] + travelled * along[0], start[1] + travelled * along[1]
             free = field.take(y.astype(int) * columns + x.astype(int), mode='clip')
-            # the wall may be 0.71 cells nearer to the ray's position than to its cell's centre
+            # `free` holds for the centre of the cell; the ray may be 0.71 cells nearer to the wall
             step = np.maximum(free - 0.75 * cell, 0.5 * cell)
             travelled += np.where(free < 0.5 * cell, 0.0, step)
         on_map = travelled < limit
