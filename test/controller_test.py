@@ -235,10 +235,11 @@ class ControllerTest(unittest.TestCase):
         robot = FleetRobot(name='omron_ld90', state=FleetRobot.BUSY)
         said = len(self.responses.messages)
 
-        def wait_for_refusal(command: str, words: str, robots: List[FleetRobot]) -> None:
-            """Sends a goal that moves nothing, to see which giver the controller assumes."""
-            told = len(self.refusals.messages)  # the first goal can arrive before /fleet_state
+        def wait_for_refusal(command: str, words: str, robots: List[FleetRobot], told: int) -> None:
+            """Sends a goal that moves nothing, to see which giver the controller assumes.
 
+            told -- number of refusals that came before: the goal can arrive before /fleet_state
+            """
             def is_refused() -> bool:
                 fleet.publish(FleetState(robots=robots))  # as the fleet manager does continuously
                 goals.publish(nowhere)
@@ -246,11 +247,13 @@ class ControllerTest(unittest.TestCase):
                            for refusal in self.refusals.messages[told:])
             wait_until(is_refused, SOON, f'refusal of {command} with the words {words}')
 
-        wait_for_refusal('move_base_simple/goal', '"fleet out omron_ld90" first', [robot])
+        wait_for_refusal('move_base_simple/goal', '"fleet out omron_ld90" first', [robot],
+                         len(self.refusals.messages))
+        told = len(self.refusals.messages)  # the pose may be refused at once
         goals.publish(here)
         poses.publish(PoseWithCovarianceStamped(here.header, PoseWithCovariance(pose=here.pose)))
-        wait_for_refusal('initialpose', '"fleet out omron_ld90" first', [robot])
-        wait_for_refusal('gotoPoint', '"odom"', [])
+        wait_for_refusal('initialpose', '"fleet out omron_ld90" first', [robot], told)
+        wait_for_refusal('gotoPoint', '"odom"', [], len(self.refusals.messages))
         moved = [line.data for line in self.responses.messages[said:]
                  if line.data.startswith(('Going', 'Localized'))]
         self.assertEqual([], moved)
