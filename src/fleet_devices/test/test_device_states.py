@@ -7,14 +7,14 @@ forget.
 """
 from __future__ import annotations
 
-from collections import deque
 from dataclasses import dataclass, replace
 from itertools import product
-from typing import Callable, Dict, Iterator, List, Optional, Set, Tuple
+from typing import Callable, Iterator, Optional, Set, Tuple
 
 import planted_faults as planted
 import pytest
 from proofs import is_whole
+from state_search import Broken, visited
 
 from fleet_devices.core.device import LOST, DeviceLimits, DeviceMachine, Reading, Stage
 from route_protocol.devices import UNKNOWN_REQUESTER, DeviceMode, DeviceReport, DeviceRequest
@@ -28,10 +28,6 @@ MOST = {'a': 2, 'b': 1 if is_whole(__file__) else 0}  # the number of a requeste
 READINGS = tuple(Reading(*bits) for bits in product((False, True), repeat=2))
 WAITING = (DeviceMode.MOVING, DeviceMode.UNKNOWN)
 OPENED, CLOSED = Reading(True, True), Reading(False, False)
-
-
-class Broken(AssertionError):
-    """An invariant does not hold. The first argument is its name."""
 
 
 @dataclass(frozen=True)
@@ -274,31 +270,9 @@ def check_life(world: World, output: bool) -> None:
 
 def search(live: bool = True) -> int:
     """Visits every state. Returns their number; raises Broken with the way to the state."""
-    first = World(DeviceMachine.start(LIMITS, LOST, 0))
-    seen: Dict[object, Tuple[Optional[object], str]] = {key(first): (None, 'start')}
-    waiting = deque([first])
     lives: Set[object] = set()
-    while waiting:
-        world = waiting.popleft()
-        here = key(world)
-        name = ''
-        try:
-            if live:
-                check_live(world, lives)
-            for name, step in steps(world):
-                after = step(world)
-                there = key(after)
-                if there not in seen:
-                    seen[there] = here, name
-                    waiting.append(after)
-        except Broken as broken:
-            way: List[str] = [name]
-            at: Optional[object] = here
-            while at is not None:
-                at, event = seen[at]
-                way.append(event)
-            raise Broken(broken.args[0], ' -> '.join(reversed(way)), *broken.args[1:]) from None
-    return len(seen)
+    return visited(World(DeviceMachine.start(LIMITS, LOST, 0)), key, steps,
+                   lambda world: check_live(world, lives) if live else None)
 
 
 def test_no_state_breaks_an_invariant() -> None:

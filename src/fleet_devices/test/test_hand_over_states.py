@@ -7,13 +7,13 @@ The real `HandOverMachine` is searched; ghosts remember what it may forget.
 """
 from __future__ import annotations
 
-from collections import deque
 from dataclasses import dataclass, replace
 from itertools import product
-from typing import Callable, Deque, Dict, Iterator, List, NamedTuple, Optional, Set, Tuple
+from typing import Callable, Iterator, NamedTuple, Optional, Set, Tuple
 
 import pytest
 from proofs import LONG, is_whole
+from state_search import Broken, visited
 
 from fleet_devices.core.device import DeviceLimits
 from fleet_devices.core.hand_over import (
@@ -38,10 +38,6 @@ BOUNDS = (((2, 1, 1), (3, 0, 0)) if LONG else ((2, 1, 0), (2, 0, 1)) if WHOLE
           else ((1, 1, 0), (2, 0, 0)))
 """How many of the commands, restarts and power cuts there may be."""
 MOST_RESTARTS, MOST_POWER_CUTS = 1, 0
-
-
-class Broken(AssertionError):
-    """An invariant does not hold. The first argument is its name."""
 
 
 class Press(NamedTuple):
@@ -242,30 +238,9 @@ def check_live(world: World, checked: Set[object]) -> None:
 def search(live: bool = True) -> int:
     """Visits every state. Returns their number; raises Broken with the way to the state."""
     memory = HandOverMemory(RUN)
-    first = World(HandOverMachine.start(LIMITS, memory, 0), memory)
-    seen: Dict[object, Tuple[Optional[object], str]] = {key_of(first): (None, 'start')}
-    waiting: Deque[World] = deque([first])
     lives: Set[object] = set()
-    while waiting:
-        world = waiting.popleft()
-        here, name = key_of(world), ''
-        try:
-            if live:
-                check_live(world, lives)
-            for name, event in events(world):
-                after = event(world)
-                there = key_of(after)
-                if there not in seen:
-                    seen[there] = here, name
-                    waiting.append(after)
-        except Broken as broken:
-            way: List[str] = [name]
-            at: Optional[object] = here
-            while at is not None:
-                at, event_name = seen[at]
-                way.append(event_name)
-            raise Broken(broken.args[0], ' -> '.join(reversed(way)), *broken.args[1:]) from None
-    return len(seen)
+    return visited(World(HandOverMachine.start(LIMITS, memory, 0), memory), key_of, events,
+                   lambda world: check_live(world, lives) if live else None)
 
 
 @pytest.mark.parametrize('commands, restarts, power_cuts', BOUNDS)

@@ -3,7 +3,7 @@ from __future__ import annotations
 
 import math
 import time
-from typing import Any, Dict, Hashable, List, Mapping, Tuple
+from typing import Any, Dict, Hashable, List, Mapping, Sequence, Tuple
 
 from fleet_core.files.errors import FileError
 from fleet_core.files.work_file import load_work
@@ -109,7 +109,6 @@ def scripted_faults(entries: List[Any], devices: Mapping[str, Device],
                     machines: Mapping[str, StepDevice]) -> Dict[str, List[ScriptedFault]]:
     """Returns the faults of `~simulated_faults` by device. Raises ConfigurationError."""
     found: Dict[str, List[ScriptedFault]] = {}
-    kinds = {kind.value: kind for kind in FaultKind}
     for entry in entries:
         if not isinstance(entry, dict) or set(entry) != {'device', 'fault', 'begin', 'end'}:
             raise ConfigurationError(f'An entry of ~simulated_faults is {entry!r}, but must have '
@@ -119,16 +118,26 @@ def scripted_faults(entries: List[Any], devices: Mapping[str, Device],
         if device is None or device.address is not None:
             raise ConfigurationError(f'~simulated_faults names {name!r}, which is no simulated '
                                      'device of the work file.')
-        if kind not in kinds:
-            raise ConfigurationError(f'~simulated_faults has the fault {kind!r}; there are: '
-                                     f'{", ".join(kinds)}.')
-        own = FAULTS_OF_MACHINES if name in machines else FAULTS_OF_DOORS
-        if kinds[kind] not in own:
-            raise ConfigurationError(f'~simulated_faults gives {name} the fault {kind}, but it has '
-                                     f'only: {", ".join(one.value for one in own)}.')
-        if not all(isinstance(time, (int, float)) and not isinstance(time, bool)
-                   and math.isfinite(time) for time in (begin, end)) or not 0 <= begin < end:
+        fault = _fault_of(name, kind, FAULTS_OF_MACHINES if name in machines else FAULTS_OF_DOORS)
+        if not (_is_time(begin) and _is_time(end) and 0 <= begin < end):
             raise ConfigurationError(f'~simulated_faults has a fault from {begin!r} to {end!r}, '
                                      'but must have two numbers (s), the first one smaller.')
-        found.setdefault(name, []).append(ScriptedFault(kinds[kind], begin, end))
+        found.setdefault(name, []).append(ScriptedFault(fault, begin, end))
     return found
+
+
+def _fault_of(device: str, word: Any, own: Sequence[FaultKind]) -> FaultKind:
+    """The kind of fault that a word names, if the device can have it. Raises ConfigurationError."""
+    kinds = {kind.value: kind for kind in FaultKind}
+    if word not in kinds:
+        raise ConfigurationError(f'~simulated_faults has the fault {word!r}; there are: '
+                                 f'{", ".join(kinds)}.')
+    if kinds[word] not in own:
+        raise ConfigurationError(f'~simulated_faults gives {device} the fault {word}, but it has '
+                                 f'only: {", ".join(one.value for one in own)}.')
+    return kinds[word]
+
+
+def _is_time(value: Any) -> bool:
+    return (isinstance(value, (int, float)) and not isinstance(value, bool)
+            and math.isfinite(value))

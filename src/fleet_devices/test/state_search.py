@@ -1,0 +1,43 @@
+"""The search over all states of a small world: both machines of fleet_devices are proved by it."""
+from __future__ import annotations
+
+from collections import deque
+from typing import Callable, Deque, Dict, Iterable, List, Optional, Tuple, TypeVar
+
+State = TypeVar('State')
+
+
+class Broken(AssertionError):
+    """An invariant does not hold. The arguments: its name, the way to the state, and why."""
+
+
+def visited(first: State, key: Callable[[State], object],
+            events: Callable[[State], Iterable[Tuple[str, Callable[[State], State]]]],
+            check: Callable[[State], None]) -> int:
+    """Visits every state. Returns their number; raises Broken with the way to the state.
+
+    key    -- what distinguishes two states
+    events -- what can happen in a state, by name; an event raises Broken, too
+    check  -- raises Broken for a state that is wrong
+    """
+    seen: Dict[object, Tuple[Optional[object], str]] = {key(first): (None, 'start')}
+    waiting: Deque[State] = deque([first])
+    while waiting:
+        state = waiting.popleft()
+        here, name = key(state), ''
+        try:
+            check(state)
+            for name, event in events(state):
+                after = event(state)
+                there = key(after)
+                if there not in seen:
+                    seen[there] = here, name
+                    waiting.append(after)
+        except Broken as broken:
+            way: List[str] = [name]
+            at: Optional[object] = here
+            while at is not None:
+                at, event_name = seen[at]
+                way.append(event_name)
+            raise Broken(broken.args[0], ' -> '.join(reversed(way)), *broken.args[1:]) from None
+    return len(seen)
