@@ -47,7 +47,8 @@ TO_OUTSIDE: Dict[str, Tuple[str, ...]] = {
         'move_base/feedback', 'move_base/result', 'move_base/status'),
     'of the fleet, for its display and its page': (
         '/docking_points', '/fleet_plan', '/fleet_poses'),
-    'of the fleet, for the command mission': ('/mission_templates',),
+    'of the fleet, for the command mission and the page': ('/mission_templates', '/timetables'),
+    'of the page, for the command edge': ('/edge_areas',),
     'for fleet_devices, which need not run': ('/device_request',),
     'for a fleet manager or an adapter, which need not run': (
         '/mission_request', 'battery_state', 'route_refused')}
@@ -61,6 +62,8 @@ SERVICES: Dict[str, Tuple[str, str]] = {
     'explain_mission': ('itrci_nav_msgs/ExplainMission',
                         'graph_fleet_manager/commands/mission.py'),
     'charge': ('itrci_nav_msgs/ChargeRobot', 'graph_fleet_manager/commands/fleet.py'),
+    'pause_timetable': ('itrci_nav_msgs/PauseTimetable',
+                        'graph_fleet_manager/commands/timetables.py'),
     'set_load': ('itrci_nav_msgs/SetLoad', 'graph_fleet_manager/commands/fleet.py'),
     'get_mission_status': ('itrci_nav_msgs/GetMissionStatus',
                            'fleet_requests/__init__.py'),

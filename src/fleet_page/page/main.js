@@ -216,7 +216,7 @@ async function loadAudit() {
 const HIDDEN = ['step']; // a number that no person knows
 const DETAILS = { mission: 'mission', destinations: 'add_destination', stays: 'stay', edges: 'edge', robot: 'robot', robot_type: 'robot_type', priority: 'priority' };
 function detailWords(details) {
-  const shown = (name, value) => name === 'answer' ? t(`answer_${value}`) : `${DETAILS[name] ? `${t(DETAILS[name])} ` : ''}${[value].flat().join(' ')}`;
+  const shown = (name, value) => name === 'answer' ? t(`answer_${value}`) : name === 'arguments' ? value.map(pair => pair.join(' = ')).join(', ') : `${DETAILS[name] ? `${t(DETAILS[name])} ` : ''}${[value].flat().join(' ')}`;
   return Object.entries(details).filter(([name]) => !HIDDEN.includes(name)).map(([name, value]) => shown(name, value)).join(', ');
 }
 

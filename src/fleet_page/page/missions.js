@@ -1,9 +1,10 @@
 // Missions: a new mission by clicks, favourites, and the tables of open and ended missions.
 import { $, make, openMenu, showRows, withCode } from './dom.js';
-import { entries, all } from './server.js';
+import { entries, all, site } from './server.js';
 import { t, clockOf, dateOf, duration, language, said, store, stored } from './texts.js';
 import { knowsVertex, showChosen, vertexName } from './map.js';
 import { colourDot, fullName, shortName } from './robots.js';
+import { chosenTemplate, clearParameters, fillParameter, runOf, showTemplates, startTemplates } from './templates.js';
 
 const OPEN = ['PENDING', 'ACTIVE', 'PAUSED', 'CANCELLING', 'NEEDS_PERSON', 'BLOCKED', 'PLANNED'];
 const ENDED = ['SUCCEEDED', 'FAILED', 'REFUSED', 'CANCELLED', 'EXPIRED'];
@@ -22,10 +23,14 @@ export function startMissions(given) {
   act = given;
   $('add').onclick = addTyped;
   $('destination').addEventListener('keydown', event => { if (event.key === 'Enter') { event.preventDefault(); addTyped(); } });
-  $('clear').onclick = () => { chosen = []; showChoice(); };
+  startTemplates(given);
+  $('clear').onclick = () => { chosen = []; clearParameters(); showChoice(); };
   $('send').addEventListener('submit', async event => {
     event.preventDefault();
-    if (chosen.length && await act({ act: 'send', ...draft() })) { chosen = []; showChoice(); }
+    const template = chosenTemplate();
+    if (template) {
+      if (await act({ ...runOf(template), ...wishes() })) clearParameters();
+    } else if (chosen.length && await act({ act: 'send', ...draft() })) { chosen = []; showChoice(); }
   });
   $('keep').onclick = async () => {
     const name = $('favourite_name').value.trim();
@@ -45,6 +50,7 @@ function sortBy(name, backwards) {
 
 export function chooseVertex(vertex) {
   $('new_mission').open = true;
+  if (chosenTemplate()) { fillParameter(vertex); return; }
   chosen.push({ vertex, stay: 0 });
   showChoice();
 }
@@ -59,9 +65,10 @@ function addTyped() {
 function draft() {
   const stays = chosen.map(one => one.stay);
   return {
-    destinations: chosen.map(one => one.vertex), robot: $('send_robot').value, robot_type: $('send_type').value,
-    priority: parseInt($('send_priority').value, 10) || 0, stays: stays.some(stay => stay !== 0) ? stays : [] };
+    destinations: chosen.map(one => one.vertex), ...wishes(), stays: stays.some(stay => stay !== 0) ? stays : [] };
 }
+
+const wishes = () => ({ robot: $('send_robot').value, robot_type: $('send_type').value, priority: parseInt($('send_priority').value, 10) || 0 });
 
 function showChoice() {
   showChosen(chosen.map(one => one.vertex));
@@ -96,6 +103,7 @@ export function showMissions(person) {
   options($('send_robot'), robots.map(([name]) => name).sort());
   options($('send_type'), [...new Set(robots.map(([, robot]) => robot.type))].sort());
   showFavourites();
+  showTemplates(me, site.vertices);
   showTables();
 }
 
@@ -157,6 +165,8 @@ function showFavourites() {
 }
 
 function use(favourite) {
+  $('send_template').value = '';
+  $('send_template').onchange();
   chosen = favourite.destinations.map((vertex, k) => ({ vertex, stay: favourite.stays[k] || 0 }));
   $('send_robot').value = favourite.robot; $('send_type').value = favourite.robot_type; $('send_priority').value = favourite.priority;
   showChoice();

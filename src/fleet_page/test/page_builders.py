@@ -65,10 +65,10 @@ def no_missions(since: float) -> List[HistoryLine]:
     return []
 
 
-def page(folder: str, journal: Missions = no_missions) -> Page:
+def page(folder: str, journal: Missions = no_missions, **values: Any) -> Page:
     """A page without content."""
     return Page(Records(os.path.join(folder, 'page.sqlite')),
-                ReplayRing(os.path.join(folder, 'replay')), journal)
+                ReplayRing(os.path.join(folder, 'replay')), journal, **values)
 
 
 def show_fleet(shown: Page, now: Optional[float] = None) -> None:

@@ -43,6 +43,10 @@ def test_an_answer_keeps_all_digits_of_the_key():
     ({'act': 'answer', 'mission': 1, 'answer': 'done', 'step': 1}, 'as text'),
     ({'act': 'answer', 'mission': 1, 'answer': 'done', 'step': '٣'}, 'as text'),
     ({'act': 'answer', 'mission': 1, 'answer': 'done', 'step': str(2 ** 64)}, 'as text'),
+    ({'act': 'run', 'name': 'a'}, 'arguments is missing'),
+    ({'act': 'run', 'name': 'a', 'arguments': [['b', 'c']]}, 'object of at most 50 texts'),
+    ({'act': 'run', 'name': 'a', 'arguments': {'b': ''}}, 'printable'),
+    ({'act': 'run', 'name': 'a', 'arguments': {'b': 3}}, 'printable'),
     ({'act': 'close', 'edges': [1] * 1001}, 'list of 1 to 1000')])
 def test_a_wrong_request_is_refused_in_words(request_, words):
     with pytest.raises(WrongAct, match=words):
@@ -52,7 +56,8 @@ def test_a_wrong_request_is_refused_in_words(request_, words):
 @given(JSON, st.sampled_from([kind.value for kind in ActKind]), JSON)
 def test_anything_else_is_refused_and_never_fails(content, kind, value):
     for request in (content, {'act': kind, 'destinations': value}, {'act': kind, 'robot': value},
-                    {'act': kind, 'mission': value, 'stays': value}):
+                    {'act': kind, 'mission': value, 'stays': value},
+                    {'act': kind, 'name': 'a', 'arguments': value}):
         try:
             act = act_of(request)
         except WrongAct:

@@ -8,7 +8,7 @@ from fleet_core.supervision.missions import MissionState
 from fleet_core.supervision.outages import Outage
 from fleet_page.core import fleet_model
 from fleet_page.core.acts import Act, ActKind
-from fleet_page.core.fleet import NEVER_HEARD, RobotGroup, ShownPose, alarm_of
+from fleet_page.core.fleet import NEVER_HEARD, MissionRequest, RobotGroup, ShownPose, alarm_of
 from fleet_page.core.fleet_model import FleetModel
 from fleet_page.core.readiness import LIMIT, Readiness
 from fleet_page.core.robot_events import RobotEvent, event_between
@@ -290,3 +290,22 @@ def test_a_robot_that_is_not_ready_is_named_after_a_while():
     assert readiness.words(robots, True, True, 10.0) == ''
     assert readiness.words(robots, True, True, 10.0 + LIMIT) == (
         'Ready: 1 robot. Not ready: b (place unknown). The fleet is stopped: press Go on.')
+
+
+def test_the_mission_of_a_template_has_the_destinations_that_the_fleet_manager_tells(tmp_path):
+    shown = page(str(tmp_path))
+    asked = MissionRequest(3, 3 * 10 ** 9, (), '', '', 0, 'anna', 'pallet', (('to', '5'),))
+    shown.take_request(asked, 'anna', 100.0)
+    shown.take_status(status(3, 'PENDING', destinations=(4, 5)))
+    assert shown.model.live.get(f'mission:3:{3 * 10 ** 9}')['destinations'] == [4, 5]
+    (row,) = shown.records.audit(10)
+    assert (row['act'], row['details']) == (
+        'run', {'name': 'pallet', 'arguments': [['to', '5']]})
+
+
+def test_areas_are_told_at_first_and_after_each_change(tmp_path):
+    told = []
+    shown = page(str(tmp_path), tell_areas=told.append)
+    shown.change_named(Act(ActKind.ADD_AREA, name='bay', edges=(2, 3)))
+    shown.change_named(Act(ActKind.ADD_FAVOURITE, name='tour', destinations=(2,)))
+    assert told == [{}, {'bay': {'edges': [2, 3]}}]

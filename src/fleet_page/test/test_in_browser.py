@@ -19,7 +19,12 @@ from fleet_core.supervision.fleet_stop import (  # noqa: E402
     StopCause,
 )
 from fleet_page.core.acts import ActKind  # noqa: E402
-from fleet_page.core.fleet import ShownPose, ShownResource  # noqa: E402
+from fleet_page.core.fleet import (  # noqa: E402
+    ShownPose,
+    ShownResource,
+    ShownTemplate,
+    ShownTimetable,
+)
 from trajectory_graph import split_edges  # noqa: E402
 
 pytestmark = needs_browser
@@ -674,6 +679,72 @@ def test_favourites_are_kept_used_and_removed(window, served):
     asked(window, served, ActKind.SEND, destinations=(3,))
     window.click('#favourites [data-act=remove]')
     window.wait(lambda: window.text('#favourites') == '')
+
+
+def show_templates(served):
+    """A template whose parameters are places, another one without, and a station."""
+    served.do(lambda: (
+        served.page.model.show_templates([ShownTemplate('pallet', ('from', 'to')),
+                                          ShownTemplate('tour', ())]),
+        served.page.model.show_resources([ShownResource('press', 'STATION', vertices=(6,))])))
+
+
+def choose(window, id, value):
+    window.script('''const select = document.getElementById(arguments[0]);
+        select.value = arguments[1]; select.dispatchEvent(new Event('change'));''', id, value)
+
+
+def test_a_template_is_run_with_parameters_by_name_and_by_a_click_on_the_map(window, served):
+    show_templates(served)
+    window.wait(lambda: window.one('#send_template').is_displayed(), 'the templates')
+    choose(window, 'send_template', 'pallet')
+    assert not window.one('#destination').is_displayed()
+    window.one('#parameters [name=from]').send_keys('press')
+    window.one('#parameters [name=to]').click()
+    window.click_vertex(7)
+    window.wait(lambda: window.one('#parameters [name=to]').get_attribute('value') == '7')
+    window.picture('template')
+    window.one('#send_priority').clear()
+    window.one('#send_priority').send_keys('2')
+    window.click('#send_button')
+    asked(window, served, ActKind.RUN, name='pallet', priority=2,
+          arguments=(('from', 'press'), ('to', '7')))
+    window.wait(lambda: window.one('#parameters [name=to]').get_attribute('value') == '')
+
+
+def test_clicks_fill_one_parameter_after_the_other_and_a_label_is_sent_as_its_vertex(
+        window, served):
+    show_templates(served)
+    window.wait(lambda: window.one('#send_template').is_displayed(), 'the templates')
+    choose(window, 'send_template', 'pallet')
+    window.click_vertex(1)
+    window.wait(lambda: window.one('#parameters [name=from]').get_attribute('value') == '1 dock')
+    window.click_vertex(3)
+    window.wait(lambda: window.one('#parameters [name=to]').get_attribute('value') == '3')
+    window.click('#send_button')
+    asked(window, served, ActKind.RUN, arguments=(('from', '1'), ('to', '3')))
+    choose(window, 'send_template', 'tour')
+    window.click('#send_button')
+    window.wait(lambda: served.fleet.acts[-1][0].name == 'tour')
+    assert served.fleet.acts[-1][0].arguments == ()
+
+
+def test_timetables_are_listed_with_their_next_run_and_paused_and_resumed(window, served):
+    soon = time.mktime((2026, 11, 27, 6, 30, 0, 0, 0, -1))
+    milk = ShownTimetable('milk', 'pallet', (('to', '39'),), 30, 360, 1080, (0, 1, 2, 3, 4), soon)
+    served.do(lambda: served.page.model.show_timetables([milk]))
+    window.click('#timetables_box summary')
+    window.wait(lambda: 'milk' in window.text('#timetables'))
+    for words in ('next Fri 06:30 AM', 'pallet · to = 39', 'every 30 min, 06:00–18:00, Mon–Fri'):
+        assert words in window.text('#timetables')
+    window.picture('timetables')
+    window.click('#timetables [data-act=pause]')
+    asked(window, served, ActKind.PAUSE_TIMETABLE, name='milk')
+    served.do(lambda: served.page.model.show_timetables([replace(milk, next=None)]))
+    window.wait(lambda: 'paused' in window.text('#timetables'))
+    window.click('#timetables [data-act=pause]')
+    asked(window, served, ActKind.RESUME_TIMETABLE, name='milk')
+    window.script('localStorage.clear()')
 
 
 def act_on_mission(window, act):

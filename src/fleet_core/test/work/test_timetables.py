@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from fleet_core.supervision.timetable_runs import TimetableRuns, request_of, stored_name
-from fleet_core.work.timetables import DAY, Timetable, due, shown_at, wall_minute
+from fleet_core.work.timetables import DAY, Timetable, due, next_run, shown_at, wall_minute
 
 BEGIN = wall_minute(datetime(2026, 3, 27))   # a Friday, two days before the clocks are changed
 BERLIN = 'CET-1CEST,M3.5.0,M10.5.0/3'
@@ -67,6 +67,24 @@ def test_whatever_the_clock_shows_no_run_is_made_twice_and_none_is_lost_in_silen
         made += [] if found.run is None else [found.run]
     assert made == sorted(set(made))
     assert len(made) + missed == len(list(runs_by_the_day(timetable, begin + 1, latest)))
+
+
+@settings(deadline=None, max_examples=300)
+@given(timetables, st.integers(0, 3 * DAY), st.integers(0, DAY))
+def test_the_next_run_that_is_told_is_the_next_that_becomes_due(timetable, offset, behind):
+    now = BEGIN + offset
+    following = next_run(timetable, now - behind, now)
+    assert due(timetable, now, following - 1).run is None
+    assert due(timetable, now, following).run == following
+
+
+@given(timetables, st.integers(1, DAY))
+def test_after_a_clock_that_was_set_back_a_little_the_next_run_is_not_one_that_was_made(
+        timetable, back):
+    last = due(timetable, BEGIN - 8 * DAY, BEGIN).last
+    following = next_run(timetable, last, BEGIN - back)
+    assert following > last
+    assert due(timetable, last, following).run == following
 
 
 def test_a_new_timetable_begins_with_the_minute_in_which_it_is_read():

@@ -12,13 +12,19 @@ from nav_msgs.msg import OccupancyGrid
 from std_srvs.srv import Trigger, TriggerResponse
 
 from fleet_page.core.acts import Act, ActKind
-from fleet_page.core.fleet import MISSION_STATES, ROBOT_STATES, ShownPose, ShownResource
+from fleet_page.core.fleet import (
+    MISSION_STATES,
+    ROBOT_STATES,
+    ShownPose,
+    ShownResource,
+    ShownTimetable,
+)
 from fleet_page.core.fleet_model import FleetModel
 from fleet_page.core.roles import Person, UserRole
 from fleet_page.core.site import WrongMap
 from fleet_page.nodes import fleet_commands, fleet_stop, messages
 from itrci_nav_msgs import msg
-from itrci_nav_msgs.srv import DeclareAbsent, DeclareAbsentResponse
+from itrci_nav_msgs.srv import DeclareAbsent, DeclareAbsentResponse, PauseTimetable
 
 ANNA = Person('anna', UserRole.ADMIN)
 
@@ -158,6 +164,39 @@ def test_a_step_is_answered_as_by_the_command_mission_answer(commands, word, ans
     assert (sent.command, sent.answer, sent.step_key) == (
         msg.MissionCommand.ANSWER, answer, 2 ** 63 + 1)
     assert messages.command_of(sent) == act
+
+
+def test_a_template_is_requested_with_its_arguments(commands):
+    outcome = commands.do(Act(ActKind.RUN, name='pallet', arguments=(('to', '39'),), robot='a',
+                              priority=2), ANNA)
+    sent = commands._requests._publisher.sent[0]
+    assert outcome.ok and outcome.mission == sent.request_id
+    assert (sent.template, sent.robot, sent.priority) == ('pallet', 'a', 2)
+    assert [(one.name, one.value) for one in sent.arguments] == [('to', '39')]
+    assert messages.request_of(sent).arguments == (('to', '39'),)
+
+
+@pytest.mark.parametrize('kind, paused', [
+    (ActKind.PAUSE_TIMETABLE, True), (ActKind.RESUME_TIMETABLE, False)])
+def test_a_timetable_is_paused_by_its_service(commands, monkeypatch, kind, paused):
+    called = []
+    monkeypatch.setattr(fleet_commands, 'call', lambda *request, **_: called.append(request))
+    commands.do(Act(kind, name='milk'), ANNA)
+    assert called == [('/pause_timetable', PauseTimetable, 'milk', paused, 'anna (page)')]
+
+
+def test_templates_timetables_and_areas_are_told_as_they_are():
+    (template,) = messages.templates_of(msg.MissionTemplates(
+        templates=[msg.MissionTemplate('pallet', ['from', 'to'])]))
+    assert (template.name, template.parameters) == ('pallet', ('from', 'to'))
+    milk = msg.Timetable(name='milk', template='pallet', every=30, begin=360, end=1080,
+                         days=[0, 1], next=Time(5), arguments=[msg.StepParameter('to', '39')])
+    night = msg.Timetable(name='night', is_paused=True)
+    found = messages.timetables_of(msg.Timetables(timetables=[milk, night]))
+    assert found[0] == ShownTimetable('milk', 'pallet', (('to', '39'),), 30, 360, 1080, (0, 1), 5.0)
+    assert found[1].next is None
+    (area,) = messages.areas_message({'bay': {'edges': [2, 3]}}).areas
+    assert (area.name, list(area.edges)) == ('bay', [2, 3])
 
 
 @pytest.mark.parametrize('kind, command', [

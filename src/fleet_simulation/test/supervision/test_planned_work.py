@@ -265,3 +265,32 @@ def test_while_the_disk_is_full_no_run_is_requested_and_none_is_lost():
     fleet.disk.fails(False)
     fleet.run(5.0)
     assert len(runs(fleet)) == 2
+
+
+def pause(fleet: PlannedFleet, paused: bool, name: str = 'milk') -> str:
+    problem, actions = fleet.supervisor.pause_timetable(name, paused, fleet.now)
+    fleet.do(actions)
+    return problem
+
+
+def test_a_paused_timetable_makes_no_runs_also_after_a_restart_and_then_none_of_that_time():
+    fleet = PlannedFleet(EVERY_MINUTE)
+    fleet.run(1.0)
+    assert pause(fleet, True) == ''
+    fleet.restart()
+    fleet.run(130.0)
+    (view,) = fleet.supervisor.timetables.views
+    assert (view.timetable.name, view.next, len(runs(fleet))) == ('milk', None, 1)
+    assert pause(fleet, False) == ''
+    fleet.restart()
+    (view,) = fleet.supervisor.timetables.views
+    fleet.run(1.0)
+    assert len(runs(fleet)) == 1
+    assert 0.0 < view.next - fleet.moment <= 60.0
+    fleet.run(62.0)
+    assert len(runs(fleet)) == 2
+    assert not any('missed' in note for note in fleet.notes)
+
+
+def test_a_timetable_that_the_work_file_does_not_have_is_not_paused():
+    assert "no timetable 'tea'; it has: milk" in pause(PlannedFleet(EVERY_MINUTE), True, 'tea')

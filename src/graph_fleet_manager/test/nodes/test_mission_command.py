@@ -6,6 +6,7 @@ import json
 import time
 from datetime import datetime
 
+import genpy
 import pytest
 import rosgraph
 import rospy
@@ -14,7 +15,7 @@ from fleet_core.supervision.history import HistoryLine
 from fleet_core.supervision.mission_commands import not_done, not_stored
 from fleet_core.supervision.missions import CommandKind, MissionState, RequestRefused, Status
 from fleet_requests import NotSent
-from graph_fleet_manager.commands import fleet_client, mission
+from graph_fleet_manager.commands import fleet_client, mission, timetables
 from graph_fleet_manager.commands.command_line import NOT_DONE, OK, WRONG, CommandProblem
 from graph_fleet_manager.commands.mission_names import mission_name
 from graph_fleet_manager.messages.missions import request_of, status_message
@@ -26,8 +27,11 @@ from itrci_nav_msgs.msg import (
     MissionTemplate,
     MissionTemplates,
     RobotHindrance,
+    StepParameter,
+    Timetable,
+    Timetables,
 )
-from itrci_nav_msgs.srv import ExplainMissionResponse
+from itrci_nav_msgs.srv import ExplainMissionResponse, PauseTimetable
 
 MINE, OTHER = 1.7e9 + 0.123456789, 1.7e9 - 60.0
 
@@ -316,6 +320,35 @@ def test_the_templates_are_listed(monkeypatch, capsys):
     assert mission.main(['templates']) == 0
     assert [line.split() for line in capsys.readouterr().out.splitlines()] == [
         ['template', 'parameters'], ['pallet', 'from', 'to'], ['tour', '-']]
+
+
+# -- mission timetables ---------------------------------------------------------------------------
+
+
+def test_the_timetables_are_listed_with_their_next_run(monkeypatch, capsys):
+    class Listener(Nobody):
+        def last(self):
+            return Timetables(timetables=[
+                Timetable(name='milk', template='pallet', arguments=[StepParameter('to', '39')],
+                          every=30, begin=360, end=1080, days=list(range(5)),
+                          next=genpy.Time.from_sec(datetime(2026, 11, 27, 6, 30).timestamp())),
+                Timetable(name='night', template='tour', every=120, begin=1320, end=1680,
+                          days=list(range(7)), is_paused=True)])
+    monkeypatch.setattr(timetables, 'connect', lambda topic: None)
+    monkeypatch.setattr(timetables, 'TopicListener', Listener)
+    assert mission.main(['timetables']) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert lines[1].endswith('every 30 min, 06:00 to 18:00, mon tue wed thu fri  Fri 06:30')
+    assert lines[2].split()[-2:] == ['04:00', 'paused'] and 'every 2 h, 22:00 to' in lines[2]
+
+
+@pytest.mark.parametrize('word, paused', [('pause', True), ('resume', False)])
+def test_a_timetable_is_paused_and_resumed(monkeypatch, word, paused):
+    asked = []
+    monkeypatch.setattr(timetables, 'connect', lambda topic: None)
+    monkeypatch.setattr(timetables, 'call', lambda *request: asked.append(request) or 'done')
+    assert mission.main(['timetables', word, 'milk']) == 0
+    assert asked[0][:4] == ('/pause_timetable', PauseTimetable, 'milk', paused)
 
 
 # -- mission why ----------------------------------------------------------------------------------

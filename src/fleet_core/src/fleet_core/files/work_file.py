@@ -80,7 +80,7 @@ from fleet_core.work.templates import (
     filled,
     parameters_in,
 )
-from fleet_core.work.timetables import DAY, WEEK, Timetable, minute_of_day
+from fleet_core.work.timetables import DAY, DAY_NAMES, WEEK, Timetable, minute_of_day
 from trajectory_graph import Graph, strict_yaml
 from trajectory_graph.strict_yaml import Field, WrongYaml
 
@@ -94,7 +94,6 @@ _DEVICE = ('name', 'kind', 'edges', 'timeout', 'driver', *(
 _TEMPLATE = ('name', 'parameters', 'stops', 'on_cancel')
 _TIMETABLE = ('name', 'template', 'arguments', 'every', 'from', 'to', 'days', 'priority')
 _JOB_STEPS = ('kind', 'at', 'steps')
-_DAYS = ('mon', 'tue', 'wed', 'thu', 'fri', 'sat', 'sun')
 _MINUTES = {'min': 1, 'h': 60}
 _NAME = re.compile(r'[A-Za-z]\w*', re.ASCII)
 _ROBOTS_NAME = re.compile('[A-Za-z0-9_-]{1,40}')
@@ -476,10 +475,10 @@ def _days(field: Field) -> FrozenSet[int]:
     """Days of the week, from `mon-fri` or `mon, wed, fri`; 0 is Monday."""
     found: Set[int] = set()
     for part in strict_yaml.text(field).split(','):
-        ends = [_DAYS.index(day) if day in _DAYS else None for day in part.strip().split('-')]
+        ends = [DAY_NAMES.index(day) if day in DAY_NAMES else None for day in part.strip().split('-')]
         first, last = ends[0], ends[-1]
         if len(ends) > 2 or first is None or last is None:
             raise WrongYaml(f'days has {part.strip()!r}, but must be days such as mon-fri, or '
-                            f'mon, wed; the days are: {", ".join(_DAYS)}', field[1])
+                            f'mon, wed; the days are: {", ".join(DAY_NAMES)}', field[1])
         found.update((first + k) % 7 for k in range((last - first) % 7 + 1))
     return frozenset(found)

@@ -142,7 +142,7 @@ class Supervisor:
                              journal.value(NEWEST_STEP), journal.milliseconds)
         self._work_requests = WorkRequests(work, graph, self.book)
         self.times = MissionTimes(self.book, journal.milliseconds)
-        self._timetables = TimetableRuns(work.timetables, journal.value, journal.milliseconds)
+        self.timetables = TimetableRuns(work.timetables, journal.value, journal.milliseconds)
         self._waiting = WaitingMissions(self.book, self.robots, lambda: self.desk.laden)
         self._everywhere: Dict[str, InterlockedRobot] = {**self.robots, **self.removed}
         self._claims = Claims(Needs(resources, self.networks.geometry), journal.claims(),
@@ -279,7 +279,7 @@ class Supervisor:
 
     def _run_timetables(self) -> None:
         """Requests the runs of timetables that are due."""
-        for run in self._timetables.due():
+        for run in self.timetables.due():
             name, request = run.timetable.name, run.request
             try:
                 if request is not None:
@@ -296,7 +296,7 @@ class Supervisor:
                 self._out.note(f'Timetable {name} has missed {run.due.missed} runs, which are not '
                                'made any more: the fleet manager or its journal was not there, or '
                                'the clock was set forward.', True)
-            self._timetables.done(run)
+            self.timetables.done(run)
             self._out.value_changed(stored_name(name), run.due.last)
 
     def _follow_times(self, now: float) -> None:
@@ -590,6 +590,19 @@ class Supervisor:
             robot.charge_until = until
             self._out.robot_changed(name)
             self._advance(now)
+        return problem, self._actions(now)
+
+    def pause_timetable(self, name: str, paused: bool, now: float) -> Tuple[str, List[Action]]:
+        """Pauses a timetable, or lets it go on.
+
+        Also returns why not, as a clause; empty: done.
+        """
+        names = self.timetables.names
+        problem = self.trouble or ('' if name in names else (
+            f'the work file has no timetable {name!r}; it has: {", ".join(names) or "none"}'))
+        if not problem:
+            for stored, number in self.timetables.pause(name, paused).items():
+                self._out.value_changed(stored, number)
         return problem, self._actions(now)
 
     def _stop_first(self, robot: ManagedRobot) -> str:

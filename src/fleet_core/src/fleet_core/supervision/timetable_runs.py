@@ -2,12 +2,14 @@
 
 The time of the last run is stored together with its mission. So a restart neither repeats nor loses
 a run.
+
+A person may pause a timetable, also over a restart. Runs of that time are not made.
 """
 from __future__ import annotations
 
 from datetime import datetime
 from hashlib import blake2b
-from typing import Callable, Dict, Iterator, Mapping, NamedTuple, Optional
+from typing import Callable, Dict, Iterator, List, Mapping, NamedTuple, Optional
 
 from fleet_core.supervision.missions import Request
 from fleet_core.work.timetables import (
@@ -15,6 +17,7 @@ from fleet_core.work.timetables import (
     Timetable,
     WallMinute,
     due,
+    next_run,
     shown_at,
     wall_minute,
 )
@@ -34,6 +37,16 @@ class TimetableRun(NamedTuple):
     request: Optional[Request]
 
 
+class TimetableView(NamedTuple):
+    """A timetable as people see it.
+
+    next -- of its next run, s since 1970; None: it is paused
+    """
+
+    timetable: Timetable
+    next: Optional[float]
+
+
 class TimetableRuns:
     """Finds the runs that are due.
 
@@ -46,14 +59,17 @@ class TimetableRuns:
         self._timetables, self._clock = timetables, clock
         self._last: Dict[str, WallMinute] = {
             name: stored(stored_name(name)) for name in timetables}
+        self._paused = {name for name in timetables if stored(paused_name(name))}
         self._looked: Optional[WallMinute] = None
 
     def due(self) -> Iterator[TimetableRun]:
         """What the timetables ask for in a new minute, each until `done` is told."""
-        now = wall_minute(datetime.fromtimestamp(self._clock() / 1000.0))
+        now = self._now
         if now == self._looked:
             return
         for name, timetable in self._timetables.items():
+            if name in self._paused:
+                continue
             found = due(timetable, self._last[name] or None, now)
             if found.last != self._last[name]:
                 yield TimetableRun(timetable, found, None if found.run is None else
@@ -64,10 +80,44 @@ class TimetableRuns:
         """The run was requested, and `due.last` is about to be stored."""
         self._last[run.timetable.name] = run.due.last
 
+    def pause(self, name: str, paused: bool) -> Dict[str, int]:
+        """Pauses a timetable, or lets it go on with the next minute.
+
+        Returns the numbers to be stored, by name.
+        """
+        values = {paused_name(name): int(paused)}
+        if paused:
+            self._paused.add(name)
+        elif name in self._paused:
+            self._paused.remove(name)
+            values[stored_name(name)] = self._last[name] = self._now
+        return values
+
+    @property
+    def views(self) -> List[TimetableView]:
+        """All timetables, in the order of the file."""
+        return [TimetableView(timetable, None if name in self._paused else shown_at(
+            next_run(timetable, self._last[name] or None, self._now)).timestamp())
+            for name, timetable in self._timetables.items()]
+
+    @property
+    def names(self) -> List[str]:
+        """The names of all timetables."""
+        return list(self._timetables)
+
+    @property
+    def _now(self) -> WallMinute:
+        return wall_minute(datetime.fromtimestamp(self._clock() / 1000.0))
+
 
 def stored_name(timetable: str) -> str:
     """The name under which the time of the last run is stored."""
     return f'timetable/{timetable}'
+
+
+def paused_name(timetable: str) -> str:
+    """The name under which is stored whether it is paused."""
+    return f'timetable paused/{timetable}'
 
 
 def request_of(timetable: Timetable, run: WallMinute) -> Request:

@@ -12,7 +12,8 @@ from datetime import datetime, timedelta
 from typing import FrozenSet, NamedTuple, Optional, Tuple
 
 DAY = 24 * 60   # minutes
-WEEK = frozenset(range(7))
+DAY_NAMES = ('mon', 'tue', 'wed', 'thu', 'fri', 'sat', 'sun')
+WEEK = frozenset(range(len(DAY_NAMES)))
 WallMinute = int
 """Minutes since the beginning of the year 1, as clocks on the wall show them."""
 _FIRST = datetime(1, 1, 1)
@@ -98,3 +99,22 @@ def due(timetable: Timetable, last: Optional[WallMinute], now: WallMinute) -> Du
                 runs += count
                 newest = first + (behind + count - 1) * timetable.every
     return DueRun(newest or None, max(runs - 1, 0), newest or since, is_set_back)
+
+
+def next_run(timetable: Timetable, last: Optional[WallMinute], now: WallMinute) -> WallMinute:
+    """The first minute after `now` in which a run will be due, if the clock is not set.
+
+    last -- as for `due`; if the clock was set back a little, no run comes before it
+    """
+    is_set_back = last is not None and last > now + DAY
+    since = now if last is None or is_set_back else max(last, now)
+    first: Optional[WallMinute] = None
+    day = (since - timetable.end) // DAY
+    while first is None or day * DAY + timetable.begin < first:
+        begin = day * DAY + timetable.begin
+        if shown_at(day * DAY).weekday() in timetable.days:
+            run = begin + max((since - begin) // timetable.every + 1, 0) * timetable.every
+            if run <= day * DAY + timetable.end:
+                first = run if first is None else min(first, run)
+        day += 1
+    return first

@@ -12,6 +12,7 @@ from fleet_page.core.roles import UserRole
 
 MOST_DESTINATIONS = 100
 MOST_EDGES = 1000
+MOST_ARGUMENTS = 50
 LONGEST_STAY = 1e6  # s, the limit of the fleet manager
 _LONGEST_NAME = 100
 _INT32 = 2 ** 31 - 1
@@ -25,6 +26,7 @@ class ActKind(Enum):
     STOP = 'stop'
     RESUME = 'resume'
     SEND = 'send'
+    RUN = 'run'
     CANCEL = 'cancel'
     PAUSE = 'pause'
     CONTINUE = 'continue'
@@ -41,6 +43,8 @@ class ActKind(Enum):
     ADD_AREA = 'add_area'
     REMOVE_AREA = 'remove_area'
     ACKNOWLEDGE = 'acknowledge'
+    PAUSE_TIMETABLE = 'pause_timetable'
+    RESUME_TIMETABLE = 'resume_timetable'
 
 
 @dataclass(frozen=True)
@@ -50,7 +54,8 @@ class Act:
     mission -- request id
     robot   -- the robot that the act concerns, or that must serve the mission
     stays   -- s at each destination, negative: until released; empty: no stays
-    name    -- name of a favourite or an area, or key of an alarm
+    name    -- name of a favourite, an area, a template or a timetable, or key of an alarm
+    arguments -- of the template, each with the name of its parameter
     answer  -- to a step: one of ANSWERS
     step    -- key of the step that the answer is about; 0: the one that asks now
 
@@ -68,6 +73,7 @@ class Act:
     name: str = ''
     answer: str = ''
     step: int = 0
+    arguments: Tuple[Tuple[str, str], ...] = ()
 
 
 @dataclass(frozen=True)
@@ -121,6 +127,12 @@ def _text_or_empty(value: Any) -> str:
     return '' if value == '' else _text(value)
 
 
+def _arguments(value: Any) -> Tuple[Tuple[str, str], ...]:
+    if not isinstance(value, dict) or len(value) > MOST_ARGUMENTS:
+        raise WrongAct(f'must be an object of at most {MOST_ARGUMENTS} texts')
+    return tuple((_text(name), _text(argument)) for name, argument in value.items())
+
+
 def _stays(value: Any) -> Tuple[float, ...]:
     if not isinstance(value, list) or len(value) > MOST_DESTINATIONS:
         raise WrongAct(f'must be a list of at most {MOST_DESTINATIONS} numbers')
@@ -150,6 +162,7 @@ Field = Callable[[Any], Any]
 _MISSION: Dict[str, Field] = {'mission': _whole}
 _ROBOT: Dict[str, Field] = {'robot': _text}
 _EDGES: Dict[str, Field] = {'edges': _edges}
+_NAME: Dict[str, Field] = {'name': _text}
 
 
 @dataclass(frozen=True)
@@ -170,6 +183,8 @@ RULES: Dict[ActKind, Rule] = {
     ActKind.RESUME: _rule(UserRole.OPERATE, {}),
     ActKind.SEND: _rule(UserRole.OPERATE, {'destinations': _destinations}, robot=_text_or_empty,
                         robot_type=_text_or_empty, priority=_whole, stays=_stays),
+    ActKind.RUN: _rule(UserRole.OPERATE, {**_NAME, 'arguments': _arguments}, robot=_text_or_empty,
+                       robot_type=_text_or_empty, priority=_whole),
     ActKind.CANCEL: _rule(UserRole.OPERATE, _MISSION),
     ActKind.PAUSE: _rule(UserRole.OPERATE, _MISSION),
     ActKind.CONTINUE: _rule(UserRole.OPERATE, _MISSION),
@@ -182,13 +197,15 @@ RULES: Dict[ActKind, Rule] = {
     ActKind.OUT: _rule(UserRole.OPERATE, _ROBOT),
     ActKind.IN: _rule(UserRole.OPERATE, _ROBOT),
     ActKind.ABSENT: _rule(UserRole.ADMIN, _ROBOT),
-    ActKind.ADD_FAVOURITE: _rule(UserRole.OPERATE, {'name': _text, 'destinations': _destinations},
+    ActKind.ADD_FAVOURITE: _rule(UserRole.OPERATE, {**_NAME, 'destinations': _destinations},
                                  robot=_text_or_empty, robot_type=_text_or_empty,
                                  priority=_whole, stays=_stays),
-    ActKind.REMOVE_FAVOURITE: _rule(UserRole.OPERATE, {'name': _text}),
-    ActKind.ADD_AREA: _rule(UserRole.OPERATE, {'name': _text, **_EDGES}),
-    ActKind.REMOVE_AREA: _rule(UserRole.OPERATE, {'name': _text}),
-    ActKind.ACKNOWLEDGE: _rule(UserRole.OPERATE, {'name': _text}),
+    ActKind.REMOVE_FAVOURITE: _rule(UserRole.OPERATE, _NAME),
+    ActKind.ADD_AREA: _rule(UserRole.OPERATE, {**_NAME, **_EDGES}),
+    ActKind.REMOVE_AREA: _rule(UserRole.OPERATE, _NAME),
+    ActKind.ACKNOWLEDGE: _rule(UserRole.OPERATE, _NAME),
+    ActKind.PAUSE_TIMETABLE: _rule(UserRole.OPERATE, _NAME),
+    ActKind.RESUME_TIMETABLE: _rule(UserRole.OPERATE, _NAME),
 }
 
 

@@ -163,6 +163,7 @@ class MissionStatus:
     deadline -- one of DEADLINE_STATES
     template -- the template and its arguments, for people; empty: none
     serial   -- number of the mission at this site, for people; 0: it was not accepted
+    destinations -- vertices in force; the request of a template has none
 
     Each attribute is a value that the page shows.
     """
@@ -179,11 +180,42 @@ class MissionStatus:
     deadline: str = 'NONE'
     template: str = ''
     serial: int = 0
+    destinations: Tuple[int, ...] = ()
+
+
+@dataclass(frozen=True)
+class ShownTemplate:
+    """A template of missions, with the names of its parameters."""
+
+    name: str
+    parameters: Tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class ShownTimetable:
+    """A timetable. The page shows each value.
+
+    arguments -- of its template, each with the name of its parameter
+    every     -- minutes from one run to the next one of a day
+    begin     -- minute of the day of its first run
+    end       -- minutes from the beginning of that day to the last time at which a run may be
+    days      -- days of the week on which it begins; 0 is Monday
+    next      -- of its next run, s since 1970; None: it is paused
+    """
+
+    name: str
+    template: str
+    arguments: Tuple[Tuple[str, str], ...]
+    every: int
+    begin: int
+    end: int
+    days: Tuple[int, ...]
+    next: Optional[float]
 
 
 @dataclass(frozen=True)
 class MissionRequest:
-    """The request of a mission."""
+    """The request of a mission. `template`: empty if it has destinations itself."""
 
     id: int
     stamp: int
@@ -192,3 +224,5 @@ class MissionRequest:
     robot_type: str
     priority: int
     requested_by: str = ''
+    template: str = ''
+    arguments: Tuple[Tuple[str, str], ...] = ()

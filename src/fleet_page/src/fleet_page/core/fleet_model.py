@@ -1,6 +1,7 @@
 """The model of the fleet that the page shows. It is the only writer of the live state.
 
 Keys of the live state: `fleet`, `stop`, `counts`, `site`, `closed`, `favourites`, `areas`,
+`templates`, `timetables`,
 `robot:NAME`, `pose:NAME`, `plan:NAME`, `resource:NAME`, `mission:ID:STAMP`, `alarm:robot:NAME`,
 `alarm:mission:ID:STAMP`.
 """
@@ -24,6 +25,8 @@ from fleet_page.core.fleet import (
     ShownPose,
     ShownResource,
     ShownRobot,
+    ShownTemplate,
+    ShownTimetable,
     alarm_of,
     fault_of,
     group_of,
@@ -91,6 +94,14 @@ class FleetModel:
     def show_resources(self, resources: Iterable[ShownResource]) -> None:
         """Shows all stations, doors and the like."""
         self.live.replace('resource:', {one.name: asdict(one) for one in resources})
+
+    def show_templates(self, templates: Iterable[ShownTemplate]) -> None:
+        """Shows all templates of missions."""
+        self.live.put('templates', [asdict(one) for one in templates])
+
+    def show_timetables(self, timetables: Iterable[ShownTimetable]) -> None:
+        """Shows all timetables."""
+        self.live.put('timetables', [asdict(one) for one in timetables])
 
     def show_named(self, key: str, content: Mapping[str, Any]) -> None:
         """Shows what users have stored under names; `key`: `favourites` or `areas`."""
@@ -352,7 +363,7 @@ class FleetModel:
         if status.deadline in DEADLINE_ALARMS:
             values['alarm'] = status.deadline
         if request is not None:
-            values.update(destinations=list(request.destinations), priority=request.priority,
+            values.update(destinations=list(request.destinations or status.destinations), priority=request.priority,
                           wanted_robot=request.robot, robot_type=request.robot_type,
                           by=request.requested_by)
             end = self._ends.get(key)

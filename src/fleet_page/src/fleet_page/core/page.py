@@ -5,7 +5,7 @@ import logging
 import sqlite3
 from dataclasses import asdict, dataclass, field
 from functools import partial
-from typing import Any, Callable, Dict, List, NamedTuple, Optional
+from typing import Any, Callable, Dict, List, Mapping, NamedTuple, Optional
 
 from fleet_core.supervision.history import HistoryLine
 from fleet_page.core.acts import Act, ActKind, ActOutcome
@@ -59,18 +59,23 @@ class ShownSite:
 
 
 class Page:
-    """Owns all data that browsers see. One thread uses it, except for `missions`."""
+    """Owns all data that browsers see. One thread uses it, except for `missions`.
 
-    def __init__(self, records: Records, replay: ReplayRing, missions: Missions) -> None:
+    tell_areas -- is called with all areas, by name, at first and after each change
+    """
+
+    def __init__(self, records: Records, replay: ReplayRing, missions: Missions,
+                 tell_areas: Callable[[Mapping[str, Any]], None] = lambda areas: None) -> None:
         self.model = FleetModel()
         self.site = ShownSite()
         self.records, self.replay, self.missions = records, replay, missions
         self.planner, self.release = Histogram(), ReleaseWatch()
         self._recorded = self._summed = 0.0
         self._troubles: Dict[str, str] = {}
+        self._tell_areas = tell_areas
         self.model.site_changed()
-        for kind, words in _WORDS.items():
-            self.model.show_named(words.key, records.named(kind))
+        for kind in _WORDS:
+            self._show_named(kind)
 
     # -- data from the fleet ----------------------------------------------------------------------
 
@@ -113,8 +118,10 @@ class Page:
         is_new = not self.model.knows(request)
         self.model.take_request(request)
         if sender and is_new:
-            act = Act(ActKind.SEND, robot=request.robot, robot_type=request.robot_type,
-                      priority=request.priority, destinations=request.destinations)
+            act = Act(ActKind.RUN if request.template else ActKind.SEND, robot=request.robot,
+                      robot_type=request.robot_type, priority=request.priority,
+                      destinations=request.destinations, name=request.template,
+                      arguments=request.arguments)
             self.noticed(sender, act, now, request.id)
 
     def noticed(self, name: str, act: Act, now: float, mission: int = 0) -> None:
@@ -157,8 +164,14 @@ class Page:
             return ActOutcome(False, words.too_many)
         except sqlite3.Error as error:
             return ActOutcome(False, words.disk.format(error))
-        self.model.show_named(words.key, self.records.named(kind))
+        self._show_named(kind)
         return outcome
+
+    def _show_named(self, kind: NamedKind) -> None:
+        content = self.records.named(kind)
+        self.model.show_named(_WORDS[kind].key, content)
+        if kind is NamedKind.AREA:
+            self._tell_areas(content)
 
     def acknowledge(self, alarm: str, person: Person) -> ActOutcome:
         """Notes that a person has seen an alarm."""

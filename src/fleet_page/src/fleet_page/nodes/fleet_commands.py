@@ -8,8 +8,8 @@ from std_srvs.srv import Trigger
 from fleet_page.core.acts import ANSWERS, Act, ActKind, ActOutcome
 from fleet_page.core.roles import Person
 from fleet_requests import NotSent, Sender, ServiceRefused, ServiceSilent, call, mission_request
-from itrci_nav_msgs.msg import EdgeCommand, MissionCommand, MissionRequest
-from itrci_nav_msgs.srv import DeclareAbsent
+from itrci_nav_msgs.msg import EdgeCommand, MissionCommand, MissionRequest, StepParameter
+from itrci_nav_msgs.srv import DeclareAbsent, PauseTimetable
 
 COMMANDS: Dict[ActKind, int] = {
     ActKind.CANCEL: MissionCommand.CANCEL, ActKind.PAUSE: MissionCommand.PAUSE,
@@ -19,6 +19,7 @@ EDGES: Dict[ActKind, int] = {ActKind.CLOSE: EdgeCommand.CLOSE, ActKind.OPEN: Edg
 _SERVICES: Dict[ActKind, Tuple[str, Type[Any]]] = {
     ActKind.RESUME: ('/resume_fleet', Trigger), ActKind.OUT: ('/{}/leave_fleet', Trigger),
     ActKind.IN: ('/{}/join_fleet', Trigger), ActKind.ABSENT: ('/{}/declare_absent', DeclareAbsent)}
+_PAUSES: Dict[ActKind, bool] = {ActKind.PAUSE_TIMETABLE: True, ActKind.RESUME_TIMETABLE: False}
 
 
 class FleetCommands:
@@ -40,6 +41,8 @@ class FleetCommands:
         try:
             if act.kind is ActKind.SEND:
                 return self._send(act, by)
+            if act.kind is ActKind.RUN:
+                return self._run(act, by)
             if act.kind in COMMANDS:
                 return self._command(act, by)
             if act.kind in EDGES:
@@ -54,6 +57,13 @@ class FleetCommands:
         request = mission_request(
             act.destinations, robot=act.robot, robot_type=act.robot_type, priority=act.priority,
             dwell=list(act.stays), requested_by=by)
+        self._requests.send(request)
+        return ActOutcome(True, f'Sent as mission {request.request_id}.', request.request_id)
+
+    def _run(self, act: Act, by: str) -> ActOutcome:
+        request = mission_request(
+            (), template=act.name, arguments=[StepParameter(*pair) for pair in act.arguments],
+            robot=act.robot, robot_type=act.robot_type, priority=act.priority, requested_by=by)
         self._requests.send(request)
         return ActOutcome(True, f'Sent as mission {request.request_id}.', request.request_id)
 
@@ -72,6 +82,9 @@ class FleetCommands:
     def _call(self, act: Act, by: str) -> ActOutcome:
         if act.robot and not self._is_robot(act.robot):
             return ActOutcome(False, f'There is no robot {act.robot}.')
+        if act.kind in _PAUSES:
+            return ActOutcome(True, call('/pause_timetable', PauseTimetable, act.name,
+                                         _PAUSES[act.kind], by))
         name, kind = _SERVICES[act.kind]
         arguments = (by,) if kind is DeclareAbsent else ()
         return ActOutcome(True, call(name.format(act.robot), kind, *arguments, requested_by=by))

@@ -7,13 +7,16 @@ Subscribes
     /graph, /closed_edges_in_force, /parking, /docking_points (latched, of graph_server)
     /fleet_state, /fleet_plan, /fleet_poses, /mission_status (of path_supervisor)
     /mission_request, /mission_command, /edge_command: requests and their senders, for the audit
+    /mission_templates, /timetables (latched, of path_supervisor)
     /plan_answer: the planning time
     ~map_topic (nav_msgs/OccupancyGrid, latched): the walls
 Publishes
     /mission_request, /mission_command, /edge_command
+    /edge_areas (itrci_nav_msgs/EdgeAreas, latched): the areas that users have named
     /<robot>/target_route: a direct stop if the fleet manager does not answer
 Client of
-    /stop_fleet, /resume_fleet, /<robot>/leave_fleet, /<robot>/join_fleet, /<robot>/declare_absent
+    /stop_fleet, /resume_fleet, /<robot>/leave_fleet, /<robot>/join_fleet, /<robot>/declare_absent,
+    /pause_timetable
 Parameters
     ~listen      string  127.0.0.1   address to listen at; any other address needs ~token_file
     ~port        int     8080
@@ -35,7 +38,7 @@ import sqlite3
 import tempfile
 import threading
 import time
-from typing import Any, Callable, List, Optional
+from typing import Any, Callable, List, Mapping, Optional
 
 import rospkg
 import rospy
@@ -64,6 +67,7 @@ from graph_topic import FollowedGraph
 from itrci_nav_msgs.msg import (
     ClosedEdges,
     DockingPoints,
+    EdgeAreas,
     EdgeCommand,
     FleetPlan,
     FleetPoses,
@@ -71,8 +75,10 @@ from itrci_nav_msgs.msg import (
     MissionCommand,
     MissionRequest,
     MissionStatus,
+    MissionTemplates,
     ParkingPlaces,
     PlanAnswer,
+    Timetables,
 )
 from node_lifecycle import ConfigurationError, parameter, run
 from trajectory_graph import Graph
@@ -104,7 +110,8 @@ class FleetPageNode:
 
         def missions(since: float) -> List[HistoryLine]:
             return list(history(journal, since))
-        self._page = Page(self._records, replay, missions)
+        self._areas = rospy.Publisher('/edge_areas', EdgeAreas, queue_size=1, latch=True)
+        self._page = Page(self._records, replay, missions, self._tell_areas)
         if parameter('~fleet_file', ''):
             self._page.site.radii = messages.radii_of(fleet_of())
         commands = FleetCommands(lambda name: name in self._page.model.robots)
@@ -188,6 +195,8 @@ class FleetPageNode:
             listen('/mission_command', MissionCommand, self._on_command, 1000),
             listen('/edge_command', EdgeCommand, self._on_edges, 1000),
             listen('/mission_status', MissionStatus, self._on_status, 1000),
+            listen('/mission_templates', MissionTemplates, self._on_templates),
+            listen('/timetables', Timetables, self._on_timetables),
             listen('/plan_answer', PlanAnswer, self._on_answer, 10),
             listen(map_topic, numpy_msg(OccupancyGrid), self._on_map)]
 
@@ -257,6 +266,17 @@ class FleetPageNode:
 
     def _on_status(self, message: MissionStatus) -> None:
         self._page.take_status(messages.status_of(message))
+
+    def _on_templates(self, message: MissionTemplates) -> None:
+        self._page.model.show_templates(messages.templates_of(message))
+
+    def _on_timetables(self, message: Timetables) -> None:
+        self._page.model.show_timetables(messages.timetables_of(message))
+
+    def _tell_areas(self, areas: Mapping[str, Any]) -> None:
+        message = messages.areas_message(areas)
+        message.header.stamp = rospy.Time.now()
+        self._areas.publish(message)
 
     def _on_answer(self, message: PlanAnswer) -> None:
         if message.result == PlanAnswer.PLANNED:

@@ -2,7 +2,7 @@
 from __future__ import annotations
 
 import math
-from typing import Any, Dict, Iterable, List, Optional
+from typing import Any, Dict, Iterable, List, Mapping, Optional
 
 from fleet_core.supervision.waits import WaitCode
 from fleet_page.core.acts import ANSWERS, Act, ActKind
@@ -16,6 +16,8 @@ from fleet_page.core.fleet import (
     ShownPose,
     ShownResource,
     ShownRobot,
+    ShownTemplate,
+    ShownTimetable,
 )
 from fleet_page.core.site import WallMap, wall_map
 from fleet_page.nodes.fleet_commands import COMMANDS, EDGES
@@ -82,13 +84,32 @@ def status_of(message: msg.MissionStatus) -> MissionStatus:
                          _word(DEADLINE_STATES, message.deadline_code),
                          ' '.join((message.template, *(f'{one.name}:={one.value}'
                                                        for one in message.arguments))),
-                         message.serial)
+                         message.serial, tuple(message.destinations))
 
 
 def _not_done(message: msg.MissionStatus) -> str:
     kind = _COMMANDS.get(message.command)
     is_not_done = message.command_code == msg.MissionStatus.COMMAND_NOT_DONE
     return kind.value if kind is not None and is_not_done else ''
+
+
+def templates_of(message: msg.MissionTemplates) -> List[ShownTemplate]:
+    """The templates of missions."""
+    return [ShownTemplate(one.name, tuple(one.parameters)) for one in message.templates]
+
+
+def timetables_of(message: msg.Timetables) -> List[ShownTimetable]:
+    """The timetables."""
+    return [ShownTimetable(
+        one.name, one.template, tuple((pair.name, pair.value) for pair in one.arguments),
+        one.every, one.begin, one.end, tuple(one.days),
+        None if one.is_paused else one.next.to_sec()) for one in message.timetables]
+
+
+def areas_message(areas: Mapping[str, Any]) -> msg.EdgeAreas:
+    """The areas by name, as the page keeps them."""
+    return msg.EdgeAreas(areas=[msg.EdgeArea(name, list(area['edges']))
+                                for name, area in areas.items()])
 
 
 def command_of(message: msg.MissionCommand) -> Optional[Act]:
@@ -121,7 +142,8 @@ def request_of(message: msg.MissionRequest) -> MissionRequest:
         stop.vertex for stop in message.stops if not stop.group)
     return MissionRequest(message.request_id, message.header.stamp.to_nsec(), destinations,
                           message.robot, message.robot_type, message.priority,
-                          person_of(message.requested_by))
+                          person_of(message.requested_by), message.template,
+                          tuple((one.name, one.value) for one in message.arguments))
 
 
 def walls_of(message: Any) -> WallMap:

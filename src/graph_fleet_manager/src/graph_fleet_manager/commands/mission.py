@@ -8,6 +8,7 @@
     mission --stops pallet.yaml --wait
     mission run pallet from:=press to:=shelves --before 14:30 --wait
     mission templates
+    mission timetables [pause|resume NAME]
     mission answer MISSION retry|skip|fail|done
 
 MISSION is the id of a request, or the short name of a mission, such as M42.
@@ -71,6 +72,7 @@ from graph_fleet_manager.commands.tables import (
     table,
     table_with_notes,
 )
+from graph_fleet_manager.commands.timetables import timetables
 from graph_fleet_manager.messages.missions import is_about, stop_of
 from graph_fleet_manager.messages.stops import stop_messages
 from itrci_nav_msgs.msg import (
@@ -120,6 +122,8 @@ def _mission(arguments: List[str]) -> int:
         return _run_template(arguments[1:])
     if word == 'templates':
         return _templates(arguments)
+    if word == 'timetables':
+        return timetables(arguments[1:])
     return _send(arguments)
 
 
@@ -153,8 +157,9 @@ def _options(name: str, what: str, arguments: List[str]) -> argparse.Namespace:
 
 def _send(arguments: List[str]) -> int:
     parser = Parser('mission', description='Sends a robot to vertices, in order. Other uses: '
-                    'mission run TEMPLATE, mission templates, mission list, mission why ID, '
-                    'mission cancel|pause|resume|release|modify|answer ID, mission history.')
+                    'mission run TEMPLATE, mission templates, mission timetables, mission list, '
+                    'mission why ID, mission cancel|pause|resume|release|modify|answer ID, '
+                    'mission history.')
     parser.add_argument('destinations', nargs='*', metavar='VERTEX',
                         help='id of a vertex, or a label that only one vertex has')
     _offer_conditions(parser)

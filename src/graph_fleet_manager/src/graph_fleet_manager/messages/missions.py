@@ -18,6 +18,7 @@ from fleet_core.supervision.missions import (
 )
 from fleet_core.supervision.outages import Outage
 from fleet_core.supervision.resource_view import ResourceView
+from fleet_core.supervision.timetable_runs import TimetableView
 from fleet_core.supervision.why import MissionReason
 from fleet_core.work.site_work import SiteWork
 from fleet_core.work.stops import dwells_of
@@ -135,6 +136,16 @@ def templates_message(work: SiteWork, now: genpy.Time) -> msg.MissionTemplates:
     """The templates of a work file; `now` is the stamp."""
     message = msg.MissionTemplates(templates=[
         msg.MissionTemplate(one.name, list(one.parameters)) for one in work.templates.values()])
+    message.header.stamp = now
+    return message
+
+
+def timetables_message(views: Iterable[TimetableView], now: genpy.Time) -> msg.Timetables:
+    """The timetables of a work file, with their next runs; `now` is the stamp."""
+    message = msg.Timetables(timetables=[msg.Timetable(
+        one.name, one.template, [msg.StepParameter(*pair) for pair in one.arguments],
+        one.priority, one.every, one.begin, one.end, sorted(one.days), view.next is None,
+        genpy.Time.from_sec(view.next or 0.0)) for view in views for one in (view.timetable,)])
     message.header.stamp = now
     return message
 

@@ -1,5 +1,6 @@
 """The services of the fleet: stop and resume all robots, take one robot out of service and back,
-declare a robot absent, say what it carries, get the status of a mission, and what it waits for.
+declare a robot absent, say what it carries, pause a timetable, get the status of a mission, and
+what it waits for.
 """
 from __future__ import annotations
 
@@ -37,6 +38,9 @@ from itrci_nav_msgs.srv import (
     GetMissionStatus,
     GetMissionStatusRequest,
     GetMissionStatusResponse,
+    PauseTimetable,
+    PauseTimetableRequest,
+    PauseTimetableResponse,
     SetLoad,
     SetLoadRequest,
     SetLoadResponse,
@@ -69,6 +73,7 @@ class FleetServices:
             rospy.Service('/stop_fleet', Trigger, lambda request: _logged(
                 _requested('/stop_fleet', request), self.stop(request))),
             rospy.Service('/resume_fleet', Trigger, self._resume),
+            rospy.Service('/pause_timetable', PauseTimetable, self._pause_timetable),
             rospy.Service('/get_mission_status', GetMissionStatus, self._mission_status),
             rospy.Service('/explain_mission', ExplainMission, self._explanation)]
         for robot in robots:
@@ -151,6 +156,15 @@ class FleetServices:
             return supervisor.resume_fleet(now, ticket)
         return self._called(_requested('/resume_fleet', request), resume,
                             lambda supervisor: supervisor.who_goes_on)
+
+    def _pause_timetable(self, request: PauseTimetableRequest) -> PauseTimetableResponse:
+        name, by = request.timetable, person_of(request.requested_by)
+        what = 'paused' if request.paused else 'continued'
+        rospy.loginfo('/pause_timetable: %r is to be %s%s.', name, what,
+                      f', requested by {by}' if by else '')
+        told = self._called('/pause_timetable', _pause(name, request.paused), (
+            f'Timetable {name} is paused.' if request.paused else f'Timetable {name} goes on.'))
+        return PauseTimetableResponse(told.success, told.message)
 
     def _mission_status(self, request: GetMissionStatusRequest) -> GetMissionStatusResponse:
         """The stored status of a mission. Raises ServiceException if it cannot be read now."""
@@ -260,6 +274,10 @@ def _back(robot: str) -> Act:
 
 def _absent(robot: str) -> Act:
     return lambda supervisor, now: supervisor.declare_absent(robot, now)
+
+
+def _pause(timetable: str, paused: bool) -> Act:
+    return lambda supervisor, now: supervisor.pause_timetable(timetable, paused, now)
 
 
 def _charge(robot: str, until: float) -> Act:

@@ -1,7 +1,7 @@
 """The publishers of the supervisor: routes, statuses, plan requests, and the fleet's state."""
 from __future__ import annotations
 
-from typing import Callable, Dict, Iterable, Optional, Sequence, Tuple
+from typing import Callable, Dict, Iterable, List, Optional, Sequence, Tuple
 
 import rospy
 
@@ -21,6 +21,7 @@ from fleet_core.supervision.mission_book import MOST_OPEN
 from fleet_core.supervision.missions import Status
 from fleet_core.supervision.resource_view import resource_views
 from fleet_core.supervision.supervisor import Supervisor
+from fleet_core.supervision.timetable_runs import TimetableView
 from fleet_core.work.site_work import SiteWork
 from graph_fleet_manager.messages import missions as messages
 from graph_fleet_manager.messages.edge_times import TimesSent
@@ -36,6 +37,7 @@ from itrci_nav_msgs.msg import (
     StepCommand,
     StepParameter,
     TargetRoute,
+    Timetables,
 )
 from itrci_nav_msgs.msg import PlanRequest as PlanRequestMessage
 from route_protocol.device_messages import fill_device_request
@@ -70,6 +72,8 @@ class FleetTopics:
         self._plans = FleetPlanTopic(rate)
         self._templates = rospy.Publisher('/mission_templates', MissionTemplates, queue_size=1,
                                           latch=True)
+        self._timetables = rospy.Publisher('/timetables', Timetables, queue_size=1, latch=True)
+        self._timetables_told: Optional[List[TimetableView]] = None
         self._requests = rospy.Publisher('/plan_request', PlanRequestMessage, queue_size=10,
                                          subscriber_listener=Newcomers(self._ask_newcomer))
         self._devices = rospy.Publisher('/device_request', DeviceRequest, queue_size=1000,
@@ -170,7 +174,9 @@ class FleetTopics:
         send(self._templates.publish, messages.templates_message(work, rospy.Time.now()))
 
     def publish_views(self, supervisor: Supervisor, now: float) -> None:
-        """Publishes the state and the plan of all robots at the monotonic time `now` (s)."""
+        """Publishes the state and the plan of all robots at the monotonic time `now` (s), and
+        timetables that have changed.
+        """
         stamp = rospy.Time.now()
 
         def moment(seconds: float) -> rospy.Time:
@@ -178,6 +184,10 @@ class FleetTopics:
         send(self._states.publish, messages.state_message(
             robot_views(supervisor, now), resource_views(supervisor, now), supervisor.stop, moment,
             stamp, self._rate))
+        timetables = supervisor.timetables.views
+        if timetables != self._timetables_told:
+            self._timetables_told = timetables
+            send(self._timetables.publish, messages.timetables_message(timetables, stamp))
         self._plans.set_plan(plan_progress(supervisor), now, stamp)
 
 

@@ -15,7 +15,8 @@ Subscribes
 Publishes
     /mission_status (itrci_nav_msgs/MissionStatus); a new subscriber gets those of open missions
     /fleet_state (itrci_nav_msgs/FleetState), /fleet_plan (FleetPlan), both latched
-    /mission_templates (itrci_nav_msgs/MissionTemplates), latched: the templates of the work file
+    /mission_templates (itrci_nav_msgs/MissionTemplates), /timetables (Timetables), latched: the
+    templates and the timetables of the work file
     /fleet_poses (itrci_nav_msgs/FleetPoses), 5 Hz
     /plan_request (itrci_nav_msgs/PlanRequest), /<robot>/target_route (TargetRoute),
     /<robot>/step_command (StepCommand), /device_request (DeviceRequest)
@@ -28,6 +29,7 @@ Services (std_srvs/Trigger)
     /explain_mission (itrci_nav_msgs/ExplainMission): what an open mission waits for
     /<robot>/set_load (itrci_nav_msgs/SetLoad): a person says what a robot carries
     /<robot>/charge (itrci_nav_msgs/ChargeRobot): a robot is asked to charge
+    /pause_timetable (itrci_nav_msgs/PauseTimetable): a timetable is paused, or goes on
 Parameters
     ~fleet_file   string  (required)  fleet file (YAML)
     ~work_file    string  (none)     work file (YAML) of stations, devices, templates, timetables
