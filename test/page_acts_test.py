@@ -9,6 +9,7 @@ from __future__ import annotations
 import json
 import math
 import os
+import subprocess
 import sys
 import tempfile
 import time
@@ -31,6 +32,7 @@ from itrci_nav_msgs.msg import (
     MissionStatus,
     MissionStep,
     MissionStop,
+    Timetables,
 )
 from node_lifecycle.watchdog import STANDSTILL
 from system_support import Recorder, connected_publisher, kill_node, run_cases, wait_until
@@ -48,6 +50,14 @@ robots:
 - {name: agv_2, type: agv, vertex: 14, driver: agv}
 - {name: visitor, type: guest, vertex: 39, driver: none}
 '''
+WORK = '''templates:
+- name: visit
+  parameters: [to]
+  stops:
+  - {at: $to}
+timetables:
+- {name: night, template: visit, arguments: {to: 6}, every: 24 h, from: "03:00"}
+'''
 FIRST, SECOND, AWAY = 'agv_1', 'agv_2', 'visitor'
 NEAR = 0.2  # m
 
@@ -63,12 +73,16 @@ class FleetOnThePage(unittest.TestCase):
         with tempfile.NamedTemporaryFile('w', suffix='.yaml', delete=False) as file:
             file.write(FLEET)
         cls.fleet_file, cls.url = Path(file.name), f'http://127.0.0.1:{ports + 9}/'
+        cls.work_file = Path(f'{file.name}.work')
+        cls.work_file.write_text(WORK)
         cls.factory = Factory(file.name, 'page:=true', f'page_port:={ports + 9}',
-                              f'sim_speed:={SPEED}', first_port=ports)
+                              f'sim_speed:={SPEED}', f'work_file:={cls.work_file}',
+                              first_port=ports)
         try:
             cls.closed = Recorder('/closed_edges_in_force', ClosedEdges)
             cls.diagnostics = Recorder('/diagnostics', DiagnosticArray)
             cls.requests = Recorder('/mission_request', MissionRequest)
+            cls.timetables = Recorder('/timetables', Timetables)
             cls.window = Browser()
             wait_until(cls.is_served, 40.0, f'the page at {cls.url}')
             cls.window.open(cls.url)
@@ -87,6 +101,7 @@ class FleetOnThePage(unittest.TestCase):
         cls.window.close()
         cls.factory.stop()
         cls.fleet_file.unlink()
+        cls.work_file.unlink()
 
     @classmethod
     def is_served(cls) -> bool:
@@ -173,12 +188,32 @@ class FleetOnThePage(unittest.TestCase):
         self.window.click('#keep_area')
         self.window.click('#areas [data-act=close]')
         wait_until(lambda: list(self.closed.messages[-1].edges) == [2], 10.0, 'the area is closed')
+        listed = json.loads(subprocess.check_output(
+            ['rosrun', 'graph_fleet_manager', 'edge', 'list', '--json'], timeout=30))
+        self.assertEqual([{'area': 'gate', 'edges': [2], 'closed': 1}], listed['areas'])
         self.window.click('#areas [data-act=open]')
         wait_until(lambda: not self.closed.messages[-1].edges, 10.0, 'the area is open')
         self.window.click('#areas [data-act=remove_area]')
         self.window.wait(lambda: self.window.text('#areas') == '', 'the area is removed')
 
-    def test_6_stop_stops_all_and_robots_go_out_of_service_and_in_again(self) -> None:
+    def test_6_a_template_is_run_and_a_timetable_is_paused_and_resumed(self) -> None:
+        self.window.click('#tab_button_missions')
+        self.window.wait(lambda: self.window.one('#send_template').is_displayed(), 'templates')
+        self.choose('send_template', 'visit')
+        self.choose('send_robot', FIRST)
+        self.window.click_vertex(18)
+        mission = self.press_send()
+        self.wait_at(FIRST, 18)
+        self.wait_for_status(mission, MissionStatus.SUCCEEDED)
+        self.choose('send_template', '')
+        self.window.click('#timetables_box summary')
+        self.window.wait(lambda: 'next' in self.window.text('#timetables'), 'the next run')
+        for is_paused in (True, False):
+            self.window.click('#timetables [data-act=pause]')
+            wait_until(lambda: self.timetables.messages[-1].timetables[0].is_paused is is_paused,  # noqa: B023
+                       10.0, 'the timetable is paused, or goes on')
+
+    def test_7_stop_stops_all_and_robots_go_out_of_service_and_in_again(self) -> None:
         self.send(33, 26, 33, 26, robot_type='agv', robot=SECOND)
         self.wait_until_moved(SECOND)
         self.assertEqual('', self.stop_bar())
@@ -203,14 +238,14 @@ class FleetOnThePage(unittest.TestCase):
             return self.factory.robot(SECOND).state in READY
         wait_until(is_back, 20.0, f'{SECOND} in service')
 
-    def test_7_all_of_it_is_in_the_audit_list(self) -> None:
+    def test_8_all_of_it_is_in_the_audit_list(self) -> None:
         with urllib.request.urlopen(f'{self.url}api/audit', timeout=5) as answer:
             rows = json.load(answer)['rows']
         done = {row['act'] for row in rows if row['ok']}
         self.assertEqual(set(), {kind.value for kind in ActKind} - done)
         self.assertEqual({'local'}, {row['person'] for row in rows})
 
-    def test_8_no_thread_of_a_node_counted_as_blocked(self) -> None:
+    def test_9_no_thread_of_a_node_counted_as_blocked(self) -> None:
         states = [status for array in self.diagnostics.messages for status in array.status
                   if status.name.endswith(': threads')]
         first, last = (self.diagnostics.messages[at].header.stamp.to_sec() for at in (0, -1))
@@ -254,8 +289,12 @@ class FleetOnThePage(unittest.TestCase):
             self.window.click('#chosen li:nth-child(1) input[type=checkbox]')
         for name, value in (('send_robot', robot), ('send_type', robot_type),
                             ('send_priority', str(priority))):
-            self.window.script('document.getElementById(arguments[0]).value = arguments[1]',
-                               name, value)
+            self.choose(name, value)
+
+    def choose(self, name: str, value: str) -> None:
+        """Sets a field, as a person does."""
+        self.window.script('''const field = document.getElementById(arguments[0]);
+            field.value = arguments[1]; field.dispatchEvent(new Event('change'));''', name, value)
 
     def press_send(self) -> int:
         """Sends the composed mission; returns its id after the fleet manager has accepted it."""

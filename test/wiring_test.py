@@ -46,7 +46,7 @@ TO_OUTSIDE: Dict[str, Tuple[str, ...]] = {
     'as move_base has it, for its clients': (
         'move_base/feedback', 'move_base/result', 'move_base/status'),
     'of the fleet, for its display and its page': (
-        '/docking_points', '/fleet_plan', '/fleet_poses'),
+        '/docking_points', '/fleet_allocations', '/fleet_plan', '/fleet_poses'),
     'of the fleet, for the command mission and the page': ('/mission_templates', '/timetables'),
     'of the page, for the command edge': ('/edge_areas',),
     'for fleet_devices, which need not run': ('/device_request',),

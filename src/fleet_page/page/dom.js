@@ -24,10 +24,13 @@ export function makeSvg(tag, attributes = {}) {
   return element;
 }
 
-// A menu beside a button: one menu of the page, so that news of a row does not close it.
+// A menu beside a button: one menu of the page, so that news of a row or of the map does not close it.
 export function openMenu(button, items) {
   const menu = $('menu'), row = button.closest('[data-key]'), list = row.parentElement.id;
-  const back = () => [...$(list).children].find(one => one.dataset.key === row.dataset.key)?.querySelector('[data-act=menu]')?.focus();
+  const back = () => {
+    const again = [...$(list).children].find(one => one.dataset.key === row.dataset.key);
+    (again?.querySelector('[data-act=menu]') || again)?.focus();
+  };
   const close = () => { menu.hidden = true; menu.replaceChildren(); document.removeEventListener('pointerdown', outside); removeEventListener('resize', close); removeEventListener('scroll', close, true); };
   const outside = event => { if (!menu.contains(event.target)) close(); };
   close();

@@ -1,7 +1,8 @@
 // The frame of the page: login, tabs, robots, edges, alarms, and the answers to acts.
-import { $, make, showRows } from './dom.js';
+import { $, make, openMenu, showRows } from './dom.js';
 import { entries, follow, get, heardAt, loadSite, makeWay, post, site, unfollow } from './server.js';
 import { dateOf, duration, language, momentOf, preferred, said, store, stored, t, timeOf, useLanguage } from './texts.js';
+import { refresh, showHint, showLayerNames, startLayers, wantedStreams } from './layers.js';
 import { drawMoving, drawnEdge, knowsEdge, redraw, siteChanged, startMap } from './map.js';
 import { chooseVertex, showMissions, showPlaces, startMissions } from './missions.js';
 import { GROUPS, choose, noteFollowed, showGroup, showRobots, startRobots } from './robots.js';
@@ -54,7 +55,7 @@ function begin() {
 // A page that nobody sees holds no connection: the browser has only six for all its pages.
 function followIfShown() {
   if (document.hidden) unfollow();
-  else if (me.role) follow(changed, showLogin);
+  else if (me.role) follow(wantedStreams, changed, showLogin);
 }
 
 async function login(event) {
@@ -66,6 +67,12 @@ async function login(event) {
 }
 
 // -- messages of the server --------------------------------------------------------------------
+
+// The layers of the map have changed: other events are wanted, or only the picture changes.
+function layersChanged(needsStream) {
+  if (needsStream) followIfShown();
+  redraw();
+}
 
 let pending = new Set(), listsDue = false, isShown = false;
 function changed(keys) {
@@ -81,9 +88,9 @@ function drawChanges() {
   pending = new Set();
   if (entries.get('site') !== shownSite) {
     shownSite = entries.get('site');
-    loadSite().then(() => { siteChanged(); showPlaces(site.vertices); showEdges(); }, () => { shownSite = null; });
+    loadSite().then(() => { siteChanged(); showPlaces(site.vertices); showEdges(); refresh(); }, () => { shownSite = null; });
   }
-  if (!keys || keys.has('closed')) redraw();
+  if (!keys || keys.has('closed') || keys.has('areas')) redraw();
   showStop();
   drawMoving(keys);
   showLink();
@@ -113,6 +120,7 @@ function showStop() {
 
 function showLists() {
   showCounts();
+  showHint();
   showMissions(me);
   showRobots(me);
   showEdges();
@@ -142,6 +150,15 @@ function showAreas() {
   const button = (area, kind, text, values) => make('button', { 'data-act': kind, 'aria-label': `${t(text)} ${area.name}`, onclick: () => act({ act: kind, ...values }) }, t(text));
   showRows($('areas'), areas, area => area.name, area => make('li', { class: 'row' }, make('span', {}, make('b', {}, area.name), ` · ${t('edge')} ${area.edges.join(', ')} · `, make('span', { class: area.shut ? 'bad' : 'soft' }, state(area))),
     ...me.role === 'see' ? [] : [button(area, 'close', 'close', { edges: area.edges }), button(area, 'open', 'open', { edges: area.edges }), button(area, 'remove_area', 'remove', { name: area.name })]), language + me.role);
+}
+
+// A click on the name of an area: its acts, at the name.
+function chooseArea(name, label) {
+  const { edges } = (entries.get('areas') || {})[name] || { edges: [] };
+  openTab('edges');
+  [...$('areas').children].find(row => row.dataset.key === name)?.scrollIntoView({ block: 'nearest' });
+  if (me.role === 'see') return;
+  openMenu(label, ['close', 'open'].map(kind => [kind, `${t(kind)} ${name}`, () => act({ act: kind, edges })]));
 }
 
 // A click on the map adds an edge to those typed, or takes it away.
@@ -237,6 +254,7 @@ async function setLanguage(name) {
   $('language').value = language;
   for (const element of [$('stop'), $('resume')]) element.title = element.textContent;
   $('widen').title = t('widen');
+  showLayerNames();
   showLists(); drawMoving(null); showLink(); showStop(); showPanel($('fleet').dataset.panel);
 }
 
@@ -246,9 +264,9 @@ async function main() {
   showPanel(stored('panel') || 'open');
   $('fold').onclick = () => showPanel($('fleet').dataset.panel === 'folded' ? 'open' : 'folded');
   $('widen').onclick = () => showPanel($('fleet').dataset.panel === 'wide' ? 'open' : 'wide');
-  startMissions(act); startRobots(act); startAlarms(act); startHistory(); startReplay();
+  startMissions(act); startRobots(act); startAlarms(act); startHistory(); startReplay(); startLayers(layersChanged);
   startMap({ vertex: vertex => { if (me.role !== 'see') { openTab('missions'); chooseVertex(vertex); } },
-    edge: edge => { openTab('edges'); toggleEdge(edge); }, robot: name => { openTab('robots'); choose(name); }, followed: noteFollowed });
+    edge: edge => { openTab('edges'); toggleEdge(edge); }, area: chooseArea, robot: name => { openTab('robots'); choose(name); }, followed: noteFollowed });
   $('stop').onclick = () => { makeWay(); act({ act: 'stop' }); };
   $('resume').onclick = () => act({ act: 'resume' });
   $('edges').addEventListener('submit', event => { event.preventDefault(); const edges = edgesTyped(); if (edges) actOnEdges('close', edges); });

@@ -4,6 +4,7 @@ import { entries, all, site } from './server.js';
 import { language, said, t } from './texts.js';
 import { ABOVE_FIRST, BELOW_RIGHT_FIRST, Places, boxOf } from './placing.js';
 import { Walls } from './walls.js';
+import { hasLayer, layerValues, showLaserOf } from './layers.js';
 
 const REACH = 16; // pixels around a vertex within which a click selects it
 const NAMES_FROM = 12, BATTERY_FROM = 20; // px per m from which all vertices have their names, and robots their charge
@@ -21,8 +22,11 @@ let rem = 16; // px; larger on a wall screen
 let followed = '', fixed = []; // the robot in the middle of the view; the boxes of vertices and of their names
 let buttons = [0, 0, 0, 0]; // the box of the buttons in the map
 
-const planLayer = makeSvg('g', { 'aria-hidden': 'true' }), resourceLayer = makeSvg('g'), robotLayer = makeSvg('g');
-svg.append(planLayer, resourceLayer, robotLayer);
+const hidden = { 'aria-hidden': 'true' };
+const allocationLayer = makeSvg('g', { ...hidden, class: 'allocations' }), planLayer = makeSvg('g', hidden), laserLayer = makeSvg('path', { ...hidden, class: 'laser' });
+const areaLayer = makeSvg('g', { id: 'map_areas' }), resourceLayer = makeSvg('g'), robotLayer = makeSvg('g');
+svg.append(allocationLayer, planLayer, laserLayer, areaLayer, resourceLayer, robotLayer);
+const shade = document.createElement('canvas'); // where the outlines of areas are made
 
 export function startMap(given) {
   handlers = given;
@@ -66,8 +70,9 @@ function followPointers() {
 }
 
 function click(event) {
-  const robot = event.target.closest('.robot');
+  const robot = event.target.closest('.robot'), area = event.target.closest('.area');
   if (robot) { handlers.robot(robot.dataset.name); return; }
+  if (area) { handlers.area(area.dataset.key, area); return; }
   const box = svg.getBoundingClientRect(), at = [event.clientX - box.left, event.clientY - box.top];
   let best = null, least = REACH;
   for (const [id, x, y, kind] of site.vertices) {
@@ -161,7 +166,7 @@ let waiting = false;
 export function redraw() {
   if (waiting) return;
   waiting = true;
-  requestAnimationFrame(() => { waiting = false; drawSite(); drawMoving(null); drawn += 1; });
+  requestAnimationFrame(() => { waiting = false; drawSite(); drawAreas(); drawMoving(null); drawn += 1; });
 }
 export const framesDrawn = () => drawn;
 
@@ -178,6 +183,8 @@ function drawSite() {
   paint.clearRect(0, 0, box.width, box.height);
   if (walls) walls.draw(paint, pixel, view.scale, ratio);
   const closed = new Set(entries.get('closed') || []);
+  drawFences(paint, colour('fence'));
+  outlineAreas(paint, ratio, closed, colour);
   const lines = (edges, width, stroke) => {
     paint.beginPath();
     for (const [, , , points] of edges) {
@@ -187,9 +194,10 @@ function drawSite() {
     paint.lineWidth = width; paint.strokeStyle = stroke; paint.stroke();
   };
   lines(site.edges.filter(edge => !closed.has(edge[0])), 1.5, colour('edge'));
-  if (heat && heat.length) {
-    const most = Math.max(...heat.map(([, seconds]) => seconds));
-    for (const [id, seconds] of heat) {
+  const warm = heat || layerValues('heat');
+  if (warm.length) {
+    const most = Math.max(...warm.map(([, seconds]) => seconds));
+    for (const [id, seconds] of warm) {
       const edge = edgesById.get(id);
       if (edge) lines([edge], 3 + 9 * seconds / most, `hsl(${60 - 60 * seconds / most} 95% 50% / .8)`);
     }
@@ -220,6 +228,73 @@ function drawSite() {
   });
 }
 
+// Fences of the robots' map: areas and lines where no robot plans a path.
+function drawFences(paint, colour) {
+  paint.strokeStyle = paint.fillStyle = colour; paint.lineWidth = 2;
+  for (const points of layerValues('fences')) {
+    paint.beginPath();
+    for (let k = 0; k < points.length; k += 2) paint.lineTo(...pixel(points[k], points[k + 1]));
+    if (points.length > 4) { paint.closePath(); paint.globalAlpha = 0.18; paint.fill(); paint.globalAlpha = 1; }
+    paint.stroke();
+  }
+}
+
+const shownAreas = () => hasLayer('areas') ? Object.entries(entries.get('areas') || {}) : [];
+const edgesOf = ids => site.edges.filter(edge => ids.includes(edge[4]));
+
+// Each area has one outline around all of its edges: a broad line along them, of which the inside is taken out.
+function outlineAreas(paint, ratio, closed, colour) {
+  const areas = shownAreas();
+  if (!areas.length) return;
+  shade.width = canvas.width; shade.height = canvas.height;
+  const own = shade.getContext('2d'), wide = Math.max(14, 1.1 * view.scale);
+  own.lineCap = own.lineJoin = 'round';
+  own.setTransform(ratio, 0, 0, ratio, 0, 0);
+  for (const [, { edges }] of areas) {
+    const there = edgesOf(edges), isShut = there.length && there.every(edge => closed.has(edge[0]));
+    const draw = (width, alpha) => { own.globalAlpha = alpha; own.lineWidth = width; own.stroke(); };
+    own.clearRect(0, 0, size.width, size.height);
+    own.strokeStyle = colour(isShut ? 'danger' : 'main');
+    own.beginPath();
+    for (const [, , , points] of there) {
+      own.moveTo(...pixel(points[0], points[1]));
+      for (let k = 2; k < points.length; k += 2) own.lineTo(...pixel(points[k], points[k + 1]));
+    }
+    draw(wide + 3, 1);
+    own.globalCompositeOperation = 'destination-out';
+    draw(wide, 1);
+    own.globalCompositeOperation = 'source-over';
+    draw(wide, isShut ? 0.2 : 0.1);
+    paint.drawImage(shade, 0, 0, size.width, size.height);
+  }
+}
+
+// The name of an area is a button at its edge that lies highest.
+function drawAreas() {
+  const places = new Places(size.width, size.height), kept = document.activeElement?.closest?.('.area')?.dataset.key;
+  places.cover(buttons);
+  for (const box of fixed) places.cover(box);
+  areaLayer.replaceChildren(...shownAreas().map(([name, { edges }]) => {
+    const points = edgesOf(edges).flatMap(([, , , own]) => {
+      const found = [];
+      for (let k = 0; k < own.length; k += 2) found.push(pixel(own[k], own[k + 1]));
+      return found.length === 2 ? [[0, 1].map(k => (found[0][k] + found[1][k]) / 2)] : found;
+    });
+    if (!points.length) return null;
+    const [x, y] = points.reduce((best, point) => point[1] < best[1] ? point : best);
+    const text = { x, y, away: Math.max(7, 0.55 * view.scale) + 4, width: widthOf(name) + 8, height: 1.15 * rem, may: 'all' };
+    const box = boxOf(text, ABOVE_FIRST[places.place(text, ABOVE_FIRST)]), group = makeSvg('g', { class: 'area', role: 'button', tabindex: 0, 'data-key': name, 'aria-label': t('area_acts', { name }) });
+    const label = makeSvg('text', { x: ((box[0] + box[2]) / 2).toFixed(1), y: ((box[1] + box[3]) / 2).toFixed(1), 'text-anchor': 'middle', 'dominant-baseline': 'central' });
+    label.textContent = name;
+    group.append(makeSvg('rect', { x: box[0].toFixed(1), y: box[1].toFixed(1), width: (box[2] - box[0]).toFixed(1), height: (box[3] - box[1]).toFixed(1), rx: 4 }), label);
+    group.addEventListener('keydown', event => {
+      if (event.key === 'Enter' || event.key === ' ') { event.preventDefault(); handlers.area(name, group); }
+    });
+    return group;
+  }).filter(Boolean));
+  if (kept) [...areaLayer.children].find(one => one.dataset.key === kept)?.focus();
+}
+
 // Names of places choose first; a name for which there is no room is left out until the view is nearer.
 function drawNames(paint, radius) {
   const places = new Places(size.width, size.height), texts = [];
@@ -243,7 +318,7 @@ function drawNames(paint, radius) {
 
 export function showChosen(vertices) { chosen = vertices; redraw(); }
 export function showHeat(edges) { heat = edges; redraw(); }
-export function chooseRobot(name) { chosenRobot = name; drawMoving(null); }
+export function chooseRobot(name) { chosenRobot = name; showLaserOf(name); drawMoving(null); }
 export function showPast(moment) { past = moment; drawMoving(null); }
 
 // The hue of a robot is that of RViz, which counts the robots in the same order.
@@ -280,6 +355,8 @@ export function drawMoving(keys) {
   placeLabels();
   if (followed) keepInMiddle();
   if (!keys || [...keys].some(key => key.startsWith('plan:'))) drawPlans();
+  if (!keys || [...keys].some(key => key.startsWith('allocation:'))) drawAllocations();
+  if (!keys || [...keys].some(key => key.startsWith('laser:'))) drawLaser();
   if (!keys || [...keys].some(key => key.startsWith('resource:'))) drawResources();
 }
 
@@ -292,7 +369,8 @@ function drawPast() {
   }
   dropRobots(wanted);
   placeLabels();
-  planLayer.replaceChildren(); resourceLayer.replaceChildren();
+  planLayer.replaceChildren(); allocationLayer.replaceChildren(); resourceLayer.replaceChildren();
+  laserLayer.setAttribute('d', '');
 }
 
 function dropRobots(wanted) {
@@ -437,4 +515,42 @@ function drawPlans() {
     if (edges.length > released) shapes.push(makeSvg('path', { class: 'plan', d: line(edges.slice(released)), stroke, 'data-robot': name }));
   }
   planLayer.replaceChildren(...shapes);
+}
+
+// What each robot may occupy: the part of each edge that is not behind it, its vertex, and other places, as broad as it is.
+function drawAllocations() {
+  const shapes = [];
+  for (const [name, [holds, vertex, places]] of all('allocation:')) {
+    const stroke = colourOf(name), kind = (entries.get(`robot:${name}`) || {}).type, wide = 2 * (site.radii[kind] || 0.4);
+    const line = (points, width) => shapes.push(makeSvg('path', { d: `M${points.map(point => point.map(v => v.toFixed(1)).join(' ')).join('L')}${points.length === 1 ? 'h0' : ''}`, stroke, 'stroke-width': (width * view.scale).toFixed(1), 'data-robot': name }));
+    for (const [signed, cleared] of holds) {
+      const points = partOf(signed, cleared);
+      if (points.length) line(points, wide);
+    }
+    const known = verticesById.get(vertex);
+    if (known) line([pixel(known[1], known[2])], wide);
+    for (const [radius, points] of places) line(points.map(point => pixel(...point)), Math.max(2 * radius, 0.1));
+  }
+  allocationLayer.replaceChildren(...shapes);
+}
+
+// The points in px of the part of an edge, in driving direction, after the fraction that is cleared.
+function partOf(signed, cleared) {
+  const edge = edgesById.get(Math.abs(signed)), points = [];
+  if (!edge) return points;
+  for (let k = 0; k < edge[3].length; k += 2) points.push(pixel(edge[3][k], edge[3][k + 1]));
+  if (signed < 0) points.reverse();
+  const steps = points.slice(1).map((point, k) => Math.hypot(point[0] - points[k][0], point[1] - points[k][1]));
+  let behind = cleared * steps.reduce((sum, step) => sum + step, 0), k = 0;
+  while (k < steps.length - 1 && behind > steps[k]) { behind -= steps[k]; k += 1; }
+  const part = steps[k] ? Math.min(1, behind / steps[k]) : 0, [from, to] = [points[k], points[k + 1]];
+  return [[0, 1].map(axis => from[axis] + part * (to[axis] - from[axis])), ...points.slice(k + 1)];
+}
+
+// The points of the chosen robot's laser: x and y in cm, one after the other.
+function drawLaser() {
+  const points = entries.get(`laser:${chosenRobot}`) || [];
+  let d = '';
+  for (let k = 0; k < points.length; k += 2) d += `M${pixel(points[k] / 100, points[k + 1] / 100).map(v => v.toFixed(1)).join(' ')}h0`;
+  laserLayer.setAttribute('d', d);
 }

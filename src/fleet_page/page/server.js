@@ -34,9 +34,10 @@ export async function post(path, values) {
 }
 
 // Calls changed(keys) after each message, and refused() if a login is needed.
-export function follow(changed, refused) {
+// `wanted` is the part of the address that says which layers are sent.
+export function follow(wanted, changed, refused) {
   if (source) source.close();
-  source = new EventSource('/api/events');
+  source = new EventSource(`/api/events?${wanted()}`);
   source.onmessage = event => {
     const update = JSON.parse(event.data);
     heardAt = Date.now();
@@ -49,7 +50,7 @@ export function follow(changed, refused) {
     if (source.readyState !== EventSource.CLOSED) return; // the browser connects again by itself
     const me = await get('/api/me').catch(() => null);
     if (me && !me.role) refused();
-    else setTimeout(() => follow(changed, refused), 2000);
+    else setTimeout(() => follow(wanted, changed, refused), 2000);
   };
 }
 

@@ -20,11 +20,13 @@ from fleet_core.supervision.fleet_stop import (  # noqa: E402
 )
 from fleet_page.core.acts import ActKind  # noqa: E402
 from fleet_page.core.fleet import (  # noqa: E402
+    ShownAllocation,
     ShownPose,
     ShownResource,
     ShownTemplate,
     ShownTimetable,
 )
+from fleet_page.core.records import NamedKind  # noqa: E402
 from trajectory_graph import split_edges  # noqa: E402
 
 pytestmark = needs_browser
@@ -818,6 +820,94 @@ def test_an_area_has_a_name_and_is_closed_and_opened_as_one(window, served):
     asked(window, served, ActKind.OPEN, edges=(3, 4))
     window.click('#areas [data-act=remove_area]')
     window.wait(lambda: window.text('#areas') == '')
+
+
+def open_layers(window):
+    if not window.one('#layers').is_displayed():
+        window.click('#layers_button')
+
+
+def layer(window, name):
+    open_layers(window)
+    window.click(f'#layers [data-layer={name}]')
+
+
+def sources(served):
+    return served.do(lambda: set(served.web._sources))
+
+
+def test_an_area_is_outlined_with_its_name_which_closes_and_opens_it(window, served):
+    served.do(lambda: (served.page.records.keep_named(NamedKind.AREA, 'bay', {'edges': [3, 4]}),
+                       served.page.model.show_named('areas', {'bay': {'edges': [3, 4]}})))
+    window.wait(lambda: window.text('#map_areas') == 'bay')
+    window.picture('area')
+    for kind in (ActKind.CLOSE, ActKind.OPEN):
+        box = window.script("return document.querySelector('#map_areas rect')"
+                            '.getBoundingClientRect()')
+        window.click_at(box['x'] + box['width'] / 2, box['y'] + box['height'] / 2)
+        window.click(f'#menu [data-act={kind.value}]')
+        asked(window, served, kind, edges=(3, 4))
+    layer(window, 'areas')
+    window.wait(lambda: window.text('#map_areas') == '')
+    window.script('localStorage.clear()')
+
+
+def test_a_named_area_is_closed_by_keyboard_alone(window, served):
+    from selenium.webdriver.common.keys import Keys
+    served.do(lambda: served.page.model.show_named('areas', {'bay': {'edges': [3, 4]}}))
+    window.wait(lambda: window.text('#map_areas') == 'bay')
+    window.script("document.querySelector('#map_areas .area').focus()")
+    window.driver.switch_to.active_element.send_keys(Keys.ENTER)
+    window.wait(lambda: window.script('return document.activeElement.dataset.act') == 'close')
+    window.driver.switch_to.active_element.send_keys(Keys.ENTER)
+    asked(window, served, ActKind.CLOSE, edges=(3, 4))
+
+
+def test_layers_are_kept_in_the_browser_and_their_entries_come_only_while_they_are_shown(
+        window, served):
+    def show():
+        served.page.model.show_allocations({'a': ShownAllocation(((1, 0.5),), 0)})
+        served.page.model.show_laser('a', [0, 0, 100, 100, 300, 50])
+    served.do(show)
+    released = '.released[data-robot=a]'
+    assert window.one(released) and sources(served) == set()
+    layer(window, 'plan')
+    window.wait(lambda: not window.driver.find_elements('css selector', released))
+    layer(window, 'allocation')
+    window.one('.allocations [data-robot=a]')
+    assert sources(served) == {'allocation'}
+    layer(window, 'laser')
+    window.wait(lambda: 'Choose a robot' in window.text('#layer_hint'))
+    window.click('#tab_button_robots')
+    window.click('#robots li[data-key=a] [data-act=choose]')
+    laser = "return document.querySelector('.laser').getAttribute('d').split('M').length"
+    window.wait(lambda: window.script(laser) == 4)
+    assert sources(served) == {'allocation', 'laser:a'}
+    window.picture('layers')
+    window.open(served.url)
+    window.one('.allocations [data-robot=a]')
+    assert not window.driver.find_elements('css selector', released)
+    layer(window, 'allocation')
+    window.wait(lambda: sources(served) == set())
+    window.script('localStorage.clear()')
+
+
+def test_the_heat_and_the_fences_are_asked_for_while_their_layers_are_shown(window, served):
+    served.do(lambda: (
+        served.page.records.add(time.time(), {}, {3: 60.0, 4: 20.0}),
+        setattr(served.page.site, 'fences', ((1.0, 1.0, 2.0, 1.0, 2.0, 2.0, 1.0, 2.0),
+                                             (0.0, 4.0, 6.0, 4.0)))))
+    assert not any('/api/fences' in url or '/api/history' in url for url in window.addresses())
+    for name, path in (('heat', '/api/history?hours=24'), ('fences', '/api/fences')):
+        before = window.script(PIXELS)
+        layer(window, name)
+        window.wait(lambda: window.script(PIXELS) != before, name)  # noqa: B023
+        assert any(path in url for url in window.addresses())
+    window.picture('heat_and_fences')
+    window.script('localStorage.clear()')
+
+
+PIXELS = "return document.getElementById('site').toDataURL()"
 
 
 def test_the_page_knows_the_edges_and_places_of_the_users_graph_not_their_sections(window, served):

@@ -5,6 +5,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from fleet_page.core import live_state
+from fleet_page.core.layers import ALLOCATION, PLAN, ShownLayers
 from fleet_page.core.live_state import LiveState
 
 KEYS = st.sampled_from('abcde')
@@ -17,7 +18,7 @@ class Client:
         self.seen, self.known = 0, {}
 
     def read(self, live):
-        update = json.loads(live.update(self.seen))
+        update = json.loads(live.update(self.seen) or live.nothing_new())
         if update['full']:
             self.known = {}
         for key in update['gone']:
@@ -42,6 +43,38 @@ def test_a_client_that_reads_whenever_it_likes_knows_what_is_newest(steps):
             assert client.known == truth
     client.read(live)
     assert client.known == truth
+
+
+KEYS_OF_LAYERS = st.sampled_from(('a', 'plan:a', 'allocation:a', 'laser:a', 'laser:b'))
+SHOWN = st.builds(ShownLayers, st.frozensets(st.sampled_from((PLAN, ALLOCATION))),
+                  st.sampled_from(('', 'a', 'b')))
+
+
+@given(SHOWN, st.lists(st.tuples(st.booleans(), KEYS_OF_LAYERS, st.integers(0, 1))))
+def test_a_client_gets_the_entries_of_the_layers_that_it_shows_and_nothing_for_others(
+        layers, steps):
+    live, known = LiveState(), {}
+    seen = json.loads(live.update(0, layers))['revision']
+    for is_put, key, value in steps:
+        before = dict(known)
+        if is_put:
+            live.put(key, value)
+        else:
+            live.remove(key)
+        text = live.update(seen, layers)
+        for gone in json.loads(text)['gone'] if text else ():
+            known.pop(gone, None)
+        known.update(json.loads(text)['set'] if text else {})
+        seen = live.revision
+        truth = {one: live.get(one) for one in ('a', 'plan:a', 'allocation:a', 'laser:a', 'laser:b')
+                 if live.get(one) is not None and layers.shows(one)}
+        assert known == truth and bool(text) >= (known != before)
+        assert layers.shows(key) or not text
+
+
+def test_only_what_a_client_shows_must_be_received():
+    assert ShownLayers(frozenset((PLAN,))).sources == frozenset()
+    assert ShownLayers(frozenset((ALLOCATION,)), 'a').sources == {'allocation', 'laser:a'}
 
 
 def test_the_same_value_again_is_no_change():

@@ -42,6 +42,9 @@ def used_keys():
     found |= {f'device_{mode.name}' for mode in DeviceMode}
     tabs = re.search(r'TABS = \[(.*?)\]', SOURCES['main.js']).group(1)
     found |= {f'tab_{name}' for name in re.findall(r"'(\w+)'", tabs)}
+    for name, list_ in (('layer', 'LAYERS'), ('key', 'KEY')):
+        words = re.search(rf'{list_} = \[(.*?)\]', SOURCES['layers.js']).group(1)
+        found |= {f'{name}_{word}' for word in re.findall(r"'(\w+)'", words)}
     columns = re.search(r'COLUMNS = \[(.*?)\]', SOURCES['missions.js']).group(1)
     found |= {f'column_{name}' for name in (*re.findall(r"'(\w+)'", columns), 'urgency')}
     found |= {f'count_{group.value}' for group in RobotGroup} | {'count_open', 'count_done'}

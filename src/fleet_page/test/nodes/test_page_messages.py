@@ -5,24 +5,31 @@ import json
 import math
 from typing import Any, List, Tuple
 
+import numpy as np
 import pytest
 import rospy
 from genpy import Time
+from geometry_msgs.msg import Point
 from nav_msgs.msg import OccupancyGrid
+from sensor_msgs.msg import PointCloud2, PointField
 from std_srvs.srv import Trigger, TriggerResponse
+from visualization_msgs.msg import Marker, MarkerArray
 
 from fleet_page.core.acts import Act, ActKind
 from fleet_page.core.fleet import (
     MISSION_STATES,
     ROBOT_STATES,
+    ShownAllocation,
     ShownPose,
     ShownResource,
     ShownTimetable,
 )
 from fleet_page.core.fleet_model import FleetModel
+from fleet_page.core.layers import ALLOCATION, ShownLayers
 from fleet_page.core.roles import Person, UserRole
 from fleet_page.core.site import WrongMap
 from fleet_page.nodes import fleet_commands, fleet_stop, messages
+from fleet_page.nodes.layer_topics import LayerTopics
 from itrci_nav_msgs import msg
 from itrci_nav_msgs.srv import DeclareAbsent, DeclareAbsentResponse, PauseTimetable
 
@@ -86,6 +93,79 @@ def test_a_plan_says_how_much_of_it_is_released():
               msg.PlannedDrive(-2, Time(2), Time(3), False)]
     plan = messages.plans_of(msg.FleetPlan(plans=[msg.RobotPlan('a', drives)]))['a']
     assert plan.edges == (1, -2) and plan.released == 1
+
+
+def test_an_allocation_has_its_edges_its_vertex_and_its_other_places():
+    found = messages.allocations_of(msg.FleetAllocations(allocations=[
+        msg.RobotAllocation('a', [3, -4], [0.25, math.nan], 0, []),
+        msg.RobotAllocation('b', [], [], 7, [msg.Outline([1.0, math.inf], [2.0, 0.0], 0.123)])]))
+    assert found == {'a': ShownAllocation(((3, 0.25), (-4, 0.0)), 0),
+                     'b': ShownAllocation((), 7, ((0.12, ((1.0, 2.0),)),))}
+    model = FleetModel()
+    model.show_allocations(found)
+    assert model.live.get('allocation:a') == [[[3, 0.25], [-4, 0.0]], 0, []]
+    json.loads(model.live.update(0, ShownLayers(frozenset((ALLOCATION,)))))
+
+
+def laser(places: Any) -> PointCloud2:
+    """A cloud in the layout of the receiver."""
+    data = np.array(places, '<f4').reshape(-1, 3)
+    fields = [PointField(name, 4 * k, PointField.FLOAT32, 1) for k, name in enumerate('xyz')]
+    return PointCloud2(height=1, width=len(data), fields=fields, point_step=12,
+                       row_step=12 * len(data), data=data.tobytes())
+
+
+def test_a_laser_is_reduced_to_a_bounded_number_of_whole_centimetres():
+    assert messages.laser_of(laser([[1.234, -0.5, 0.2], [math.nan, 1.0, 0.0],
+                                    [1e9, 0.0, 0.0]])) == [123, -50]
+    many = messages.laser_of(laser([[k, 0.0, 0.0] for k in range(1000)]))
+    assert len(many) <= 2 * messages.MOST_POINTS and many[:4] == [0, 0, 500, 0]
+    assert messages.laser_of(laser([])) == []
+    with pytest.raises(ValueError, match='no x and y'):
+        messages.laser_of(PointCloud2())
+
+
+def test_fences_are_the_areas_and_lines_that_rviz_shows():
+    area = Marker(type=Marker.CUBE, action=Marker.ADD)
+    area.pose.position.x, area.pose.orientation.w, area.scale.x, area.scale.y = 5.0, 1.0, 2.0, 1.0
+    lines = Marker(type=Marker.LINE_LIST, points=[Point(0, 1, 0), Point(2, 3, 0)])
+    gone = Marker(type=Marker.CUBE, action=Marker.DELETEALL)
+    assert messages.fences_of(MarkerArray([gone, area, lines])) == (
+        (4.0, -0.5, 6.0, -0.5, 6.0, 0.5, 4.0, 0.5), (0.0, 1.0, 2.0, 3.0))
+
+
+class Received:
+    """A subscriber that keeps its handler."""
+
+    open: List[Received] = []
+
+    def __init__(self, topic: str, kind: Any, handler: Any, queue_size: int) -> None:
+        self.topic, self.handler = topic, handler
+        self.open.append(self)
+
+    def unregister(self) -> None:
+        self.open.remove(self)
+
+
+def test_allocations_and_a_laser_are_received_only_while_they_are_shown(monkeypatch):
+    monkeypatch.setattr(rospy, 'Subscriber', Received)
+    model = FleetModel()
+    layers = LayerTopics(model, lambda handler, *values: handler(*values))
+
+    def watch(*sources: str) -> None:
+        layers.watch(frozenset(sources))
+        layers._thread.submit(lambda: None).result(5.0)
+    watch('allocation', 'laser:a')
+    assert {one.topic for one in Received.open} == {'/fleet_allocations', '/a/laser_cloud'}
+    by_topic = {one.topic: one.handler for one in Received.open}
+    by_topic['/a/laser_cloud'](laser([[1.0, 2.0, 0.0]]))
+    by_topic['/fleet_allocations'](msg.FleetAllocations(
+        allocations=[msg.RobotAllocation('a', [], [], 7, [])]))
+    assert model.live.get('laser:a') == [100, 200] and model.live.get('allocation:a')
+    watch()
+    assert Received.open == []
+    by_topic['/a/laser_cloud'](laser([[1.0, 2.0, 0.0]]))
+    assert model.live.get('laser:a') is None and model.live.get('allocation:a') is None
 
 
 def test_a_grid_becomes_walls():

@@ -46,6 +46,7 @@ LIMITS: Dict[str, int] = {
     'itrci_nav_msgs/ExecutionRouteStates': TEXT,
     'itrci_nav_msgs/ExplainMissionRequest': POINT,
     'itrci_nav_msgs/ExplainMissionResponse': FLEET,
+    'itrci_nav_msgs/FleetAllocations': FLEET,
     'itrci_nav_msgs/FleetPlan': PLAN,
     'itrci_nav_msgs/FleetPoses': FLEET,
     'itrci_nav_msgs/FleetState': FLEET,
@@ -100,6 +101,7 @@ LIMITS: Dict[str, int] = {
     'std_srvs/TriggerResponse': TEXT,
     'tf2_msgs/TFMessage': FLEET,
     'visualization_msgs/InteractiveMarkerFeedback': TEXT,
+    'visualization_msgs/MarkerArray': PLAN,
 }
 
 

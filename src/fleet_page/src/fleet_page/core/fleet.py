@@ -152,6 +152,24 @@ class ShownPlan:
     released: int
 
 
+Line = Tuple[Tuple[float, float], ...]
+"""Points (m)."""
+
+
+@dataclass(frozen=True)
+class ShownAllocation:
+    """What a robot may occupy.
+
+    holds  -- signed ids of edges, each with the fraction that is behind the robot
+    vertex -- on which it stands; 0: none
+    areas  -- radius (m) and line of each further place
+    """
+
+    holds: Tuple[Tuple[int, float], ...]
+    vertex: int
+    areas: Tuple[Tuple[float, Line], ...] = ()
+
+
 @dataclass(frozen=True)
 class MissionStatus:
     """The status of a mission. `stamp` (ns) distinguishes missions with the same id.

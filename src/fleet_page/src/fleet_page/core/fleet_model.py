@@ -2,15 +2,15 @@
 
 Keys of the live state: `fleet`, `stop`, `counts`, `site`, `closed`, `favourites`, `areas`,
 `templates`, `timetables`,
-`robot:NAME`, `pose:NAME`, `plan:NAME`, `resource:NAME`, `mission:ID:STAMP`, `alarm:robot:NAME`,
-`alarm:mission:ID:STAMP`.
+`robot:NAME`, `pose:NAME`, `plan:NAME`, `allocation:NAME`, `laser:NAME`, `resource:NAME`,
+`mission:ID:STAMP`, `alarm:robot:NAME`, `alarm:mission:ID:STAMP`.
 """
 from __future__ import annotations
 
 import math
 from collections import Counter, deque
 from dataclasses import asdict
-from typing import Any, Deque, Dict, Iterable, List, Mapping, Optional, Set, Tuple
+from typing import Any, Deque, Dict, Iterable, List, Mapping, Optional, Sequence, Set, Tuple
 
 from fleet_core.supervision.fleet_stop import FleetStop
 from fleet_core.supervision.history import HistoryLine
@@ -21,6 +21,7 @@ from fleet_page.core.fleet import (
     MissionRequest,
     MissionStatus,
     RobotGroup,
+    ShownAllocation,
     ShownPlan,
     ShownPose,
     ShownResource,
@@ -272,6 +273,21 @@ class FleetModel:
         """Takes the plans of all robots."""
         self.live.replace('plan:', {name: [list(plan.edges), plan.released]
                                     for name, plan in plans.items() if plan.edges})
+
+    def show_allocations(self, allocations: Mapping[str, ShownAllocation]) -> None:
+        """Shows what each robot may occupy; none while no browser shows them."""
+        self.live.replace('allocation:', {
+            name: [[[edge, round(cleared, 2)] for edge, cleared in one.holds], one.vertex,
+                   [[radius, [list(point) for point in line]] for radius, line in one.areas]]
+            for name, one in allocations.items()})
+
+    def show_laser(self, robot: str, points: Sequence[int]) -> None:
+        """Shows the points of a robot's laser: x and y in cm, one after the other."""
+        self.live.put(f'laser:{robot}', list(points))
+
+    def hide_laser(self, robot: str) -> None:
+        """Forgets the points of a robot's laser, which no browser shows any more."""
+        self.live.remove(f'laser:{robot}')
 
     def take_request(self, request: MissionRequest) -> None:
         """Takes the request of a mission. It may come before or after its first status."""

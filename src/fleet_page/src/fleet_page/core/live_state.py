@@ -7,10 +7,13 @@ from __future__ import annotations
 
 import json
 from collections import OrderedDict
-from typing import Any, Dict, Mapping, Optional, Tuple
+from typing import Any, Dict, List, Mapping, Optional, Tuple
+
+from fleet_page.core.layers import ShownLayers
 
 MOST_GONE = 5000  # removed keys that are remembered; a client that lacks more gets all entries
-_KEPT_TEXTS = 8   # updates that are kept as text, because most clients need the same one
+_KEPT_TEXTS = 16  # updates that are kept as text, because most clients need the same one
+ALL = ShownLayers()
 
 
 class LiveState:
@@ -21,7 +24,7 @@ class LiveState:
         self._entries: Dict[str, Tuple[int, Any]] = {}
         self._gone: OrderedDict[str, int] = OrderedDict()
         self._oldest = 0  # a client that has seen less than this revision may lack removals
-        self._texts: OrderedDict[Tuple[int, int], str] = OrderedDict()
+        self._texts: OrderedDict[Tuple[int, int, ShownLayers], str] = OrderedDict()
 
     def put(self, key: str, value: Any) -> None:
         """Sets an entry. The same value again is no change."""
@@ -61,14 +64,14 @@ class LiveState:
         return {key[len(prefix):]: value for key, (_, value) in self._entries.items()
                 if key.startswith(prefix)}
 
-    def update(self, seen: int) -> str:
-        """The update for a client that has a revision, as JSON.
+    def update(self, seen: int, layers: ShownLayers = ALL) -> str:
+        """The update for a client that has a revision and shows these layers, as JSON.
 
         Its fields are `revision`, `full` (true: the client must drop all other entries), `set`
-        (values by key) and `gone` (removed keys).
+        (values by key) and `gone` (removed keys). Empty: nothing that it shows has changed.
         """
         is_full = not self._oldest <= seen <= self.revision or seen <= 0
-        wanted = (0 if is_full else seen, self.revision)
+        wanted = (0 if is_full else seen, self.revision, layers)
         text = self._texts.get(wanted)
         if text is None:
             text = self._texts[wanted] = self._update(*wanted)
@@ -76,13 +79,24 @@ class LiveState:
                 self._texts.popitem(last=False)
         return text
 
-    def _update(self, seen: int, revision: int) -> str:
+    def nothing_new(self) -> str:
+        """An update without changes, which tells a client that the server is there."""
+        return _update_text(self.revision, False, {}, [])
+
+    def _update(self, seen: int, revision: int, layers: ShownLayers) -> str:
         changed: Dict[str, Any] = {}
         for key in reversed(self._entries):
             since, value = self._entries[key]
             if since <= seen:
                 break
-            changed[key] = value
-        gone = [] if not seen else [key for key, since in self._gone.items() if since > seen]
-        return json.dumps({'revision': revision, 'full': not seen, 'set': changed, 'gone': gone},
-                          separators=(',', ':'), allow_nan=False)
+            if layers.shows(key):
+                changed[key] = value
+        gone = [] if not seen else [key for key, since in self._gone.items()
+                                    if since > seen and layers.shows(key)]
+        return _update_text(revision, not seen, changed, gone) if (
+            changed or gone or not seen) else ''
+
+
+def _update_text(revision: int, full: bool, changed: Dict[str, Any], gone: List[str]) -> str:
+    return json.dumps({'revision': revision, 'full': full, 'set': changed, 'gone': gone},
+                      separators=(',', ':'), allow_nan=False)

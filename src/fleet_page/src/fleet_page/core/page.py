@@ -5,7 +5,7 @@ import logging
 import sqlite3
 from dataclasses import asdict, dataclass, field
 from functools import partial
-from typing import Any, Callable, Dict, List, Mapping, NamedTuple, Optional
+from typing import Any, Callable, Dict, List, Mapping, NamedTuple, Optional, Tuple
 
 from fleet_core.supervision.history import HistoryLine
 from fleet_page.core.acts import Act, ActKind, ActOutcome
@@ -50,12 +50,17 @@ _WORDS: Dict[NamedKind, NamedWords] = {
 
 @dataclass
 class ShownSite:
-    """The data of the site, except the graph. `radii`: m, by robot type."""
+    """The data of the site, except the graph.
+
+    radii  -- m, by robot type
+    fences -- of the robots' map: x and y (m) of the ends of a line, or of the corners of an area
+    """
 
     parking: frozenset = frozenset()
     docks: frozenset = frozenset()
     walls: Optional[WallMap] = None
     radii: Dict[str, float] = field(default_factory=dict)
+    fences: Tuple[Tuple[float, ...], ...] = ()
 
 
 class Page:

@@ -7,6 +7,8 @@ Subscribes
     /graph, /closed_edges_in_force, /parking, /docking_points (latched, of graph_server)
     /fleet_state, /fleet_plan, /fleet_poses, /mission_status (of path_supervisor)
     /mission_request, /mission_command, /edge_command: requests and their senders, for the audit
+    /fleet_allocations (of path_supervisor), /<robot>/laser_cloud, while a browser shows them
+    map_markers/forbidden_areas beside ~map_topic (latched, of map_visualisation): the fences
     /mission_templates, /timetables (latched, of path_supervisor)
     /plan_answer: the planning time
     ~map_topic (nav_msgs/OccupancyGrid, latched): the walls
@@ -45,6 +47,7 @@ import rospy
 from aiohttp import web
 from nav_msgs.msg import OccupancyGrid
 from rospy.numpy_msg import numpy_msg
+from visualization_msgs.msg import MarkerArray
 
 from fleet_core.supervision.history import HistoryLine, history
 from fleet_core.supervision.journal_database import JournalError
@@ -60,6 +63,7 @@ from fleet_page.door.security import is_loopback
 from fleet_page.nodes import messages
 from fleet_page.nodes.fleet_commands import FleetCommands
 from fleet_page.nodes.fleet_stop import forget_node_arguments, stop_fleet
+from fleet_page.nodes.layer_topics import LayerTopics
 from fleet_page.web.server import WebServer, serve
 from graph_fleet_manager.messages.missions import stop_of
 from graph_fleet_manager.nodes.fleet_parameter import fleet_of
@@ -115,7 +119,8 @@ class FleetPageNode:
         if parameter('~fleet_file', ''):
             self._page.site.radii = messages.radii_of(fleet_of())
         commands = FleetCommands(lambda name: name in self._page.model.robots)
-        server = WebServer(self._page, commands.do)
+        self._layer_topics = LayerTopics(self._page.model, self._loop_call)
+        server = WebServer(self._page, commands.do, self._layer_topics.watch)
         self._loop = asyncio.new_event_loop()
         self._thread = threading.Thread(target=self._work, name='page', daemon=True)
         self._thread.start()
@@ -147,6 +152,9 @@ class FleetPageNode:
         if not self._is_ending.is_set():
             rospy.logfatal('The door of the page has ended: the page ends too.')
             os._exit(1)
+
+    def _loop_call(self, handler: Callable[..., None], *values: Any) -> None:
+        self._loop.call_soon_threadsafe(handler, *values)
 
     def _work(self) -> None:
         asyncio.set_event_loop(self._loop)
@@ -198,7 +206,9 @@ class FleetPageNode:
             listen('/mission_templates', MissionTemplates, self._on_templates),
             listen('/timetables', Timetables, self._on_timetables),
             listen('/plan_answer', PlanAnswer, self._on_answer, 10),
-            listen(map_topic, numpy_msg(OccupancyGrid), self._on_map)]
+            listen(map_topic, numpy_msg(OccupancyGrid), self._on_map),
+            listen(f'{map_topic.rpartition("/")[0]}/map_markers/forbidden_areas', MarkerArray,
+                   self._on_fences)]
 
     def _on_graph(self, graph: Graph, _stamp: rospy.Time) -> None:
         self._loop.call_soon_threadsafe(self._use_graph, graph)
@@ -227,6 +237,10 @@ class FleetPageNode:
         except WrongMap as error:
             rospy.logwarn('The map is not shown: %s.', error)
             return
+        self._page.model.site_changed()
+
+    def _on_fences(self, message: MarkerArray) -> None:
+        self._page.site.fences = messages.fences_of(message)
         self._page.model.site_changed()
 
     def _on_state(self, message: FleetState) -> None:

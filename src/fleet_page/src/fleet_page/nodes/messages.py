@@ -2,7 +2,11 @@
 from __future__ import annotations
 
 import math
-from typing import Any, Dict, Iterable, List, Mapping, Optional
+from typing import Any, Dict, Iterable, List, Mapping, Optional, Tuple
+
+import numpy as np
+from sensor_msgs.msg import PointCloud2
+from visualization_msgs.msg import Marker, MarkerArray
 
 from fleet_core.supervision.waits import WaitCode
 from fleet_page.core.acts import ANSWERS, Act, ActKind
@@ -12,6 +16,7 @@ from fleet_page.core.fleet import (
     ROBOT_STATES,
     MissionRequest,
     MissionStatus,
+    ShownAllocation,
     ShownPlan,
     ShownPose,
     ShownResource,
@@ -24,7 +29,12 @@ from fleet_page.nodes.fleet_commands import COMMANDS, EDGES
 from graph_fleet_manager.messages.missions import person_of
 from graph_fleet_manager.messages.resources import KIND_OF_CODE, device_of
 from itrci_nav_msgs import msg
+from node_lifecycle.clouds import places_in
+from node_lifecycle.headings import yaw_from_quaternion
 
+MOST_POINTS = 240    # most points of a laser that are shown
+MOST_FENCES = 20000
+FAR = 1e5            # m from which on a point is no place
 _OUTAGES: Dict[int, str] = {
     value: name[len('OUTAGE_'):] for name, value in vars(msg.FleetRobot).items()
     if name.startswith('OUTAGE_')}
@@ -73,6 +83,56 @@ def plans_of(message: msg.FleetPlan) -> Dict[str, ShownPlan]:
     return {plan.robot: ShownPlan(tuple(drive.edge_id for drive in plan.drives),
                                   sum(drive.released for drive in plan.drives))
             for plan in message.plans}
+
+
+def allocations_of(message: msg.FleetAllocations) -> Dict[str, ShownAllocation]:
+    """What each robot may occupy, by name."""
+    return {one.robot: ShownAllocation(
+        tuple(zip(one.edges, (_finite(part, 0.0) for part in one.cleared))), one.vertex,
+        tuple((round(_finite(line.radius, 0.0), 2), tuple(
+            (round(x, 2), round(y, 2)) for x, y in zip(line.x, line.y)
+            if math.isfinite(x) and math.isfinite(y))) for line in one.outlines))
+        for one in message.allocations}
+
+
+def laser_of(cloud: PointCloud2) -> List[int]:
+    """At most MOST_POINTS points of a cloud: x and y in cm, one after the other.
+
+    Raises ValueError for a cloud that cannot be read.
+    """
+    places = places_in(cloud)
+    step = max(-(-len(places) // MOST_POINTS), 1)
+    inside = places[::step][np.abs(places[::step]).max(axis=1, initial=0.0) < FAR]
+    points: List[int] = np.round(100.0 * inside).astype(int).ravel().tolist()
+    return points
+
+
+def fences_of(message: MarkerArray) -> Tuple[Tuple[float, ...], ...]:
+    """The fences that map_visualisation draws: corners of areas, and ends of lines, in m.
+
+    At most MOST_FENCES are shown.
+    """
+    found: List[Tuple[float, ...]] = []
+    for marker in message.markers:
+        if marker.action != Marker.ADD:
+            continue
+        if marker.type == Marker.CUBE:
+            found.append(_corners(marker))
+        elif marker.type == Marker.LINE_LIST:
+            found += [(a.x, a.y, b.x, b.y) for a, b in zip(marker.points[::2],
+                                                           marker.points[1::2])]
+    return tuple(tuple(round(value, 2) for value in fence) for fence in found[:MOST_FENCES]
+                 if all(map(math.isfinite, fence)))
+
+
+def _corners(marker: Marker) -> Tuple[float, ...]:
+    place, turn = marker.pose.position, yaw_from_quaternion(marker.pose.orientation)
+    corners: List[float] = []
+    for along, across in ((-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5)):
+        x, y = along * marker.scale.x, across * marker.scale.y
+        corners += (place.x + x * math.cos(turn) - y * math.sin(turn),
+                    place.y + x * math.sin(turn) + y * math.cos(turn))
+    return tuple(corners)
 
 
 def status_of(message: msg.MissionStatus) -> MissionStatus:

@@ -9,7 +9,7 @@ import concurrent.futures
 import secrets
 import time
 from collections import Counter
-from typing import Any, Awaitable, Callable, List, Tuple
+from typing import Any, Awaitable, Callable, FrozenSet, List, Tuple
 
 from aiohttp import web
 
@@ -17,6 +17,7 @@ from fleet_core.supervision.history import HistoryLine
 from fleet_core.supervision.journal_database import JournalError
 from fleet_page.core.acts import RULES, Act, ActKind, ActOutcome, WrongAct, act_of
 from fleet_page.core.history import history_csv, history_values
+from fleet_page.core.layers import LAYERS, LASER, ShownLayers
 from fleet_page.core.metrics import CONTENT_TYPE
 from fleet_page.core.page import NAMED, Page
 from fleet_page.core.rate_limits import RateLimit
@@ -28,6 +29,8 @@ from fleet_page.web.finished import Finished, WebAnswer, json_bytes
 
 Do = Callable[[Act, Person], ActOutcome]
 """Carries out an act of the fleet. It is called in separate threads and may take seconds."""
+Watch = Callable[[FrozenSet[str]], None]
+"""Is told what must be received for the layers that browsers show (ShownLayers.sources)."""
 Handler = Callable[[web.Request], Awaitable[web.StreamResponse]]
 
 PERIOD = 0.1          # s, the shortest time between two updates to a client
@@ -38,13 +41,15 @@ MOST_CLIENTS_OF_ONE = 40
 KEPT_FOR_OPERATORS = 20  # of these, places that the role `see` cannot have
 FRESH = 2.0           # s for which an answer from the journal counts as new
 MOST_HOURS = 24 * 90
+MOST_SOURCES = 10     # most robots whose laser is received at the same time, and the allocations
 
 
 class WebServer:
     """The routes and streams of one page. One event loop uses it."""
 
-    def __init__(self, page: Page, do: Do) -> None:
-        self._page, self._do = page, do
+    def __init__(self, page: Page, do: Do, watch: Watch = lambda sources: None) -> None:
+        self._page, self._do, self._watch = page, do, watch
+        self._sources: Counter[str] = Counter()
         self._instance = secrets.token_hex(4)
         self._acts = RateLimit(20.0, 5.0)
         self._clients: Counter[Person] = Counter()
@@ -55,7 +60,7 @@ class WebServer:
             web.get('/api/events', self._events), web.get('/api/site', self._site),
             web.get('/api/map.png', self._map), web.get('/api/history', self._history),
             web.get('/api/history.csv', self._history_csv), web.get('/api/replay', self._replay),
-            web.get('/api/robot', self._robot), web.get('/api/audit', self._audit),
+            web.get('/api/robot', self._robot), web.get('/api/fences', self._fences), web.get('/api/audit', self._audit),
             web.get('/metrics', self._metrics), web.post('/api/act', self._act),
             web.post(STOPPED, self._stopped)])
         self._closing = False
@@ -101,26 +106,45 @@ class WebServer:
             'Cache-Control': 'no-store', 'Content-Type': 'text/event-stream',
             'X-Accel-Buffering': 'no'})
         seen = self._seen(request.headers.get('Last-Event-ID', ''))
+        layers = self._layers(request)
         self._clients[person] += 1
+        self._count_sources(layers, 1)
         try:
             await answer.prepare(request)
-            await self._stream(request, answer, seen)
+            await self._stream(request, answer, seen, layers)
         except (ConnectionError, asyncio.TimeoutError):
             if request.transport is not None:
                 request.transport.abort()  # else the data that it did not read would be kept
         finally:
             self._clients[person] -= 1
+            self._count_sources(layers, -1)
         return answer
 
-    async def _stream(self, request: web.Request, answer: web.StreamResponse,
-                      seen: int) -> None:
+    def _layers(self, request: web.Request) -> ShownLayers:
+        """The layers of a request; without any, only the plan."""
+        if 'layers' not in request.query:
+            return ShownLayers()
+        names = frozenset(request.query['layers'].split(',')) & frozenset(LAYERS) - {LASER}
+        robot = request.query.get('laser', '')
+        return ShownLayers(names, robot if robot in self._page.model.robots else '')
+
+    def _count_sources(self, layers: ShownLayers, step: int) -> None:
+        for source in layers.sources:
+            self._sources[source] += step
+            if not self._sources[source]:
+                del self._sources[source]
+        self._watch(frozenset(list(self._sources)[:MOST_SOURCES]))
+
+    async def _stream(self, request: web.Request, answer: web.StreamResponse, seen: int,
+                      layers: ShownLayers) -> None:
         """Sends the newest state until the door ends the connection, as it does with a session."""
         live, told = self._page.model.live, time.monotonic()
         while not self._closing and request.transport is not None:
             now = time.monotonic()
-            if live.revision != seen or now - told >= SILENCE:
-                text = live.update(seen)
-                seen, told = live.revision, now
+            text = live.update(seen, layers) if live.revision != seen else ''
+            seen = live.revision
+            if text or now - told >= SILENCE:
+                text, told = text or live.nothing_new(), now
                 message = f'id: {self._instance}-{seen}\ndata: {text}\n\n'
                 await asyncio.wait_for(answer.write(message.encode()), STALLED)
             await asyncio.sleep(PERIOD)
@@ -144,6 +168,12 @@ class WebServer:
         if walls is None:
             return refused(404, 'There is no map.')
         return web.Response(body=walls.png, content_type='image/png')
+
+    async def _fences(self, request: web.Request) -> web.StreamResponse:
+        self._may(request, UserRole.SEE)
+        fences = self._page.site.fences
+        return await self._finished.answer(request, 'fences', self._page.model.site_revision,
+                                           lambda: json_bytes({'fences': fences}))
 
     async def _history(self, request: web.Request) -> web.StreamResponse:
         self._may(request, UserRole.SEE)

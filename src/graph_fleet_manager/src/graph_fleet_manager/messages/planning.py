@@ -13,6 +13,7 @@ import genpy
 from fleet_core.fleet import RobotType
 from fleet_core.geometry.areas import Area
 from fleet_core.geometry.site_geometry import Alone
+from fleet_core.interlocking.allocation import Allocation, Knowledge
 from fleet_core.planning.plan_requests import PlanRequest, Times
 from fleet_core.planning.precedence import Constraint
 from fleet_core.planning.tasks import CannotPlan, Obstacle, PlannedDrive, PlanningOutcome, Task
@@ -137,6 +138,18 @@ def _area(robot: str, outline: msg.Outline) -> Area:
     if problem:
         raise CannotPlan(f'An outline of robot {_name(robot)} has {problem}.')
     return Area(tuple(zip(outline.x, outline.y)), outline.radius)
+
+
+def allocations_message(allocations: Mapping[str, Allocation],
+                        now: genpy.Time) -> msg.FleetAllocations:
+    """The allocations of robots, by name; `now` is the stamp. Those of unknown places are left out.
+    """
+    message = msg.FleetAllocations(allocations=[msg.RobotAllocation(
+        name, [hold.edge for hold in one.holds], [hold.cleared for hold in one.holds],
+        one.vertex or 0, [_outline(area) for area in one.areas])
+        for name, one in allocations.items() if one.knowledge is Knowledge.KNOWN])
+    message.header.stamp = now
+    return message
 
 
 def _outline(area: Area) -> msg.Outline:

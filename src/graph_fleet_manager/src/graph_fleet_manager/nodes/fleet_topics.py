@@ -25,11 +25,12 @@ from fleet_core.supervision.timetable_runs import TimetableView
 from fleet_core.work.site_work import SiteWork
 from graph_fleet_manager.messages import missions as messages
 from graph_fleet_manager.messages.edge_times import TimesSent
-from graph_fleet_manager.messages.planning import request_message
+from graph_fleet_manager.messages.planning import allocations_message, request_message
 from graph_fleet_manager.nodes.fleet_plan import FleetPlanTopic
 from graph_fleet_manager.nodes.sending import Newcomers, send
 from itrci_nav_msgs.msg import (
     DeviceRequest,
+    FleetAllocations,
     FleetState,
     MissionStatus,
     MissionTemplates,
@@ -72,6 +73,7 @@ class FleetTopics:
         self._plans = FleetPlanTopic(rate)
         self._templates = rospy.Publisher('/mission_templates', MissionTemplates, queue_size=1,
                                           latch=True)
+        self._allocations = rospy.Publisher('/fleet_allocations', FleetAllocations, queue_size=1)
         self._timetables = rospy.Publisher('/timetables', Timetables, queue_size=1, latch=True)
         self._timetables_told: Optional[List[TimetableView]] = None
         self._requests = rospy.Publisher('/plan_request', PlanRequestMessage, queue_size=10,
@@ -174,8 +176,8 @@ class FleetTopics:
         send(self._templates.publish, messages.templates_message(work, rospy.Time.now()))
 
     def publish_views(self, supervisor: Supervisor, now: float) -> None:
-        """Publishes the state and the plan of all robots at the monotonic time `now` (s), and
-        timetables that have changed.
+        """Publishes what displays show at the monotonic time `now` (s): the state, the plan and
+        the allocations of all robots, and timetables that have changed.
         """
         stamp = rospy.Time.now()
 
@@ -184,6 +186,11 @@ class FleetTopics:
         send(self._states.publish, messages.state_message(
             robot_views(supervisor, now), resource_views(supervisor, now), supervisor.stop, moment,
             stamp, self._rate))
+        if self._allocations.get_num_connections():
+            send(self._allocations.publish, allocations_message({
+                name: robot.master.allocation
+                for name, robot in (*supervisor.robots.items(), *supervisor.removed.items())},
+                stamp))
         timetables = supervisor.timetables.views
         if timetables != self._timetables_told:
             self._timetables_told = timetables

@@ -18,6 +18,7 @@ Publishes
     /mission_templates (itrci_nav_msgs/MissionTemplates), /timetables (Timetables), latched: the
     templates and the timetables of the work file
     /fleet_poses (itrci_nav_msgs/FleetPoses), 5 Hz
+    /fleet_allocations (itrci_nav_msgs/FleetAllocations), twice a second while a program subscribes
     /plan_request (itrci_nav_msgs/PlanRequest), /<robot>/target_route (TargetRoute),
     /<robot>/step_command (StepCommand), /device_request (DeviceRequest)
     /devices/<device>/step_command (StepCommand), for each machine of the work file

@@ -17,9 +17,9 @@ import tf2_ros
 from geometry_msgs.msg import Pose
 from sensor_msgs.msg import LaserScan, PointCloud2
 
+from node_lifecycle.clouds import places_in
 from node_lifecycle.headings import yaw_from_quaternion
 from omron_ld90 import laser_scan, robot_model
-from omron_ld90.nodes.support.clouds import places_in
 
 MAX_SKEW = rospy.Duration(0.5)  # between a cloud and the location nearest in time
 REFUSALS_TOLD = 60.0  # s between two log lines about them

@@ -46,8 +46,8 @@ from std_msgs.msg import Header, String
 from visualization_msgs.msg import Marker, MarkerArray
 
 from node_lifecycle import choice, number, parameter, publish_diagnostics, run
+from node_lifecycle.clouds import places_in
 from omron_ld90.nodes.rviz import map_markers
-from omron_ld90.nodes.support.clouds import places_in
 from omron_ld90.nodes.support.poses import pose_from_robot
 from omron_ld90.nodes.support.shared_parameters import map_sources
 from omron_ld90.units import metres, millimetres

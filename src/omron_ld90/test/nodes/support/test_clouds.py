@@ -6,10 +6,10 @@ import pytest
 import rospy
 from sensor_msgs.msg import PointCloud2, PointField
 
+from node_lifecycle import clouds
+from node_lifecycle.clouds import places_in
 from omron_arcl.replies import RangeReading
 from omron_ld90.nodes.receiver_messages import point_cloud
-from omron_ld90.nodes.support import clouds
-from omron_ld90.nodes.support.clouds import places_in
 
 
 def test_the_receivers_cloud_gives_back_its_points():
