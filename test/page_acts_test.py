@@ -212,6 +212,8 @@ class FleetOnThePage(unittest.TestCase):
             self.window.click('#timetables [data-act=pause]')
             wait_until(lambda: self.timetables.messages[-1].timetables[0].is_paused is is_paused,  # noqa: B023
                        10.0, 'the timetable is paused, or goes on')
+            self.window.wait(lambda: ('paused' in self.window.text('#timetables')) is is_paused,  # noqa: B023
+                             'the same on the page')
 
     def test_7_stop_stops_all_and_robots_go_out_of_service_and_in_again(self) -> None:
         self.send(33, 26, 33, 26, robot_type='agv', robot=SECOND)

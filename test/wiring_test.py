@@ -48,7 +48,6 @@ TO_OUTSIDE: Dict[str, Tuple[str, ...]] = {
     'of the fleet, for its display and its page': (
         '/docking_points', '/fleet_allocations', '/fleet_plan', '/fleet_poses'),
     'of the fleet, for the command mission and the page': ('/mission_templates', '/timetables'),
-    'of the page, for the command edge': ('/edge_areas',),
     'for fleet_devices, which need not run': ('/device_request',),
     'for a fleet manager or an adapter, which need not run': (
         '/mission_request', 'battery_state', 'route_refused')}

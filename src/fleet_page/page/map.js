@@ -20,6 +20,7 @@ let walls = null, handlers = {}, heat = null, chosen = [], chosenRobot = '', pas
 let isFree = false; // the user has moved the view: it stays when the window changes
 let rem = 16; // px; larger on a wall screen
 let followed = '', fixed = []; // the robot in the middle of the view; the boxes of vertices and of their names
+let areaSigns = [], resourceSigns = []; // the boxes of their names: a robot's label covers one only if there is no other place
 let buttons = [0, 0, 0, 0]; // the box of the buttons in the map
 
 const hidden = { 'aria-hidden': 'true' };
@@ -274,6 +275,7 @@ function drawAreas() {
   const places = new Places(size.width, size.height), kept = document.activeElement?.closest?.('.area')?.dataset.key;
   places.cover(buttons);
   for (const box of fixed) places.cover(box);
+  areaSigns = [];
   areaLayer.replaceChildren(...shownAreas().map(([name, { edges }]) => {
     const points = edgesOf(edges).flatMap(([, , , own]) => {
       const found = [];
@@ -285,6 +287,7 @@ function drawAreas() {
     const text = { x, y, away: Math.max(7, 0.55 * view.scale) + 4, width: widthOf(name) + 8, height: 1.15 * rem, may: 'all' };
     const box = boxOf(text, ABOVE_FIRST[places.place(text, ABOVE_FIRST)]), group = makeSvg('g', { class: 'area', role: 'button', tabindex: 0, 'data-key': name, 'aria-label': t('area_acts', { name }) });
     const label = makeSvg('text', { x: ((box[0] + box[2]) / 2).toFixed(1), y: ((box[1] + box[3]) / 2).toFixed(1), 'text-anchor': 'middle', 'dominant-baseline': 'central' });
+    areaSigns.push(box);
     label.textContent = name;
     group.append(makeSvg('rect', { x: box[0].toFixed(1), y: box[1].toFixed(1), width: (box[2] - box[0]).toFixed(1), height: (box[3] - box[1]).toFixed(1), rx: 4 }), label);
     group.addEventListener('keydown', event => {
@@ -352,12 +355,12 @@ export function drawMoving(keys) {
     placeRobot(name, pose, robot);
   }
   dropRobots(wanted);
+  if (!keys || [...keys].some(key => key.startsWith('resource:'))) drawResources();
   placeLabels();
   if (followed) keepInMiddle();
   if (!keys || [...keys].some(key => key.startsWith('plan:'))) drawPlans();
   if (!keys || [...keys].some(key => key.startsWith('allocation:'))) drawAllocations();
   if (!keys || [...keys].some(key => key.startsWith('laser:'))) drawLaser();
-  if (!keys || [...keys].some(key => key.startsWith('resource:'))) drawResources();
 }
 
 function drawPast() {
@@ -383,7 +386,7 @@ function dropRobots(wanted) {
 function placeLabels() {
   const places = new Places(size.width, size.height);
   places.cover(buttons);
-  for (const box of fixed) places.cover(box, true);
+  for (const box of [...fixed, ...areaSigns, ...resourceSigns]) places.cover(box, true);
   for (const { x, y, reach } of robots.values()) places.cover([x - reach, y - reach, x + reach, y + reach]);
   for (const shapes of [...robots.values()].sort((a, b) => b.isFirst - a.isFirst)) {
     const text = { x: shapes.x, y: shapes.y, away: shapes.reach + 1, width: widthOf(shapes.label), height: 0.95 * rem, may: shapes.isFirst ? 'all' : 'soft' };
@@ -463,7 +466,8 @@ function newRobot(name) {
 function drawResources() {
   const places = new Places(size.width, size.height);
   places.cover(buttons);
-  for (const box of fixed) places.cover(box);
+  for (const box of [...fixed, ...areaSigns]) places.cover(box);
+  resourceSigns = [];
   resourceLayer.replaceChildren(...[...all('resource:')].map(([name, resource]) => {
     const shown = resourceWords(name, resource), words = resource.robots.length ? `${shown} (${resource.robots.join(', ')})` : shown;
     const group = makeSvg('g', { class: `resource ${resource.device || 'place'}`, role: 'img', 'aria-label': words, 'data-name': name });
@@ -485,6 +489,7 @@ function drawResources() {
       const [x, y] = middles[0], text = { x, y, away: resource.edges.length ? 6 : Math.max(8, 0.45 * view.scale) + 3, width: widthOf(shown), height: 0.95 * rem };
       const side = places.place(text, ABOVE_FIRST);
       if (side >= 0) {
+        resourceSigns.push(boxOf(text, ABOVE_FIRST[side]));
         const box = boxOf(text, ABOVE_FIRST[side]), label = makeSvg('text', { x: ((box[0] + box[2]) / 2).toFixed(1), y: ((box[1] + box[3]) / 2).toFixed(1), 'text-anchor': 'middle', 'dominant-baseline': 'central' });
         label.textContent = shown;
         group.append(label);

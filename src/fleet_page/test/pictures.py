@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import itertools
+import math
 import sys
 import tempfile
 import time
@@ -17,7 +18,16 @@ from browser import Browser, ServedPage
 from page_builders import graph, request, robot, status
 
 from fleet_core.supervision.fleet_stop import FleetStop, StopCause
-from fleet_page.core.fleet import ShownPlan, ShownPose, ShownRobot, alarm_of
+from fleet_page.core.fleet import (
+    ShownAllocation,
+    ShownPlan,
+    ShownPose,
+    ShownResource,
+    ShownRobot,
+    ShownTemplate,
+    ShownTimetable,
+    alarm_of,
+)
 from fleet_page.core.page import Page
 from fleet_page.core.records import NamedKind
 from fleet_page.core.robot_events import RobotEvent
@@ -33,7 +43,7 @@ ASKS = ('step 1 (pick) of stop 2 needs an answer: no pallet under the fork. Say 
 WAITS = {2: {'waits_for': 'ld90_1', 'wait': 'TRAFFIC'},
          4: {'waits_for': 'step 1 (pick) of stop 2', 'wait': 'STEP'}}
 TABS = ('missions', 'robots', 'edges', 'history', 'replay', 'audit')
-VIEWS = (*TABS, 'alarms', 'folded', 'dark', 'german')
+VIEWS = (*TABS, 'alarms', 'folded', 'dark', 'german', 'layers', 'template')
 CELL = 0.05  # m
 AT_REST = '''
     const done = arguments[0], frame = () => new Promise(requestAnimationFrame);
@@ -115,8 +125,35 @@ def show(page: Page, count: int, in_trouble: bool, is_stopped: bool) -> None:
                    alarm_of(one), one.waits_for, one.mission)
         for k, (name, one) in enumerate(itertools.product(fleet, [
             *robots(8, in_trouble).values()][-6:])))
+    show_work(page, now)
+    show_layers(page, fleet)
     if is_stopped:
         model.show_stop(FleetStop(StopCause.PERSON, 'anna (page)', now - 65))
+
+
+def show_work(page: Page, now: float) -> None:
+    """Shows templates, timetables and a station."""
+    page.model.show_templates([ShownTemplate('pallet', ('from', 'to')), ShownTemplate('tour', ())])
+    page.model.show_timetables([
+        ShownTimetable('to_shelves', 'pallet', (('from', 'press'), ('to', 'shelves')), 30, 360,
+                       1080, (0, 1, 2, 3, 4), now + 900),
+        ShownTimetable('night tour', 'tour', (), 120, 1320, 1680, tuple(range(7)), None)])
+    page.model.show_resources([ShownResource('press', 'STATION', vertices=(9,), robots=('ld90_1',)),
+                               ShownResource('gate', 'DOOR', edges=(7,), device='CLOSED')])
+
+
+def show_layers(page: Page, fleet: Dict[str, ShownRobot]) -> None:
+    """Shows what the layers of the map have, with a scan of the first robot."""
+    model, edges = page.model, list(page.model.graph.edges)
+    model.show_allocations({name: ShownAllocation(tuple(
+        (edges[(3 * k + step) % len(edges)], 0.3 if not step else 0.0) for step in range(1 + k % 2)),
+        0) for k, name in enumerate(fleet)})
+    place = model.places['ld90_1']
+    model.show_laser('ld90_1', [round(100 * value) for k in range(-60, 61) for value in (
+        place.x + (3.0 + 0.3 * math.sin(k)) * math.cos(0.035 * k),
+        place.y + (3.0 + 0.3 * math.sin(k)) * math.sin(0.035 * k))])
+    page.site.fences = ((7.0, 1.0, 8.0, 1.0, 8.0, 2.0, 7.0, 2.0), (0.0, 7.2, 6.0, 7.2))
+    page.records.add(time.time(), {}, {edge: 10.0 * (k % 9) for k, edge in enumerate(edges)})
 
 
 def make(folder: Path, wanted: Callable[[str], bool]) -> None:
@@ -153,6 +190,16 @@ def make(folder: Path, wanted: Callable[[str], bool]) -> None:
                 if view == 'alarms' and window.one('#alarms').is_displayed():
                     window.script("""const list = document.getElementById('alarm_list');
                         if (list.hidden) document.getElementById('fold_alarms').click();""")
+                if view == 'template':
+                    window.script('''const select = document.getElementById('send_template');
+                        select.value = 'pallet'; select.dispatchEvent(new Event('change'));
+                        document.getElementById('timetables_box').open = true;''')
+                if view == 'layers':
+                    window.click('#tab_button_robots')
+                    window.click('#robots [data-act=choose]')
+                    window.click('#layers_button')
+                    for layer in ('allocation', 'laser', 'heat', 'fences'):
+                        window.click(f'[data-layer={layer}]')
                 if view == 'folded':
                     window.click('#fold')
                 if view == 'dark':

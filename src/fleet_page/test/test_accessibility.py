@@ -14,6 +14,7 @@ pytest.importorskip('aiohttp')
 
 from browser import Browser, ServedPage, needs_browser  # noqa: E402
 from page_builders import status  # noqa: E402
+from pictures import show_work  # noqa: E402
 
 from fleet_core.supervision.fleet_stop import FleetStop, StopCause  # noqa: E402
 
@@ -25,6 +26,7 @@ pytestmark = [needs_browser, pytest.mark.skipif(
 RUN = '''const done = arguments[0];
 axe.run().then(found => done([found.passes.length, found.violations.map(
   one => [one.id, one.nodes.map(node => node.html)])]));'''
+TAB_OF = {'template': 'missions', 'layers': 'robots'}
 JUDGED = 10  # least number of rules; with fewer, axe-core has not really checked the page
 
 
@@ -37,11 +39,14 @@ def window(tmp_path_factory):
     shown.do(lambda: (
         shown.page.model.show_stop(FleetStop(StopCause.PERSON, 'anna (page)', time.time())),
         shown.page.take_status(status(7, 'NEEDS_PERSON', serial=42, reason='no pallet', asks=5)),
-        shown.page.records.keep_charges(time.time() - 600.0, {'a': 0.8})))
+        shown.page.records.keep_charges(time.time() - 600.0, {'a': 0.8}),
+        show_work(shown.page, time.time()),
+        shown.page.model.show_named('areas', {'bay': {'edges': [3, 4]}})))
     window.click('#tab_button_robots')
     window.click('#robots li[data-key=a] [data-act=choose]')
     window.one('#robots .curve')
     window.script("localStorage.setItem('alarms', 'open')")
+    window.script("localStorage.setItem('layers', 'areas laser heat')")
     window.driver.set_script_timeout(30)
     window.driver.execute_cdp_cmd('Page.setBypassCSP', {'enabled': True})
     window.script(AXE.read_text())
@@ -52,10 +57,17 @@ def window(tmp_path_factory):
 
 @pytest.mark.parametrize('width', [390, 1400])
 @pytest.mark.parametrize('theme', ['light', 'dark'])
-@pytest.mark.parametrize('tab', ['missions', 'robots', 'edges', 'history', 'replay', 'audit'])
-def test_axe_finds_nothing(window, tab, theme, width):
+@pytest.mark.parametrize('view', ['missions', 'template', 'layers', 'robots', 'edges', 'history',
+                                  'replay', 'audit'])
+def test_axe_finds_nothing(window, view, theme, width):
     window.resize(width, 900)
-    window.click(f'#tab_button_{tab}')
+    window.click(f'#tab_button_{TAB_OF.get(view, view)}')
+    window.script('''const select = document.getElementById('send_template');
+        select.value = arguments[0] === 'template' ? 'pallet' : '';
+        select.dispatchEvent(new Event('change'));
+        document.getElementById('timetables_box').open = true;
+        if (document.getElementById('layers').hidden !== (arguments[0] !== 'layers'))
+            document.getElementById('layers_button').click();''', view)
     window.script(f'document.documentElement.dataset.theme = "{theme}"')
     judged, found = window.driver.execute_async_script(RUN)
     assert judged >= JUDGED and found == []
