@@ -3,9 +3,9 @@
 
 After `source devel/setup.bash`: `PYTHONPATH=test:$PYTHONPATH scripts/make_pictures.py`
 
-Writes rviz_map.png, rviz_route.png, rviz_drive.gif, made_graph.png, graph_editor.png, fleet.gif and
-fleet_work.png into docs/images. With `stack` it writes only the first three, with `graph` the next
-two, with `fleet` and `work` one each.
+Writes rviz_map.png, rviz_route.png, rviz_drive.gif, made_graph.png, graph_editor.png, fleet.gif,
+fleet_work.png, page_map.png and page_missions.png into docs/images. With `stack` it writes only the
+first three, with `graph` the next two, with `fleet` and `work` one each, with `page` the last two.
 """
 from __future__ import annotations
 
@@ -21,19 +21,22 @@ from typing import Callable, Iterator, List, Optional, Tuple
 
 import rosgraph
 import rospy
-from fleet_support import Factory
+from fleet_support import Factory, free_fleet_ports
 from geometry_msgs.msg import PointStamped
 from PIL import Image, ImageDraw
 from rviz_support import RvizWindow, Screen, count_near, missing_programs
 from std_msgs.msg import String
 
 from graph_editor import make_cli
-from itrci_nav_msgs.msg import ExecutionRouteStates, TargetRoute
+from itrci_nav_msgs.msg import ExecutionRouteStates, FleetRobot, TargetRoute
 from omron_map import MapDocument
 from ports import free_port
 from system_support import Recorder, connected_publisher, wait_until
 
 ROOT = Path(__file__).resolve().parents[1]
+sys.path.insert(0, str(ROOT / 'src/fleet_page/test'))
+from browser import Browser  # noqa: E402
+
 IMAGES = ROOT / 'docs/images'
 VIEW = (16, 62, 1264, 870)  # the 3D view in the window
 WINDOW = (0, 0, 1280, 871)
@@ -47,6 +50,9 @@ VERTEX_2 = (600, 198)  # pixel of a vertex of the made graph
 NAVY, YELLOW = (31, 51, 89), (255, 217, 26)
 FLEET_FILM = 45.0  # s
 PALLETS = 5  # so many that robots queue at the press
+PAGE_SIZE = (1440, 900)
+AREA = '33 34'  # edges of the southern shelf
+CHOSEN = 'ld90_3'  # the robot whose laser the page shows
 DOOR = 17  # edge through the door of the press
 CORNER = (1240, 860)  # pixel at which the mouse hides nothing
 ROUTE = (9, 3, 4, 31, 32, 34)  # edges from vertex 4 to 52
@@ -190,30 +196,83 @@ def work_picture(screen: Screen) -> None:
         keep(window, 'fleet_work')
 
 
+def page_pictures(_: Screen) -> None:
+    """The fleet page at work: the map with its layers, and the missions in a wide panel."""
+    ports = free_fleet_ports()
+    with running_fleet('work:=true', 'lasers:=true', 'page:=true', f'page_port:={ports + 9}',
+                       first_port=ports) as fleet:
+        fleet.state.wait_for(lambda state: state.robots and all(
+            robot.outage_code == FleetRobot.OUTAGE_NONE for robot in state.robots), 120.0,
+            'fleet whose robots can all work')
+        for ends in (('press', 'shelves'), ('shelves', 'packing')) * 3:
+            subprocess.run(['rosrun', 'graph_fleet_manager', 'mission', 'run', 'pallet',
+                            f'from:={ends[0]}', f'to:={ends[1]}'], check=True,
+                           stdout=subprocess.DEVNULL)
+        window = Browser(*PAGE_SIZE)
+        try:
+            window.resize(*PAGE_SIZE)
+            window.open(f'http://127.0.0.1:{ports + 9}/')
+            window.one('.robot')
+            window.click('#tab_button_edges')
+            window.one('#edge').send_keys(AREA)
+            window.one('#area_name').send_keys('Loading bay')
+            window.click('#keep_area')
+            window.click('#tab_button_robots')
+            window.click(f'#robots [data-key={CHOSEN}] [data-act=choose]')
+            window.click('#layers_button')
+            for layer in ('allocation', 'laser'):
+                window.click(f'[data-layer={layer}]')
+            window.click('#layers_button')
+            window.wait(lambda: window.one('.laser').get_attribute('d'), 'the laser')
+            wait_until(lambda: sum(robot.has_mission for robot in
+                                   fleet.state.messages[-1].robots) >= 5, 120.0, 'missions')
+            wait_until(lambda: any('its turn at station' in robot.waits_for for robot in
+                                   fleet.state.messages[-1].robots), 120.0, 'a queue')
+            wait_until(lambda: not window.one('#said').is_displayed(), 30.0, 'no answer any more')
+            window.driver.save_screenshot(str(IMAGES / 'page_map.png'))
+            window.click('#theme')
+            window.click('#tab_button_missions')
+            window.click('#new_mission summary')
+            window.click('#timetables_box summary')
+            window.click('#widen')
+            time.sleep(PERIOD)  # the map has its new size
+            window.driver.save_screenshot(str(IMAGES / 'page_missions.png'))
+        finally:
+            window.close()
+
+
 @contextmanager
-def fleet_in_rviz(screen: Screen, *options: str) -> Iterator[Tuple[Factory, RvizWindow]]:
-    """Eight robots under a ROS master of their own, and an RViz that shows them."""
+def running_fleet(*options: str, **more: int) -> Iterator[Factory]:
+    """Eight robots under a ROS master of their own."""
     port = free_port()
-    os.environ['ROS_MASTER_URI'] = screen.environment['ROS_MASTER_URI'] = (
-        f'http://127.0.0.1:{port}')
+    os.environ['ROS_MASTER_URI'] = f'http://127.0.0.1:{port}'
     master = subprocess.Popen(['roscore', '-p', str(port)], stdout=subprocess.DEVNULL)
-    fleet = window = None
+    fleet = None
     try:
         wait_until(rosgraph.Master('/make_pictures').is_online, 60.0, 'the ROS master')
         rospy.init_node('make_pictures', disable_signals=True)
-        fleet = Factory('4', *options)
-        window = RvizWindow(screen, str(IMAGES), SCALE, 'omron_ld90', 'rviz.launch',
-                            'robot_name:=rviz_of_fleet', f'map_file:={fleet.folder}/fleet.map',
-                            f'rviz_config:={fleet.folder}/fleet.rviz')
-        fleet.wait_until_ready()
-        yield fleet, window
+        fleet = Factory('4', *options, **more)
+        yield fleet
     finally:
-        if window is not None:
-            window.close()
         if fleet is not None:
             fleet.stop()
         master.send_signal(signal.SIGINT)
         master.wait(30)
+
+
+@contextmanager
+def fleet_in_rviz(screen: Screen, *options: str) -> Iterator[Tuple[Factory, RvizWindow]]:
+    """A running fleet, and an RViz that shows it."""
+    with running_fleet(*options) as fleet:
+        screen.environment['ROS_MASTER_URI'] = os.environ['ROS_MASTER_URI']
+        window = RvizWindow(screen, str(IMAGES), SCALE, 'omron_ld90', 'rviz.launch',
+                            'robot_name:=rviz_of_fleet', f'map_file:={fleet.folder}/fleet.map',
+                            f'rviz_config:={fleet.folder}/fleet.rviz')
+        try:
+            fleet.wait_until_ready()
+            yield fleet, window
+        finally:
+            window.close()
 
 
 def main() -> int:
@@ -224,7 +283,7 @@ def main() -> int:
         return 1
     IMAGES.mkdir(parents=True, exist_ok=True)
     parts = {'stack': stack_pictures, 'graph': graph_pictures, 'fleet': fleet_film,
-             'work': work_picture}
+             'work': work_picture, 'page': page_pictures}
     if sys.argv[1:] not in [[name] for name in parts]:
         for name in parts:  # each part in its own process, because a process has one ROS master
             subprocess.run([sys.executable, __file__, name], check=True)

@@ -100,8 +100,7 @@ function showTimetables(me) {
   showRows($('timetables'), timetables, one => one.name, one => make('li', { class: 'timetable' },
     make('p', { class: 'row' }, make('b', {}, one.name), make('span', { class: one.next === null ? 'bad' : null }, one.next === null ? t('is_paused') : t('next_run', { time: nextWords(one.next) })),
       me.role === 'see' ? '' : pauseButton(one)),
-    make('p', { class: 'soft' }, [one.template, ...one.arguments.map(([name, value]) => `${name} = ${value}`)].join(' · ')),
-    make('p', { class: 'soft' }, runsWords(one))), language + me.role);
+    make('p', { class: 'soft' }, [one.template, ...one.arguments.map(([name, value]) => `${name} = ${value}`), runsWords(one)].join(' · '))), language + me.role);
 }
 
 function pauseButton({ name, next }) {
