@@ -146,8 +146,8 @@ def show_layers(page: Page, fleet: Dict[str, ShownRobot]) -> None:
     """Shows what the layers of the map have, with a scan of the first robot."""
     model, edges = page.model, list(page.model.graph.edges)
     model.show_allocations({name: ShownAllocation(tuple(
-        (edges[(3 * k + step) % len(edges)], 0.3 if not step else 0.0) for step in range(1 + k % 2)),
-        0) for k, name in enumerate(fleet)})
+        (edges[(3 * k + step) % len(edges)], 0.0 if step else 0.3)
+        for step in range(1 + k % 2)), 0) for k, name in enumerate(fleet)})
     place = model.places['ld90_1']
     model.show_laser('ld90_1', [round(100 * value) for k in range(-60, 61) for value in (
         place.x + (3.0 + 0.3 * math.sin(k)) * math.cos(0.035 * k),

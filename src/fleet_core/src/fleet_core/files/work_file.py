@@ -475,7 +475,8 @@ def _days(field: Field) -> FrozenSet[int]:
     """Days of the week, from `mon-fri` or `mon, wed, fri`; 0 is Monday."""
     found: Set[int] = set()
     for part in strict_yaml.text(field).split(','):
-        ends = [DAY_NAMES.index(day) if day in DAY_NAMES else None for day in part.strip().split('-')]
+        ends = [DAY_NAMES.index(day) if day in DAY_NAMES else None
+                for day in part.strip().split('-')]
         first, last = ends[0], ends[-1]
         if len(ends) > 2 or first is None or last is None:
             raise WrongYaml(f'days has {part.strip()!r}, but must be days such as mon-fri, or '

@@ -379,9 +379,9 @@ class FleetModel:
         if status.deadline in DEADLINE_ALARMS:
             values['alarm'] = status.deadline
         if request is not None:
-            values.update(destinations=list(request.destinations or status.destinations), priority=request.priority,
-                          wanted_robot=request.robot, robot_type=request.robot_type,
-                          by=request.requested_by)
+            values.update(destinations=list(request.destinations or status.destinations),
+                          priority=request.priority, wanted_robot=request.robot,
+                          robot_type=request.robot_type, by=request.requested_by)
             end = self._ends.get(key)
             if end is not None and status.state == 'ACTIVE':
                 values['ends_at'] = round(end)

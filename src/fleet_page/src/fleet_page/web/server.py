@@ -17,7 +17,7 @@ from fleet_core.supervision.history import HistoryLine
 from fleet_core.supervision.journal_database import JournalError
 from fleet_page.core.acts import RULES, Act, ActKind, ActOutcome, WrongAct, act_of
 from fleet_page.core.history import history_csv, history_values
-from fleet_page.core.layers import LAYERS, LASER, ShownLayers
+from fleet_page.core.layers import LASER, LAYERS, ShownLayers
 from fleet_page.core.metrics import CONTENT_TYPE
 from fleet_page.core.page import NAMED, Page
 from fleet_page.core.rate_limits import RateLimit
@@ -60,7 +60,8 @@ class WebServer:
             web.get('/api/events', self._events), web.get('/api/site', self._site),
             web.get('/api/map.png', self._map), web.get('/api/history', self._history),
             web.get('/api/history.csv', self._history_csv), web.get('/api/replay', self._replay),
-            web.get('/api/robot', self._robot), web.get('/api/fences', self._fences), web.get('/api/audit', self._audit),
+            web.get('/api/robot', self._robot), web.get('/api/fences', self._fences),
+            web.get('/api/audit', self._audit),
             web.get('/metrics', self._metrics), web.post('/api/act', self._act),
             web.post(STOPPED, self._stopped)])
         self._closing = False

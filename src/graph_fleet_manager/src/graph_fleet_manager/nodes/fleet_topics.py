@@ -5,6 +5,7 @@ from typing import Callable, Dict, Iterable, List, Optional, Sequence, Tuple
 
 import rospy
 
+from fleet_core.interlocking.interlocking import InterlockedRobot
 from fleet_core.interlocking.stop_gate import StopGate
 from fleet_core.planning.plan_requests import PlanRequest, Times
 from fleet_core.supervision.actions import (
@@ -187,10 +188,9 @@ class FleetTopics:
             robot_views(supervisor, now), resource_views(supervisor, now), supervisor.stop, moment,
             stamp, self._rate))
         if self._allocations.get_num_connections():
-            send(self._allocations.publish, allocations_message({
-                name: robot.master.allocation
-                for name, robot in (*supervisor.robots.items(), *supervisor.removed.items())},
-                stamp))
+            robots: Dict[str, InterlockedRobot] = {**supervisor.robots, **supervisor.removed}
+            send(self._allocations.publish, allocations_message(
+                {name: robot.master.allocation for name, robot in robots.items()}, stamp))
         timetables = supervisor.timetables.views
         if timetables != self._timetables_told:
             self._timetables_told = timetables
