@@ -29,7 +29,7 @@ class ShownLayers:
 
     @property
     def sources(self) -> FrozenSet[str]:
-        """What must be received for it and for nobody else: `allocation`, `laser:NAME`."""
+        """The sources that the node receives only for such clients: `allocation`, `laser:NAME`."""
         return frozenset((
             *(name for name in self.names if name == ALLOCATION),
             *([f'{LASER}:{self.laser}'] if self.laser else [])))
