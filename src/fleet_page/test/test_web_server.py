@@ -32,7 +32,8 @@ ROUTES = ('/', '/page/main.js', '/chart.js', '/api/me', '/api/events', '/api/sit
           '/metrics')
 NEED_LOGIN = ROUTES[4:]
 CONTENT = {'destinations': [2], 'mission': 7, 'priority': 1, 'edges': [1], 'robot': 'a',
-           'name': 'tour', 'answer': 'retry', 'step': '5'}
+           'name': 'tour', 'answer': 'retry', 'step': '5',
+           'arguments': {'to': '39'}}
 
 
 def body_of(kind: ActKind) -> dict:
