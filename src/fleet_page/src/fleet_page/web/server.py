@@ -51,7 +51,7 @@ class WebServer:
         self._page, self._do, self._watch = page, do, watch
         self._sources: Counter[str] = Counter()
         self._instance = secrets.token_hex(4)
-        self._acts = RateLimit(20.0, 5.0)
+        self._acts = RateLimit(30.0, 5.0)
         self._clients: Counter[Person] = Counter()
         self._threads = concurrent.futures.ThreadPoolExecutor(8, 'acts')
         self._finished = Finished()
