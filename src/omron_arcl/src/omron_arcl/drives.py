@@ -61,7 +61,8 @@ Invariants:
 - A refused command changes no giver. Each drive has a giver, which can stop it.
 - Each event that interrupts, cancels or overrules the last drive of a giver begins an epoch of
   another, at the latest when the drives are answered that the robot had not answered yet.
-- No time between two lines decides on their meaning: the order of lines does.
+- No time between two lines decides on their meaning: the order of lines does. The robot answers in
+  the order of sending, also commands that have ended for their givers before it read them.
 - Nothing ends a command before it was doubted for SETTLE s, except lines about it, and `Stopped`
   after an interruption of something unknown.
 
@@ -174,7 +175,8 @@ class _Change(NamedTuple):
     drives: bool
 
 
-def _names_of(command: Command) -> Tuple[str, ...]:
+def names_of(command: Command) -> Tuple[str, ...]:
+    """The names by which the robot may confirm a drive; see `DriveRecord`."""
     return tuple(goal.casefold() for goal in command.goals) or (
         (_DOCK,) if command.spec.course is DriveCourse.INTO_THE_DOCK else ('',))
 
@@ -315,7 +317,7 @@ class Drives:
             self._begin_epoch(None, MotionCause.OTHER_CLIENT, _UNSEEN, False)
         if command.spec.drives:
             self._add(RecordKind.DRIVE, giver, f'"{command.text}" of {giver.name}', execution,
-                      goal=command.goals[0] if command.goals else '', names=_names_of(command),
+                      goal=command.goals[0] if command.goals else '', names=names_of(command),
                       command=execution.number)
             self._keep(self._records[-1])
         elif command.spec.stops:
@@ -401,7 +403,7 @@ class Drives:
     def _drive_ended(self, record: DriveRecord, execution: Execution, outcome: Outcome,
                      words: str) -> None:
         event, before = _EVENTS[outcome], self._memory.ruling
-        if event is Event.WITHDRAWN and self.heard.unheard_stops:
+        if event is Event.WITHDRAWN and self.heard.unheard_stops and execution.sent:
             event = Event.CALLED_BACK
         elif event is Event.EMERGENCY_STOP:
             self.note_emergency(words)
@@ -417,8 +419,10 @@ class Drives:
         if outcome is Outcome.TIMED_OUT and execution.stop_on_timeout:
             self._owe(execution.giver, MotionCause.STOP, words)
         elif event is Event.EMERGENCY_STOP and record.pending and execution.sent:
-            self._add(RecordKind.STOP, NO_GIVER, words)  # it may come when the motors are on again
-            self._keep()
+            last = self._records[-1]  # one stop ends all that may come when the motors are on again
+            if not last.owed or last.number in self._executions:
+                self._add(RecordKind.STOP, NO_GIVER, words)
+                self._keep()
 
     # --- doubts -----------------------------------------------------------------------------------
 
@@ -478,7 +482,8 @@ class Drives:
     def linked(self, connected: bool, now: float) -> None:
         """The link to the robot came up, broke, or could not be made."""
         self._unseen = self._unseen or self._connected and not connected
-        self._connected, self.heard = connected, RobotWords(self.heard.emergency_told)
+        self._connected = connected
+        self.heard = RobotWords(self.heard.emergency_told, self._number)
         self._look_until = now + LOOK if connected and self._memory.stop_owed else -math.inf
 
     def said(self, reply: Reply) -> None:
@@ -523,21 +528,45 @@ class Drives:
                    or record.kind is RecordKind.DRIVE and record.fate is Fate.UNKNOWN
                    for record in self._before(stop))
 
-    def comes_earlier(self, goal: str, drive: Execution) -> bool:
-        """Whether the robot may still have to answer an earlier drive to this goal whose command
-        has ended, because it has not answered a stop that was sent between the two."""
-        before = self._before(drive)
+    def _has_to_answer(self, record: DriveRecord) -> bool:
+        """Whether the robot has still to answer a drive whose command has ended for its giver."""
+        return (record.kind is RecordKind.DRIVE and record.fate is Fate.UNKNOWN
+                and record.number > self.heard.since and not record.acknowledged_by)
+
+    def answers_a_drive_before(self, stop: Execution) -> bool:
+        """Whether the robot has still to answer a drive that was sent before this stop and whose
+        command has ended."""
+        return any(map(self._has_to_answer, self._before(stop)))
+
+    def comes_earlier(self, drive: Execution) -> bool:
+        """Whether a line may be about an earlier drive to the same goal whose command has ended:
+        the robot has not answered it, or not a stop that was sent between the two."""
+        before, names = self._before(drive), set(names_of(drive.command))
         stop = next((r for r in reversed(before) if r.owed and self._was_sent(r)
                      and not self.has_begun(self._executions[r.number])), None)
-        return stop is not None and any(
-            r.fate is Fate.UNKNOWN and goal.casefold() in r.names
-            for r in before[:before.index(stop)])
+        return any(names.intersection(r.names) and (self._has_to_answer(r) or (
+            stop is not None and r.fate is Fate.UNKNOWN and r.number < stop.number))
+            for r in before)
+
+    def ended_drive(self, names: Sequence[str]) -> Optional[DriveRecord]:
+        """The drive with one of these names whose command has ended and that the robot has to
+        answer next."""
+        record = next((r for r in self._records if set(names).intersection(r.names) and (
+            self._has_to_answer(r) or r.pending and self._was_sent(r))), None)
+        return None if record is None or record.pending else record
+
+    def refused_late(self, record: DriveRecord) -> None:
+        """The robot refuses a drive whose command has ended for its giver."""
+        self._happens(Event.REFUSED, record)
 
     def begins_late(self, goal: str, line: str) -> None:
         """The robot sets out for a drive of ours whose command has ended for its giver."""
-        record = next((r for r in reversed(self._records) if r.fate is Fate.UNKNOWN
-                       and goal.casefold() in r.names), None)
-        if record and not self._memory.stop_owed:
+        record = self.ended_drive((goal.casefold(),)) or next(
+            (r for r in reversed(self._records) if r.fate is Fate.UNKNOWN
+             and goal.casefold() in r.names), None)
+        if record and self._memory.stop_owed:
+            self._mark(record.number, acknowledged_by=line)
+        elif record:
             self._obeyed(record.number, line)
 
     def driven_by_others(self, cause: MotionCause, activity: Activity, text: str) -> None:
@@ -716,9 +745,9 @@ class Drives:
                  activity: Optional[Activity] = None) -> None:
         """Others drive or stop the robot. Drives that the robot has not answered may still reach it
         after that, and so may the stops that end them."""
-        given = any(r.pending for r in self._records)
+        to_come = [r for r in self._records if r.pending or self._has_to_answer(r)]
         self._records = (
-            *(r for r in self._records if r.pending or r.owed and (given or not drives)),
+            *(r for r in self._records if r in to_come or r.owed and (to_come or not drives)),
             self._record(RecordKind.FOREIGN_DRIVE if drives else RecordKind.FOREIGN_STOP, NO_GIVER,
                          words, Fate.OVER, shown=_shown(activity) if activity and drives else ''))
         self._begin_epoch(None, cause, words, drives)
