@@ -24,23 +24,22 @@ The fate of a drive, and its next fate after an event (`Event`):
                                                                         answered a stop before
     LOST: link, silence, restart UNKNOWN      UNKNOWN      UNKNOWN
     EMERGENCY_STOP               UNKNOWN      UNKNOWN      UNKNOWN      a stop is owed for GIVEN
+    DOUBTED: an activity of the  GIVEN        OBEYED       UNKNOWN      the doubt begins, or the
+    robot contradicts it                                                activity is counted
+    CONFIRMED by an activity     GIVEN        OBEYED       UNKNOWN      the doubt is over
     another client stops         GIVEN        dropped      dropped      a stop is owed for GIVEN
     another client drives        GIVEN        dropped      dropped      also stops, if none is GIVEN
+
+A drive that is UNKNOWN and that the robot has still to answer is kept as one that is GIVEN.
 
 A stop is GIVEN until the robot stands after it, which drops the records before it; then it is OVER.
 A stop that failed or was lost is sent again.
 
 The *doubt* of a record under way, also of one that is kept aside: since when and why the robot
-seems not to obey. `judgements` says what an activity of the robot means for a command.
-
-    an activity                                        not doubted    doubted
-    contradicts it                                     doubted        counted
-    the same, arrived instead of broken off, or the    -              doubted since now
-    other way round
-    confirms it; it is acknowledged                    -              not doubted
-    `Stopped` after `Interrupted` of something unknown -              ended
-    SETTLE s with two contradictions, SETTLE_ONCE s    -              ended
-    more with one
+seems not to obey. `judgements` says what an activity of the robot means for a command. If it means
+that the robot arrived instead of breaking off, or the other way round, the doubt begins anew. It
+ends the command after SETTLE s with two contradictions, SETTLE_ONCE s more with one, and at
+`Stopped` after `Interrupted` of something unknown.
 
 Derived:
 - The *ruling* record is the newest one that is not a drive in the state GIVEN. Its giver drives the
@@ -116,6 +115,8 @@ class Event(Enum):
     CALLED_BACK = 'called back'
     LOST = 'lost'
     EMERGENCY_STOP = 'emergency stop'
+    DOUBTED = 'doubted'
+    CONFIRMED = 'confirmed'
 
 
 _Next = Optional[Fate]  # None: the record is dropped
@@ -129,6 +130,8 @@ TRANSITIONS: Mapping[Event, Tuple[_Next, _Next, _Next]] = {
     Event.CALLED_BACK:    (Fate.UNKNOWN, Fate.OVER,    Fate.OVER),
     Event.LOST:           (Fate.UNKNOWN, Fate.UNKNOWN, Fate.UNKNOWN),
     Event.EMERGENCY_STOP: (Fate.UNKNOWN, Fate.UNKNOWN, Fate.UNKNOWN),
+    Event.DOUBTED:        (Fate.GIVEN,   Fate.OBEYED,  Fate.UNKNOWN),
+    Event.CONFIRMED:      (Fate.GIVEN,   Fate.OBEYED,  Fate.UNKNOWN),
 }
 _FROM = (Fate.GIVEN, Fate.OBEYED, Fate.UNKNOWN)
 _EVENTS: Mapping[Outcome, Event] = {
@@ -419,10 +422,15 @@ class Drives:
         if outcome is Outcome.TIMED_OUT and execution.stop_on_timeout:
             self._owe(execution.giver, MotionCause.STOP, words)
         elif event is Event.EMERGENCY_STOP and record.pending and execution.sent:
-            last = self._records[-1]  # one stop ends all that may come when the motors are on again
-            if not last.owed or last.number in self._executions:
-                self._add(RecordKind.STOP, NO_GIVER, words)
-                self._keep()
+            self._owe_for_what_comes(words)
+
+    def _owe_for_what_comes(self, words: str) -> None:
+        """A drive on its way reaches the robot after it was stopped, or when its motors are on
+        again. One stop ends all such drives."""
+        last = self._records[-1]
+        if not last.owed or last.number in self._executions:
+            self._add(RecordKind.STOP, NO_GIVER, words)
+            self._keep()
 
     # --- doubts -----------------------------------------------------------------------------------
 
@@ -449,11 +457,12 @@ class Drives:
         if record is None:
             return False
         if record.doubt and record.doubt.broken_off and seen.is_line_of(ActivityKind.STOPPED):
-            self._mark(record.number, doubt=replace(record.doubt, is_certain=True))
+            self._happens(Event.DOUBTED, record, replace(record.doubt, is_certain=True))
         elif isinstance(verdict, Outcome):
-            self._mark(record.number, doubt=next_doubt(record.doubt, verdict, seen, now, begun))
+            self._happens(Event.DOUBTED, record,
+                          next_doubt(record.doubt, verdict, seen, now, begun))
         elif verdict is DriveSign.CONFIRMED:
-            self._mark(record.number, doubt=None)
+            self._happens(Event.CONFIRMED, record)
         return verdict is DriveSign.CONFIRMED
 
     def settled(self, now: float) -> List[Tuple[Execution, Doubt]]:
@@ -501,8 +510,7 @@ class Drives:
         crosses = any(r.pending and self._was_sent(r) for r in self._records)
         self._foreign(MotionCause.OTHER_CLIENT, False, _STOPPED_BY_OTHERS)
         if crosses:
-            self._add(RecordKind.STOP, NO_GIVER, _STOPPED_BY_OTHERS)
-            self._keep()
+            self._owe_for_what_comes(_STOPPED_BY_OTHERS)
 
     @property
     def is_idle(self) -> bool:
@@ -683,16 +691,20 @@ class Drives:
         return next((r for r in self._records
                      if self._executions.get(r.number) is execution), None)
 
-    def _happens(self, event: Event, record: DriveRecord) -> None:
-        """A drive gets its next fate. Does nothing if something else has dropped its record."""
+    def _happens(self, event: Event, record: DriveRecord, doubt: Optional[Doubt] = None) -> None:
+        """A drive gets its next fate and doubt. Does nothing if something else has dropped its
+        record."""
         if record.fate is Fate.OVER:
             return
         fate = TRANSITIONS[event][_FROM.index(record.fate)]
         following = () if fate is None else (replace(
-            record, fate=fate, ending=_ENDINGS.get(event, CommandFate.NOT_OBEYED)),)
-        self._records = tuple(one for r in self._records
-                              for one in (following if r is record else (r,)))
-        self._keep()
+            record, fate=fate, doubt=doubt,
+            ending=_ENDINGS.get(event, CommandFate.NOT_OBEYED)),)
+        self._aside, self._records = (
+            tuple(one for r in records for one in (following if r is record else (r,)))
+            for records in (self._aside, self._records))
+        if fate is not record.fate:
+            self._keep()
 
     def _obeyed(self, number: int, line: str) -> None:
         """The robot carries a drive out, as a line says: what came before it is over, and its giver
