@@ -405,13 +405,9 @@ class Drives:
 
     def _drive_ended(self, record: DriveRecord, execution: Execution, outcome: Outcome,
                      words: str) -> None:
-        event, before = _EVENTS[outcome], self._memory.ruling
-        if event is Event.WITHDRAWN and self.heard.unheard_stops and execution.sent:
-            event = Event.CALLED_BACK
-        elif event is Event.EMERGENCY_STOP:
+        event, before = self._event_of(execution, outcome), self._memory.ruling
+        if outcome is Outcome.EMERGENCY_STOPPED:
             self.note_emergency(words)
-            if execution.progress.rejected_at is not None:
-                event = Event.REFUSED
         self._happens(event, record)
         ruling = self._memory.ruling
         if ruling and ruling is self._records[-1] and ruling.was_broken_off:
@@ -423,6 +419,14 @@ class Drives:
             self._owe(execution.giver, MotionCause.STOP, words)
         elif event is Event.EMERGENCY_STOP and record.pending and execution.sent:
             self._owe_for_what_comes(words)
+
+    def _event_of(self, execution: Execution, outcome: Outcome) -> Event:
+        event = _EVENTS[outcome]
+        if event is Event.WITHDRAWN and self.heard.unheard_stops and execution.sent:
+            return Event.CALLED_BACK
+        if event is Event.EMERGENCY_STOP and execution.progress.rejected_at is not None:
+            return Event.REFUSED
+        return event
 
     def _owe_for_what_comes(self, words: str) -> None:
         """A drive on its way reaches the robot after it was stopped, or when its motors are on
