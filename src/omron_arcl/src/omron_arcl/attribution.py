@@ -81,12 +81,6 @@ class Begins(Enum):
     OTHERS = 'for another client'
 
 
-class Late(Enum):
-    """What a line means for a drive whose command has ended for its giver."""
-
-    REFUSED = 'the robot does not carry it out'
-
-
 Found = Union[bool, Sequence[Execution]]  # whether the row holds, or the commands it is about
 Find = Callable[[CommandQueue, Any], Found]
 
@@ -98,7 +92,7 @@ class Row:
     name: str
     lines: Tuple[Type[Reply], ...]  # empty: all
     find: Find
-    meaning: Union[Outcome, Means, StopOf, Late, Begins]
+    meaning: Union[Outcome, Means, StopOf, Begins]
     source: str
 
 
@@ -535,7 +529,7 @@ ATTRIBUTIONS: Mapping[LinePart, Tuple[Row, ...]] = {
             'p. 46: all clients receive it')),
     LinePart.ENDED: (
         Row('refused late', (replies.CommandError,),
-            lambda commands, reply: _ended_drive(commands, reply) is not None, Late.REFUSED,
+            lambda commands, reply: _ended_drive(commands, reply) is not None, Outcome.REJECTED,
             'p. 46: the line names the command'),),
     LinePart.COMMAND: (
         # refusals
