@@ -178,10 +178,18 @@ def due_step(situation: Situation, where: Where) -> Optional[StepPlace]:
     work = situation.work
     if work.is_ending or not nobody_is_asked(work):
         return None
-    for place, step, own in _steps_in_turn(work):
+    for place, step, own in (*_steps_left_behind(work), *_steps_in_turn(work)):
         if own.state is StepState.WAITING:
-            return place if stands_for(step, where) and blocks_none(step, work) else None
+            is_there = place.stop < work.current or stands_for(step, where)
+            return place if is_there and blocks_none(step, work) else None
     return None
+
+
+def _steps_left_behind(work: Work) -> Iterator[Tuple[StepPlace, WorkStep, StepProgress]]:
+    """The steps of earlier stops. One that is to be repeated went on while its robot drove away, so
+    it begins wherever that is.
+    """
+    return ((place, step, own) for place, step, own in work.steps if place.stop < work.current)
 
 
 def _steps_in_turn(work: Work) -> Iterator[Tuple[StepPlace, WorkStep, StepProgress]]:
