@@ -37,6 +37,7 @@ from typing import Any, Callable, Dict, List, Mapping, NamedTuple, Optional, Seq
 from fleet_builders import graph_of
 
 from fleet_core.fleet import RobotType
+from fleet_core.interlocking.claims import ClaimState
 from fleet_core.interlocking.reports import Report
 from fleet_core.interlocking.resources import Resource, ResourceKind
 from fleet_core.planning.tasks import PlanningOutcome
@@ -102,7 +103,7 @@ WITHOUT_EXIT = Graph([vertex for vertex in SITE.vertices.values() if vertex.id !
 KIND = RobotType('agv', 0.4, SPEED)
 STARTS = {'a': 2, 'b': 12, 'c': 14}
 PARKING = (2, 3, 12, 13, 14, 15)
-GOALS = (2, 3, 12, 13, 14, 15, 16, 18, 18, 18)
+GOALS = (2, 3, 12, 13, 14, 15, 16, 16, 18, 18, 18)
 PERIODS = (0.2, 0.4, 0.4, 0.8)  # s from one beat to the next
 FAULT = (1.0, 3.0, 8.0)         # s that a fault lasts
 MOST_OPEN = 4
@@ -255,7 +256,7 @@ class RandomWork(SupervisedFleet):
     def _late_messages(self) -> List[Message]:
         """Those that come now: some come again later, so messages are repeated and reordered."""
         late, self._late = self._late, []
-        self._late = [message for message in late if self.draw.random() < 0.7]
+        self._late = [message for message in late if self.draw.random() < 0.8]
         return [one.send for one in late if one not in self._late or self.draw.random() < 0.3]
 
     def _messages(self) -> List[Message]:
@@ -625,6 +626,7 @@ class RandomWork(SupervisedFleet):
         self._stood.clear()
         agv.be_carried(edge, SITE.curve(edge).length)
         agv.visited.append(end.id)
+        self._say(name, agv.report(self.now), self.now)  # nobody can know of one that is not told
 
     def _any(self) -> str:
         return self.draw.choice(sorted(self.agvs))
@@ -632,7 +634,8 @@ class RandomWork(SupervisedFleet):
     def recklessly_ask(self) -> None:
         """The interlocking is asked for an edge that no plan has."""
         supervisor = self.supervisor
-        robot = supervisor.robots[self._any()]
+        at_work = sorted({one.robot for one in self.bodies.values() if one.by})
+        robot = supervisor.robots[self.draw.choice(at_work) if at_work else self._any()]
         begin, here = robot.record.last_vertex, robot.position
         edges = [] if begin is None else list(self.graph.edges_from(begin))
         if here is not None and here.vertex is None:
@@ -700,12 +703,17 @@ class RandomWork(SupervisedFleet):
 
     def combine(self) -> None:
         """Waits for a rare moment, and lets faults and commands come together."""
-        moment = self.draw.choice(MOMENTS)
+        is_mixed = self.coin()
+        moment, events = (self.draw.choice(MOMENTS), ()) if is_mixed else (
+            self.draw.choice(COMBINATIONS))
         for _ in range(30):
             if moment(self):
                 break
             self._happen(QUIET)
-        for _ in range(self.draw.choice((1, 2, 2, 3))):
+        for event in events:
+            self.log(event)
+            getattr(self, event)()
+        for _ in range(self.draw.choice((1, 2, 2, 3)) if is_mixed else 0):
             self._happen(TROUBLE)
             if self.coin():
                 self.beat()
@@ -775,7 +783,7 @@ class RandomWork(SupervisedFleet):
                 one.blocking for one in (step, *running)], f'(e) {step} begins beside {running}'
             assert work.asking is None, f'(e) {step} begins while another one asks'
             self._check_stands(mission, step, work.stops[place.stop].place)
-        if rules.is_at_work(work):
+        if rules.is_at_work(work) and not self.reckless:  # while NONE steps run, it may be asked
             self._check_stands(mission, None, work.stops[work.current].place)
 
     def _check_stands(self, mission: Mission, step: Optional[WorkStep], place: int) -> None:
@@ -828,13 +836,16 @@ class RandomWork(SupervisedFleet):
         assert before in (None, status.state), f'(j) mission {status.serial} was {before}: {status}'
         if status.serial and not status.state.is_open:
             self._final[status.serial] = status.state
+            running = [one for (serial, _), one in self.bodies.items()
+                       if one.by and serial == status.serial]
+            assert not running, f'(j) mission {status.serial} has ended, but not {running}'
 
 
-EVENTS = {'beat': 60.0, 'request': 6.0, 'answer': 8.0, 'repair': 4.0, 'combine': 1.5,
+EVENTS = {'beat': 60.0, 'request': 6.0, 'answer': 8.0, 'repair': 4.0, 'combine': 3.0,
           'change': 0.5, 'cancel': 0.4, 'pause': 0.2, 'resume': 1.0, 'steps_fail': 1.5,
           'driver_restarts': 0.3, 'machine_dies': 0.2, 'door_is_silent': 0.2, 'door_restarts': 0.2,
           'door_sticks': 0.1, 'door_fails': 0.1, 'exit_is_removed': 0.1,
-          'recklessly_ask': 1.0, 'door_lies': 0.1, 'manager_restarts': 0.3, 'manager_dies': 0.3,
+          'recklessly_ask': 4.0, 'door_lies': 0.1, 'manager_restarts': 0.3, 'manager_dies': 0.3,
           'robot_is_silent': 0.2, 'robot_stalls': 0.3, 'robot_refuses': 0.1, 'robot_fails': 0.1,
           'robot_forgets': 0.1, 'robot_is_taken_out': 0.1, 'robot_is_moved': 0.2,
           'disk_is_full': 0.1, 'fleet_is_stopped': 0.1, 'station_breaks': 0.1}
@@ -851,22 +862,65 @@ def _short(change: Any) -> str:
     return f'from {change.first_stop}: {[one.place for one in change.stops]}' if change else ''
 
 
-def _states(world: RandomWork) -> Set[StepState]:
-    works = (world.supervisor.desk.work(one.serial) for one in world.supervisor.book.open)
-    return {own.state for work in works if work is not None for _, _, own in work.steps}
+def _works(world: RandomWork) -> bool:
+    return any(one.by for one in world.bodies.values())
 
 
-MOMENTS: Sequence[Callable[[RandomWork], bool]] = (
-    lambda world: any(one.by for one in world.bodies.values()),
-    lambda world: any(one.by and one.step.load for one in world.bodies.values()),
-    lambda world: StepState.ASK in _states(world),
-    lambda world: StepState.RUNNING in _states(world),
-    lambda world: any(one.subject for one in world._late),
-    lambda world: any(world.carried.values()),
-    lambda world: any(world._is_on_way_into_door(name) for name in world.agvs),
-    lambda world: any(limit.is_there for limit in world.supervisor.stations.limits.values()),
-    lambda world: any(one.state is MissionState.CANCELLING for one in world.supervisor.book.open))
+def _moves_load(world: RandomWork) -> bool:
+    return any(one.by and one.step.load for one in world.bodies.values())
+
+
+def _asks(world: RandomWork) -> bool:
+    return any(one.asks for one in world.supervisor.book.open)
+
+
+def _is_under_way(world: RandomWork) -> bool:
+    """Does a command for a step, or a report of steps, come late?"""
+    return any(one.subject for one in world._late)
+
+
+def _has_further_work(world: RandomWork) -> bool:
+    """Does a robot work whose mission leads to the exit?"""
+    serials = {serial for (serial, _), one in world.bodies.items() if one.by}
+    return any(one.serial in serials and 16 in one.left[1:] for one in world.supervisor.book.open)
+
+
+def _may_enter_door(world: RandomWork) -> bool:
+    claims = world.supervisor.interlocking.claims
+    return any(claims.state(name, 'gate') is ClaimState.READY for name in world.agvs)
+
+
+def _is_in_queue(world: RandomWork) -> bool:
+    return any(limit.is_there for limit in world.supervisor.stations.limits.values())
+
+
+def _is_loaded(world: RandomWork) -> bool:
+    return any(world.carried.values())
+
+
+def _ends(world: RandomWork) -> bool:
+    return any(one.state is MissionState.CANCELLING for one in world.supervisor.book.open)
+
+
+Moment = Callable[[RandomWork], bool]
+MOMENTS: Sequence[Moment] = (_works, _moves_load, _asks, _is_under_way, _may_enter_door,
+                             _is_in_queue, _is_loaded, _ends)
 """Rare moments, at which a disturbance is worth more."""
+COMBINATIONS: Sequence[Tuple[Moment, Tuple[str, ...]]] = (
+    (_is_under_way, ('driver_restarts',)), (_is_under_way, ('driver_restarts', 'beat', 'answer')),
+    (_is_under_way, ('driver_restarts', 'manager_restarts')),
+    (_is_under_way, ('driver_restarts', 'beat', 'manager_restarts')),
+    (_works, ('manager_restarts', 'beat', 'manager_restarts')),
+    (_works, ('cancel', 'manager_dies')), (_works, ('disk_is_full', 'beat', 'manager_restarts')),
+    (_works, ('robot_is_moved',)), (_asks, ('driver_restarts', 'answer')),
+    (_asks, ('cancel', 'answer')), (_moves_load, ('driver_restarts', 'cancel')),
+    (_is_loaded, ('cancel', 'beat', 'pause')), (_has_further_work, ('exit_is_removed',)),
+    (_has_further_work, ('change', 'manager_dies')),
+    (_may_enter_door, ('door_fails', 'robot_stalls')),
+    (_may_enter_door, ('door_fails', 'fleet_is_stopped')),
+    (_may_enter_door, ('manager_restarts', 'door_restarts')),
+    (_is_in_queue, ('cancel', 'manager_restarts')), (_ends, ('answer', 'manager_restarts')))
+"""What is handed out on purpose, because it seldom comes together by itself."""
 
 
 def lived(seed: int, steps: int) -> int:
