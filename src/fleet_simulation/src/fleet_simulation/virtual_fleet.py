@@ -178,6 +178,7 @@ class VirtualFleet(Generic[Body]):
     resources -- zones and the like, besides the devices and stations of `work`; each device is
                 simulated
     work     -- what the site says about work; None: nothing
+    wall     -- s since 1970 at the beginning, by the computer's clock
     """
 
     def __init__(self, graph: Graph, robots: Mapping[str, Tuple[RobotType, int]],
@@ -188,7 +189,7 @@ class VirtualFleet(Generic[Body]):
                  parking: Optional[Sequence[int]] = None, dock_approach: float = DOCK_APPROACH,
                  rhythm: Optional[Rhythm] = None, switches: bool = False,
                  check_every: int = 1, resources: Sequence[Resource] = (),
-                 work: Optional[SiteWork] = None) -> None:
+                 work: Optional[SiteWork] = None, wall: float = 1e9) -> None:
         kinds = tuple(dict.fromkeys(kind for kind, _ in robots.values()))
         self.graph, self.clearance = graph, clearance
         self._described = (f'seed {seed}, loss {loss}, repeats {repeats}, planning {planning}, '
@@ -205,8 +206,7 @@ class VirtualFleet(Generic[Body]):
         self.random = Random(seed)
         self.network = VirtualNetwork(self.random, loss, repeats)
         self.planner = VirtualPlanner(self.fleet, planning, parking)
-        self.wall = 1e9
-        """s since 1970 at the beginning, by the computer's clock."""
+        self.wall = wall
         self.disk = VirtualDisk(lambda: self.wall + self.now)
         self.clocks: Dict[str, float] = {}
         """By robot: s by which its clock is ahead."""
