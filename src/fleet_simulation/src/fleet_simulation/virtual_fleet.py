@@ -395,13 +395,8 @@ class VirtualFleet(Generic[Body]):
                     self.watcher.sends(action)
                 self.sent.append(action)
                 self.network.to_robots.append(action)
-            elif isinstance(action, SendStep) and action.device:
-                for _ in range(self.network.copies()):
-                    self.step_devices[action.device].receive(action.command)
             elif isinstance(action, SendStep):
-                if not self.network.is_silent(action.robot, self.now):
-                    for _ in range(self.network.copies()):
-                        self.steps[action.robot].receive(action.command)
+                self._send_step(action)
             elif isinstance(action, AskDevice):
                 for _ in range(self.network.copies()):
                     self.devices[action.request.device].receive(action.request)
@@ -413,6 +408,14 @@ class VirtualFleet(Generic[Body]):
                 self.notes.append(action.text)
             elif isinstance(action, AskPlanner):
                 self.planner.answer(action.number, self._plan(action), self.now)
+
+    def _send_step(self, action: SendStep) -> None:
+        if not action.device and self.network.is_silent(action.robot, self.now):
+            return
+        actor = (self.step_devices[action.device] if action.device
+                 else self.steps[action.robot])
+        for _ in range(self.network.copies()):
+            actor.receive(action.command)
 
     def _plan(self, question: AskPlanner) -> PlanningOutcome:
         return self.planner.plan(question, self.supervisor.network)
