@@ -34,8 +34,6 @@ from functools import partial
 from random import Random
 from typing import Any, Callable, Dict, List, Mapping, NamedTuple, Optional, Sequence, Set, Tuple
 
-from fleet_builders import graph_of
-
 from fleet_core.fleet import RobotType
 from fleet_core.interlocking.claims import ClaimState
 from fleet_core.interlocking.reports import Report
@@ -77,7 +75,7 @@ from fleet_simulation.virtual_fleet import Crash, Rhythm
 from route_protocol.devices import DeviceMode, DeviceReport
 from route_protocol.steps import HAND_OVER, StepCommand, StepReport, Word
 from route_protocol.values import TAKEN_OVER, Reason, ReasonCode, RouteReport
-from trajectory_graph import Graph
+from trajectory_graph import Edge, Graph, Vertex
 from world.supervised_fleet import SupervisedFleet
 
 # The press at the end of a lane, and an exit on the other side:
@@ -86,12 +84,14 @@ from world.supervised_fleet import SupervisedFleet
 #      |     |     |         |     |      |
 #      1 --- 2 --- 3 =hall=  4 --- 5 --- 18 (press)      queue: 5, 4      shelves: 1, 11
 SPEED = 4.0
-SITE = graph_of(
-    {**{k: (2.0 * k, 0.0) for k in (1, 2, 3, 4, 5)}, 18: (12.0, 0.0),
-     **{10 + k: (2.0 * k, 3.0) for k in (1, 2, 3, 4, 5, 6)}},
-    {**{k: (k, k + 1) for k in (1, 2, 3, 4)}, 5: (5, 18), 6: (18, 16),
-     **{10 + k: (10 + k, 11 + k) for k in (1, 2, 3, 4, 5)},
-     **{20 + k: (k, 10 + k) for k in (1, 2, 3, 4, 5)}}, speed=SPEED)
+PLACES = {**{k: (2.0 * k, 0.0) for k in (1, 2, 3, 4, 5)}, 18: (12.0, 0.0),
+          **{10 + k: (2.0 * k, 3.0) for k in (1, 2, 3, 4, 5, 6)}}
+ENDS = {**{k: (k, k + 1) for k in (1, 2, 3, 4)}, 5: (5, 18), 6: (18, 16),
+        **{10 + k: (10 + k, 11 + k) for k in (1, 2, 3, 4, 5)},
+        **{20 + k: (k, 10 + k) for k in (1, 2, 3, 4, 5)}}
+SITE = Graph([Vertex(id, *place, 0.0) for id, place in PLACES.items()],
+             [Edge(id, *ends, velocity_forward=SPEED, velocity_backwards=SPEED)
+              for id, ends in ENDS.items()])
 PRESS = Station('press', (18,), (5, 4))
 SHELVES = Station('shelves', (1, 11), (), 2, StationKind.GROUP)
 WORK = SiteWork({'press': PRESS, 'shelves': SHELVES},
@@ -345,7 +345,7 @@ class RandomWork(SupervisedFleet):
 
     # -- missions ---------------------------------------------------------------------------------
 
-    def request(self) -> None:  # type: ignore[override]
+    def request_mission(self) -> None:
         """A mission is requested; perhaps one that was requested before."""
         draw, book = self.draw, self.supervisor.book
         if self._requests and draw.random() < 0.1:
@@ -375,7 +375,8 @@ class RandomWork(SupervisedFleet):
 
     def _stops(self, count: int, takes: bool) -> Tuple[WorkStop, ...]:
         """Random stops, at the first of which a load may be taken; others may give one."""
-        draw, stops = self.draw, []
+        draw = self.draw
+        stops: List[WorkStop] = []
         for k in range(count):
             is_taken = takes and not stops
             effects = [LoadEffect.TAKES] if is_taken else [LoadEffect.GIVES] if (
@@ -697,7 +698,7 @@ class RandomWork(SupervisedFleet):
 
     def _happen(self, weights: Mapping[str, float]) -> None:
         event, = self.draw.choices(list(weights), list(weights.values()))
-        if event not in ('beat', 'answer', 'request', 'combine'):
+        if event not in ('beat', 'answer', 'request_mission', 'combine'):
             self.log(event)
         getattr(self, event)()
 
@@ -841,7 +842,7 @@ class RandomWork(SupervisedFleet):
             assert not running, f'(j) mission {status.serial} has ended, but not {running}'
 
 
-EVENTS = {'beat': 60.0, 'request': 6.0, 'answer': 8.0, 'repair': 4.0, 'combine': 3.0,
+EVENTS = {'beat': 60.0, 'request_mission': 6.0, 'answer': 8.0, 'repair': 4.0, 'combine': 3.0,
           'change': 0.5, 'cancel': 0.4, 'pause': 0.2, 'resume': 1.0, 'steps_fail': 1.5,
           'driver_restarts': 0.3, 'machine_dies': 0.2, 'door_is_silent': 0.2, 'door_restarts': 0.2,
           'door_sticks': 0.1, 'door_fails': 0.1, 'exit_is_removed': 0.1,
@@ -850,7 +851,7 @@ EVENTS = {'beat': 60.0, 'request': 6.0, 'answer': 8.0, 'repair': 4.0, 'combine':
           'robot_forgets': 0.1, 'robot_is_taken_out': 0.1, 'robot_is_moved': 0.2,
           'disk_is_full': 0.1, 'fleet_is_stopped': 0.1, 'station_breaks': 0.1}
 """All events with their weights: those that let work go on come more often than faults."""
-QUIET = {name: EVENTS[name] for name in ('beat', 'request', 'answer', 'repair', 'resume')}
+QUIET = {name: EVENTS[name] for name in ('beat', 'request_mission', 'answer', 'repair', 'resume')}
 TROUBLE = {name: 1.0 for name in EVENTS if name not in (*QUIET, 'combine')}
 TROUBLE.update(manager_restarts=4.0, driver_restarts=3.0, cancel=2.0, change=2.0, answer=2.0,
                beat=2.0)

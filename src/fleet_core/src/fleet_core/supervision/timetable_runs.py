@@ -71,7 +71,7 @@ def stored_name(timetable: str) -> str:
 
 
 def giver_of(timetable: str) -> str:
-    """The giver by whom the missions of a timetable are requested."""
+    """The name of the giver of all missions of a timetable."""
     return f'timetable {timetable}'
 
 
