@@ -23,6 +23,7 @@ from fleet_core.files.fleet_file import load_fleet
 from fleet_core.files.robot_settings import load_settings
 from fleet_core.files.work_file import load_work
 from fleet_core.work.site_work import SiteWork
+from fleet_core.work.timetables import DAY, DAYS, minute_of_day
 from fleet_simulation.batch import Done, Job, ProgressBar, run_all
 from fleet_simulation.demand_file import load_demand
 from fleet_simulation.figures import Figures
@@ -87,6 +88,9 @@ def _parser() -> argparse.ArgumentParser:
                         help='fleet sizes (default: the number of robots in the fleet file)')
     parser.add_argument('--hours', type=_positive, default=8.0,
                         help='virtual hours of each run (8)')
+    parser.add_argument('--begin', type=_moment, default=_moment('mon 06:00'),
+                        metavar='DAY HH:MM', help='day and time at which each run begins, for the '
+                                                  'timetables of the work file (mon 06:00)')
     parser.add_argument('--seeds', type=_whole, default=5, help='runs of each size (5)')
     parser.add_argument('--longest-edge', type=_positive, metavar='M',
                         help='cut edges longer than M metres into sections, as fleet_launch does')
@@ -121,6 +125,16 @@ def _counts(text: str) -> Tuple[int, ...]:
     return found
 
 
+def _moment(text: str) -> int:
+    """Minutes since the beginning of Monday, from `mon 06:00`."""
+    day, _, time = text.partition(' ')
+    try:
+        return DAYS.index(day) * DAY + minute_of_day(time)
+    except ValueError:
+        raise argparse.ArgumentTypeError(f'{text!r} is not a day and a time, such as "mon 06:00"; '
+                                         f'the days are: {", ".join(DAYS)}') from None
+
+
 def _positive(text: str) -> float:
     try:
         value = float(text)
@@ -149,7 +163,7 @@ def _site(options: argparse.Namespace, graph: Optional[Graph] = None,
     work = load_work(options.work, graph) if options.work else SiteWork()
     site = site_of(graph, fleet, load_settings(options.fleet),
                    load_demand(options.demand, graph, work), options.latency, options.rounds)
-    return replace(site, order=options.order)
+    return replace(site, order=options.order, begin=options.begin)
 
 
 def _runs(site: StudiedSite, counts: Sequence[int],

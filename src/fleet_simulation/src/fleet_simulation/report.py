@@ -7,11 +7,11 @@ import math
 import os
 from html import escape
 from pathlib import Path
-from typing import Dict, Iterable, List, NamedTuple, Sequence, Tuple
+from typing import Callable, Dict, Iterable, List, NamedTuple, Sequence, Tuple
 
 from file_replacement import replace_file
 from fleet_simulation import svg
-from fleet_simulation.figures import Figures, Use, WaitingCause
+from fleet_simulation.figures import Figures, TimetableUse, Use, WaitingCause
 from fleet_simulation.hold_ups import Bottleneck, HoldUp
 from fleet_simulation.site import StudiedSite
 from fleet_simulation.statistics import (
@@ -232,6 +232,7 @@ def html(study: Study) -> str:
         best = knee(found)
         parts += [_throughput(study, found, best), _times(found), _use(found),
                   _waiting(study, best), _resources(best), _deadline_table(found),
+                  _timetable_table(best),
                   _proposals(study), _needs(found), _planner(found),
                   _failures(found)]
     parts.append(_method(study))
@@ -327,6 +328,19 @@ def _deadline_table(found: Sequence[SizeResults]) -> str:
                                          rows) if rows else ''
 
 
+def _timetable_table(best: SizeResults) -> str:
+    whole: Dict[str, TimetableUse] = {}
+    for run in best.runs:
+        for name, use in run.timetables.items():
+            whole.setdefault(name, TimetableUse()).add(use)
+    rows = [(name, str(use.requested), str(use.succeeded),
+             *(_time(quantile(use.leads, share)) if use.leads else '-' for share in (0.5, 0.95)),
+             str(use.deadlines), str(use.missed)) for name, use in whole.items()]
+    return (f'<h2>Timetables, with {best.robots} robots</h2>' + _table(
+        ('', 'missions', 'done', 'request to success, p50', 'p95', 'deadlines', 'missed'), rows)
+            ) if rows else ''
+
+
 def _proposals(study: Study) -> str:
     if not study.proposals:
         return ''
@@ -399,44 +413,74 @@ def _mean(values: Iterable[float]) -> float:
 # -- tables ---------------------------------------------------------------------------------------
 
 
-def _tables(study: Study) -> Dict[str, List[Tuple[object, ...]]]:
+Rows = List[Tuple[object, ...]]
+
+
+def _tables(study: Study) -> Dict[str, Rows]:
     """Returns the rows of each CSV file by its name, the header first; times are in s."""
-    runs: List[Tuple[object, ...]] = [(
-        'robots', 'seed', 'measured_s', 'requested', 'succeeded', 'per_hour', 'open_at_end',
-        'failed', 'wait_p50', 'wait_p95', 'lead_p50', 'lead_p95',
-        *(f'{use.name.lower()}_robot_s' for use in Use), 'docks', 'parked', 'travelled_m',
-        'deadlines', 'missed', 'plans', 'plan_p50', 'plan_p95', 'plan_longest', 'world_cpu_s',
-        'supervisor_cpu_s', 'planner_cpu_s', 'times_real_time', 'trouble')]
-    waiting: List[Tuple[object, ...]] = [
-        ('robots', 'seed', 'edge', 'cause', 'robot_s', 'drawn_edge')]
-    missions: List[Tuple[object, ...]] = [('robots', 'seed', 'what', 'seconds')]
-    failures: List[Tuple[object, ...]] = [('robots', 'seed', 'missions', 'why')]
-    for run in study.runs:
-        key = run.robots, run.seed
-        runs.append((
-            *key, f'{run.seconds:.1f}', run.requested, run.succeeded, f'{run.per_hour:.2f}',
-            run.open_at_end, sum(run.failures.values()),
+    graph = study.site.graph
+    return {
+        'runs.csv': [_RUN_COLUMNS, *map(_run_row, study.runs)],
+        'waiting.csv': [('robots', 'seed', 'edge', 'cause', 'robot_s', 'drawn_edge'),
+                        *_of_each(study, lambda run: _waiting_rows(run, graph))],
+        'missions.csv': [('robots', 'seed', 'what', 'seconds'), *_of_each(study, _mission_rows)],
+        'resources.csv': [('robots', 'seed', 'resource', 'capacity', 'claimed_robot_s',
+                           'waiting_for', 'robot_s'), *_of_each(study, _resource_rows)],
+        'timetables.csv': [('robots', 'seed', 'timetable', 'missions', 'done', 'lead_p50',
+                            'lead_p95', 'deadlines', 'missed'), *_of_each(study, _timetable_rows)],
+        'failures.csv': [('robots', 'seed', 'missions', 'why'), *_of_each(study, _failure_rows)],
+        'proposals.csv': [('change', 'gain_per_hour', 'half_band', 'graph'), *(
+            (one.what, f'{one.gain.mean:.2f}', f'{one.gain.half:.2f}', one.file)
+            for one in study.proposals)]}
+
+
+def _of_each(study: Study, rows: Callable[[Figures], Rows]) -> Rows:
+    """The rows of all runs. Each begins with the size and the seed of its run."""
+    return [(run.robots, run.seed, *row) for run in study.runs for row in rows(run)]
+
+
+_RUN_COLUMNS: Tuple[object, ...] = (
+    'robots', 'seed', 'measured_s', 'requested', 'succeeded', 'per_hour', 'open_at_end', 'failed',
+    'wait_p50', 'wait_p95', 'lead_p50', 'lead_p95',
+    *(f'{use.name.lower()}_robot_s' for use in Use), 'docks', 'parked', 'travelled_m', 'deadlines',
+    'missed', 'plans', 'plan_p50', 'plan_p95', 'plan_longest', 'world_cpu_s', 'supervisor_cpu_s',
+    'planner_cpu_s', 'times_real_time', 'trouble')
+
+
+def _run_row(run: Figures) -> Tuple[object, ...]:
+    return (run.robots, run.seed, f'{run.seconds:.1f}', run.requested, run.succeeded,
+            f'{run.per_hour:.2f}', run.open_at_end, sum(run.failures.values()),
             *(f'{quantile(values, share):.2f}' for values in (run.waits, run.leads)
               for share in (0.5, 0.95)),
             *(f'{run.use[use]:.0f}' for use in Use), run.docks, run.parked,
             f'{run.travelled:.0f}', run.deadlines, run.missed, len(run.planning),
             *(f'{quantile(run.planning, share):.4f}' for share in (0.5, 0.95, 1.0)),
-            *(f'{seconds:.2f}' for seconds in run.spent), f'{run.speed:.1f}', run.trouble))
-        waiting += [(*key, edge, cause.value, f'{seconds:.0f}', _drawn(study.site.graph, edge))
-                    for (edge, cause), seconds in sorted(run.waiting.items(), key=_by_edge)]
-        missions += [(*key, 'request to start', f'{one:.2f}') for one in run.waits]
-        missions += [(*key, 'request to success', f'{one:.2f}') for one in run.leads]
-        failures += [(*key, count, why) for why, count in run.failures.items()]
-    resources: List[Tuple[object, ...]] = [
-        ('robots', 'seed', 'resource', 'capacity', 'claimed_robot_s', 'waiting_for', 'robot_s')]
-    resources += [(run.robots, run.seed, use.resource, use.resource.capacity,
-                   f'{use.claimed:.0f}', why.value, f'{wait:.0f}') for run in study.runs
-                  for use in run.resources.values() for why, wait in use.waiting.items()]
-    proposals: List[Tuple[object, ...]] = [('change', 'gain_per_hour', 'half_band', 'graph')]
-    proposals += [(one.what, f'{one.gain.mean:.2f}', f'{one.gain.half:.2f}', one.file)
-                  for one in study.proposals]
-    return {'runs.csv': runs, 'waiting.csv': waiting, 'missions.csv': missions,
-            'resources.csv': resources, 'failures.csv': failures, 'proposals.csv': proposals}
+            *(f'{seconds:.2f}' for seconds in run.spent), f'{run.speed:.1f}', run.trouble)
+
+
+def _waiting_rows(run: Figures, graph: Graph) -> Rows:
+    return [(edge, cause.value, f'{seconds:.0f}', _drawn(graph, edge))
+            for (edge, cause), seconds in sorted(run.waiting.items(), key=_by_edge)]
+
+
+def _mission_rows(run: Figures) -> Rows:
+    return [(what, f'{one:.2f}') for what, times in (
+        ('request to start', run.waits), ('request to success', run.leads)) for one in times]
+
+
+def _resource_rows(run: Figures) -> Rows:
+    return [(use.resource, use.resource.capacity, f'{use.claimed:.0f}', why.value, f'{wait:.0f}')
+            for use in run.resources.values() for why, wait in use.waiting.items()]
+
+
+def _timetable_rows(run: Figures) -> Rows:
+    return [(name, use.requested, use.succeeded,
+             *(f'{quantile(use.leads, share):.2f}' for share in (0.5, 0.95)), use.deadlines,
+             use.missed) for name, use in run.timetables.items()]
+
+
+def _failure_rows(run: Figures) -> Rows:
+    return [(count, why) for why, count in run.failures.items()]
 
 
 def _drawn(graph: Graph, edge: int) -> int:

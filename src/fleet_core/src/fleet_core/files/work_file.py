@@ -80,7 +80,7 @@ from fleet_core.work.templates import (
     filled,
     parameters_in,
 )
-from fleet_core.work.timetables import DAY, WEEK, Timetable, minute_of_day
+from fleet_core.work.timetables import DAY, DAYS, WEEK, Timetable, minute_of_day
 from trajectory_graph import Graph, strict_yaml
 from trajectory_graph.strict_yaml import Field, WrongYaml
 
@@ -92,9 +92,9 @@ _HAND_OVER = ('host', 'port', 'unit', 'start_coil', 'key_register', 'done', 'fai
 _DEVICE = ('name', 'kind', 'edges', 'timeout', 'driver', *(
     key for keys in _ADDRESS.values() for key in keys), *_HAND_OVER[3:])
 _TEMPLATE = ('name', 'parameters', 'stops', 'on_cancel')
-_TIMETABLE = ('name', 'template', 'arguments', 'every', 'from', 'to', 'days', 'priority')
+_TIMETABLE = ('name', 'template', 'arguments', 'every', 'from', 'to', 'days', 'priority',
+              'deadline')
 _JOB_STEPS = ('kind', 'at', 'steps')
-_DAYS = ('mon', 'tue', 'wed', 'thu', 'fri', 'sat', 'sun')
 _MINUTES = {'min': 1, 'h': 60}
 _NAME = re.compile(r'[A-Za-z]\w*', re.ASCII)
 _ROBOTS_NAME = re.compile('[A-Za-z0-9_-]{1,40}')
@@ -444,7 +444,8 @@ def _timetable(templates: Mapping[str, Template], stations: Mapping[str, Station
     return Timetable(name, template, _period(strict_yaml.field(fields, 'every', node)), arguments,
                      begin, end if end >= begin else end + DAY,
                      strict_yaml.optional(fields, 'days', _days, WEEK),
-                     strict_yaml.optional(fields, 'priority', strict_yaml.whole, 0))
+                     strict_yaml.optional(fields, 'priority', strict_yaml.whole, 0),
+                     strict_yaml.optional(fields, 'deadline', _period, 0))
 
 
 def _arguments(fields: Dict[str, yaml.Node]) -> Tuple[Tuple[str, str], ...]:
@@ -476,10 +477,10 @@ def _days(field: Field) -> FrozenSet[int]:
     """Days of the week, from `mon-fri` or `mon, wed, fri`; 0 is Monday."""
     found: Set[int] = set()
     for part in strict_yaml.text(field).split(','):
-        ends = [_DAYS.index(day) if day in _DAYS else None for day in part.strip().split('-')]
+        ends = [DAYS.index(day) if day in DAYS else None for day in part.strip().split('-')]
         first, last = ends[0], ends[-1]
         if len(ends) > 2 or first is None or last is None:
             raise WrongYaml(f'days has {part.strip()!r}, but must be days such as mon-fri, or '
-                            f'mon, wed; the days are: {", ".join(_DAYS)}', field[1])
+                            f'mon, wed; the days are: {", ".join(DAYS)}', field[1])
         found.update((first + k) % 7 for k in range((last - first) % 7 + 1))
     return frozenset(found)
