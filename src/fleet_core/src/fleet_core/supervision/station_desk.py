@@ -103,12 +103,16 @@ class StationDesk:
 
     # -- changes ----------------------------------------------------------------------------------
 
-    def advance(self, network: RoadNetwork) -> None:
-        """Follows missions, robots and claims. Chooses among the places of groups."""
-        if not self._stations:
+    def advance(self, network: RoadNetwork, leaving: AbstractSet[str] = frozenset()) -> None:
+        """Follows missions, robots and claims. Chooses among the places of groups.
+
+        leaving -- robots without work that are to leave where they are, because others need that
+        """
+        if not self._stations and not leaving:
+            self.limits = {}
             return
         going = self._going()
-        leaving: Set[str] = set()
+        leaving = set(leaving)
         for station in self._stations.values():
             waiters = [self._waiter(name, mission, station, network)
                        for name, mission in going.items()
