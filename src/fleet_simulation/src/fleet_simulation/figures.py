@@ -46,7 +46,7 @@ class Figures:
     leads          -- of each mission: time from its request until it succeeds
     use            -- robot seconds by activity
     waiting        -- robot seconds of waiting, by the edge that the robot waits for and the cause
-    resources      -- by name, how each station and device was used
+    resources      -- by name, how each station, device and charger was used
     deadlines      -- missions with a deadline that ended, or whose deadline passed
     missed         -- those of them that were not done by their deadline
     docks          -- most robots that charged at the same time

@@ -138,7 +138,7 @@ def test_no_two_robots_get_one_dock_and_none_waits_for_one_that_need_not_charge(
         assert all(robot.dock is not None for robot in robots if robot.tops_up)
 
 
-# -- chargers are claimed ---------------------------------------------------------------------------
+# -- chargers are claimed --------------------------------------------------------------------------
 
 # A lane with a bay of two docks at its end, and a dock at its beginning:
 #

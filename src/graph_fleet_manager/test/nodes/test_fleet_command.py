@@ -162,7 +162,8 @@ def test_it_says_what_a_robot_waits_for_and_until_when(called, monkeypatch, caps
 
 
 def test_programs_get_what_a_robot_waits_for_as_json(called, monkeypatch, capsys):
-    robot = FleetRobot(name='b', waits_for='a charger: a has dock_6', waits_for_code=12, until=math.nan)
+    robot = FleetRobot(name='b', waits_for='a charger: a has dock_6', waits_for_code=12,
+                       until=math.nan)
     monkeypatch.setattr(fleet, '_robots', lambda: [robot])
     assert fleet._fleet(['why', 'b', '--json']) == OK
     assert json.loads(capsys.readouterr().out) == {

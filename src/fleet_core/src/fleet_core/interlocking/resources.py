@@ -94,7 +94,9 @@ class Needs:
         """Names of the resources that all places of an allocation need."""
         if not self._at:
             return NOTHING
-        needs = NOTHING.union(*(self.of_edge(hold.edge) for hold in allocation.holds))
+        needs = NOTHING
+        for hold in allocation.holds:
+            needs |= self.of_edge(hold.edge)
         if allocation.vertex is not None:
             needs |= self.of_vertex(allocation.vertex)
         for area in allocation.areas:

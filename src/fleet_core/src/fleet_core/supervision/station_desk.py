@@ -108,11 +108,15 @@ class StationDesk:
 
         leaving -- robots without work that are to leave where they are, because others need that
         """
-        if not self._stations and not leaving:
-            self.limits = {}
-            return
-        going = self._going()
-        leaving = set(leaving)
+        going = self._going() if self._stations or leaving else {}
+        in_the_way = {*leaving, *self._advance(going, network)}
+        self.limits = {name: limit for name in (self._robots if going or in_the_way else ())
+                       for limit in (self._limit(name, going.get(name), name in in_the_way),)
+                       if limit != NO_LIMIT}
+
+    def _advance(self, going: Mapping[str, Mission], network: RoadNetwork) -> Set[str]:
+        """Advances the queues. Returns the robots that are to leave stations for others."""
+        leaving: Set[str] = set()
         for station in self._stations.values():
             waiters = [self._waiter(name, mission, station, network)
                        for name, mission in going.items()
@@ -129,9 +133,7 @@ class StationDesk:
             if queue.waits:
                 leaving.update(name for name in self._claims.holders(station.name)
                                if name not in queue.turns)
-        self.limits = {name: limit for name in self._robots
-                       for limit in (self._limit(name, going.get(name), name in leaving),)
-                       if limit != NO_LIMIT}
+        return leaving
 
     def _going(self) -> Dict[str, Mission]:
         """The missions whose robots go on to their next stops, by robot."""

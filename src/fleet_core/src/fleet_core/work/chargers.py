@@ -17,8 +17,8 @@ Turns are given in the order of these rows, in each row to the emptiest robot fi
 So a robot that tops up yields to robots that need to charge, and to missions. A robot chooses again
 as long as it waits, and on its way if its place is not free any more.
 
-A turn is not a claim. A robot claims the charger when it is granted the edges that lead there, as it
-claims a door (`interlocking.claims`).
+A turn is not a claim. A robot claims the charger when it is granted the edges that lead there, as
+it claims a door (`interlocking.claims`).
 
 Invariants, for each state after any events (`test_chargers.py`):
 
