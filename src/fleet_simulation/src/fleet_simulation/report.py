@@ -168,8 +168,8 @@ def _bottleneck_in_words(best: SizeResults) -> str:
     if first.minutes < _FEW_MINUTES * best.robots:
         return 'No robot waits long for a station, a device or a charger.'
     told = (f'Of all stations, devices and chargers, {first.resource} is the bottleneck: robots '
-            f'wait {_minutes(first.minutes)} per hour for it, mostly for {_main_reason(first)}, and '
-            f'{100 * first.occupied:.0f} % of it is occupied')
+            f'wait {_minutes(first.minutes)} per hour for it, mostly for {_main_reason(first)}, '
+            f'and {100 * first.occupied:.0f} % of it is occupied')
     if len(found) == 1 or found[1].minutes < _FEW_MINUTES * best.robots:
         return f'{told}.'
     return f'{told}; for {found[1].resource} they wait {_minutes(found[1].minutes)}.'

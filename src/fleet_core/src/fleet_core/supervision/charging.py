@@ -22,6 +22,7 @@ from typing import (
     Collection,
     Dict,
     FrozenSet,
+    Iterable,
     Iterator,
     List,
     Mapping,
@@ -38,6 +39,7 @@ from fleet_core.supervision.battery import MUTE
 from fleet_core.supervision.device_desk import DeviceView
 from fleet_core.supervision.duties import follows
 from fleet_core.supervision.mission_book import MissionBook
+from fleet_core.supervision.missions import Mission
 from fleet_core.supervision.robots import ManagedRobot
 from fleet_core.work.chargers import Candidate, Charger, Occupied, turns_of
 from route_protocol.devices import DeviceMode
@@ -96,15 +98,17 @@ class ChargerDesk:
         """
         before = {name: _stored(robot) for name, robot in self._robots.items()}
         self.waiting = {}
+        serving = self._book.serving
         candidates: Dict[str, Candidate] = {}
         for name, robot in self._robots.items():
             if robot.charge_until and robot.battery.charge >= robot.charge_until:
                 robot.charge_until = 0.0
-            if name not in self._book.serving:
+            if name not in serving:
                 candidate = self._candidate(robot, name in short, network, now)
                 if candidate is not None:
                     candidates[name] = candidate
-        self._give_turns(candidates, network, now)
+        if candidates or any(robot.dock is not None for robot in self._robots.values()):
+            self._give_turns(candidates, serving, network, now)
         return [name for name, robot in self._robots.items() if before[name] != _stored(robot)]
 
     def _candidate(self, robot: ManagedRobot, is_short: bool, network: RoadNetwork,
@@ -153,39 +157,33 @@ class ChargerDesk:
             found |= broken
         return found
 
-    def _give_turns(self, candidates: Mapping[str, Candidate], network: RoadNetwork,
-                    now: float) -> None:
-        stays = list(self._stays(candidates)) if candidates else []
+    def _give_turns(self, candidates: Mapping[str, Candidate], serving: Mapping[str, Mission],
+                    network: RoadNetwork, now: float) -> None:
+        stays = list(self._stays(candidates, serving))
         turns = turns_of(self._chargers.values(), candidates.values(), Occupied(
             {one.place for one in stays if one.place is not None},
-            Counter(one.charger for one in stays), self._wanted() if candidates else frozenset()))
+            Counter(one.charger for one in stays), self._wanted(serving.values())))
         for name, robot in self._robots.items():
             robot.dock = turns.get(name)
             robot.tops_up = robot.dock is not None and not candidates[name].needs
         for name, one in candidates.items():
             if one.needs and name not in turns:
                 self.waiting[name] = self._why_none(one, turns, stays, network, now)
-        self.leaving = frozenset(self._in_the_way(turns, stays)) if turns else frozenset()
+        self.leaving = frozenset(self._in_the_way(turns, stays))
 
-    def _stays(self, candidates: Collection[str]) -> Iterator[_Stay]:
+    def _stays(self, candidates: Collection[str],
+               serving: Mapping[str, Mission]) -> Iterator[_Stay]:
         """The robots that claim chargers, are no candidates, and do not make room."""
         for name in self._claims.robots:
             for charger in self._claims.of(name) & self._chargers.keys():
-                if name not in candidates and self._is_to_stay(name, self._chargers[charger]):
-                    robot = self._robots.get(name)
+                robot = self._robots.get(name)
+                if name not in candidates and (robot is None or not robot.works or _is_to_stay(
+                        serving.get(name), self._chargers[charger])):
                     yield _Stay(name, charger, robot and robot.record.last_vertex)
 
-    def _is_to_stay(self, name: str, charger: Charger) -> bool:
-        robot, mission = self._robots.get(name), self._book.serving.get(name)
-        if robot is None or not robot.works:
-            return True
-        return mission is not None and (
-            not follows(mission) or mission.dwell_until is not None
-            or mission.left[:1] != () and mission.left[0] in charger.places)
-
-    def _wanted(self) -> FrozenSet[int]:
+    def _wanted(self, missions: Iterable[Mission]) -> FrozenSet[int]:
         """The places of chargers to which missions go now."""
-        return frozenset(mission.left[0] for mission in self._book.serving.values()
+        return frozenset(mission.left[0] for mission in missions
                          if mission.left and mission.left[0] in self._at and follows(mission))
 
     def _in_the_way(self, turns: Mapping[str, int], stays: List[_Stay]) -> Iterator[str]:
@@ -219,6 +217,13 @@ class ChargerDesk:
             found.append(f'{" and ".join(names)} {"have" if len(names) > 1 else "has"} '
                          f'{charger.name}')
         return f'a charger: {", ".join(found)}'
+
+
+def _is_to_stay(mission: Optional[Mission], charger: Charger) -> bool:
+    """Does a robot that works stay in a charger for its mission?"""
+    return mission is not None and (
+        not follows(mission) or mission.dwell_until is not None
+        or bool(mission.left) and mission.left[0] in charger.places)
 
 
 def _stored(robot: ManagedRobot) -> Tuple[Optional[int], bool, float]:
