@@ -179,7 +179,7 @@ class ChargerDesk:
                 robot = self._robots.get(name)
                 if name not in candidates and (robot is None or not robot.works or _is_to_stay(
                         serving.get(name), self._chargers[charger])):
-                    yield _Stay(name, charger, robot and robot.record.last_vertex)
+                    yield _Stay(name, charger, None if robot is None else robot.record.last_vertex)
 
     def _wanted(self, missions: Iterable[Mission]) -> FrozenSet[int]:
         """The places of chargers to which missions go now."""

@@ -29,7 +29,7 @@ Invariants, for each state after any events (`test_chargers.py`):
 - While a place is free that some robot may use, and its charger has room, no robot that needs to
   charge waits for it.
 - No robot that needs to charge waits for a place that a robot which tops up has.
-- A turn stays until the robot may leave, or somebody else stays in its place or claims the charger,
+- A turn stays until the robot may leave, or another robot stays in its place or claims the charger,
   or the place is not among those that would do any more.
 """
 from __future__ import annotations
