@@ -70,13 +70,14 @@ def test_a_station_with_long_steps_and_room_for_one_robot_is_named(
     assert main([*(f'--{name}={path}' for name, path in paths.items()), '--robots=3',
                  '--hours=0.15', '--seeds=1', f'--output={tmp_path / "report"}']) == 0
     told = capsys.readouterr().out
-    assert 'Of all stations and devices, station press is the bottleneck: robots wait' in told
+    assert ('Of all stations, devices and chargers, station press is the bottleneck: robots wait'
+            in told)
     assert 'mostly for its turn in the queue' in told
     rows = list(csv.DictReader((tmp_path / 'report' / 'resources.csv').open()))
     press = sum(float(row['robot_s']) for row in rows if row['resource'] == 'station press')
     assert press > 5.0 * sum(float(row['robot_s']) for row in rows
                              if row['resource'] != 'station press')
-    assert '<h2>Stations and devices, with 3 robots</h2>' in (
+    assert '<h2>Stations, devices and chargers, with 3 robots</h2>' in (
         tmp_path / 'report' / 'report.html').read_text()
 
 

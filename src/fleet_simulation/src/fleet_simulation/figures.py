@@ -70,7 +70,7 @@ class Figures:
     leads          -- of each mission: time from its request until it succeeds
     use            -- robot seconds by activity
     waiting        -- robot seconds of waiting, by the edge that the robot waits for and the cause
-    resources      -- by name, how each station and device was used
+    resources      -- by name, how each station, device and charger was used
     timetables     -- by name, what became of the missions of each timetable of the work file
     deadlines      -- missions with a deadline that ended, or whose deadline passed
     missed         -- those of them that were not done by their deadline

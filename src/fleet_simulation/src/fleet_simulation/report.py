@@ -166,10 +166,10 @@ def _bottleneck_in_words(best: SizeResults) -> str:
         return ''
     first = found[0]
     if first.minutes < _FEW_MINUTES * best.robots:
-        return 'No robot waits long for a station or a device.'
-    told = (f'Of all stations and devices, {first.resource} is the bottleneck: robots wait '
-            f'{_minutes(first.minutes)} per hour for it, mostly for {_main_reason(first)}, and '
-            f'{100 * first.occupied:.0f} % of it is occupied')
+        return 'No robot waits long for a station, a device or a charger.'
+    told = (f'Of all stations, devices and chargers, {first.resource} is the bottleneck: robots '
+            f'wait {_minutes(first.minutes)} per hour for it, mostly for {_main_reason(first)}, '
+            f'and {100 * first.occupied:.0f} % of it is occupied')
     if len(found) == 1 or found[1].minutes < _FEW_MINUTES * best.robots:
         return f'{told}.'
     return f'{told}; for {found[1].resource} they wait {_minutes(found[1].minutes)}.'
@@ -314,7 +314,7 @@ def _resources(best: SizeResults) -> str:
             for one in bottlenecks_of(best)]
     if not rows:
         return ''
-    return (f'<h2>Stations and devices, with {best.robots} robots</h2>'
+    return (f'<h2>Stations, devices and chargers, with {best.robots} robots</h2>'
             '<p>Occupied: share of the capacity that robots claim, on their way there included. '
             'Waiting: robot minutes per hour.</p>'
             + _table(('', 'capacity', 'occupied', 'waiting', *(

@@ -10,7 +10,6 @@ from fleet_core.fleet import RobotType
 from fleet_core.supervision.actions import SendRoute
 from fleet_core.supervision.missions import MissionState, Request, Status
 from fleet_core.supervision.robots import ManagedRobot
-from fleet_core.supervision.site_resources import resources_of
 from fleet_core.supervision.timetable_runs import giver_of
 from fleet_simulation.demand import HOUR, RequestSource
 from fleet_simulation.driven_robot import AGV, LD90, DrivenRobot
@@ -52,7 +51,8 @@ class Run:
         self.world.planner.rounds = site.rounds
         self._actors = VirtualActors(self.world, site.work, site.times, seed)
         self.figures = Figures(robots, seed)
-        self.figures.resources = {one.name: ResourceUse(one) for one in resources_of(site.work)}
+        resources = self.world.supervisor.interlocking.claims.needs.resources
+        self.figures.resources = {name: ResourceUse(one) for name, one in resources.items()}
         self.figures.timetables = {name: TimetableUse() for name in site.work.timetables}
         self._givers = {giver_of(name): name for name in site.work.timetables}
         self._timetables: Dict[int, str] = {}
@@ -209,7 +209,7 @@ class Run:
         figures.docks, figures.parked = max(figures.docks, docks), max(figures.parked, parked)
 
     def _sample_resources(self, seconds: float) -> Dict[str, WaitFor]:
-        """Counts the claims. Returns the station or device for which each robot waits."""
+        """Counts the claims. Returns the resource for which each robot waits."""
         figures, supervisor = self.figures, self.world.supervisor
         if not figures.resources:
             return {}

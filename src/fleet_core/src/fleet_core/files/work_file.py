@@ -1,8 +1,10 @@
-"""The work file: stations, devices, templates of missions, and timetables of a site.
+"""The work file: stations, chargers, devices, templates of missions, and timetables of a site.
 
     stations:
     - {name: press, places: [18], queue: [20, 22], capacity: 1}
     - {name: shelves, places: [39, 42], kind: group}
+    chargers:
+    - {name: bay, places: [16, 24], capacity: 1}
     devices:
     - {name: gate_north, kind: door, edges: [17, 18], driver: modbus, host: 10.0.0.40, open_coil: 3,
        is_open: 11, timeout: 30}
@@ -57,6 +59,7 @@ from fleet_core.files.strict_fields import (
     optional_items,
     word,
 )
+from fleet_core.work.chargers import Charger
 from fleet_core.work.devices import (
     KEY_REGISTERS,
     LAST_ADDRESS,
@@ -84,8 +87,9 @@ from fleet_core.work.timetables import DAY, DAYS, WEEK, Timetable, minute_of_day
 from trajectory_graph import Graph, strict_yaml
 from trajectory_graph.strict_yaml import Field, WrongYaml
 
-_FILE = ('step_types', 'stations', 'devices', 'templates', 'timetables', 'job_steps')
+_FILE = ('step_types', 'stations', 'chargers', 'devices', 'templates', 'timetables', 'job_steps')
 _STATION = ('name', 'places', 'queue', 'capacity', 'kind')
+_CHARGER = ('name', 'places', 'capacity')
 _ADDRESS = {DeviceDriver.MODBUS: ('host', 'port', 'unit', 'open_coil', 'is_open'),
             DeviceDriver.LD90: ('robot', 'output', 'input')}
 _HAND_OVER = ('host', 'port', 'unit', 'start_coil', 'key_register', 'done', 'failed')
@@ -110,6 +114,7 @@ def load_work(path: Union[str, os.PathLike], graph: Graph) -> SiteWork:
         found = _entries(fields, 'devices', 'device', partial(_device, stations, graph))
         devices = {name: one for name, one in found.items() if isinstance(one, Device)}
         machines = {name: one for name, one in found.items() if isinstance(one, StepDevice)}
+        chargers = _chargers(fields, (*stations, *found), graph)
         templates = _entries(fields, 'templates', 'template',
                              partial(_template, stations, types, (*devices, *machines), machines,
                                      graph))
@@ -117,7 +122,7 @@ def load_work(path: Union[str, os.PathLike], graph: Graph) -> SiteWork:
                               partial(_timetable, templates, stations, graph), 'template')
         return SiteWork(stations, devices, machines, templates, timetables, types,
                         _job_steps(stations, types, devices, machines, graph,
-                                   optional_items(fields, 'job_steps')))
+                                   optional_items(fields, 'job_steps')), chargers)
     except WrongYaml as wrong:
         raise FileError.of(path, wrong) from None
 
@@ -156,14 +161,43 @@ def _stations(fields: Dict[str, yaml.Node], graph: Graph) -> Dict[str, Station]:
                                 'already', node)
         owners.update((place, name) for place in (*places, *queue))
         kind = word(fields, 'kind', StationKind, StationKind.STATION)
-        capacity = strict_yaml.optional(fields, 'capacity', strict_yaml.whole,
-                                        len(places) if kind is StationKind.GROUP else 1)
-        if not 0 < capacity <= len(places):
-            raise WrongYaml(f'capacity of station {name} is {capacity}, but it has {len(places)} '
-                            f'{"place" if len(places) == 1 else "places"}: give a number from 1 to '
-                            f'{len(places)}', fields['capacity'])
+        capacity = _capacity(f'station {name}', fields, places,
+                             len(places) if kind is StationKind.GROUP else 1)
         return Station(name, places, queue, capacity, kind)
     return _entries(fields, 'stations', 'station', station)
+
+
+def _capacity(whose: str, fields: Dict[str, yaml.Node], places: Sequence[int],
+              default: int) -> int:
+    capacity = strict_yaml.optional(fields, 'capacity', strict_yaml.whole, default)
+    if not 0 < capacity <= len(places):
+        raise WrongYaml(f'capacity of {whose} is {capacity}, but it has {len(places)} '
+                        f'{"place" if len(places) == 1 else "places"}: give a number from 1 to '
+                        f'{len(places)}', fields['capacity'])
+    return capacity
+
+
+def _chargers(fields: Dict[str, yaml.Node], names: Container[str],
+              graph: Graph) -> Dict[str, Charger]:
+    """The chargers; `names`: of the stations and devices."""
+    owners: Dict[int, str] = {}
+
+    def charger(name: str, node: yaml.Node, fields: Dict[str, yaml.Node]) -> Charger:
+        known_fields(node, 'a charger', _CHARGER)
+        if name in names:
+            raise WrongYaml(f'a station or device is called {name} already; give the charger '
+                            'another name', node)
+        places = _vertices(strict_yaml.field(fields, 'places', node), graph)
+        for place in places:
+            if not graph.vertices[place].dock:
+                raise WrongYaml(f'vertex {place} is no dock in the graph: robots cannot charge '
+                                'there; set Dock: true at the vertex, or name another',
+                                fields['places'])
+            if place in owners:
+                raise WrongYaml(f'dock {place} belongs to charger {owners[place]} already', node)
+            owners[place] = name
+        return Charger(name, places, _capacity(f'charger {name}', fields, places, len(places)))
+    return _entries(fields, 'chargers', 'charger', charger)
 
 
 def _vertices(field: Field, graph: Graph) -> Tuple[int, ...]:

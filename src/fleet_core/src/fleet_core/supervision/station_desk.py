@@ -103,11 +103,19 @@ class StationDesk:
 
     # -- changes ----------------------------------------------------------------------------------
 
-    def advance(self, network: RoadNetwork) -> None:
-        """Follows missions, robots and claims. Chooses among the places of groups."""
-        if not self._stations:
-            return
-        going = self._going()
+    def advance(self, network: RoadNetwork, leaving: AbstractSet[str] = frozenset()) -> None:
+        """Follows missions, robots and claims. Chooses among the places of groups.
+
+        leaving -- robots without work that are to leave where they are, because others need that
+        """
+        going = self._going() if self._stations or leaving else {}
+        in_the_way = {*leaving, *self._advance(going, network)}
+        self.limits = {name: limit for name in (self._robots if going or in_the_way else ())
+                       for limit in (self._limit(name, going.get(name), name in in_the_way),)
+                       if limit != NO_LIMIT}
+
+    def _advance(self, going: Mapping[str, Mission], network: RoadNetwork) -> Set[str]:
+        """Advances the queues. Returns the robots that are to leave stations for others."""
         leaving: Set[str] = set()
         for station in self._stations.values():
             waiters = [self._waiter(name, mission, station, network)
@@ -125,9 +133,7 @@ class StationDesk:
             if queue.waits:
                 leaving.update(name for name in self._claims.holders(station.name)
                                if name not in queue.turns)
-        self.limits = {name: limit for name in self._robots
-                       for limit in (self._limit(name, going.get(name), name in leaving),)
-                       if limit != NO_LIMIT}
+        return leaving
 
     def _going(self) -> Dict[str, Mission]:
         """The missions whose robots go on to their next stops, by robot."""

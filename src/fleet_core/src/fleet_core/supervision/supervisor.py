@@ -28,7 +28,7 @@ from fleet_core.planning.tasks import PlanningOutcome
 from fleet_core.supervision import mission_commands, mission_progress
 from fleet_core.supervision.actions import Action, TellStatus
 from fleet_core.supervision.assumptions import World, WorldView
-from fleet_core.supervision.charging import ChargeQueue, docks_of
+from fleet_core.supervision.charging import ChargerDesk, docks_of
 from fleet_core.supervision.device_desk import DeviceDesk
 from fleet_core.supervision.duties import NO_LIMIT, Errand, errand_of
 from fleet_core.supervision.fleet_stop import NOT_STOPPED, FleetStop, StopCause
@@ -62,7 +62,7 @@ from fleet_core.supervision.restoring import (
 from fleet_core.supervision.robots import ManagedRobot
 from fleet_core.supervision.run_number import RUN_NUMBER, RunNumber
 from fleet_core.supervision.settings import RobotSettings
-from fleet_core.supervision.site_resources import resources_of
+from fleet_core.supervision.site_resources import chargers_of, resources_of
 from fleet_core.supervision.station_desk import StationDesk
 from fleet_core.supervision.switching import OrderSwitching
 from fleet_core.supervision.time_to_go import time_over, time_to_go
@@ -87,7 +87,7 @@ class Supervisor:
     Each public method handles one event (a request, a report, a command, a tick) and returns the
     actions to be carried out. It passes the event to the module that is in charge:
 
-    - `book` keeps the missions, and `charging` gives docks to robots.
+    - `book` keeps the missions, and `charging` says which robots go to chargers.
     - `desk` leads missions with steps, and keeps the loads of robots.
     - `stations` says which robots may go to stations, and where the others wait.
     - `plan_executor` asks the planner, and requests grants by the plan's order.
@@ -98,8 +98,8 @@ class Supervisor:
     rate     -- the factor by which simulated robots are faster than the clock
     switching -- looks for a better order while robots are late; None: the order stays
     conformance -- checks each event against the model of allocations; None: nothing does
-    resources   -- zones and the like, which robots must claim, besides the devices and stations
-                   of `work`
+    resources   -- zones and the like, which robots must claim, besides the devices, stations and
+                   chargers of `work` and `fleet`
     work        -- what the site says about work; None: nothing
     """
 
@@ -112,7 +112,8 @@ class Supervisor:
                  work: Optional[SiteWork] = None) -> None:
         self.gate = gate or StopGate()
         work = work or SiteWork()
-        resources = (*resources_of(work), *resources)
+        chargers = chargers_of(work, fleet, graph)
+        resources = (*resources_of(work, chargers.values()), *resources)
         self.networks = Networks(graph, fleet, rate, resources)
         self.rate = rate
         """The factor by which robots are faster than the clock."""
@@ -127,7 +128,6 @@ class Supervisor:
         """Robots that are not in the fleet file any more, but may be on the site."""
         self.acceptance = Acceptance(graph, {r.name: r.type for r in self.robots.values()})
         """The data by which requests are checked."""
-        self.charging = ChargeQueue(self.robots)
         self.book = MissionBook(
             journal.missions(), journal.last_serial() + 1,
             {serial: now - seconds for serial, seconds in journal.stays().items()})
@@ -154,11 +154,14 @@ class Supervisor:
                                     self.desk)
         self.desk.may_enter = self.stations.may_go_to
         self.devices = DeviceDesk(self._claims, lambda: self.interlocking.unknown_robots)
+        self.charging = ChargerDesk(chargers, self._claims, self.book, self.robots,
+                                    self.devices.view)
         self._out = Outbox(journal, self.book, self.robots, self._everywhere, self.interlocking,
                            self.desk, self.devices)
         self._view = WorldView(self.robots, changes)
         self.plan_executor = PlanExecutor(self.robots, self.interlocking, self._out,
-                                          switching, rate, self.stations.reserved)
+                                          switching, rate,
+                                          self.stations.reserved | self.charging.reserved)
         self.interlocking.stored(self._everywhere)
         self._declared_absent = {robot.name for robot in fleet.robots if robot.absent}
         self._run = RunNumber(journal)
@@ -760,13 +763,12 @@ class Supervisor:
                                    for robot in self.robots.values())
         if self.all_wait.code:
             return
-        busy = set(self.book.serving)
-        for name in self.charging.update(busy, self._waiting.short, self.network, now):
+        for name in self.charging.update(self._waiting.short, self.network, now):
             self._out.robot_changed(name)
         for name in self._waiting.assign(self.acceptance, self.networks, now,
                                          self.stations.room):
             mission_progress.follow(self.book, self.robots[name], now)
-        self.stations.advance(self.network)
+        self.stations.advance(self.network, self.charging.leaving)
         self.plan_executor.advance(self._world(), now)
 
     def _follow(self, robot: ManagedRobot, now: float) -> None:

@@ -107,27 +107,37 @@ class FleetModel:
         for name in found:
             # RViz numbers the robots in the same order: the number selects the colour.
             self._numbers.setdefault(name, len(self._numbers))
-        self._faults = {name: self._fault_since(robot, now) for name, robot in found.items()}
-        self.live.replace('robot:', {
-            name: {**_robot_values(robot), 'number': self._numbers[name],
-                   'fault': self._faults[name][0], 'fault_since': self._faults[name][1]}
-            for name, robot in found.items()})
-        happened = (event_between(self.robots[name], robot, now)
-                    for name, robot in found.items() if name in self.robots)
-        self._events.extend(event for event in happened if event is not None)
+        self._show_robots(found, now)
+        self._note_events(found, now)
         for name in {*self.robots, *found}:
             self._raise_alarm(f'robot:{name}', alarm_of(found[name]) if name in found else '', now)
         self.robots = found
-        for name in [name for name in self.places if name not in found]:
-            del self.places[name]
-            self.live.remove(f'pose:{name}')
-        for name, robot in found.items():
-            if name not in self.places:
-                place = self._place_on_graph(robot)
-                if place is not None:
-                    self._show_place(name, place)
+        self._follow_places()
         self._expect_ends(now)
         self.tick(now)
+
+    def _show_robots(self, robots: Mapping[str, ShownRobot], now: float) -> None:
+        self._faults = {name: self._fault_since(robot, now) for name, robot in robots.items()}
+        self.live.replace('robot:', {
+            name: {**_robot_values(robot), 'number': self._numbers[name],
+                   'fault': self._faults[name][0], 'fault_since': self._faults[name][1]}
+            for name, robot in robots.items()})
+
+    def _note_events(self, robots: Mapping[str, ShownRobot], now: float) -> None:
+        """Notes what happened to robots since their last states."""
+        happened = (event_between(self.robots[name], robot, now)
+                    for name, robot in robots.items() if name in self.robots)
+        self._events.extend(event for event in happened if event is not None)
+
+    def _follow_places(self) -> None:
+        """Shows each robot that has told no pose on the graph. Forgets robots that have gone."""
+        for name in [name for name in self.places if name not in self.robots]:
+            del self.places[name]
+            self.live.remove(f'pose:{name}')
+        for name, robot in self.robots.items():
+            place = None if name in self.places else self._place_on_graph(robot)
+            if place is not None:
+                self._show_place(name, place)
 
     def _fault_since(self, robot: ShownRobot, now: float) -> Tuple[str, int]:
         """Returns what keeps a robot from working, and since when (s since 1970; 0: nothing)."""

@@ -1,4 +1,4 @@
-"""Doors and stations in RViz: what they show, and the robots that claim them."""
+"""Doors, stations and chargers in RViz: what they show, and the robots that claim them."""
 from __future__ import annotations
 
 from typing import Iterable, List
@@ -21,7 +21,7 @@ _Z = 0.01
 
 
 def resource_markers(graph: Graph, resources: Iterable[FleetResource]) -> List[Marker]:
-    """The markers of doors and other devices, along their edges, and of stations."""
+    """The markers of doors and other devices, along their edges, of stations and of chargers."""
     markers: List[Marker] = []
     for number, one in enumerate(resources):
         curves = [graph.curve(edge) for edge in one.edges if edge in graph.edges]
