@@ -12,7 +12,14 @@ from nav_msgs.msg import OccupancyGrid
 from std_srvs.srv import Trigger, TriggerResponse
 
 from fleet_page.core.acts import Act, ActKind
-from fleet_page.core.fleet import MISSION_STATES, ROBOT_STATES, ShownPose, ShownResource
+from fleet_page.core.fleet import (
+    MISSION_STATES,
+    ROBOT_STATES,
+    ShownMachine,
+    ShownPose,
+    ShownQueuePlace,
+    ShownResource,
+)
 from fleet_page.core.fleet_model import FleetModel
 from fleet_page.core.roles import Person, UserRole
 from fleet_page.core.site import WrongMap
@@ -65,13 +72,36 @@ def test_stations_and_doors_are_told_with_what_they_show_and_the_robots_there():
                           device_mode=msg.DeviceState.OPEN,
                           claims=[msg.ResourceClaim('a', msg.ResourceClaim.IN_USE)]),
         msg.FleetResource(name='press', kind=msg.FleetResource.STATION, vertices=[18])]))
-    assert found == [ShownResource('gate', 'DOOR', (17,), (), 'OPEN', ('a',)),
+    assert found == [ShownResource('gate', 'DOOR', (17,), (), 'OPEN', ('a',), 'OPEN'),
                      ShownResource('press', 'STATION', vertices=(18,))]
     model = FleetModel()
     model.show_resources(found)
     assert model.live.get('resource:gate')['device'] == 'OPEN'
     model.show_resources(found[1:])
     assert model.live.get('resource:gate') is None
+    json.loads(model.live.update(0))
+
+
+def test_queues_loads_and_machines_are_told_with_their_robots():
+    message = msg.FleetState(
+        robots=[msg.FleetRobot(name='a', load=msg.FleetRobot.LOAD_LOADED, load_serial=42),
+                msg.FleetRobot(name='b', load=200)],
+        resources=[msg.FleetResource(
+            name='shelves', kind=msg.FleetResource.STATION, is_group=True,
+            queue=[msg.QueuePlace(22, 'a', True), msg.QueuePlace(vertex=8)])],
+        machines=[msg.FleetMachine(name='press_1', state=msg.FleetMachine.WORKING, vertices=[18],
+                                   robot='a'), msg.FleetMachine(name='oven', state=77)])
+    assert [(robot.load, robot.load_serial) for robot in messages.robots_of(message)] == [
+        ('LOADED', 42), ('UNKNOWN', 0)]
+    shelves, = messages.resources_of(message)
+    assert shelves.is_group
+    assert shelves.queue == (ShownQueuePlace(22, 'a', True), ShownQueuePlace(8))
+    machines = messages.machines_of(message)
+    assert machines == [ShownMachine('press_1', 'WORKING', 'OPEN', (18,), 'a'),
+                        ShownMachine('oven', 'SILENT', 'TROUBLE')]
+    model = FleetModel()
+    model.show_resources([shelves], machines)
+    assert model.live.get('machine:press_1')['robot'] == 'a'
     json.loads(model.live.update(0))
 
 

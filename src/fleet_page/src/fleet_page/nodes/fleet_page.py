@@ -223,7 +223,8 @@ class FleetPageNode:
     def _on_state(self, message: FleetState) -> None:
         self._page.model.show_stop(stop_of(message.stop))
         self._page.model.take_robots(messages.robots_of(message), time.time())
-        self._page.model.show_resources(messages.resources_of(message))
+        self._page.model.show_resources(messages.resources_of(message),
+                                        messages.machines_of(message))
         ready = self._readiness.words(
             self._page.model.robots.values(), self._is_surveyed,
             stop_of(message.stop).is_in_force, time.monotonic())
