@@ -3,7 +3,7 @@ import { $, makeSvg } from './dom.js';
 import { entries, all, site } from './server.js';
 import { language, said, t } from './texts.js';
 import { ABOVE_FIRST, BELOW_RIGHT_FIRST, Places, boxOf } from './placing.js';
-import { drawResources, resourceLayer } from './resources.js';
+import { drawResources, resourceLayer, stationPlaces } from './resources.js';
 import { Walls } from './walls.js';
 
 const REACH = 16; // pixels around a vertex within which a click selects it
@@ -69,6 +69,8 @@ function followPointers() {
 function click(event) {
   const robot = event.target.closest('.robot');
   if (robot) { handlers.robot(robot.dataset.name); return; }
+  const station = event.target.closest('.station text');
+  if (station && stationPlaces(station.parentElement.dataset.name).length) { handlers.station(station.parentElement.dataset.name); return; }
   const box = svg.getBoundingClientRect(), at = [event.clientX - box.left, event.clientY - box.top];
   let best = null, least = REACH;
   for (const [id, x, y, kind] of site.vertices) {
@@ -212,12 +214,12 @@ function drawSite() {
   drawNames(paint, radius);
   paint.textBaseline = 'alphabetic';
   paint.strokeStyle = paint.fillStyle = colour('main'); paint.lineWidth = 3; paint.font = `bold ${0.875 * rem}px system-ui, sans-serif`;
-  chosen.forEach((id, k) => {
-    const vertex = verticesById.get(id);
-    if (!vertex) return;
-    const [px, py] = pixel(vertex[1], vertex[2]);
-    paint.beginPath(); paint.arc(px, py, radius + 6, 0, 7); paint.stroke();
-    paint.fillText(String(k + 1), px - 4, py - radius - 9);
+  chosen.forEach((ids, k) => {
+    for (const vertex of ids.map(id => verticesById.get(id)).filter(Boolean)) {
+      const [px, py] = pixel(vertex[1], vertex[2]);
+      paint.beginPath(); paint.arc(px, py, radius + 6, 0, 7); paint.stroke();
+      paint.fillText(String(k + 1), px - 4, py - radius - 9);
+    }
   });
 }
 
@@ -242,6 +244,7 @@ function drawNames(paint, radius) {
   }
 }
 
+// vertices: for each destination; those of a group are several.
 export function showChosen(vertices) { chosen = vertices; redraw(); }
 export function showHeat(edges) { heat = edges; redraw(); }
 export function chooseRobot(name) { chosenRobot = name; drawMoving(null); }

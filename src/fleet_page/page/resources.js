@@ -1,11 +1,11 @@
 // Doors and other devices along their edges; stations, their queues, and machines around their places.
 import { makeSvg } from './dom.js';
-import { all } from './server.js';
+import { all, entries } from './server.js';
 import { t } from './texts.js';
 import { ABOVE_FIRST, boxOf } from './placing.js';
 
 export const resourceLayer = makeSvg('g');
-const LINE_AWAY = 6; // px from the line of a door to its words
+const LINE_AWAY = 7; // px from the line of a door to its words
 const LEAST = { station: 8, queue: 6, machine: 11 }, SIZES = { station: 0.45, queue: 0.35, machine: 0.62 }; // px and m: half of the width
 
 // Draws all anew. view: pixel, scale, rem, widthOf, places (for the words), edges and vertices by id.
@@ -19,6 +19,12 @@ export function drawResources(view) {
   }
   resourceLayer.replaceChildren(...shapes.filter(Boolean));
   return placeTexts(texts, view);
+}
+
+// The places of a station or group that a mission may name; none for a station with several places that are not equal.
+export function stationPlaces(name) {
+  const station = entries.get(`resource:${name}`);
+  return station && station.kind === 'STATION' && (station.is_group || station.vertices.length === 1) ? station.vertices : [];
 }
 
 const halfOf = (kind, view) => Math.max(LEAST[kind], SIZES[kind] * view.scale);
@@ -52,11 +58,23 @@ function drawResource(name, resource, view, texts, squares) {
     const points = [];
     for (let k = 0; k < edge[3].length; k += 2) points.push(view.pixel(edge[3][k], edge[3][k + 1]));
     group.append(makeSvg('path', { d: `M${points.map(point => point.map(v => v.toFixed(1)).join(' ')).join('L')}` }));
+    coverLine(points, view.places);
     middles.push(points.length === 2 ? [0, 1].map(k => (points[0][k] + points[1][k]) / 2) : points[points.length >> 1]);
   }
   for (const vertex of resource.vertices.map(id => view.vertices.get(id)).filter(Boolean)) middles.push(ring(group, 'station', vertex, view));
   if (middles.length) texts.push({ group, words: shown, x: middles[0][0], y: middles[0][1], away: resource.edges.length ? LINE_AWAY : halfOf(squares.has(resource.vertices[0]) ? 'machine' : 'station', view) + 3, isFirst: true });
   return group;
+}
+
+// No words lie on the line of a door.
+function coverLine(points, places) {
+  for (let k = 1; k < points.length; k += 1) {
+    const [from, to] = [points[k - 1], points[k]], parts = Math.ceil(Math.hypot(to[0] - from[0], to[1] - from[1]) / (2 * LINE_AWAY));
+    for (let part = 0; part <= parts; part += 1) {
+      const [x, y] = [0, 1].map(axis => from[axis] + (to[axis] - from[axis]) * part / Math.max(1, parts));
+      places.cover([x - LINE_AWAY, y - LINE_AWAY, x + LINE_AWAY, y + LINE_AWAY]);
+    }
+  }
 }
 
 function ring(group, kind, vertex, view) {

@@ -134,6 +134,28 @@ def test_queue_places_have_their_order_and_their_robots_and_machines_their_state
     window.wait(lambda: not window.driver.find_elements('css selector', '.resource'))
 
 
+def test_a_group_is_a_destination_by_its_name_in_the_form_and_on_the_map(window, served):
+    served.do(lambda: served.page.model.show_resources([
+        ShownResource('shelves', 'STATION', vertices=(10, 11), is_group=True),
+        ShownResource('table', 'STATION', vertices=(3, 4)),
+        ShownResource('2nd', 'STATION', vertices=(7,))]))
+    window.wait(lambda: [one.get_attribute('value') for one in window.driver.find_elements(
+        'css selector', '#places option')][:2] == ['2nd', 'shelves'])
+    for word in ('shelves', '2nd', '1 dock', '5'):
+        window.one('#destination').send_keys(word)
+        window.click('#add')
+    window.click_words('.station[data-name=shelves] text')
+    window.one('#destination').send_keys('table')
+    window.click('#add')
+    window.wait(lambda: window.text('#said') == 'There is no such destination.')
+    assert [one.text.split(' ')[0] for one in window.driver.find_elements(
+        'css selector', '#chosen li')] == ['shelves', '2nd', '1', '5', 'shelves']
+    window.picture('group')
+    window.click('#send_button')
+    act = asked(window, served, ActKind.SEND)
+    assert act.destinations == ('shelves', '2nd', 1, 5, 'shelves')
+
+
 def test_a_load_is_drawn_on_its_robot_and_its_mission_is_in_the_list(window, served):
     def carry(**load):
         served.do(lambda: served.page.model.take_robots(

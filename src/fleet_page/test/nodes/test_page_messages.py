@@ -9,8 +9,10 @@ import pytest
 import rospy
 from genpy import Time
 from nav_msgs.msg import OccupancyGrid
+from page_builders import graph
 from std_srvs.srv import Trigger, TriggerResponse
 
+from fleet_core.work.stations import Station, StationKind, destination_of
 from fleet_page.core.acts import Act, ActKind
 from fleet_page.core.fleet import (
     MISSION_STATES,
@@ -156,7 +158,10 @@ class Topic:
 def commands(monkeypatch):
     monkeypatch.setattr(rospy, 'Publisher', Topic)
     monkeypatch.setattr(rospy.Time, 'now', lambda: Time(5))
-    return fleet_commands.FleetCommands(lambda name: name == 'a')
+    stations = {'press': Station('press', (18,)),
+                'shelves': Station('shelves', (39, 52), kind=StationKind.GROUP)}
+    return fleet_commands.FleetCommands(
+        lambda name: name == 'a', lambda word: destination_of(word, stations, graph()))
 
 
 def test_a_mission_is_sent_with_the_name_of_the_person(commands):
@@ -166,6 +171,23 @@ def test_a_mission_is_sent_with_the_name_of_the_person(commands):
     assert outcome.ok and outcome.mission == sent.request_id > 0
     assert list(sent.destination_vertices_id) == [2, 3] and list(sent.dwell) == [0.0, -1.0]
     assert (sent.priority, sent.robot) == (4, 'a') and 'anna' in sent.requested_by
+
+
+def test_stations_and_groups_are_destinations(commands):
+    assert commands.do(Act(ActKind.SEND, destinations=('press', 2)), ANNA).ok
+    assert commands.do(Act(ActKind.SEND, destinations=('press', 'shelves')), ANNA).ok
+    vertices, group = commands._requests._publisher.sent
+    assert list(vertices.destination_vertices_id) == [18, 2]
+    assert [(stop.vertex, stop.group) for stop in group.stops] == [(18, ''), (0, 'shelves')]
+
+
+@pytest.mark.parametrize('act, told', [
+    (Act(ActKind.SEND, destinations=('pres',)), "no station and no vertex is named 'pres'"),
+    (Act(ActKind.SEND, destinations=('shelves',), stays=(3.0,)), 'A group takes no stay')])
+def test_a_name_that_cannot_be_a_destination_is_not_sent(commands, act, told):
+    outcome = commands.do(act, ANNA)
+    assert not outcome.ok and told in outcome.text
+    assert commands._requests._publisher.sent == []
 
 
 @pytest.mark.parametrize('kind, command', [

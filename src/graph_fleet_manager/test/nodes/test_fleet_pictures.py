@@ -95,6 +95,13 @@ def test_its_words_tell_what_it_does_and_waits_for(fields, words):
     assert words_of(robot(**fields), 0.0) == words
 
 
+def test_a_robot_that_waits_for_a_person_is_in_the_colour_of_trouble_and_says_what_for():
+    asks = robot(state=FleetRobot.BUSY, destination=18, waits_for_code=WaitCode.PERSON,
+                 waits_for='step 1 (engage) of stop 1 needs an answer: no pallet under the fork')
+    assert 'answer: no pallet under' in ' '.join(words_of(asks, 0.0).split())
+    assert named(drawn(asks), 'names')[0].color == RED
+
+
 def test_what_it_waits_for_takes_no_more_than_two_lines():
     assert len(words_of(robot(waits_for='somebody ' * 30), 0.0).splitlines()) <= 4
 

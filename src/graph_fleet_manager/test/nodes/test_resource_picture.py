@@ -5,7 +5,7 @@ from itertools import combinations
 from typing import List
 
 import pytest
-from fleet_builders import corridor
+from fleet_builders import corridor, graph_of
 from visualization_msgs.msg import Marker
 
 from fleet_core.supervision.looks import Look
@@ -81,6 +81,14 @@ def test_a_machine_is_a_square_around_its_place(state: int, look: Look, words: s
 
 def test_a_machine_of_which_the_place_is_not_known_is_not_drawn() -> None:
     assert visible(draw_resources(GRAPH, (), [FleetMachine(name='oven')]).markers) == []
+
+
+def test_the_words_of_a_door_do_not_lie_on_its_band() -> None:
+    graph = graph_of({1: (0.0, 0.0), 2: (4.0, 4.0)}, {1: (1, 2)})
+    door = FleetResource(name='gate', edges=[1], has_device=True)
+    box, = draw_resources(graph, [door]).boxes
+    assert not any(box[0] < x < box[2] and box[1] < y < box[3]
+                   for x, y in graph.curve(1).sample(0.05))
 
 
 def test_no_words_cover_each_other_or_lie_outside_of_what_is_seen() -> None:

@@ -1,7 +1,7 @@
 """Messages about doors, stations, other resources and machines, and the robots that use them."""
 from __future__ import annotations
 
-from typing import Iterable, List, Mapping, Optional
+from typing import Dict, Iterable, List, Mapping, Optional
 
 from fleet_core.interlocking.claims import ClaimState
 from fleet_core.interlocking.resources import ResourceKind
@@ -9,6 +9,7 @@ from fleet_core.supervision.device_desk import DeviceView
 from fleet_core.supervision.looks import DEVICE_WORDS, Look, look_of_resource
 from fleet_core.supervision.machine_view import MachineState, MachineView
 from fleet_core.supervision.resource_view import ResourceView
+from fleet_core.work.stations import Station, StationKind
 from itrci_nav_msgs import msg
 from route_protocol.devices import DeviceMode
 
@@ -49,6 +50,14 @@ def _message(view: ResourceView) -> msg.FleetResource:
                 for claim in view.claims],
         is_group=view.is_group,
         queue=[msg.QueuePlace(one.vertex, one.robot, one.is_there) for one in view.queue])
+
+
+def stations_of(messages: Iterable[msg.FleetResource]) -> Dict[str, Station]:
+    """The stations of a site, by name. Their kind and places are those of the work file."""
+    return {one.name: Station(
+        one.name, tuple(one.vertices), tuple(place.vertex for place in one.queue), one.capacity,
+        StationKind.GROUP if one.is_group else StationKind.STATION)
+        for one in messages if one.kind == msg.FleetResource.STATION}
 
 
 def device_of(message: msg.FleetResource) -> Optional[DeviceView]:

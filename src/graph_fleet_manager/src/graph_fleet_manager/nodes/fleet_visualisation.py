@@ -144,6 +144,8 @@ class FleetVisualisation:
             self._plan, self._changed = message, True
 
     def _on_status(self, message: MissionStatus) -> None:
+        with self._lock:
+            self._acts.mission_said(message)
         if message.state in _BAD:
             why = f': {message.reason}' if message.reason else ''
             self._say(f'Mission {message.request_id} {_BAD[message.state]}{why}')
@@ -166,7 +168,7 @@ class FleetVisualisation:
         self._ticks += 1
         places = self._draw_robots(graph, state)
         if self._ticks % SLOW == 0:
-            self._menus.show_robots(places)
+            self._menus.show_robots(places, self._acts.asks())
             if self._changed:
                 self._changed = False
                 self._drawn = draw_resources(graph, state.resources, state.machines,

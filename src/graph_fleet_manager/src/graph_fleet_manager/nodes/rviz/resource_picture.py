@@ -16,7 +16,14 @@ from graph_fleet_manager.messages.resources import (
 from graph_fleet_manager.nodes.rviz.paints import PAINTS
 from itrci_nav_msgs.msg import FleetMachine, FleetResource
 from rviz_drawing import drawing
-from rviz_drawing.placing import ABOVE_FIRST, Box, Places, box_beside, middle_of
+from rviz_drawing.placing import (
+    ABOVE_FIRST,
+    Box,
+    Places,
+    box_around,
+    box_beside,
+    middle_of,
+)
 from rviz_drawing.text_places import text_size
 from trajectory_graph import Graph
 
@@ -59,7 +66,9 @@ def draw_resources(graph: Graph, resources: Sequence[FleetResource],
         markers.append(_machine(graph, number, machine, words))
     for number, one in enumerate(resources):
         markers += _queue(graph, number, one, words)
-    texts, boxes = _placed(words, window, covered)
+    bands = [box_around((x, y), (BAND, BAND)) for one in resources for edge in one.edges
+             if edge in graph.edges for x, y in graph.curve(edge).sample(BAND)]
+    texts, boxes = _placed(words, window, (*covered, *bands))
     return DrawnResources([*markers, *texts], boxes)
 
 

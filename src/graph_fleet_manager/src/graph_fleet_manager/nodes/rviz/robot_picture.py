@@ -12,6 +12,7 @@ from visualization_msgs.msg import Marker
 from fleet_core.supervision.fleet_view import LOAD_WORDS, WORKING, RobotState
 from fleet_core.supervision.looks import Look
 from fleet_core.supervision.missions import short_name
+from fleet_core.supervision.waits import WaitCode
 from fleet_core.work.tables import LoadState
 from graph_fleet_manager.messages.missions import LOAD_OF_CODE
 from graph_fleet_manager.nodes.rviz.paints import LOAD, PAINTS
@@ -32,6 +33,7 @@ _TROUBLE = frozenset((FleetRobot.STOPPED, FleetRobot.TAKEN_OVER, FleetRobot.FAIL
 #: States for which no reason is shown beside the word.
 _SAID = frozenset((FleetRobot.OFFLINE, FleetRobot.OUT_OF_SERVICE))
 WAIT_WIDTH, WAIT_LINES = 24, 2  # characters per line and lines, for the reason why a robot waits
+ASK_LINES = 5  # lines if it waits for a person
 
 
 @dataclass(frozen=True)
@@ -70,8 +72,8 @@ def robot_markers(robot: FleetRobot, number: int, place: DrawnPose, label: Label
                          drawing.pose_at(here, place.heading, 0.2))
     nose = drawing.shape(Marker.ARROW, 'noses', number, DARK, (length * 0.8, width * 0.45, 0.05),
                          drawing.pose_at(_along(place, -0.4 * length), place.heading, 0.4))
-    trouble = robot.state in _TROUBLE or robot.load == FleetRobot.LOAD_UNKNOWN
-    words = drawing.text('names', number, label.words[:LONGEST_TEXT], label.middle(side),
+    trouble = robot.state in _TROUBLE or needs_person(robot)
+    words = drawing.text('names', number, label.words[:2 * LONGEST_TEXT], label.middle(side),
                          label.height, RED if trouble else GREY if gone else
                          drawing.own_colour(number, WORDS_SATURATION), 1.5)
     markers = [body, nose, words]
@@ -101,9 +103,14 @@ def words_of(robot: FleetRobot, now: float) -> str:
         doing += f' for {_duration(now - robot.seen.to_sec())}'
     lines = [robot.name + charge, doing, *load_words(robot)]
     if robot.waits_for and robot.state not in _SAID:
-        lines += textwrap.wrap(f'({robot.waits_for})', WAIT_WIDTH, max_lines=WAIT_LINES,
-                               placeholder=' ...')
+        lines += textwrap.wrap(f'({robot.waits_for})', WAIT_WIDTH, placeholder=' ...',
+                               max_lines=ASK_LINES if needs_person(robot) else WAIT_LINES)
     return '\n'.join(lines)
+
+
+def needs_person(robot: FleetRobot) -> bool:
+    """Returns whether a step asks, or a person must look at the load."""
+    return robot.waits_for_code == WaitCode.PERSON or robot.load == FleetRobot.LOAD_UNKNOWN
 
 
 def load_words(robot: FleetRobot) -> List[str]:
