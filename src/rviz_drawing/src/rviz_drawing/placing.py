@@ -62,10 +62,10 @@ class Places:
 
     def uncover(self, box: Box) -> None:
         """Takes back the first cover of this box."""
-        first = next((one for cell in self._cells_of(box) for one in self._cells.get(cell, ())
-                      if one.box == box), None)
-        for cell in self._cells_of(box) if first is not None else ():
-            self._cells[cell].remove(first)
+        for one in [one for cell in self._cells_of(box) for one in self._cells.get(cell, ())
+                    if one.box == box][:1]:
+            for cell in self._cells_of(box):
+                self._cells[cell].remove(one)
 
     def place(self, boxes: Sequence[Box], before: int = -1,
               may: MayCover = MayCover.NOTHING) -> int:

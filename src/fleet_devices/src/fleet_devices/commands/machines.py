@@ -48,7 +48,8 @@ class ListedMachine:
     @property
     def last(self) -> Optional[ShownStep]:
         """The step that it carries out, or carried out last."""
-        return max(self._steps, key=lambda one: one.key, default=None)
+        steps = self._steps
+        return max(steps, key=lambda one: one.key) if steps else None
 
     @property
     def _steps(self) -> Sequence[ShownStep]:
