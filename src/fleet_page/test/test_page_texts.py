@@ -10,7 +10,7 @@ from page_builders import PAGE_FOLDER
 
 from fleet_core.interlocking.resources import ResourceKind
 from fleet_core.supervision.fleet_view import LOAD_WORDS, WORKING, RobotState
-from fleet_core.supervision.looks import DEVICE_WORDS, Look, QueueState
+from fleet_core.supervision.looks import DEVICE_WORDS, QueueState, ResourceLook
 from fleet_core.supervision.machine_view import MachineState
 from fleet_core.supervision.outages import Outage
 from fleet_page.core.acts import ANSWERS, ActKind
@@ -197,5 +197,5 @@ def test_stations_devices_and_loads_have_the_same_words_on_the_page_and_in_rviz(
 def test_the_dark_page_has_the_colours_of_rviz():
     dark = re.search(r'data-theme=dark\] \{(.*?)\}', SOURCES['page.css'], re.DOTALL).group(1)
     colours = dict(re.findall(r'--([\w-]+): (#\w+)', dark))
-    assert {look: colours[look.name.lower()] for look in Look} == HEX_OF_LOOK
+    assert {look: colours[look.name.lower()] for look in ResourceLook} == HEX_OF_LOOK
     assert colours['load'] == HEX_OF_LOAD

@@ -85,7 +85,7 @@ class Sender:
         self._publisher.publish(message)
 
 
-class WrongRequest(ValueError):
+class ImpossibleRequest(ValueError):
     """A request cannot be made. The text says why, and what to do."""
 
 
@@ -94,13 +94,13 @@ def mission_request(destinations: Sequence[Union[int, str]], **fields: Any) -> M
 
     destinations -- ids of vertices, and names of groups of which any place will do
 
-    Raises WrongRequest for a group with `dwell`.
+    Raises ImpossibleRequest for a group with `dwell`.
     """
     fields.setdefault('request_id', _NEW_ID.randint(1, 2 ** 31 - 1))
     if all(isinstance(one, int) for one in destinations):
         return MissionRequest(destination_vertices_id=list(destinations), **fields)
     if fields.get('dwell'):
-        raise WrongRequest('A group takes no stay: give one of its places.')
+        raise ImpossibleRequest('A group takes no stay: give one of its places.')
     return MissionRequest(**{**fields, 'stops': visits(destinations)})
 
 

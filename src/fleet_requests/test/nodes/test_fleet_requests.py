@@ -10,12 +10,12 @@ from std_srvs.srv import TriggerResponse
 
 from fleet_requests import (
     SILENCE,
+    ImpossibleRequest,
     MissionNews,
     NotSent,
     Sender,
     ServiceRefused,
     ServiceSilent,
-    WrongRequest,
     call,
     mission_request,
     stored_status,
@@ -94,7 +94,7 @@ def test_a_request_that_names_a_group_has_stops_at_which_nothing_is_done():
         (18, '', []), (0, 'shelves', [])]
     assert (list(request.destination_vertices_id), request.request_id, request.priority) == (
         [], 7, 2)
-    with pytest.raises(WrongRequest, match='A group takes no stay'):
+    with pytest.raises(ImpossibleRequest, match='A group takes no stay'):
         mission_request(['shelves'], dwell=[3.0])
 
 

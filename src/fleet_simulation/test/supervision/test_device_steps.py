@@ -37,9 +37,9 @@ def test_a_machine_tells_whether_it_works_and_for_which_robot_and_where():
     fleet.send(1, WorkStop(4, steps=(HAND,)))
     fleet.run_until(lambda: fleet.step_devices['press'].running)
     fleet.run_until(lambda: machine(fleet).state is MachineState.WORKING)
-    key, = fleet.step_devices['press'].running
+    (_, _, step), = fleet.supervisor.desk.work(1).steps
     name, = fleet.supervisor.robots
-    assert machine(fleet) == MachineView('press', MachineState.WORKING, (4,), key, name, 1)
+    assert machine(fleet) == MachineView('press', MachineState.WORKING, (4,), step.key, name, 1)
     silent, = fleet.supervisor.desk.machines(fleet.now + 3.1)
     assert silent == MachineView('press', MachineState.SILENT)
     fleet.run_until(lambda: fleet.state(1) is MissionState.SUCCEEDED)

@@ -8,7 +8,7 @@ from fleet_builders import corridor
 from visualization_msgs.msg import Marker
 
 from fleet_core.supervision.fleet_stop import NOT_STOPPED, FleetStop, StopCause
-from fleet_core.supervision.looks import Look
+from fleet_core.supervision.looks import ResourceLook
 from fleet_core.supervision.waits import WaitCode
 from graph_fleet_manager.nodes.rviz import stop_picture
 from graph_fleet_manager.nodes.rviz.graph_picture import graph_markers
@@ -119,7 +119,7 @@ def test_a_failed_robot_has_a_red_ring_and_every_marker_ends_with_the_node():
 
 @pytest.mark.parametrize('load, serial, words, paint', [
     (FleetRobot.LOAD_LOADED, 42, 'load of M42', LOAD),
-    (FleetRobot.LOAD_UNKNOWN, 0, 'load unknown', PAINTS[Look.TROUBLE])])
+    (FleetRobot.LOAD_UNKNOWN, 0, 'load unknown', PAINTS[ResourceLook.TROUBLE])])
 def test_a_load_is_a_box_on_the_robot_with_its_mission_in_the_label(load, serial, words, paint):
     laden = robot(state=FleetRobot.IDLE, load=load, load_serial=serial)
     box, = named(drawn(laden), 'loads')

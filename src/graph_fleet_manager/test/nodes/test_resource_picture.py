@@ -8,7 +8,7 @@ import pytest
 from fleet_builders import corridor, graph_of
 from visualization_msgs.msg import Marker
 
-from fleet_core.supervision.looks import Look
+from fleet_core.supervision.looks import ResourceLook
 from graph_fleet_manager.nodes.rviz.paints import PAINTS
 from graph_fleet_manager.nodes.rviz.resource_picture import draw_resources
 from itrci_nav_msgs.msg import (
@@ -36,9 +36,10 @@ def door(mode: int, *claims: ResourceClaim) -> List[Marker]:
 
 
 @pytest.mark.parametrize('mode, look, shows', [
-    (DeviceState.OPEN, Look.OPEN, 'open'), (DeviceState.CLOSED, Look.SHUT, 'closed'),
-    (DeviceState.OFFLINE, Look.TROUBLE, 'offline')])
-def test_a_door_is_a_band_on_its_edges(mode: int, look: Look, shows: str) -> None:
+    (DeviceState.OPEN, ResourceLook.OPEN, 'open'),
+    (DeviceState.CLOSED, ResourceLook.SHUT, 'closed'),
+    (DeviceState.OFFLINE, ResourceLook.TROUBLE, 'offline')])
+def test_a_door_is_a_band_on_its_edges(mode: int, look: ResourceLook, shows: str) -> None:
     band, words = door(mode, ResourceClaim('agv_1', ResourceClaim.ASKED))
     xs = [point.x for point in band.points]
     assert (min(xs), max(xs), band.color) == (2.0, 4.0, PAINTS[look])
@@ -47,12 +48,12 @@ def test_a_door_is_a_band_on_its_edges(mode: int, look: Look, shows: str) -> Non
 
 def test_a_door_that_is_not_open_for_a_robot_in_it_is_in_the_colour_of_trouble() -> None:
     band, _ = door(DeviceState.CLOSED, ResourceClaim('agv_1', ResourceClaim.LOST))
-    assert band.color == PAINTS[Look.TROUBLE]
+    assert band.color == PAINTS[ResourceLook.TROUBLE]
 
 
 def test_a_station_is_a_ring_on_each_of_its_places() -> None:
     ring, words = drawn(kind=FleetResource.STATION, vertices=[1, 3])
-    assert ring.color == PAINTS[Look.PLACE] and words.text == 'station gate'
+    assert ring.color == PAINTS[ResourceLook.PLACE] and words.text == 'station gate'
     assert min(point.x for point in ring.points) < 0.0 < 4.0 < max(p.x for p in ring.points)
 
 
@@ -68,10 +69,10 @@ def test_queue_places_have_their_order_and_their_robots() -> None:
 
 
 @pytest.mark.parametrize('state, look, words', [
-    (FleetMachine.FREE, Look.PLACE, 'machine oven: free'),
-    (FleetMachine.WORKING, Look.OPEN, 'machine oven: working\na'),
-    (FleetMachine.SILENT, Look.TROUBLE, 'machine oven: offline')])
-def test_a_machine_is_a_square_around_its_place(state: int, look: Look, words: str) -> None:
+    (FleetMachine.FREE, ResourceLook.PLACE, 'machine oven: free'),
+    (FleetMachine.WORKING, ResourceLook.OPEN, 'machine oven: working\na'),
+    (FleetMachine.SILENT, ResourceLook.TROUBLE, 'machine oven: offline')])
+def test_a_machine_is_a_square_around_its_place(state: int, look: ResourceLook, words: str) -> None:
     machine = FleetMachine(name='oven', state=state, vertices=[2, 99],
                            robot='a' if state == FleetMachine.WORKING else '')
     square, text = visible(draw_resources(GRAPH, (), [machine]).markers)

@@ -28,7 +28,7 @@ def queue_words(station: str, number: int, robot: str, is_there: bool) -> str:
     return state.value.format(station=station, number=number, robot=robot)
 
 
-class Look(Enum):
+class ResourceLook(Enum):
     """How a resource or a machine looks; each look has its colour. The value says what it is for.
     """
 
@@ -38,19 +38,20 @@ class Look(Enum):
     TROUBLE = 'what is not known, or is not open for a robot that is there'
 
 
-_OF_DEVICE: Mapping[DeviceMode, Look] = {
-    DeviceMode.CLOSED: Look.SHUT, DeviceMode.MOVING: Look.SHUT, DeviceMode.OPEN: Look.OPEN,
-    DeviceMode.OFFLINE: Look.TROUBLE, DeviceMode.UNKNOWN: Look.TROUBLE}
-LOOK_OF_MACHINE: Mapping[MachineState, Look] = {
-    MachineState.SILENT: Look.TROUBLE, MachineState.FREE: Look.PLACE,
-    MachineState.WORKING: Look.OPEN}
+_OF_DEVICE: Mapping[DeviceMode, ResourceLook] = {
+    DeviceMode.CLOSED: ResourceLook.SHUT, DeviceMode.MOVING: ResourceLook.SHUT,
+    DeviceMode.OPEN: ResourceLook.OPEN,
+    DeviceMode.OFFLINE: ResourceLook.TROUBLE, DeviceMode.UNKNOWN: ResourceLook.TROUBLE}
+LOOK_OF_MACHINE: Mapping[MachineState, ResourceLook] = {
+    MachineState.SILENT: ResourceLook.TROUBLE, MachineState.FREE: ResourceLook.PLACE,
+    MachineState.WORKING: ResourceLook.OPEN}
 
 
-def look_of_resource(mode: Optional[DeviceMode], claims: Collection[ClaimState]) -> Look:
+def look_of_resource(mode: Optional[DeviceMode], claims: Collection[ClaimState]) -> ResourceLook:
     """The look of a resource.
 
     mode -- what its device shows; None: it has none
     """
     if ClaimState.LOST in claims:
-        return Look.TROUBLE
-    return Look.PLACE if mode is None else _OF_DEVICE[mode]
+        return ResourceLook.TROUBLE
+    return ResourceLook.PLACE if mode is None else _OF_DEVICE[mode]

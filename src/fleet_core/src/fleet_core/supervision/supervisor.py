@@ -447,7 +447,7 @@ class Supervisor:
             name, what = claim[0], self._claims.needs.resources[claim[1]]
             why = self.devices.view(claim[1], now).why
             wrong = (f'{name} is where it needs the {what}, which does not report that it is open'
-                     f'{why and f" ({why})"}. No other robot is sent there. Look at both.')
+                     f'{why and f" ({why})"}. No other robot is sent there. ResourceLook at both.')
             self._out.note_state(f'{name}/{what}', wrong if claim in lost else '',
                                  f'The {what} is open for {name} again, or {name} has left it.')
         self._lost = lost

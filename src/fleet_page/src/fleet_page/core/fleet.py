@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from enum import Enum
 from typing import Optional, Tuple
 
-from fleet_core.supervision.looks import Look
+from fleet_core.supervision.looks import ResourceLook
 from fleet_core.supervision.outages import Outage
 from fleet_core.supervision.waits import WaitCode
 from fleet_core.work.tables import LoadState
@@ -93,7 +93,7 @@ class ShownResource:
     vertices -- ids of the vertices that need it
     device   -- what its device shows (name of a DeviceMode); empty: it has none
     robots   -- names of the robots that claim it
-    look     -- name of its Look, which has a colour
+    look     -- name of its ResourceLook, which has a colour
     is_group -- its vertices are equal: a mission may name it in place of one of them
     queue    -- of a station, the first place first
     """
@@ -104,7 +104,7 @@ class ShownResource:
     vertices: Tuple[int, ...] = ()
     device: str = ''
     robots: Tuple[str, ...] = ()
-    look: str = Look.PLACE.name
+    look: str = ResourceLook.PLACE.name
     is_group: bool = False
     queue: Tuple[ShownQueuePlace, ...] = ()
 
@@ -114,7 +114,7 @@ class ShownMachine:
     """A machine, as the map shows it.
 
     state    -- name of a MachineState
-    look     -- name of its Look
+    look     -- name of its ResourceLook
     vertices -- where it stands, or works; empty: that is not known
     robot    -- for which it works; empty: none
     """

@@ -9,11 +9,11 @@ from fleet_core.work.stations import Destination, UnknownPlace
 from fleet_page.core.acts import ANSWERS, Act, ActKind, ActOutcome
 from fleet_page.core.roles import Person
 from fleet_requests import (
+    ImpossibleRequest,
     NotSent,
     Sender,
     ServiceRefused,
     ServiceSilent,
-    WrongRequest,
     call,
     mission_request,
 )
@@ -56,7 +56,7 @@ class FleetCommands:
             if act.kind in EDGES:
                 return self._edge(act, by)
             return self._call(act, by)
-        except (NotSent, ServiceRefused, WrongRequest) as reason:
+        except (NotSent, ServiceRefused, ImpossibleRequest) as reason:
             return ActOutcome(False, str(reason))
         except UnknownPlace as unknown:
             return ActOutcome(False, f'A destination is wrong: {unknown}.')

@@ -47,7 +47,7 @@ from fleet_core.supervision.waits import WaitCode
 from fleet_core.work.rules import StepDecision
 from fleet_core.work.stations import Destination
 from fleet_core.work.timetables import minute_of_day, next_time
-from fleet_requests import WrongRequest, mission_request, visits
+from fleet_requests import ImpossibleRequest, mission_request, visits
 from graph_fleet_manager.commands.command_line import NOT_DONE, OK, CommandProblem, Parser
 from graph_fleet_manager.commands.fleet_client import (
     PATIENCE,
@@ -178,7 +178,7 @@ def _send(arguments: List[str]) -> int:
             destinations, dwell=dwells, **({} if options.destinations else {
                 'stops': stop_messages(work.stops), 'on_cancel': stop_messages(work.on_cancel)}),
             **_conditions(options))
-    except WrongRequest as wrong:
+    except ImpossibleRequest as wrong:
         raise CommandProblem(str(wrong)) from None
     return _send_request(request, options.wait, names.graph if options.wait else None)
 

@@ -6,7 +6,7 @@ from typing import Dict, Iterable, List, Mapping, Optional
 from fleet_core.interlocking.claims import ClaimState
 from fleet_core.interlocking.resources import ResourceKind
 from fleet_core.supervision.device_desk import DeviceView
-from fleet_core.supervision.looks import DEVICE_WORDS, Look, look_of_resource
+from fleet_core.supervision.looks import DEVICE_WORDS, ResourceLook, look_of_resource
 from fleet_core.supervision.machine_view import MachineState, MachineView
 from fleet_core.supervision.resource_view import ResourceView
 from fleet_core.work.stations import Station, StationKind
@@ -67,7 +67,7 @@ def device_of(message: msg.FleetResource) -> Optional[DeviceView]:
     return DeviceView(DeviceMode(message.device_mode), message.device_reason)
 
 
-def look_of(message: msg.FleetResource) -> Look:
+def look_of(message: msg.FleetResource) -> ResourceLook:
     """The look of a resource."""
     device = device_of(message)
     return look_of_resource(None if device is None else device.mode,

@@ -5,11 +5,12 @@ from typing import Mapping
 
 from std_msgs.msg import ColorRGBA
 
-from fleet_core.supervision.looks import Look
+from fleet_core.supervision.looks import ResourceLook
 from rviz_drawing import drawing
 
-HEX_OF_LOOK: Mapping[Look, str] = {
-    Look.PLACE: '#59bff2', Look.OPEN: '#40d966', Look.SHUT: '#f2b333', Look.TROUBLE: '#ff4033'}
+HEX_OF_LOOK: Mapping[ResourceLook, str] = {
+    ResourceLook.PLACE: '#59bff2', ResourceLook.OPEN: '#40d966',
+    ResourceLook.SHUT: '#f2b333', ResourceLook.TROUBLE: '#ff4033'}
 HEX_OF_LOAD = '#d9994d'
 
 
@@ -18,5 +19,6 @@ def _paint(text: str) -> ColorRGBA:
     return drawing.colour(red, green, blue)
 
 
-PAINTS: Mapping[Look, ColorRGBA] = {look: _paint(text) for look, text in HEX_OF_LOOK.items()}
+PAINTS: Mapping[ResourceLook, ColorRGBA] = {
+    look: _paint(text) for look, text in HEX_OF_LOOK.items()}
 LOAD = _paint(HEX_OF_LOAD)

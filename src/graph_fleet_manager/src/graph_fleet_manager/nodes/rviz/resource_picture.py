@@ -6,7 +6,7 @@ from typing import Container, Iterable, List, NamedTuple, Optional, Sequence, Tu
 from std_msgs.msg import ColorRGBA
 from visualization_msgs.msg import Marker
 
-from fleet_core.supervision.looks import LOOK_OF_MACHINE, Look, queue_words
+from fleet_core.supervision.looks import LOOK_OF_MACHINE, ResourceLook, queue_words
 from graph_fleet_manager.messages.resources import (
     CLAIM_OF_CODE,
     look_of,
@@ -96,7 +96,7 @@ def words_with_claims(one: FleetResource) -> str:
 
 def _queue(graph: Graph, number: int, one: FleetResource, words: List[Words]) -> List[Marker]:
     """The queue places of a station: a thick ring if a robot stands there, else a thin one."""
-    paint = PAINTS[Look.PLACE]
+    paint = PAINTS[ResourceLook.PLACE]
     rings = {is_there: [drawing.ring(graph.vertices[place.vertex].position, QUEUE_RADIUS)
                         for place in one.queue
                         if place.is_there is is_there and place.vertex in graph.vertices]

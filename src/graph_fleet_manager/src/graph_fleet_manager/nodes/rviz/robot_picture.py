@@ -10,7 +10,7 @@ import rospy
 from visualization_msgs.msg import Marker
 
 from fleet_core.supervision.fleet_view import LOAD_WORDS, WORKING, RobotState
-from fleet_core.supervision.looks import Look
+from fleet_core.supervision.looks import ResourceLook
 from fleet_core.supervision.missions import short_name
 from fleet_core.supervision.waits import WaitCode
 from fleet_core.work.tables import LoadState
@@ -81,7 +81,7 @@ def robot_markers(robot: FleetRobot, number: int, place: DrawnPose, label: Label
         size = 0.6 * width
         markers.append(drawing.shape(
             Marker.CUBE, 'loads', number, LOAD if robot.load == FleetRobot.LOAD_LOADED else
-            PAINTS[Look.TROUBLE], (size, size, 0.2),
+            PAINTS[ResourceLook.TROUBLE], (size, size, 0.2),
             drawing.pose_at(_along(place, -0.25 * length), place.heading, 0.45)))
     outline = drawing.lines('outlines', number, RED if trouble else WHITE, 0.08,
                             [drawing.ring(here, radius + 0.12)] if trouble or chosen else [], 0.3)
