@@ -97,7 +97,8 @@ LAYERS: Dict[str, Layer] = {
     'fleet_page.nodes': layer(
         'fleet_core.supervision fleet_core.work fleet_page.core fleet_page.door fleet_page.web '
         'fleet_requests graph_fleet_manager.commands graph_fleet_manager.messages '
-        'graph_fleet_manager.nodes graph_topic node_lifecycle trajectory_graph', ros=True, sockets='*'),
+        'graph_fleet_manager.nodes graph_topic node_lifecycle trajectory_graph',
+        ros=True, sockets='*'),
     'fleet_bringup': layer(
         'fleet_core fleet_core.files fleet_core.planning omron_map omron_map_converter '
         'trajectory_graph', ros=True, sockets='*'),
