@@ -11,7 +11,7 @@ from typing import Dict, Mapping, Tuple
 
 import numpy as np
 
-from rviz_drawing.text_places import text_size
+from trajectory_graph.text_places import text_size
 
 GAP = 0.12          # m between a robot and its label
 SIDE_COST = 0.005   # m2 less that each of SIDES must cover to win over the one before
