@@ -1,6 +1,8 @@
 """The work file is read strictly: what is wrong is refused in one sentence with its line."""
 from __future__ import annotations
 
+import re
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -29,7 +31,7 @@ from fleet_core.work.stops import (
 )
 from fleet_core.work.templates import filled
 from fleet_core.work.timetables import Timetable
-from trajectory_graph import split_edges
+from trajectory_graph import Graph, split_edges
 
 FILE = '''step_types: [engage, disengage]
 stations:
@@ -159,6 +161,40 @@ def test_a_wrong_machine_is_refused_with_its_line(tmp_path, right, wrong, line, 
     assert right in HANDED
     with pytest.raises(FileError, match=f'line {line}: .*{told}'):
         read(tmp_path, HANDED.replace(right, wrong, 1))
+
+
+def test_a_machine_stands_at_the_places_that_its_file_names(tmp_path):
+    oven = '{name: oven, kind: machine, at: [press, 9], driver: simulated, timeout: 5}'
+    found = read(tmp_path, f'stations: [{{name: press, places: [3]}}]\ndevices: [{oven}]')
+    assert found.step_devices['oven'] == StepDevice('oven', 5.0, at=(3, 9))
+    with pytest.raises(FileError, match="line 1: no station and no vertex is named 'pres'"):
+        read(tmp_path, 'devices: [' + oven.replace('press', 'pres') + ']')
+    with pytest.raises(FileError, match='line 1: device lamp has at, but its kind is light'):
+        read(tmp_path, 'devices: [{name: lamp, kind: light, at: [3], edges: [4], '
+                       'driver: simulated, timeout: 5}]')
+
+
+def labelled(id: int, label: str) -> Graph:
+    graph = corridor(9)
+    return Graph((replace(one, label=label) if one.id == id else one
+                  for one in graph.vertices.values()), graph.edges.values())
+
+
+@pytest.mark.parametrize('name, told', [
+    ("'18'", "station '18' needs a name that is no number"),
+    ('-press', "station '-press' needs a name that is no number and does not begin with -"),
+    ('ramp', 'station ramp is called as vertex 7 is labelled, which is none of its places')])
+def test_a_station_cannot_be_mistaken_for_a_vertex(tmp_path, name, told):
+    path = tmp_path / 'work.yaml'
+    path.write_text(f'stations: [{{name: {name}, places: [3]}}]')
+    with pytest.raises(FileError, match=f'line 1: {re.escape(told)}'):
+        load_work(path, labelled(7, 'ramp'))
+
+
+def test_a_station_may_be_called_as_its_own_place_is_labelled(tmp_path):
+    path = tmp_path / 'work.yaml'
+    path.write_text('stations: [{name: press, places: [3]}]')
+    assert load_work(path, labelled(3, 'press')).stations['press'].places == (3,)
 
 
 def test_a_device_is_on_all_sections_of_an_edge_that_was_cut(tmp_path):

@@ -3,7 +3,7 @@ from __future__ import annotations
 
 import math
 from html import escape
-from typing import Dict, Iterator, List, Mapping, NamedTuple, Sequence, Tuple
+from typing import Iterator, List, Mapping, NamedTuple, Sequence, Tuple
 
 import numpy as np
 
@@ -13,13 +13,21 @@ from fleet_simulation import svg
 from fleet_simulation.demand_file import NO_WORK
 from fleet_simulation.walls import NO_WALLS, Walls
 from trajectory_graph import Graph
-from trajectory_graph.text_places import TextPlaces, VertexText, text_size
+from trajectory_graph.placing import (
+    ABOVE_FIRST,
+    MayCover,
+    Places,
+    box_around,
+    box_beside,
+    middle_of,
+)
 
 _LARGEST = 860.0, 620.0  # px
 _BORDER = 34             # px around the graph
 _AROUND = 3.0            # m around the graph in which walls are drawn
-_UNIT = 40.0             # px that are one metre to the places of texts
-_HEIGHT = 12.0           # px of a text
+_HEIGHT, _LETTER = 12.0, 7.4  # px of a text: its height, the width of a letter
+_AWAY = 6.0, 10.0, 18.0  # px between a text and its point, the best first
+_DOT = 6.0               # px, side of the squares along edges that texts avoid
 _LEGEND = 26             # px
 _WALL, _DOCK, _VERTEX = '#9aa0a6', '#2266aa', '#555555'
 _STATION, _DOOR = '#117a65', '#7d3c98'
@@ -180,22 +188,22 @@ def _work_labels(graph: Graph, drawn: Mapping[int, np.ndarray], sheet: _Sheet,
 
 def _texts(labels: Sequence[_Label], lines: Sequence[np.ndarray]) -> Iterator[str]:
     """Yields the texts at places where none covers another one, and few cover a line."""
-    places = TextPlaces()
-    places.avoid(line / _UNIT for line in lines)
-    texts: Dict[Tuple[str, int], VertexText] = {}
-    for number, label in enumerate(labels):
-        width, height = text_size(label.words, _HEIGHT / _UNIT)
-        x, y = label.at[0] / _UNIT, label.at[1] / _UNIT
-        texts['', number] = VertexText((x, y), (width + 0.1, height),
-                                       (0.3 + width / 2.0, -0.3))
-    places.show(texts)
-    for number, label in enumerate(labels):
-        middle = places.middle(('', number))
-        if middle is not None:
-            yield (f'<text x="{middle[0] * _UNIT:.1f}" y="{middle[1] * _UNIT + 0.35 * _HEIGHT:.1f}"'
-                   f' text-anchor="middle" font-weight="bold" fill="{label.colour}" '
-                   'stroke="white" stroke-width="3" paint-order="stroke">'
-                   f'{escape(label.words)}</text>')
+    places = Places(cell=40.0)
+    for line in lines:
+        for start, end in zip(line, line[1:]):
+            steps = int(np.abs(end - start).max() / _DOT) + 1
+            dots = start + np.linspace(0.0, 1.0, steps + 1)[:, None] * (end - start)
+            for x, y in dots.tolist():
+                places.cover(box_around((x, y), (_DOT, _DOT)), is_soft=True)
+    for label in labels:
+        size = _LETTER * len(label.words), _HEIGHT
+        boxes = [box_beside(label.at, away, size, side) for away in _AWAY for side in ABOVE_FIRST]
+        number = places.place(boxes, may=MayCover.SOFT)
+        if number >= 0:
+            x, y = middle_of(boxes[number])
+            yield (f'<text x="{x:.1f}" y="{y + 0.35 * _HEIGHT:.1f}" text-anchor="middle" '
+                   f'font-weight="bold" fill="{label.colour}" stroke="white" stroke-width="3" '
+                   f'paint-order="stroke">{escape(label.words)}</text>')
 
 
 def _legend(sheet: _Sheet, has_walls: bool, work: SiteWork) -> Iterator[str]:

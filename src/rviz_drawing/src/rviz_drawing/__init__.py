@@ -1,1 +1,1 @@
-"""Markers for RViz, and the places of robots' labels so that none covers another."""
+"""Markers for RViz, and the places of texts so that none covers another."""

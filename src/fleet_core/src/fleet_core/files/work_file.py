@@ -6,7 +6,7 @@
     devices:
     - {name: gate_north, kind: door, edges: [17, 18], driver: modbus, host: 10.0.0.40, open_coil: 3,
        is_open: 11, timeout: 30}
-    - {name: press_1, kind: machine, driver: modbus, host: 10.0.0.41, start_coil: 5,
+    - {name: press_1, kind: machine, at: [press], driver: modbus, host: 10.0.0.41, start_coil: 5,
        key_register: 100, done: 12, failed: 13, timeout: 10}
     templates:
     - name: pallet
@@ -89,8 +89,9 @@ _STATION = ('name', 'places', 'queue', 'capacity', 'kind')
 _ADDRESS = {DeviceDriver.MODBUS: ('host', 'port', 'unit', 'open_coil', 'is_open'),
             DeviceDriver.LD90: ('robot', 'output', 'input')}
 _HAND_OVER = ('host', 'port', 'unit', 'start_coil', 'key_register', 'done', 'failed')
+_MACHINE = ('at', *_HAND_OVER[3:])  # keys of machines only
 _DEVICE = ('name', 'kind', 'edges', 'timeout', 'driver', *(
-    key for keys in _ADDRESS.values() for key in keys), *_HAND_OVER[3:])
+    key for keys in _ADDRESS.values() for key in keys), *_MACHINE)
 _TEMPLATE = ('name', 'parameters', 'stops', 'on_cancel')
 _TIMETABLE = ('name', 'template', 'arguments', 'every', 'from', 'to', 'days', 'priority')
 _JOB_STEPS = ('kind', 'at', 'steps')
@@ -155,6 +156,7 @@ def _stations(fields: Dict[str, yaml.Node], graph: Graph) -> Dict[str, Station]:
                 raise WrongYaml(f'vertex {place} belongs to station {owners.get(place, name)} '
                                 'already', node)
         owners.update((place, name) for place in (*places, *queue))
+        _check_station_name(name, places, graph, node)
         kind = word(fields, 'kind', StationKind, StationKind.STATION)
         capacity = strict_yaml.optional(fields, 'capacity', strict_yaml.whole,
                                         len(places) if kind is StationKind.GROUP else 1)
@@ -164,6 +166,20 @@ def _stations(fields: Dict[str, yaml.Node], graph: Graph) -> Dict[str, Station]:
                             f'{len(places)}', fields['capacity'])
         return Station(name, places, queue, capacity, kind)
     return _entries(fields, 'stations', 'station', station)
+
+
+def _check_station_name(name: str, places: Sequence[int], graph: Graph, node: yaml.Node) -> None:
+    """Raises WrongYaml for a name that could be mistaken for a vertex, or for an option.
+
+    People and programs name a station where they could name a vertex (`stations.places_of`).
+    """
+    if name.isdecimal() or name.startswith('-'):
+        raise WrongYaml(f'station {name!r} needs a name that is no number and does not begin with '
+                        '-: it stands where the id of a vertex may stand', node)
+    for vertex in graph.vertices.values():
+        if vertex.label == name and vertex.id not in places:
+            raise WrongYaml(f'station {name} is called as vertex {vertex.id} is labelled, which is '
+                            'none of its places: give one of them another name', node)
 
 
 def _vertices(field: Field, graph: Graph) -> Tuple[int, ...]:
@@ -198,8 +214,8 @@ def _device(stations: Mapping[str, Station], graph: Graph, name: str, node: yaml
     strict_yaml.require(fields, ('kind', 'timeout', 'driver'), node)
     kind = word(fields, 'kind', DeviceKind, DeviceKind.DOOR)
     if kind is DeviceKind.MACHINE:
-        return _machine(name, node, fields)
-    _refuse_keys(name, kind, _HAND_OVER[3:], fields)
+        return _machine(stations, graph, name, node, fields)
+    _refuse_keys(name, kind, _MACHINE, fields)
     strict_yaml.require(fields, ('edges',), node)
 
     def edge(text: str) -> int:
@@ -222,24 +238,26 @@ def _refuse_keys(name: str, kind: DeviceKind, keys: Sequence[str],
             raise WrongYaml(f'device {name} has {key}, but its kind is {kind.value}', fields[key])
 
 
-def _machine(name: str, node: yaml.Node, fields: Dict[str, yaml.Node]) -> StepDevice:
+def _machine(stations: Mapping[str, Station], graph: Graph, name: str, node: yaml.Node,
+             fields: Dict[str, yaml.Node]) -> StepDevice:
     """A device that carries out steps. Its name becomes part of the names of topics."""
     if not _NAME.fullmatch(name):
         raise WrongYaml(f'machine {name!r} needs a name of letters, digits and _', node)
     _refuse_keys(name, DeviceKind.MACHINE, [
-        key for key in _DEVICE if key not in ('name', 'kind', 'timeout', 'driver', *_HAND_OVER)],
-        fields)
+        key for key in _DEVICE
+        if key not in ('name', 'kind', 'timeout', 'driver', 'at', *_HAND_OVER)], fields)
+    at = _places('at', stations, graph, optional_items(fields, 'at'))
     timeout = _timeout(('timeout', fields['timeout']))
     driver = word(fields, 'driver', DeviceDriver, DeviceDriver.SIMULATED)
     if driver is DeviceDriver.LD90:
         raise WrongYaml(f'device {name} is a machine: its driver must be simulated or modbus',
                         fields['driver'])
     if driver is DeviceDriver.MODBUS:
-        return StepDevice(name, timeout, _hand_over_address(node, fields))
+        return StepDevice(name, timeout, _hand_over_address(node, fields), at)
     for key in _HAND_OVER:
         if key in fields:
             raise WrongYaml(f'device {name} has {key}, but its driver is simulated', fields[key])
-    return StepDevice(name, timeout)
+    return StepDevice(name, timeout, at=at)
 
 
 def _hand_over_address(node: yaml.Node, fields: Dict[str, yaml.Node]) -> HandOverAddress:
@@ -411,15 +429,22 @@ def _steps_of_kind(stations: Mapping[str, Station], types: FrozenSet[str], graph
     steps = tuple(map(step_of, optional_items(fields, 'steps')))
     for step in steps:
         _check_step(step, types, node)
-    places: List[int] = []
-    for at in optional_items(fields, 'at'):
-        try:
-            places += places_of(strict_yaml.text(('an entry of at', at)), stations, graph)
-        except ValueError as error:
-            raise WrongYaml(str(error), at) from None
+    places = _places('at', stations, graph, optional_items(fields, 'at'))
     if 'at' in fields and not places:
         raise WrongYaml('at is empty; leave it out for all goals', fields['at'])
-    return JobSteps(kind, steps, tuple(places))
+    return JobSteps(kind, steps, places)
+
+
+def _places(key: str, stations: Mapping[str, Station], graph: Graph,
+            nodes: Sequence[yaml.Node]) -> Tuple[int, ...]:
+    """The vertices of the places in a list of words."""
+    places: List[int] = []
+    for node in nodes:
+        try:
+            places += places_of(strict_yaml.text((f'an entry of {key}', node)), stations, graph)
+        except ValueError as error:
+            raise WrongYaml(str(error), node) from None
+    return tuple(places)
 
 
 # -- timetables -----------------------------------------------------------------------------------

@@ -5,7 +5,7 @@ claims there are, and tells the planning how far each robot may go.
 """
 from __future__ import annotations
 
-from typing import AbstractSet, Dict, FrozenSet, List, Mapping, NamedTuple, Optional, Set
+from typing import AbstractSet, Dict, FrozenSet, List, Mapping, NamedTuple, Optional, Set, Tuple
 
 from fleet_core.interlocking.claims import Claims
 from fleet_core.planning.road_network import RoadNetwork
@@ -17,7 +17,7 @@ from fleet_core.supervision.robots import ManagedRobot
 from fleet_core.supervision.station_room import Occupancy, StationRoom, places_for
 from fleet_core.supervision.work_desk import WorkDesk
 from fleet_core.work.queues import EMPTY_QUEUE, Others, Queue, Waiter, advanced
-from fleet_core.work.stations import Station
+from fleet_core.work.stations import Station, StationKind
 
 
 class QueueStanding(NamedTuple):
@@ -30,6 +30,18 @@ class QueueStanding(NamedTuple):
     station: Station
     ahead: List[str]
     place: Optional[int]
+
+
+class QueuePlace(NamedTuple):
+    """A place at which robots wait for a station.
+
+    robot    -- that has it; empty: none has
+    is_there -- that robot stands there; False: it is on its way
+    """
+
+    vertex: int
+    robot: str = ''
+    is_there: bool = False
 
 
 class StationDesk:
@@ -68,6 +80,21 @@ class StationDesk:
                 before = [*queue.turns, *queue.waits]
                 return QueueStanding(station, before[:before.index(name)], queue.waits[name])
         return None
+
+    def places_of(self, name: str) -> Tuple[bool, Tuple[QueuePlace, ...]]:
+        """Are the places of this station equal? And its queue places, the first one first.
+
+        A resource that is no station has neither.
+        """
+        station = self._stations.get(name)
+        if station is None:
+            return False, ()
+        waits = self._queue_of(station).waits
+        robots = {place: robot for robot, place in waits.items()}
+        return station.kind is StationKind.GROUP, tuple(
+            QueuePlace(place, robot, bool(robot)
+                       and self._robots[robot].record.last_vertex == place)
+            for place in station.queue for robot in (robots.get(place, ''),))
 
     def inside(self, station: str) -> List[str]:
         """Names of the robots that claim a station."""

@@ -36,6 +36,7 @@ from fleet_core.supervision.hindrances import Hindrance
 from fleet_core.supervision.journal import Journal
 from fleet_core.supervision.journal_database import JournalUnavailable
 from fleet_core.supervision.liveness import SILENCE
+from fleet_core.supervision.machine_view import MachineReports
 from fleet_core.supervision.mission_book import MissionBook
 from fleet_core.supervision.mission_times import MissionTimes
 from fleet_core.supervision.missions import (
@@ -139,7 +140,8 @@ class Supervisor:
         # after the loss of the journal: nothing is granted until all robots stand
         self._is_recovering = False
         self.desk = WorkDesk(self.book, self.robots, journal.works(), journal.loads(),
-                             journal.value(NEWEST_STEP), journal.milliseconds)
+                             journal.value(NEWEST_STEP), journal.milliseconds,
+                             MachineReports(work.step_devices))
         self._work_requests = WorkRequests(work, graph, self.book)
         self.times = MissionTimes(self.book, journal.milliseconds)
         self._timetables = TimetableRuns(work.timetables, journal.value, journal.milliseconds)
@@ -415,7 +417,7 @@ class Supervisor:
 
     def device_steps(self, device: str, report: StepReport, now: float) -> List[Action]:
         """Handles a device's report of its steps."""
-        if self.desk.device_report(device, report):
+        if self.desk.device_report(device, report, now):
             self._work(now)
         return self._actions(now)
 

@@ -1,8 +1,8 @@
 """The model of the fleet that the page shows. It is the only writer of the live state.
 
 Keys of the live state: `fleet`, `stop`, `counts`, `site`, `closed`, `favourites`, `areas`,
-`robot:NAME`, `pose:NAME`, `plan:NAME`, `resource:NAME`, `mission:ID:STAMP`, `alarm:robot:NAME`,
-`alarm:mission:ID:STAMP`.
+`robot:NAME`, `pose:NAME`, `plan:NAME`, `resource:NAME`, `machine:NAME`, `mission:ID:STAMP`,
+`alarm:robot:NAME`, `alarm:mission:ID:STAMP`.
 """
 from __future__ import annotations
 
@@ -20,6 +20,7 @@ from fleet_page.core.fleet import (
     MissionRequest,
     MissionStatus,
     RobotGroup,
+    ShownMachine,
     ShownPlan,
     ShownPose,
     ShownResource,
@@ -88,9 +89,11 @@ class FleetModel:
         """Takes the list of all closed edges."""
         self.live.put('closed', sorted(edges))
 
-    def show_resources(self, resources: Iterable[ShownResource]) -> None:
-        """Shows all stations, doors and the like."""
+    def show_resources(self, resources: Iterable[ShownResource],
+                       machines: Iterable[ShownMachine] = ()) -> None:
+        """Shows all stations, doors and the like, and all machines."""
         self.live.replace('resource:', {one.name: asdict(one) for one in resources})
+        self.live.replace('machine:', {one.name: asdict(one) for one in machines})
 
     def show_named(self, key: str, content: Mapping[str, Any]) -> None:
         """Shows what users have stored under names; `key`: `favourites` or `areas`."""
@@ -352,9 +355,9 @@ class FleetModel:
         if status.deadline in DEADLINE_ALARMS:
             values['alarm'] = status.deadline
         if request is not None:
-            values.update(destinations=list(request.destinations), priority=request.priority,
-                          wanted_robot=request.robot, robot_type=request.robot_type,
-                          by=request.requested_by)
+            values.update(destinations=list(status.destinations or request.destinations),
+                          priority=request.priority, wanted_robot=request.robot,
+                          robot_type=request.robot_type, by=request.requested_by)
             end = self._ends.get(key)
             if end is not None and status.state == 'ACTIVE':
                 values['ends_at'] = round(end)

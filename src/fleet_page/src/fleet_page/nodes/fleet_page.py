@@ -35,7 +35,7 @@ import sqlite3
 import tempfile
 import threading
 import time
-from typing import Any, Callable, List, Optional
+from typing import Any, Callable, List, Mapping, Optional
 
 import rospkg
 import rospy
@@ -45,6 +45,7 @@ from rospy.numpy_msg import numpy_msg
 
 from fleet_core.supervision.history import HistoryLine, history
 from fleet_core.supervision.journal_database import JournalError
+from fleet_core.work.stations import Destination, Station, UnknownPlace, destination_of
 from fleet_page.core.acts import Act
 from fleet_page.core.fleet_model import HOUR
 from fleet_page.core.page import Page
@@ -59,6 +60,7 @@ from fleet_page.nodes.fleet_commands import FleetCommands
 from fleet_page.nodes.fleet_stop import forget_node_arguments, stop_fleet
 from fleet_page.web.server import WebServer, serve
 from graph_fleet_manager.messages.missions import stop_of
+from graph_fleet_manager.messages.resources import stations_of
 from graph_fleet_manager.nodes.fleet_parameter import fleet_of
 from graph_topic import FollowedGraph
 from itrci_nav_msgs.msg import (
@@ -107,7 +109,8 @@ class FleetPageNode:
         self._page = Page(self._records, replay, missions)
         if parameter('~fleet_file', ''):
             self._page.site.radii = messages.radii_of(fleet_of())
-        commands = FleetCommands(lambda name: name in self._page.model.robots)
+        self._stations: Mapping[str, Station] = {}
+        commands = FleetCommands(lambda name: name in self._page.model.robots, self._destination)
         server = WebServer(self._page, commands.do)
         self._loop = asyncio.new_event_loop()
         self._thread = threading.Thread(target=self._work, name='page', daemon=True)
@@ -220,10 +223,19 @@ class FleetPageNode:
             return
         self._page.model.site_changed()
 
+    def _destination(self, word: str) -> Destination:
+        """What a name of a person names. Threads of the HTTP server call it."""
+        graph = self._page.model.graph
+        if graph is None:
+            raise UnknownPlace('there is no graph yet')
+        return destination_of(word, self._stations, graph)
+
     def _on_state(self, message: FleetState) -> None:
+        self._stations = stations_of(message.resources)
         self._page.model.show_stop(stop_of(message.stop))
         self._page.model.take_robots(messages.robots_of(message), time.time())
-        self._page.model.show_resources(messages.resources_of(message))
+        self._page.model.show_resources(messages.resources_of(message),
+                                        messages.machines_of(message))
         ready = self._readiness.words(
             self._page.model.robots.values(), self._is_surveyed,
             stop_of(message.stop).is_in_force, time.monotonic())

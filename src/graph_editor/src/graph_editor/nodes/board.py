@@ -28,8 +28,8 @@ from graph_editor.nodes import handles
 from graph_editor.nodes.finding_words import finding_text
 from graph_editor.nodes.handles import PLAIN, Look, ShownEdge, ShownVertex
 from node_lifecycle.marker_server import OrderedMarkerServer
+from rviz_drawing.text_places import TextPlaces, VertexText
 from trajectory_graph import CurveType
-from trajectory_graph.text_places import TextPlaces, VertexText
 
 NAMESPACE = 'graph_editor'
 MOVED = 0.02  # m; a shorter movement of the mouse is a click and not a drag

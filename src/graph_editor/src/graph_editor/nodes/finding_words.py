@@ -8,7 +8,7 @@ from visualization_msgs.msg import Marker
 from graph_editor.checking.findings import Finding, Severity
 from graph_editor.nodes.handles import AMBER, RED
 from rviz_drawing import drawing, flat
-from trajectory_graph.text_places import VertexText, text_size
+from rviz_drawing.text_places import VertexText, text_size
 
 HEIGHT, BELOW = 0.26, 0.6  # m; text height, and distance from the finding to the text's middle
 LINE = 40                  # letters in a line

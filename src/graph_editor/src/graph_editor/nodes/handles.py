@@ -21,9 +21,9 @@ from graph_editor.checking.findings import Severity
 from graph_editor.editor.actions import EDGE_MENU, VERTEX_MENU, MenuItem, numbered
 from rviz_drawing import drawing, flat
 from rviz_drawing.drawing import FRAME, colour
+from rviz_drawing.text_places import VertexText, text_size
 from trajectory_graph import CurveType, Edge, Graph, GraphError, Vertex
 from trajectory_graph.editing import Draft
-from trajectory_graph.text_places import VertexText, text_size
 
 VERTEX_SIZE, HANDLE_SIZE, EDGE_WIDTH = 0.32, 0.26, 0.08  # m
 ID_HEIGHT, ID_PLACE = 0.24, (0.16, 0.19)  # m; from the vertex to the left lower corner of its id

@@ -1,16 +1,16 @@
-"""No text of a drawn graph covers another, and few cover a line."""
+"""No text of the editor covers another."""
 from __future__ import annotations
 
 import math
 from itertools import combinations
 from typing import Dict, List
 
-import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from trajectory_graph.text_places import REACH, TextPlaces, VertexText, overlap
+from rviz_drawing.text_places import REACH, TextPlaces, VertexText
+from trajectory_graph.placing import shared
 
 ID, LABEL = ((0.25, 0.28), (0.3, 0.3)), ((1.6, 0.33), (0.0, -0.36))
 coordinates = st.floats(-3.0, 3.0)
@@ -35,7 +35,7 @@ def test_texts_never_cover_each_other_however_the_graph_is_edited(edits):
     for graph in edits:
         texts = texts_of(graph)
         places.show(texts)
-        assert not any(overlap(one, other)
+        assert not any(shared(one, other)
                        for one, other in combinations(boxes(places, texts), 2))
 
 
@@ -102,32 +102,4 @@ def test_one_of_two_texts_without_room_is_not_written():
     texts = {('id', id): VertexText((0.0, 0.0), (20.0, 20.0), (0.0, 0.0)) for id in range(12)}
     places.show(texts)
     assert len(boxes(places, texts)) < 12
-    assert not any(overlap(one, other) for one, other in combinations(boxes(places, texts), 2))
-
-
-STREET = np.array([(-5.0, 0.0), (5.0, 0.0)])
-
-
-def test_a_text_is_written_beside_a_line_that_leads_through_its_usual_place():
-    places, texts = TextPlaces(), texts_of({1: (0.0, 0.0)})
-    places.show(texts)
-    assert places.middle(('id', 1)) == (0.3, 0.3)
-    places.avoid([STREET + (0.0, 0.3)])
-    places.show(texts)
-    for _, lower, _, upper in boxes(places, texts):
-        assert not lower < 0.3 < upper
-
-
-def test_a_text_without_any_place_clear_of_lines_is_written_nevertheless():
-    places, texts = TextPlaces(), texts_of({1: (0.0, 0.0)})
-    places.avoid([STREET + (0.0, y) for y in np.arange(-4.0, 4.0, 0.1)])
-    places.show(texts)
-    assert places.middle(('id', 1)) == (0.3, 0.3)
-
-
-@given(vertices)
-def test_texts_that_avoid_lines_do_not_cover_each_other_either(graph):
-    places, texts = TextPlaces(), texts_of(graph)
-    places.avoid([STREET, STREET[:, ::-1]])
-    places.show(texts)
-    assert not any(overlap(one, other) for one, other in combinations(boxes(places, texts), 2))
+    assert not any(shared(one, other) for one, other in combinations(boxes(places, texts), 2))
