@@ -26,7 +26,7 @@ _LARGEST = 860.0, 620.0  # px
 _BORDER = 34             # px around the graph
 _AROUND = 3.0            # m around the graph in which walls are drawn
 _HEIGHT, _LETTER = 12.0, 7.4  # px of a text: its height, the width of a letter
-_AWAY = 6.0, 10.0, 18.0  # px between a text and its point, the best first
+_AWAY = 6.0, 11.0, 18.0  # px between a text and its point, the best first
 _DOT = 6.0               # px, side of the squares along edges that texts avoid
 _LEGEND = 26             # px
 _WALL, _DOCK, _VERTEX = '#9aa0a6', '#2266aa', '#555555'
@@ -195,6 +195,8 @@ def _texts(labels: Sequence[_Label], lines: Sequence[np.ndarray]) -> Iterator[st
             dots = start + np.linspace(0.0, 1.0, steps + 1)[:, None] * (end - start)
             for x, y in dots.tolist():
                 places.cover(box_around((x, y), (_DOT, _DOT)), is_soft=True)
+    for label in labels:
+        places.cover(box_around(label.at, (2 * _PLACE + 2, 2 * _PLACE + 2)), is_soft=True)
     for label in labels:
         size = _LETTER * len(label.words), _HEIGHT
         boxes = [box_beside(label.at, away, size, side) for away in _AWAY for side in ABOVE_FIRST]
