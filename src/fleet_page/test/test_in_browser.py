@@ -27,7 +27,8 @@ from fleet_page.core.fleet import (  # noqa: E402
     ShownQueuePlace,
     ShownResource,
 )
-from rviz_drawing.placing import (  # noqa: E402
+from trajectory_graph import split_edges  # noqa: E402
+from trajectory_graph.placing import (  # noqa: E402
     ABOVE_FIRST,
     MayCover,
     Places,
@@ -35,7 +36,6 @@ from rviz_drawing.placing import (  # noqa: E402
     box_beside,
     shared,
 )
-from trajectory_graph import split_edges  # noqa: E402
 
 pytestmark = needs_browser
 MISSION = '#open tr[data-key^="7:"]'

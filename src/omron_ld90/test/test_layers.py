@@ -69,7 +69,7 @@ LAYERS: Dict[str, Layer] = {
     'fleet_simulation': layer(
         'fleet_core fleet_core.files fleet_core.interlocking fleet_core.planning fleet_core.site '
         'fleet_core.supervision fleet_core.work fleet_simulation.agv file_replacement node_program '
-        'route_protocol trajectory_graph'),
+        'omron_map route_protocol trajectory_graph'),
     'fleet_simulation.agv': layer('fleet_core browser_guard route_protocol trajectory_graph',
                                   sockets='control_socket'),
     'graph_fleet_manager': layer(),

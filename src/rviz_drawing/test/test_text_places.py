@@ -9,8 +9,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rviz_drawing.placing import shared
 from rviz_drawing.text_places import REACH, TextPlaces, VertexText
+from trajectory_graph.placing import shared
 
 ID, LABEL = ((0.25, 0.28), (0.3, 0.3)), ((1.6, 0.33), (0.0, -0.36))
 coordinates = st.floats(-3.0, 3.0)

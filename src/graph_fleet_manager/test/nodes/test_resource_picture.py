@@ -18,7 +18,7 @@ from itrci_nav_msgs.msg import (
     QueuePlace,
     ResourceClaim,
 )
-from rviz_drawing.placing import shared
+from trajectory_graph.placing import shared
 
 GRAPH = corridor(4)  # 2 m apart, on the x axis
 

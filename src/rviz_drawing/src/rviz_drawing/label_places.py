@@ -8,7 +8,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Dict, Iterable, List, Mapping, Optional, Tuple
 
-from rviz_drawing.placing import (
+from rviz_drawing.text_places import text_size
+from trajectory_graph.placing import (
     ABOVE_FIRST,
     Box,
     MayCover,
@@ -17,7 +18,6 @@ from rviz_drawing.placing import (
     box_beside,
     middle_of,
 )
-from rviz_drawing.text_places import text_size
 
 GAP = 0.12  # m between a robot and its label
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from typing import Dict, List, Mapping, NamedTuple, Optional, Tuple
 
-from rviz_drawing.placing import Box, Places, box_around
+from trajectory_graph.placing import Box, Places, box_around
 
 Point = Tuple[float, float]
 Key = Tuple[str, int]  # the kind of the text, and the id of its vertex

@@ -6,9 +6,9 @@ from typing import Collection, List, Tuple
 from visualization_msgs.msg import Marker
 
 from rviz_drawing import drawing
-from rviz_drawing.placing import Box, box_around
 from rviz_drawing.text_places import text_size
 from trajectory_graph import Graph, Vertex
+from trajectory_graph.placing import Box, box_around
 
 EDGE, CLOSED = drawing.colour(0.55, 0.56, 0.62), drawing.colour(1.0, 0.18, 0.15)
 PARKING, DOCK = drawing.colour(0.25, 0.45, 0.95, 0.55), drawing.colour(0.2, 0.8, 0.35, 0.7)

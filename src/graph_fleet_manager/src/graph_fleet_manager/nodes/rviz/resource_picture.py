@@ -16,7 +16,9 @@ from graph_fleet_manager.messages.resources import (
 from graph_fleet_manager.nodes.rviz.paints import PAINTS
 from itrci_nav_msgs.msg import FleetMachine, FleetResource
 from rviz_drawing import drawing
-from rviz_drawing.placing import (
+from rviz_drawing.text_places import text_size
+from trajectory_graph import Graph
+from trajectory_graph.placing import (
     ABOVE_FIRST,
     Box,
     Places,
@@ -24,8 +26,6 @@ from rviz_drawing.placing import (
     box_beside,
     middle_of,
 )
-from rviz_drawing.text_places import text_size
-from trajectory_graph import Graph
 
 BAND, RING, THIN = 0.22, 0.1, 0.04                      # m, widths of lines
 STATION_RADIUS, QUEUE_RADIUS, MACHINE = 0.45, 0.32, 0.58  # m; of a machine, half of its side
