@@ -189,7 +189,7 @@ def test_a_robot_waits_for_a_charger_and_says_who_has_it() -> None:
     fleet.run_until(lambda: stands_at(fleet, 'a', 6))
     robot, supervisor = fleet.supervisor.robots['b'], fleet.supervisor
     wait = robot_wait(robot, supervisor.errand(robot), supervisor, fleet.now)
-    assert (wait.code, wait.text) == (WaitCode.CHARGING, 'a charger: a has dock_6')
+    assert (wait.code, wait.text) == (WaitCode.CHARGING, 'a charger: dock_6 (a)')
     charge(fleet, a=0.9)
     fleet.run_until(lambda: stands_at(fleet, 'b', 6))
 
@@ -199,7 +199,7 @@ def test_a_bay_for_one_robot_charges_one_after_the_other_also_past_a_parked_one(
     charge(fleet, a=0.9, b=0.1, c=0.2)
     fleet.run_until(lambda: any(stands_at(fleet, 'b', dock) for dock in (6, 7)))
     assert holders(fleet, 'bay') == ['b']
-    assert fleet.supervisor.charging.waiting == {'c': 'a charger: b has bay'}
+    assert fleet.supervisor.charging.waiting == {'c': 'a charger: bay (b)'}
     charge(fleet, b=0.9, c=0.2)
     fleet.run_until(lambda: any(stands_at(fleet, 'c', dock) for dock in (6, 7)))
     assert holders(fleet, 'bay') == ['c']

@@ -392,7 +392,7 @@ def test_who_is_charged_leaves_the_dock_to_who_waits_for_it():
     charge(fleet, a=0.1, b=0.2)
     fleet.run(20.0)
     assert fleet.agvs['a'].visited[-1] == 6 and (
-        view_of(fleet, 'b').waits_for.text == 'a charger: a has dock_6')
+        view_of(fleet, 'b').waits_for.text == 'a charger: dock_6 (a)')
     charge(fleet, a=0.8)
     fleet.run(40.0)
     assert fleet.agvs['b'].visited[-1] == 6

@@ -206,16 +206,16 @@ class ChargerDesk:
             return 'a charger: the fleet file and the graph have no dock for its type'
         if not one.places:
             broken = {name for dock in docks for name in self._broken_at(dock, network, now)}
-            devices = [str(self._claims.needs.resources[name]) for name in sorted(broken)]
-            return 'a charger: ' + (f'the {devices[0]} on the way there does not work' if devices
-                                    else 'it can reach none')
+            if broken:
+                return (f'a charger: the {self._claims.needs.resources[min(broken)]} on the way there '
+                        'does not work')
+            return 'a charger: it can reach none'
         holders = {place: name for name, place in turns.items()}
         found: List[str] = []
         for charger in dict.fromkeys(self._at[place] for place in one.places):
             names = [*(holders[place] for place in charger.places if place in holders),
                      *(stay.robot for stay in stays if stay.charger == charger.name)]
-            found.append(f'{" and ".join(names)} {"have" if len(names) > 1 else "has"} '
-                         f'{charger.name}')
+            found.append(f'{charger.name} ({", ".join(names)})')
         return f'a charger: {", ".join(found)}'
 
 

@@ -1,4 +1,4 @@
-"""Doors, stations with their queues, chargers and machines in RViz, and the robots that use them."""
+"""Doors, stations, queues, chargers and machines in RViz, and the robots that use them."""
 from __future__ import annotations
 
 from typing import Container, Iterable, List, NamedTuple, Optional, Sequence, Tuple
