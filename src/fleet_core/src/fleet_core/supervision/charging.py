@@ -207,8 +207,8 @@ class ChargerDesk:
         if not one.places:
             broken = {name for dock in docks for name in self._broken_at(dock, network, now)}
             if broken:
-                return (f'a charger: the {self._claims.needs.resources[min(broken)]} on the way there '
-                        'does not work')
+                device = self._claims.needs.resources[min(broken)]
+                return f'a charger: the {device} on the way there does not work'
             return 'a charger: it can reach none'
         holders = {place: name for name, place in turns.items()}
         found: List[str] = []
