@@ -4,7 +4,7 @@ import { entries, follow, get, heardAt, loadSite, makeWay, post, site, unfollow 
 import { dateOf, duration, language, momentOf, preferred, said, store, stored, t, timeOf, useLanguage } from './texts.js';
 import { refresh, showHint, showLayerNames, startLayers, wantedStreams } from './layers.js';
 import { drawMoving, drawnEdge, knowsEdge, redraw, siteChanged, startMap } from './map.js';
-import { chooseVertex, showMissions, showPlaces, startMissions } from './missions.js';
+import { choosePlace, showMissions, showPlaces, startMissions } from './missions.js';
 import { GROUPS, choose, noteFollowed, showGroup, showRobots, startRobots } from './robots.js';
 import { showAlarms, startAlarms, uncoverPanel } from './alarms.js';
 import { leaveHistory, loadHistory, startHistory } from './history.js';
@@ -121,6 +121,7 @@ function showStop() {
 function showLists() {
   showCounts();
   showHint();
+  showPlaces(site.vertices);
   showMissions(me);
   showRobots(me);
   showEdges();
@@ -265,7 +266,8 @@ async function main() {
   $('fold').onclick = () => showPanel($('fleet').dataset.panel === 'folded' ? 'open' : 'folded');
   $('widen').onclick = () => showPanel($('fleet').dataset.panel === 'wide' ? 'open' : 'wide');
   startMissions(act); startRobots(act); startAlarms(act); startHistory(); startReplay(); startLayers(layersChanged);
-  startMap({ vertex: vertex => { if (me.role !== 'see') { openTab('missions'); chooseVertex(vertex); } },
+  const goTo = place => { if (me.role !== 'see') { openTab('missions'); choosePlace(place); } };
+  startMap({ vertex: goTo, station: goTo,
     edge: edge => { openTab('edges'); toggleEdge(edge); }, area: chooseArea, robot: name => { openTab('robots'); choose(name); }, followed: noteFollowed });
   $('stop').onclick = () => { makeWay(); act({ act: 'stop' }); };
   $('resume').onclick = () => act({ act: 'resume' });

@@ -3,6 +3,7 @@ import { $, makeSvg } from './dom.js';
 import { entries, all, site } from './server.js';
 import { language, said, t } from './texts.js';
 import { ABOVE_FIRST, BELOW_RIGHT_FIRST, Places, boxOf } from './placing.js';
+import { drawResources, resourceLayer, stationPlaces } from './resources.js';
 import { Walls } from './walls.js';
 import { hasLayer, layerValues, showLaserOf } from './layers.js';
 
@@ -19,13 +20,13 @@ let drawnEdges = new Set(); // ids of the edges of the user's graph; an edge may
 let walls = null, handlers = {}, heat = null, chosen = [], chosenRobot = '', past = null, drawn = 0;
 let isFree = false; // the user has moved the view: it stays when the window changes
 let rem = 16; // px; larger on a wall screen
-let followed = '', fixed = []; // the robot in the middle of the view; the boxes of vertices and of their names
-let areaSigns = [], resourceSigns = []; // the boxes of their names: a robot's label covers one only if there is no other place
+let followed = '', fixed = [], words = []; // the robot in the middle of the view; the boxes of vertices and of their names, and of the words of stations and the like
+let areaSigns = []; // the boxes of their names: a robot's label covers one only if there is no other place
 let buttons = [0, 0, 0, 0]; // the box of the buttons in the map
 
 const hidden = { 'aria-hidden': 'true' };
 const allocationLayer = makeSvg('g', { ...hidden, class: 'allocations' }), planLayer = makeSvg('g', hidden), laserLayer = makeSvg('path', { ...hidden, class: 'laser' });
-const areaLayer = makeSvg('g', { id: 'map_areas' }), resourceLayer = makeSvg('g'), robotLayer = makeSvg('g');
+const areaLayer = makeSvg('g', { id: 'map_areas' }), robotLayer = makeSvg('g');
 svg.append(allocationLayer, planLayer, laserLayer, areaLayer, resourceLayer, robotLayer);
 const shade = document.createElement('canvas'); // where the outlines of areas are made
 
@@ -74,6 +75,8 @@ function click(event) {
   const robot = event.target.closest('.robot'), area = event.target.closest('.area');
   if (robot) { handlers.robot(robot.dataset.name); return; }
   if (area) { handlers.area(area.dataset.key, area); return; }
+  const station = event.target.closest('.station text');
+  if (station && stationPlaces(station.parentElement.dataset.name).length) { handlers.station(station.parentElement.dataset.name); return; }
   const box = svg.getBoundingClientRect(), at = [event.clientX - box.left, event.clientY - box.top];
   let best = null, least = REACH;
   for (const [id, x, y, kind] of site.vertices) {
@@ -220,12 +223,12 @@ function drawSite() {
   drawNames(paint, radius);
   paint.textBaseline = 'alphabetic';
   paint.strokeStyle = paint.fillStyle = colour('main'); paint.lineWidth = 3; paint.font = `bold ${0.875 * rem}px system-ui, sans-serif`;
-  chosen.forEach((id, k) => {
-    const vertex = verticesById.get(id);
-    if (!vertex) return;
-    const [px, py] = pixel(vertex[1], vertex[2]);
-    paint.beginPath(); paint.arc(px, py, radius + 6, 0, 7); paint.stroke();
-    paint.fillText(String(k + 1), px - 4, py - radius - 9);
+  chosen.forEach((ids, k) => {
+    for (const vertex of ids.map(id => verticesById.get(id)).filter(Boolean)) {
+      const [px, py] = pixel(vertex[1], vertex[2]);
+      paint.beginPath(); paint.arc(px, py, radius + 6, 0, 7); paint.stroke();
+      paint.fillText(String(k + 1), px - 4, py - radius - 9);
+    }
   });
 }
 
@@ -319,6 +322,7 @@ function drawNames(paint, radius) {
   }
 }
 
+// vertices: for each destination; those of a group are several.
 export function showChosen(vertices) { chosen = vertices; redraw(); }
 export function showHeat(edges) { heat = edges; redraw(); }
 export function chooseRobot(name) { chosenRobot = name; showLaserOf(name); drawMoving(null); }
@@ -355,7 +359,7 @@ export function drawMoving(keys) {
     placeRobot(name, pose, robot);
   }
   dropRobots(wanted);
-  if (!keys || [...keys].some(key => key.startsWith('resource:'))) drawResources();
+  if (!keys || [...keys].some(key => /^(resource|machine):/.test(key))) drawSiteWork();
   placeLabels();
   if (followed) keepInMiddle();
   if (!keys || [...keys].some(key => key.startsWith('plan:'))) drawPlans();
@@ -368,25 +372,25 @@ function drawPast() {
   for (const [name, [x, y, theta, state, waits, works]] of Object.entries(past.r)) {
     wanted.add(name);
     const known = entries.get(`robot:${name}`) || {};
-    placeRobot(name, [x, y, theta], { ...known, state, waits_for: waits, works: Boolean(works), battery: null, destination: 0 });
+    placeRobot(name, [x, y, theta], { ...known, state, waits_for: waits, works: Boolean(works), battery: null, destination: 0, load: 'EMPTY' });
   }
   dropRobots(wanted);
-  placeLabels();
-  planLayer.replaceChildren(); allocationLayer.replaceChildren(); resourceLayer.replaceChildren();
+  planLayer.replaceChildren(); allocationLayer.replaceChildren(); resourceLayer.replaceChildren(); words = [];
   laserLayer.setAttribute('d', '');
+  placeLabels();
 }
 
 function dropRobots(wanted) {
   for (const [name, shapes] of robots) if (!wanted.has(name)) { shapes.group.remove(); robots.delete(name); }
 }
 
-// A robot's label keeps its side while that is free. It may cover vertices and their names, but no other robot: if
+// A robot's label keeps its side while that is free. It may cover vertices and other names, but no other robot: if
 // there is no such place, it is left out until the view is nearer. Labels of the chosen robot and of those in trouble
 // choose first, and are always shown.
 function placeLabels() {
   const places = new Places(size.width, size.height);
   places.cover(buttons);
-  for (const box of [...fixed, ...areaSigns, ...resourceSigns]) places.cover(box, true);
+  for (const box of [...fixed, ...areaSigns, ...words]) places.cover(box, true);
   for (const { x, y, reach } of robots.values()) places.cover([x - reach, y - reach, x + reach, y + reach]);
   for (const shapes of [...robots.values()].sort((a, b) => b.isFirst - a.isFirst)) {
     const text = { x: shapes.x, y: shapes.y, away: shapes.reach + 1, width: widthOf(shapes.label), height: 0.95 * rem, may: shapes.isFirst ? 'all' : 'soft' };
@@ -425,9 +429,13 @@ function placeRobot(name, [x, y, theta], robot) {
   if (shapes.text.textContent !== shapes.label) shapes.text.textContent = shapes.label;
   const kind = ['robot', isInTrouble ? 'trouble' : '', GONE.includes(robot.state) ? 'gone' : '', name === chosenRobot ? 'chosen' : ''].filter(Boolean).join(' ');
   if (shapes.group.getAttribute('class') !== kind) shapes.group.setAttribute('class', kind);
-  const words = `${label}: ${robotWords(robot)}`;
+  const load = loadWords(robot), words = `${label}: ${robotWords(robot)}${load && `, ${load}`}`;
+  shapes.load.setAttribute('class', `load ${robot.load}`);
   if (shapes.words !== words) { shapes.words = words; shapes.group.setAttribute('aria-label', words); shapes.title.textContent = words; }
 }
+
+// What a robot carries; empty: nothing.
+export const loadWords = robot => robot.load === 'EMPTY' ? '' : t(`load_${robot.load}`, { mission: `M${robot.load_serial}` });
 
 export function robotWords(robot) {
   const vertex = robot.destination && vertexName(robot.destination), isBusy = robot.state === 'BUSY';
@@ -449,59 +457,24 @@ export function outageWords(robot) {
 function newRobot(name) {
   const group = makeSvg('g', { class: 'robot', role: 'button', tabindex: 0, 'data-name': name });
   const ring = makeSvg('circle', { class: 'ring', r: 14 }), body = makeSvg('g');
-  const nose = makeSvg('path', { d: 'M1,-4 L8,0 L1,4 z', fill: '#fff' }), text = makeSvg('text', { 'text-anchor': 'middle', 'dominant-baseline': 'central' }), title = makeSvg('title');
-  body.append(makeSvg('rect', { class: 'body', x: -10, y: -7, width: 20, height: 14, rx: 3, fill: colourOf(name) }), nose);
+  const load = makeSvg('rect', { x: -8.5, y: -4, width: 8, height: 8, rx: 1 }), nose = makeSvg('path', { d: 'M1,-4 L8,0 L1,4 z', fill: '#fff' }), text = makeSvg('text', { 'text-anchor': 'middle', 'dominant-baseline': 'central' }), title = makeSvg('title');
+  body.append(makeSvg('rect', { class: 'body', x: -10, y: -7, width: 20, height: 14, rx: 3, fill: colourOf(name) }), nose, load);
   const card = makeSvg('rect', { class: 'card', rx: 3 });
   group.append(title, card, ring, body, text);
   group.addEventListener('keydown', event => {
     if (event.key === 'Enter' || event.key === ' ') { event.preventDefault(); handlers.robot(name); }
   });
   robotLayer.append(group);
-  const shapes = { group, card, ring, body, nose, text, title, words: '', side: -1 };
+  const shapes = { group, card, ring, body, nose, load, text, title, words: '', side: -1 };
   robots.set(name, shapes);
   return shapes;
 }
 
-// Doors and other devices along their edges, and stations around their places. The words tell what the line shows.
-function drawResources() {
+function drawSiteWork() {
   const places = new Places(size.width, size.height);
   places.cover(buttons);
   for (const box of [...fixed, ...areaSigns]) places.cover(box);
-  resourceSigns = [];
-  resourceLayer.replaceChildren(...[...all('resource:')].map(([name, resource]) => {
-    const shown = resourceWords(name, resource), words = resource.robots.length ? `${shown} (${resource.robots.join(', ')})` : shown;
-    const group = makeSvg('g', { class: `resource ${resource.device || 'place'}`, role: 'img', 'aria-label': words, 'data-name': name });
-    const title = makeSvg('title'), middles = [];
-    title.textContent = words;
-    group.append(title);
-    for (const edge of resource.edges.map(id => edgesById.get(id)).filter(Boolean)) {
-      const points = [];
-      for (let k = 0; k < edge[3].length; k += 2) points.push(pixel(edge[3][k], edge[3][k + 1]));
-      group.append(makeSvg('path', { d: `M${points.map(point => point.map(v => v.toFixed(1)).join(' ')).join('L')}` }));
-      middles.push(points.length === 2 ? [0, 1].map(k => (points[0][k] + points[1][k]) / 2) : points[points.length >> 1]);
-    }
-    for (const vertex of resource.vertices.map(id => verticesById.get(id)).filter(Boolean)) {
-      const [x, y] = pixel(vertex[1], vertex[2]);
-      group.append(makeSvg('circle', { cx: x.toFixed(1), cy: y.toFixed(1), r: Math.max(8, 0.45 * view.scale).toFixed(1) }));
-      middles.push([x, y]);
-    }
-    if (middles.length) {
-      const [x, y] = middles[0], text = { x, y, away: resource.edges.length ? 6 : Math.max(8, 0.45 * view.scale) + 3, width: widthOf(shown), height: 0.95 * rem };
-      const side = places.place(text, ABOVE_FIRST);
-      if (side >= 0) {
-        resourceSigns.push(boxOf(text, ABOVE_FIRST[side]));
-        const box = boxOf(text, ABOVE_FIRST[side]), label = makeSvg('text', { x: ((box[0] + box[2]) / 2).toFixed(1), y: ((box[1] + box[3]) / 2).toFixed(1), 'text-anchor': 'middle', 'dominant-baseline': 'central' });
-        label.textContent = shown;
-        group.append(label);
-      }
-    }
-    return group;
-  }));
-}
-
-function resourceWords(name, resource) {
-  const what = `${t(`resource_${resource.kind}`)} ${name}`;
-  return resource.device ? `${what}: ${t(`device_${resource.device}`)}` : what;
+  words = drawResources({ pixel, places, widthOf, rem, scale: view.scale, edges: edgesById, vertices: verticesById });
 }
 
 function drawPlans() {

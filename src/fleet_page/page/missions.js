@@ -3,6 +3,7 @@ import { $, make, openMenu, showRows, withCode } from './dom.js';
 import { entries, all, site } from './server.js';
 import { t, clockOf, dateOf, duration, language, said, store, stored } from './texts.js';
 import { knowsVertex, showChosen, vertexName } from './map.js';
+import { stationPlaces } from './resources.js';
 import { colourDot, fullName, shortName } from './robots.js';
 import { chosenTemplate, clearParameters, fillParameter, runOf, showTemplates, startTemplates } from './templates.js';
 
@@ -16,7 +17,7 @@ const ORDERS = {
   urgency: null, state: mission => t(`mission_${mission.state}`), id: mission => mission.serial || mission.id, robot: mission => mission.robot || '',
   asked: mission => mission.stamp, to_end: mission => mission.ended || mission.ends_at || Infinity, by: mission => mission.by || '', priority: mission => -(mission.priority || 0) };
 const COLUMNS = ['state', 'id', 'robot', 'way', 'to_end', 'asked', 'by', 'priority'];
-let chosen = []; // {vertex, stay}
+let chosen = []; // {place, stay}; place: id of a vertex, or name of a station or group
 let editing = null, form = null, act = null, me = { role: 'see' }, order = 'urgency', isBackwards = false;
 
 export function startMissions(given) {
@@ -48,30 +49,33 @@ function sortBy(name, backwards) {
   showTables();
 }
 
-export function chooseVertex(vertex) {
+export function choosePlace(place) {
   $('new_mission').open = true;
-  if (chosenTemplate()) { fillParameter(vertex); return; }
-  chosen.push({ vertex, stay: 0 });
+  if (chosenTemplate()) { fillParameter(place); return; }
+  chosen.push({ place, stay: 0 });
   showChoice();
 }
 
 function addTyped() {
-  const vertex = parseInt($('destination').value, 10);
-  if (!knowsVertex(vertex)) { act.say(t('no_vertex')); return; }
+  const typed = $('destination').value.trim(), vertex = /^\d+( |$)/.test(typed) ? parseInt(typed, 10) : 0;
+  const place = stationPlaces(typed).length ? typed : vertex;
+  if (!place || (place === vertex && !knowsVertex(vertex))) { act.say(t('no_vertex')); return; }
   $('destination').value = '';
-  chooseVertex(vertex);
+  choosePlace(place);
 }
+
+const placeName = place => typeof place === 'number' ? vertexName(place) : place;
 
 function draft() {
   const stays = chosen.map(one => one.stay);
   return {
-    destinations: chosen.map(one => one.vertex), ...wishes(), stays: stays.some(stay => stay !== 0) ? stays : [] };
+    destinations: chosen.map(one => one.place), ...wishes(), stays: stays.some(stay => stay !== 0) ? stays : [] };
 }
 
 const wishes = () => ({ robot: $('send_robot').value, robot_type: $('send_type').value, priority: parseInt($('send_priority').value, 10) || 0 });
 
 function showChoice() {
-  showChosen(chosen.map(one => one.vertex));
+  showChosen(chosen.map(({ place }) => typeof place === 'number' ? [place] : stationPlaces(place)));
   $('chosen').replaceChildren(...chosen.map((one, k) => {
     const stay = make('input', { type: 'number', value: Math.max(0, one.stay), min: 0, max: 1000000, 'aria-label': t('stay') });
     const until = make('input', { type: 'checkbox' });
@@ -79,8 +83,8 @@ function showChoice() {
     stay.disabled = until.checked;
     stay.onchange = () => { one.stay = Number(stay.value) || 0; };
     until.onchange = () => { stay.disabled = until.checked; one.stay = until.checked ? -1 : Number(stay.value) || 0; };
-    return make('li', {}, vertexName(one.vertex), ' ', make('label', {}, t('stay'), ' ', stay, ' s '), make('label', {}, until, ' ', t('until_released')), ' ',
-      make('button', { type: 'button', 'aria-label': t('remove_destination', { vertex: one.vertex }), onclick: () => { chosen.splice(k, 1); showChoice(); } }, '×'));
+    return make('li', {}, placeName(one.place), ' ', make('label', {}, t('stay'), ' ', stay, ' s '), make('label', {}, until, ' ', t('until_released')), ' ',
+      make('button', { type: 'button', 'aria-label': t('remove_destination', { vertex: placeName(one.place) }), onclick: () => { chosen.splice(k, 1); showChoice(); } }, '×'));
   }));
 }
 
@@ -93,8 +97,12 @@ function options(select, values) {
   if (values.includes(before)) select.value = before;
 }
 
+let shownPlaces = [null, ''];
 export function showPlaces(vertices) {
-  $('places').replaceChildren(...vertices.filter(vertex => vertex[3] !== 'cut').map(vertex => make('option', { value: vertexName(vertex[0]) })));
+  const stations = all('resource:').filter(([name]) => stationPlaces(name).length).map(([name]) => name), names = stations.join('\n');
+  if (shownPlaces[0] === vertices && shownPlaces[1] === names) return;
+  shownPlaces = [vertices, names];
+  $('places').replaceChildren(...[...stations, ...vertices.filter(vertex => vertex[3] !== 'cut').map(vertex => vertexName(vertex[0]))].map(value => make('option', { value })));
 }
 
 export function showMissions(person) {
@@ -167,7 +175,7 @@ function showFavourites() {
 function use(favourite) {
   $('send_template').value = '';
   $('send_template').onchange();
-  chosen = favourite.destinations.map((vertex, k) => ({ vertex, stay: favourite.stays[k] || 0 }));
+  chosen = favourite.destinations.map((place, k) => ({ place, stay: favourite.stays[k] || 0 }));
   $('send_robot').value = favourite.robot; $('send_type').value = favourite.robot_type; $('send_priority').value = favourite.priority;
   showChoice();
 }

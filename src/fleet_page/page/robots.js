@@ -2,7 +2,7 @@
 import { $, make, makeSvg, showRows, withCode } from './dom.js';
 import { all, get } from './server.js';
 import { clockOf, dateOf, language, momentOf, said, store, stored, t } from './texts.js';
-import { chooseRobot, colourOf, followRobot, outageWords, robotWords } from './map.js';
+import { chooseRobot, colourOf, followRobot, loadWords, outageWords, robotWords } from './map.js';
 
 export const GROUPS = ['idle', 'driving', 'working', 'waiting', 'charging', 'trouble', 'away'];
 const MOST_MISSIONS = 5, MOST_EVENTS = 8;
@@ -90,16 +90,18 @@ function robotRow(robot) {
   const isChosen = robot.name === chosen, charge = robot.battery === null ? null : Math.round(100 * robot.battery);
   const row = make('li', { class: [isChosen ? 'chosen' : '', robot.alarm ? 'trouble' : ''].filter(Boolean).join(' ') || null },
     make('button', { class: 'line', 'data-act': 'choose', 'aria-expanded': String(isChosen), onclick: () => choose(robot.name) },
-      colourDot(robot.name), make('b', {}, robot.name), make('span', { class: 'words' }, ...withCode(robotWords(robot))),
+      colourDot(robot.name), make('b', {}, robot.name), make('span', { class: 'words' }, ...withCode(robotWords(robot)), isChosen ? '' : loadOf(robot)),
       make('span', { class: charge !== null && charge <= 20 ? 'charge bad' : 'charge' }, charge === null ? '' : `${charge} %`)));
   if (isChosen) row.append(...details(robot));
   return row;
 }
 
+const loadOf = robot => loadWords(robot) && make('span', { class: robot.load === 'UNKNOWN' ? 'bad' : null }, ` · ${loadWords(robot)}`);
+
 function details(robot) {
   const button = kind => make('button', { 'data-act': kind, onclick: () => robotAct(kind, robot.name) }, t(`act_${kind}`));
   const acts = me.role === 'see' ? [] : [robot.state === 'OUT_OF_SERVICE' ? '' : button('out'), button('in'), me.role === 'admin' ? button('absent') : ''];
-  return [make('p', { class: 'soft' }, [robot.type, robot.mission ? `${t('mission')} ${robot.missionName}` : ''].filter(Boolean).join(' · ')),
+  return [make('p', { class: 'soft' }, [robot.type, robot.mission ? `${t('mission')} ${robot.missionName}` : ''].filter(Boolean).join(' · '), loadOf(robot)),
     robot.alarm ? make('p', { class: 'bad' }, `→ ${t(`todo_${robot.alarm}`)}`) : '',
     make('p', { class: 'row' }, make('button', { 'data-act': 'follow', 'aria-pressed': String(Boolean(robot.isFollowed)), onclick: () => followRobot(followed === robot.name ? '' : robot.name) }, t('follow')), ...acts),
     ...log.charges.length ? [make('h3', {}, t('battery_curve')), curveOf(log.charges, robot)] : [],

@@ -62,10 +62,10 @@ function mark(name) {
 }
 
 // A click on the map fills the parameter that was entered last; the next one that is empty follows.
-export function fillParameter(vertex) {
+export function fillParameter(place) { // id of a vertex, or name of a station
   const input = inputs().find(one => one.name === filling);
   if (!input) return;
-  input.value = vertexName(vertex);
+  input.value = typeof place === 'number' ? vertexName(place) : place;
   const next = inputs().find(one => !one.value.trim());
   mark(next ? next.name : filling);
 }

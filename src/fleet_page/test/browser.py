@@ -151,6 +151,13 @@ class Browser:
             });''', vertex), f'vertex {vertex} on the map')
         self.click_at(x, y)
 
+    def click_words(self, selector: str) -> None:
+        """Clicks in the middle of words on the map."""
+        box = self.wait(lambda: self.script('''
+            const box = document.querySelector(arguments[0]).getBoundingClientRect();
+            return [box.left + box.width / 2, box.top + box.height / 2];''', selector), selector)
+        self.click_at(*box)
+
     def click_at(self, x: float, y: float) -> None:
         for kind, buttons in (('mousePressed', 1), ('mouseReleased', 0)):
             self.driver.execute_cdp_cmd('Input.dispatchMouseEvent', {

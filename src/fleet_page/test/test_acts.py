@@ -29,6 +29,8 @@ def test_an_answer_keeps_all_digits_of_the_key():
     ({'act': 'send'}, 'destinations is missing'),
     ({'act': 'send', 'destinations': []}, 'list of 1 to 100 ids'),
     ({'act': 'send', 'destinations': [True]}, 'whole number'),
+    ({'act': 'send', 'destinations': ['a\nb']}, 'printable'),
+    ({'act': 'modify', 'mission': 7, 'priority': 1, 'destinations': ['press']}, 'whole number'),
     ({'act': 'send', 'destinations': [2 ** 31]}, 'whole number'),
     ({'act': 'send', 'destinations': [-1]}, 'positive'),
     ({'act': 'send', 'destinations': [1], 'stays': [math.nan]}, 'seconds'),

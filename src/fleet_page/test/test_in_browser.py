@@ -4,6 +4,8 @@ from __future__ import annotations
 import colorsys
 import time
 from dataclasses import replace
+from itertools import combinations
+from random import Random
 
 import pytest
 
@@ -21,13 +23,23 @@ from fleet_core.supervision.fleet_stop import (  # noqa: E402
 from fleet_page.core.acts import ActKind  # noqa: E402
 from fleet_page.core.fleet import (  # noqa: E402
     ShownAllocation,
+    ShownMachine,
     ShownPose,
+    ShownQueuePlace,
     ShownResource,
     ShownTemplate,
     ShownTimetable,
 )
 from fleet_page.core.records import NamedKind  # noqa: E402
 from trajectory_graph import split_edges  # noqa: E402
+from trajectory_graph.placing import (  # noqa: E402
+    ABOVE_FIRST,
+    MayCover,
+    Places,
+    box_around,
+    box_beside,
+    shared,
+)
 
 pytestmark = needs_browser
 MISSION = '#open tr[data-key^="7:"]'
@@ -89,7 +101,7 @@ def test_a_door_and_a_station_are_drawn_with_words_for_what_they_show(window, se
     def show(*resources):
         served.do(lambda: served.page.model.show_resources(resources))
     press, door = ShownResource('press', 'STATION', vertices=(6,), robots=('a',)), ShownResource(
-        'gate', 'DOOR', edges=(8,), device='CLOSED')
+        'gate', 'DOOR', edges=(8,), device='CLOSED', look='SHUT')
     show(press, door)
     window.wait(lambda: window.text('.resource[data-name=gate] text') == 'door gate: closed')
     assert window.one('.resource[data-name=gate] path')
@@ -98,10 +110,107 @@ def test_a_door_and_a_station_are_drawn_with_words_for_what_they_show(window, se
     named = window.one('.resource[data-name=press]').get_attribute('aria-label')
     assert named == 'station press (a)'
     window.picture('resources')
-    show(press, replace(door, device='OPEN'))
+    show(press, replace(door, device='OPEN', look='OPEN'))
     window.wait(lambda: window.text('.resource[data-name=gate] text') == 'door gate: open')
     show()
     window.wait(lambda: not window.driver.find_elements('css selector', '.resource'))
+
+
+def test_queue_places_have_their_order_and_their_robots_and_machines_their_state(window, served):
+    queue = (ShownQueuePlace(7, 'a', True), ShownQueuePlace(8, 'b'), ShownQueuePlace(12))
+    served.do(lambda: served.page.model.show_resources(
+        [ShownResource('press', 'STATION', vertices=(6,), queue=queue)],
+        [ShownMachine('press_1', 'WORKING', 'OPEN', (6,), 'a'),
+         ShownMachine('oven', 'SILENT', 'TROUBLE')]))
+    window.one('.machine[data-name=press_1] rect')
+    assert [one.get_attribute('aria-label') for one in window.driver.find_elements(
+        'css selector', '.queue')] == ['press 1: a', 'press 2: b is on its way', 'press 3']
+    assert window.text('.queue.TAKEN text') == 'press 1: a'
+    assert window.one('.machine').get_attribute('aria-label') == 'machine press_1: working (a)'
+    assert not window.driver.find_elements('css selector', '.machine[data-name=oven]')
+    covered = window.script('''return [...document.querySelectorAll('.resource text')].map(
+        text => text.getBoundingClientRect()).map(box => [box.left, box.top, box.right, box.bottom])
+    ''')
+    assert len(covered) > 3
+    assert not any(shared(one, other) > 4.0 for one, other in combinations(covered, 2))
+    window.picture('queue')
+    served.do(lambda: served.page.model.show_resources([]))
+    window.wait(lambda: not window.driver.find_elements('css selector', '.resource'))
+
+
+def test_a_group_is_a_destination_by_its_name_in_the_form_and_on_the_map(window, served):
+    served.do(lambda: served.page.model.show_resources([
+        ShownResource('shelves', 'STATION', vertices=(10, 11), is_group=True),
+        ShownResource('table', 'STATION', vertices=(3, 4)),
+        ShownResource('2nd', 'STATION', vertices=(7,))]))
+    window.wait(lambda: [one.get_attribute('value') for one in window.driver.find_elements(
+        'css selector', '#places option')][:2] == ['2nd', 'shelves'])
+    for word in ('shelves', '2nd', '1 dock', '5'):
+        window.one('#destination').send_keys(word)
+        window.click('#add')
+    window.click_words('.station[data-name=shelves] text')
+    window.one('#destination').send_keys('table')
+    window.click('#add')
+    window.wait(lambda: window.text('#said') == 'There is no such destination.')
+    assert [one.text.split(' ')[0] for one in window.driver.find_elements(
+        'css selector', '#chosen li')] == ['shelves', '2nd', '1', '5', 'shelves']
+    window.picture('group')
+    window.click('#send_button')
+    act = asked(window, served, ActKind.SEND)
+    assert act.destinations == ('shelves', '2nd', 1, 5, 'shelves')
+
+
+def test_a_load_is_drawn_on_its_robot_and_its_mission_is_in_the_list(window, served):
+    def carry(**load):
+        served.do(lambda: served.page.model.take_robots(
+            [robot(**load), robot('b', mission=None, load='UNKNOWN')], time.time()))
+    carry(load='LOADED', load_serial=42)
+    window.wait(lambda: 'load of M42' in window.one('.robot[data-name=a]').get_attribute(
+        'aria-label'))
+    assert window.one('.robot[data-name=a] .load').is_displayed()
+    window.click('#tab_button_robots')
+    window.wait(lambda: '· load of M42' in window.text('#robots [data-key=a]'))
+    assert window.text('#robots [data-key=b] .bad').strip() == '· load unknown'
+    trouble = window.script('''return ['b', 'a'].map(name => getComputedStyle(
+        document.querySelector(`.robot[data-name=${name}] .load`)).fill)''')
+    assert trouble[0] == 'rgb(179, 22, 27)' != trouble[1]
+    window.picture('loads')
+    carry()
+    window.wait(lambda: not window.one('.robot[data-name=a] .load').is_displayed())
+
+
+def test_the_page_places_texts_by_the_same_rules_as_rviz_and_the_editor(window, served):
+    draw = Random(7)
+    cases = []
+    for _ in range(60):
+        covers = [(box_around((draw.uniform(0, 300), draw.uniform(0, 200)),
+                              (draw.uniform(5, 90), draw.uniform(5, 40))), draw.random() < 0.5)
+                  for _ in range(draw.randrange(12))]
+        texts = [(draw.uniform(0, 300), draw.uniform(0, 200), draw.uniform(2, 20),
+                  draw.uniform(10, 90), draw.uniform(8, 40), draw.choice(list(MayCover)),
+                  draw.choice([-1, -1, *range(8)])) for _ in range(8)]
+        cases.append((covers, texts))
+    asked = [([(box, is_soft) for box, is_soft in covers], [
+        {'x': x, 'y': y, 'away': away, 'width': width, 'height': height, 'before': before,
+         'may': {MayCover.NOTHING: '', MayCover.SOFT: 'soft', MayCover.ALL: 'all'}[may]}
+        for x, y, away, width, height, may, before in texts]) for covers, texts in cases]
+    window.driver.set_script_timeout(20)
+    told = window.driver.execute_async_script('''
+        const [cases, done] = arguments;
+        import('/page/placing.js').then(({ ABOVE_FIRST, Places }) => done(cases.map(
+            ([covers, texts]) => {
+                const places = new Places(300, 200);
+                for (const [box, isSoft] of covers) places.cover(box, isSoft);
+                return texts.map(text => places.place(text, ABOVE_FIRST, text.before));
+            })));''', asked)
+    down_first = [(right, -up) for right, up in ABOVE_FIRST]  # y of the page is downwards
+    for (covers, texts), page in zip(cases, told):
+        places = Places((0.0, 0.0, 300.0, 200.0), 64.0)
+        for box, is_soft in covers:
+            places.cover(box, is_soft)
+        assert page == [places.place(
+            [box_beside((x, y), away, (width, height), side) for side in down_first], before, may)
+            for x, y, away, width, height, may, before in texts]
 
 
 def test_the_header_counts_robots_and_missions_and_opens_their_lists(window, served):
@@ -349,7 +458,7 @@ def test_the_list_of_faults_names_every_robot_that_does_not_work_with_code_and_r
     window.click('#tab_button_robots')
     window.click('#faults_box summary')
     window.wait(lambda: '(2)' in window.text('#faults_box summary'))
-    for row, words in (('b', ('FAILED', 'wheel blocked', 'since', 'Look at the robot')),
+    for row, words in (('b', ('FAILED', 'wheel blocked', 'since', 'ResourceLook at the robot')),
                        ('c', ('OUT_OF_SERVICE', 'taken out of service', 'put it into service'))):
         text = window.text(f'#faults [data-key={row}]')
         assert all(word in text for word in words), text

@@ -9,7 +9,9 @@ import pytest
 from page_builders import PAGE_FOLDER
 
 from fleet_core.interlocking.resources import ResourceKind
-from fleet_core.supervision.fleet_view import WORKING, RobotState
+from fleet_core.supervision.fleet_view import LOAD_WORDS, WORKING, RobotState
+from fleet_core.supervision.looks import DEVICE_WORDS, QueueState, ResourceLook
+from fleet_core.supervision.machine_view import MachineState
 from fleet_core.supervision.outages import Outage
 from fleet_page.core.acts import ANSWERS, ActKind
 from fleet_page.core.fleet import (
@@ -20,6 +22,7 @@ from fleet_page.core.fleet import (
     RobotGroup,
 )
 from fleet_page.door.files import CHART
+from graph_fleet_manager.nodes.rviz.paints import HEX_OF_LOAD, HEX_OF_LOOK
 from route_protocol.devices import DeviceMode
 
 SOURCES = {path.name: path.read_text() for path in PAGE_FOLDER.iterdir()
@@ -40,6 +43,9 @@ def used_keys():
     found |= {f'deadline_{state}' for state in DEADLINE_ALARMS}
     found |= {f'resource_{kind.name}' for kind in ResourceKind}
     found |= {f'device_{mode.name}' for mode in DeviceMode}
+    found |= {f'machine_{state.name}' for state in MachineState} | {'machine'}
+    found |= {f'load_{state.name}' for state in LOAD_WORDS}
+    found |= {f'queue_{state.name}' for state in QueueState}
     tabs = re.search(r'TABS = \[(.*?)\]', SOURCES['main.js']).group(1)
     found |= {f'tab_{name}' for name in re.findall(r"'(\w+)'", tabs)}
     for name, list_ in (('layer', 'LAYERS'), ('key', 'KEY')):
@@ -179,3 +185,20 @@ def test_every_outage_is_told_in_every_language(outage):
 def test_a_robots_state_has_the_same_words_everywhere(state):
     assert TABLES['en'][f'robot_{state.name}'] == state.words
     assert TABLES['en']['robot_working'] == WORKING
+
+
+@pytest.mark.parametrize('prefix, words', [
+    ('device_', {mode.name: text for mode, text in DEVICE_WORDS.items()}),
+    ('machine_', {state.name: state.words for state in MachineState}),
+    ('load_', {state.name: text for state, text in LOAD_WORDS.items()}),
+    ('queue_', {state.name: state.value for state in QueueState}),
+    ('resource_', {kind.name: kind.value for kind in ResourceKind})])
+def test_stations_devices_and_loads_have_the_same_words_on_the_page_and_in_rviz(prefix, words):
+    assert {name: TABLES['en'][prefix + name] for name in words} == words
+
+
+def test_the_dark_page_has_the_colours_of_rviz():
+    dark = re.search(r'data-theme=dark\] \{(.*?)\}', SOURCES['page.css'], re.DOTALL).group(1)
+    colours = dict(re.findall(r'--([\w-]+): (#\w+)', dark))
+    assert {look: colours[look.name.lower()] for look in ResourceLook} == HEX_OF_LOOK
+    assert colours['load'] == HEX_OF_LOAD

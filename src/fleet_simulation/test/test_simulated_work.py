@@ -70,13 +70,14 @@ def test_a_station_with_long_steps_and_room_for_one_robot_is_named(
     assert main([*(f'--{name}={path}' for name, path in paths.items()), '--robots=3',
                  '--hours=0.15', '--seeds=1', f'--output={tmp_path / "report"}']) == 0
     told = capsys.readouterr().out
-    assert 'Of all stations and devices, station press is the bottleneck: robots wait' in told
+    assert ('Of all stations, devices and chargers, station press is the bottleneck: robots wait'
+            in told)
     assert 'mostly for its turn in the queue' in told
     rows = list(csv.DictReader((tmp_path / 'report' / 'resources.csv').open()))
     press = sum(float(row['robot_s']) for row in rows if row['resource'] == 'station press')
     assert press > 5.0 * sum(float(row['robot_s']) for row in rows
                              if row['resource'] != 'station press')
-    assert '<h2>Stations and devices, with 3 robots</h2>' in (
+    assert '<h2>Stations, devices and chargers, with 3 robots</h2>' in (
         tmp_path / 'report' / 'report.html').read_text()
 
 
@@ -118,6 +119,55 @@ def test_a_deadline_that_a_mission_cannot_keep_is_counted_as_missed(
     assert (figures.deadlines, figures.missed) == (
         (figures.missed, figures.deadlines) if is_missed else (figures.succeeded, 0))
     assert figures.deadlines > 5
+
+
+TIMETABLES = WORK + '''
+timetables:
+- {template: pallet, arguments: {from: shelves, to: press}, every: 2 min, from: "06:02",
+   deadline: 1 h}
+- {name: late, template: pallet, arguments: {from: shelves, to: press}, every: 1 h,
+   from: "06:06", to: "06:06", days: mon, deadline: 1 min}
+- {name: other_day, template: pallet, arguments: {from: shelves, to: press}, every: 1 min,
+   days: tue-sun}
+'''
+
+
+def timetables(folder: Path) -> Dict[str, Dict[str, str]]:
+    return {row['timetable']: row for row in csv.DictReader((folder / 'timetables.csv').open())}
+
+
+def test_the_runs_of_timetables_come_at_their_times_and_are_listed_with_their_deadlines(
+        files: Files, tmp_path: Path) -> None:
+    paths = files('steps:\n- {type: engage, seconds: 80}\n', work=TIMETABLES)
+    report = tmp_path / 'report'
+    assert main([*(f'--{name}={path}' for name, path in paths.items()), '--robots=2',
+                 '--hours=0.15', '--seeds=1', f'--output={report}']) == 0
+    found = timetables(report)
+    counted = [(name, int(row['missions'])) for name, row in found.items()]
+    assert counted == [('pallet', 4), ('late', 1), ('other_day', 0)]
+    assert int(found['pallet']['done']) >= 2 and found['pallet']['missed'] == '0'
+    assert (found['late']['deadlines'], found['late']['missed']) == ('1', '1')
+    assert '<h2>Timetables, with 2 robots</h2>' in (report / 'report.html').read_text()
+    run, = csv.DictReader((report / 'runs.csv').open())
+    assert run['requested'] == '5'
+
+
+def test_a_run_begins_on_the_day_and_at_the_time_that_are_asked_for(
+        files: Files, tmp_path: Path) -> None:
+    paths = files('steps: []\n', work=TIMETABLES)
+    report = tmp_path / 'report'
+    assert main([*(f'--{name}={path}' for name, path in paths.items()), '--robots=1',
+                 '--hours=0.05', '--seeds=1', '--begin', 'sun 00:10',
+                 f'--output={report}']) == 0
+    missions = {name: int(row['missions']) for name, row in timetables(report).items()}
+    assert missions == {'pallet': 0, 'late': 0, 'other_day': 2}  # the first one does not count
+
+
+@pytest.mark.parametrize('begin', ['06:00', 'mo 06:00', 'mon 24:00', 'mon'])
+def test_a_begin_that_is_no_day_and_time_is_refused(begin: str, capsys) -> None:
+    with pytest.raises(SystemExit):
+        main(['--begin', begin])
+    assert 'is not a day and a time, such as "mon 06:00"' in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(('text', 'line', 'problem'), [

@@ -22,6 +22,11 @@ def outage(bench: Bench) -> None:
     bench.connect()
 
 
+def again(bench: Bench) -> None:
+    """The same drive is given again."""
+    bench.drive(ROUTE)
+
+
 class Occasion(NamedTuple):
     """A robot that shows a status gets commands, and then says lines.
 
@@ -51,6 +56,10 @@ OCCASIONS: Dict[str, Occasion] = {
     'no replacement': Occasion('Going to 5', ['goto 12'], ['Stopping', 'Stopped'],
                                ['sent'], OTHERS),
     'stop of another client': Occasion('Going to 5', [], ['Stopping'], [], OTHERS),
+    # a drive whose command has ended
+    'refused late': Occasion('Stopped', ['goto 12'],
+                             ['EStop pressed', again, 'CommandError: goto 12', REASON],
+                             ['emergency stop'], MotionCause.EMERGENCY_STOP),
     # refusals
     'refused: whole line': Occasion('Stopped', ['gotoPoint 1 2', 'gotoPoint 3 4'],
                                     ['CommandError: gotoPoint 3 4', REASON], ['sent', 'rejected']),

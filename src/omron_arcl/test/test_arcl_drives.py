@@ -927,6 +927,38 @@ class TestWhoseStopping:
         assert outcome(newer) is Outcome.SUCCEEDED
         assert bench.sent == ['goto 3', 'stop', 'goto 3']
 
+    def test_nor_is_a_stop_behind_it_ended_by_the_answer_to_an_older_stop(self, bench):
+        """The newer drive was told as interrupted while the robot carried it out."""
+        bench.status('Stopped')
+        bench.stop(ROUTE)
+        bench.drive(PERSON, 'goto 4')
+        bench.robot('EStop pressed')  # sent before `stop` reached the robot
+        newer = bench.drive(PERSON, 'goto 4')
+        assert bench.sent == ['stop', 'goto 4', 'stop', 'goto 4']
+        bench.robot('EStop relieved but motors still disabled', 'Motors enabled',
+                    'Stopping', 'Stopped')
+        assert bench.memory.stop_owed
+        bench.robot('Going to 4', 'Interrupted: Going to 4', 'Stopping', 'Stopped', 'Going to 4')
+        assert (newer.result, bench.memory.giver) == (None, PERSON)
+
+    def test_a_second_emergency_stop_forgets_no_drive_that_is_on_its_way(self, bench):
+        bench.status('Stopped')
+        bench.drive(PERSON, 'goto 4')
+        bench.robot('EStop pressed', 'Motors enabled', 'EStop pressed', 'Motors enabled')
+        assert bench.sent == ['goto 4', 'stop'], 'one stop ends it'
+        bench.robot('Going to 4', 'Stopping', 'Stopped')
+        assert (bench.memory.cause, bench.memory.stop_owed) == (
+            MotionCause.EMERGENCY_STOP, False)
+
+    def test_a_late_refusal_of_it_is_none_of_the_newer_drive(self, bench):
+        bench.status('Stopped')
+        bench.drive(ROUTE, 'goto 4')
+        bench.robot('EStop pressed')
+        newer = bench.drive(PERSON, 'goto 4')
+        bench.robot('CommandError: goto 4', 'CommandErrorDescription: EStop pressed',
+                    'Motors enabled', 'Stopping', 'Stopped', 'Going to 4')
+        assert (newer.result, bench.memory.giver) == (None, PERSON)
+
     def test_the_pair_of_the_motors_is_none_of_a_stop_behind_a_drive_that_timed_out(self, bench):
         bench.status('Stopped')
         bench.drive(PERSON, 'goto 3')

@@ -69,7 +69,7 @@ LAYERS: Dict[str, Layer] = {
     'fleet_simulation': layer(
         'fleet_core fleet_core.files fleet_core.interlocking fleet_core.planning fleet_core.site '
         'fleet_core.supervision fleet_core.work fleet_simulation.agv file_replacement node_program '
-        'route_protocol trajectory_graph'),
+        'omron_map route_protocol trajectory_graph'),
     'fleet_simulation.agv': layer('fleet_core browser_guard route_protocol trajectory_graph',
                                   sockets='control_socket'),
     'graph_fleet_manager': layer(),
@@ -95,9 +95,10 @@ LAYERS: Dict[str, Layer] = {
     'fleet_page.door': layer('browser_guard fleet_page.core', sockets='*'),
     'fleet_page.web': layer('fleet_core.supervision fleet_page.core fleet_page.door', sockets='*'),
     'fleet_page.nodes': layer(
-        'fleet_core.supervision fleet_page.core fleet_page.door fleet_page.web fleet_requests '
-        'graph_fleet_manager.commands graph_fleet_manager.messages graph_fleet_manager.nodes '
-        'graph_topic node_lifecycle trajectory_graph', ros=True, sockets='*'),
+        'fleet_core.supervision fleet_core.work fleet_page.core fleet_page.door fleet_page.web '
+        'fleet_requests graph_fleet_manager.commands graph_fleet_manager.messages '
+        'graph_fleet_manager.nodes graph_topic node_lifecycle trajectory_graph',
+        ros=True, sockets='*'),
     'fleet_bringup': layer(
         'fleet_core fleet_core.files fleet_core.planning omron_map omron_map_converter '
         'trajectory_graph', ros=True, sockets='*'),
@@ -108,7 +109,8 @@ LAYERS: Dict[str, Layer] = {
     'fleet_devices.core': layer('route_protocol'),
     'fleet_devices.drivers': layer('fleet_core.work fleet_devices.core'),
     'fleet_devices.commands': layer(
-        'graph_fleet_manager.commands route_protocol', ros=True),
+        'fleet_core.supervision graph_fleet_manager.commands graph_fleet_manager.messages '
+        'route_protocol', ros=True),
     'fleet_devices.nodes': layer(
         'fleet_core.files fleet_core.work fleet_devices.core fleet_devices.drivers json_records '
         'node_lifecycle omron_arcl route_protocol trajectory_graph', ros=True),

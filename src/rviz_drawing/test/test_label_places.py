@@ -74,6 +74,24 @@ def test_a_label_keeps_its_side_while_nothing_is_gained():
         assert (places.side('a'), places.side('b')) == sides
 
 
+def test_a_label_stays_in_what_people_see():
+    labels = {'a': label(0.0, 0.0)}
+    places = LabelPlaces()
+    places.choose(labels, (-0.5, -4.0, 4.0, 4.0))
+    left, _, right, _ = next(rectangles(places, labels))
+    assert -0.5 <= left < right <= 4.0
+
+
+def test_a_label_covers_no_name_while_another_side_is_free():
+    labels = {'a': label(0.0, 0.0)}
+    places = LabelPlaces()
+    places.choose(labels, names=[(-1.0, 0.5, 1.0, 1.0)])
+    assert places.side('a') == 1
+    names = [(-9.0, -9.0, 9.0, 9.0)]
+    places.choose(labels, names=names, buttons=[(-9.0, -9.0, 9.0, 0.0)])
+    assert places.side('a') == 0
+
+
 @given(st.floats(-math.pi, math.pi), st.floats(0.85, 6.0))
 def test_two_labels_never_cover_each_other_wherever_the_robots_are(angle, distance):
     labels = {'a': label(0.0, 0.0),

@@ -9,7 +9,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rviz_drawing.text_places import REACH, TextPlaces, VertexText, overlap
+from rviz_drawing.text_places import REACH, TextPlaces, VertexText
+from trajectory_graph.placing import shared
 
 ID, LABEL = ((0.25, 0.28), (0.3, 0.3)), ((1.6, 0.33), (0.0, -0.36))
 coordinates = st.floats(-3.0, 3.0)
@@ -34,7 +35,7 @@ def test_texts_never_cover_each_other_however_the_graph_is_edited(edits):
     for graph in edits:
         texts = texts_of(graph)
         places.show(texts)
-        assert not any(overlap(one, other)
+        assert not any(shared(one, other)
                        for one, other in combinations(boxes(places, texts), 2))
 
 
@@ -101,4 +102,4 @@ def test_one_of_two_texts_without_room_is_not_written():
     texts = {('id', id): VertexText((0.0, 0.0), (20.0, 20.0), (0.0, 0.0)) for id in range(12)}
     places.show(texts)
     assert len(boxes(places, texts)) < 12
-    assert not any(overlap(one, other) for one, other in combinations(boxes(places, texts), 2))
+    assert not any(shared(one, other) for one, other in combinations(boxes(places, texts), 2))

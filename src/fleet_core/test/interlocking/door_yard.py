@@ -1,4 +1,4 @@
-"""A model of a small yard with a door, which robots must claim: see `yard_model`.
+"""Models of a small yard with a door, or a charger, which robots must claim: see `yard_model`.
 
 `Claims` and `Interlocking` are the real ones. The door is a small machine.
 
@@ -15,6 +15,9 @@ Properties, besides those of the yard
     OPEN      The door is open for each robot that is on its edges, or whose route leads there.
     CLAIMED   Each robot with an edge of the door in its allocation claims it, also by the journal.
     CAPACITY  One robot at most claims the door, by the journal.
+
+In the yard with a charger, which has no device and two places, ALONE takes the place of OPEN: one
+robot at most is in the charger, or has a route that leads there.
 """
 from __future__ import annotations
 
@@ -26,6 +29,7 @@ from typing import (
     Iterator,
     NamedTuple,
     Optional,
+    Sequence,
     Tuple,
 )
 
@@ -39,7 +43,7 @@ from yard_model import (
     _Stored,
 )
 
-from fleet_core.interlocking.allocation import Knowledge
+from fleet_core.interlocking.allocation import Allocation, Knowledge
 from fleet_core.interlocking.claims import Claims
 from fleet_core.interlocking.interlocking import Interlocking
 from fleet_core.interlocking.resources import Needs, Resource, ResourceKind
@@ -140,13 +144,16 @@ class DoorYard(Yard):
 
     def __init__(self, *of: Any) -> None:
         super().__init__(*of)
-        self._needs = Needs([Resource(DOOR, ResourceKind.DOOR, self.edges,
-                                      has_device=True)], self._geometry)
+        self._needs = Needs([self._resource()], self._geometry)
+
+    def _resource(self) -> Resource:
+        return Resource(DOOR, ResourceKind.DOOR, self.edges, has_device=True)
 
     def begin(self, bounds: Bounds) -> State:
         """Each robot stands on its vertex, and the door has not been asked yet."""
         number, *ids = super().begin(bounds)
-        door = self._door(Door(), Claims(self._needs, {}, 0, self.clock_of_requests))
+        stored = {name: self._needs.of_vertex(vertex) for name, vertex in self._begins.items()}
+        door = self._door(Door(), Claims(self._needs, stored, 0, self.clock_of_requests))
         return (self._site_id(self._sites[number]._replace(door=door)), *ids)
 
     # -- claims -----------------------------------------------------------------------------------
@@ -159,7 +166,7 @@ class DoorYard(Yard):
         claims._changed, claims._number = set(door.changed), door.number
         claims._is_begun = door.begun
         claims._asked = {(name, DOOR): number for name, number in door.asked}
-        if door.begun:
+        if door.begun and self._needs.resources[DOOR].has_device:
             claims._requests[DOOR] = DeviceRequest(
                 ME, DOOR, DeviceMode.OPEN if door.request.robots else DeviceMode.CLOSED,
                 door.request.number)
@@ -313,17 +320,52 @@ class DoorYard(Yard):
         door: Door = self._sites[state[0]].door
         if len(door.stored) > 1:
             return f'CAPACITY: {sorted(door.stored)} claim the door'
+        inside = [name for name, id in zip(self.names, state[1:]) if self._may_be_inside(id)]
         for name, id in zip(self.names, state[1:]):
-            vehicle = self._sides[id].vehicle
-            edges = {edge.label for edge in (*vehicle.route, *vehicle.rolling)}
-            if vehicle.edge is not None:
-                edges.add(vehicle.edge.label)
-            is_open = door.is_open and name in door.obeyed.robots
-            if self.edges & set(map(abs, edges)) and not is_open:
-                return f'OPEN: {name} may be in the door, which is not open for it'
             side = self._sides[id]
             for allocation in (self._allocated(side.belief), self._restored(side)):
-                holds = self._allocations[allocation].holds
-                if name not in door.stored and self.edges & {abs(hold.edge) for hold in holds}:
-                    return f'CLAIMED: {name} holds an edge of the door, but does not claim it'
+                if name not in door.stored and self._holds(self._allocations[allocation]):
+                    return f'CLAIMED: {name} holds a place that needs a claim, but has none'
+        return self._wrong_inside(inside, door)
+
+    def _may_be_inside(self, id: int) -> bool:
+        """Is a robot on edges of the resource, or does its route lead there?"""
+        vehicle = self._sides[id].vehicle
+        edges = {edge.label for edge in (*vehicle.route, *vehicle.rolling)}
+        if vehicle.edge is not None:
+            edges.add(vehicle.edge.label)
+        return bool(self.edges & set(map(abs, edges)))
+
+    def _holds(self, allocation: Allocation) -> bool:
+        return bool(self.edges & {abs(hold.edge) for hold in allocation.holds})
+
+    def _wrong_inside(self, inside: Sequence[str], door: Door) -> str:
+        """What is wrong if these robots may be where the resource is needed."""
+        for name in inside:
+            if not (door.is_open and name in door.obeyed.robots):
+                return f'OPEN: {name} may be in the door, which is not open for it'
         return ''
+
+
+class ChargerYard(DoorYard):
+    """A yard with a charger for one robot, which has two places.
+
+    places -- its vertices
+    edges  -- the edges at them
+    """
+
+    edges = frozenset({2, 3})
+    places = frozenset({3, 4})
+
+    def _resource(self) -> Resource:
+        return Resource(DOOR, ResourceKind.CHARGER, vertices=self.places)
+
+    def _may_be_inside(self, id: int) -> bool:
+        vehicle = self._sides[id].vehicle
+        return vehicle.place in self.places and vehicle.edge is None or super()._may_be_inside(id)
+
+    def _holds(self, allocation: Allocation) -> bool:
+        return allocation.vertex in self.places or super()._holds(allocation)
+
+    def _wrong_inside(self, inside: Sequence[str], door: Door) -> str:
+        return f'ALONE: {inside} may all be in the charger' if len(inside) > 1 else ''

@@ -1,10 +1,10 @@
-"""Two robots and a door in a small yard, in every order of events: see `door_yard`."""
+"""Two robots and a door or a charger in a small yard, in every order of events: see `door_yard`."""
 from __future__ import annotations
 
 from typing import Any, Callable, FrozenSet, Iterator, NamedTuple, Tuple, Type
 
 import pytest
-from door_yard import Door, DoorFault, DoorYard, Request
+from door_yard import ChargerYard, Door, DoorFault, DoorYard, Request
 from fleet_builders import AGV
 from numbered_orders_model import Found
 from proofs import LONG, is_whole
@@ -55,13 +55,31 @@ def test_no_door_closes_on_a_robot_whatever_happens(name: str, capsys: Any) -> N
     assert not found.flaw, str(found)
 
 
+CHARGERS = {
+    'a restart of the fleet manager': Search(STAR, 2, frozenset({Fault.RESTART})),
+    'one robot after the other': Search(STAR, 3),
+    'a full disk': Search(STAR, 2, frozenset({Fault.DISK})),
+}
+
+
+@pytest.mark.parametrize('name', list(CHARGERS)[:None if WHOLE or LONG else 1])
+def test_no_two_robots_are_in_a_charger_for_one_whatever_happens(name: str, capsys: Any) -> None:
+    found = CHARGERS[name].of(ChargerYard)
+    with capsys.disabled():
+        print(f'\na charger, {name}: {found.states} states')
+    assert not found.flaw, str(found)
+
+
 def walks(kind: Type[DoorYard] = DoorYard, most: int = WALKS) -> Iterator[Found]:
     walked = yard(STAR, kind)
     return (walked.walk(WIDE, seed, 200) for seed in range(most))
 
 
-def test_no_door_closes_on_a_robot_in_a_random_walk() -> None:
-    for seed, found in enumerate(walks()):
+@pytest.mark.parametrize('kind', (DoorYard, ChargerYard))
+def test_nothing_goes_wrong_with_a_door_or_a_charger_in_a_random_walk(kind: Type[DoorYard]
+                                                                      ) -> None:
+    most = WALKS if kind is DoorYard else WALKS // 4
+    for seed, found in enumerate(walks(kind, most)):
         assert not found.flaw, f'walk {seed}: {found}'
 
 
@@ -72,6 +90,20 @@ class TellsWhoIsInTheDoor(DoorYard):
             if edge is not None and abs(edge.label) in self.edges:
                 return f'{name} is in the door'
         return super().flaw(state)
+
+
+class TellsWhoHasLeftTheCharger(ChargerYard):
+    def flaw(self, state: State) -> str:
+        door: Door = self._sites[state[0]].door
+        vehicle = self._sides[state[2]].vehicle
+        if 'b' not in door.stored and vehicle.place not in self.places and vehicle.edge is None:
+            return 'b has left the charger, and does not claim it'
+        return super().flaw(state)
+
+
+def test_a_robot_gives_the_charger_back_when_it_has_left_it() -> None:
+    found = Search(LINE, 2).of(TellsWhoHasLeftTheCharger)
+    assert found.flaw == 'b has left the charger, and does not claim it', str(found)
 
 
 def test_a_robot_gets_through_the_door() -> None:
@@ -96,8 +128,14 @@ class TellsADoorNothingOfRobotsThatHaveClaims(DoorYard):
         return anew._replace(begun=True, request=Request(anew.number))
 
 
+class ForgetsClaimsToTheChargerAtARestart(ChargerYard):
+    def _restarted_claims(self, door: Door) -> Door:
+        return super()._restarted_claims(door._replace(stored=frozenset()))
+
+
 YARDS: Tuple[Type[DoorYard], ...] = (
-    ForgetsClaimsAtARestart, TellsADoorNothingOfRobotsThatHaveClaims)
+    ForgetsClaimsAtARestart, TellsADoorNothingOfRobotsThatHaveClaims,
+    ForgetsClaimsToTheChargerAtARestart)
 
 
 @pytest.mark.parametrize('kind', YARDS)
@@ -125,8 +163,11 @@ def counts_any_answer(patch: pytest.MonkeyPatch) -> None:
 PLANTED = (without_the_guard, more_than_there_is, ends_while_a_place_needs_it, counts_any_answer)
 
 
-@pytest.mark.parametrize('plant', PLANTED)
+@pytest.mark.parametrize('plant, kind', [
+    *((plant, DoorYard) for plant in PLANTED),
+    *((plant, ChargerYard) for plant in PLANTED if plant is not counts_any_answer)])
 def test_a_planted_fault_of_claims_is_found(plant: Callable[[pytest.MonkeyPatch], None],
+                                            kind: Type[DoorYard],
                                             monkeypatch: pytest.MonkeyPatch) -> None:
     plant(monkeypatch)
-    assert any(found.flaw for found in walks(most=FAR))
+    assert any(found.flaw for found in walks(kind, FAR))

@@ -115,6 +115,22 @@ def test_a_late_copy_of_a_stop_takes_the_record_back_and_what_lay_behind_with_it
     assert {hold.edge for hold in robot.allocation.holds} == {1, 2, 3}
 
 
+def test_the_path_of_a_robot_that_came_to_rest_begins_with_the_edge_that_is_ahead_of_it():
+    """Else a plan that is made then begins one edge too early, and the robot stands for ever.
+
+    Found by life 1002 of the random machine over the work.
+    """
+    robot = master()
+    robot.hear(told(1, 1, 0.0))
+    robot.extend((1,))
+    robot.due(0.0)
+    robot.hear(told(2, 1, 80.0, Motion.ON_ROUTE, (P,), (1,), 1))
+    assert robot.record.held == (1,) and robot.record.begins[0] == 1
+    robot.extend((2,))  # this order is on its way
+    robot.hear(told(3, 1, 100.0, states=(C,), edges=(1,), order=1))
+    assert robot.record.held == (2,) and robot.record.begins == (2, 0.0)
+
+
 def test_a_robot_that_stands_elsewhere_is_given_no_route_until_a_second_location_tells_where():
     """Else the route would begin where the robot is not (walk 1011 in the yard)."""
     robot = master()

@@ -1,12 +1,16 @@
-"""The resources of a site follow from its devices and stations."""
+"""The resources of a site follow from its devices and stations, and the docks of its fleet."""
 from __future__ import annotations
 
-from fleet_builders import corridor
+from dataclasses import replace
+from typing import Tuple
+
+from fleet_builders import AGV, corridor, with_docks
 
 from fleet_core.fleet import Fleet
 from fleet_core.interlocking.resources import Resource, ResourceKind
 from fleet_core.supervision.networks import Networks
-from fleet_core.supervision.site_resources import resources_of
+from fleet_core.supervision.site_resources import chargers_of, resources_of
+from fleet_core.work.chargers import Charger
 from fleet_core.work.devices import Device, DeviceKind
 from fleet_core.work.site_work import SiteWork
 from fleet_core.work.stations import Station
@@ -29,8 +33,42 @@ def test_a_station_is_a_resource_for_as_many_robots_as_its_capacity_says() -> No
         Resource('shelves', ResourceKind.STATION, vertices=frozenset({5, 6}), capacity=2))
 
 
-def test_the_planner_is_told_the_places_of_resources_for_one_robot() -> None:
-    told = Networks(corridor(8), Fleet((), (), 0.1), resources=resources_of(WORK)
+def test_the_planner_is_told_the_places_of_resources_for_one_robot_if_there_are_several() -> None:
+    bay = Charger('bay', (7, 8))
+    told = Networks(corridor(8), Fleet((), (), 0.1), resources=resources_of(WORK, (bay,))
                     ).network.geometry.alone
     assert [(set(one.edges), set(one.vertices)) for one in told] == [
-        ({3, 4}, set())] * 3 + [(set(), {2})]
+        ({3, 4}, set())] * 3 + [(set(), {7, 8})]
+
+
+# -- chargers --------------------------------------------------------------------------------------
+
+SITE = with_docks(corridor(8), 1, 7, 8)
+
+
+def chargers(work: SiteWork, *docks: int) -> Tuple[Charger, ...]:
+    fleet = Fleet((replace(AGV, docks=frozenset(docks)), replace(AGV, name='other')), ())
+    return tuple(chargers_of(work, fleet, SITE).values())
+
+
+def test_a_charger_is_a_resource_for_as_many_robots_as_its_capacity_says() -> None:
+    assert resources_of(SiteWork(), (Charger('bay', (7, 8), 2),)) == (
+        Resource('bay', ResourceKind.CHARGER, vertices=frozenset({7, 8}), capacity=2),)
+
+
+def test_each_dock_that_a_robot_type_lists_is_a_charger_for_one_robot() -> None:
+    assert chargers(SiteWork(), 7, 8) == (Charger('dock_7', (7,)), Charger('dock_8', (8,)))
+
+
+def test_a_listed_vertex_that_is_no_dock_of_the_graph_is_no_charger() -> None:
+    assert chargers(SiteWork(), 1, 2, 99) == (Charger('dock_1', (1,)),)
+
+
+def test_a_dock_of_a_charger_in_the_work_file_is_no_charger_of_its_own() -> None:
+    bay = Charger('bay', (7, 8))
+    assert chargers(SiteWork(chargers={'bay': bay}), 1, 7, 8) == (bay, Charger('dock_1', (1,)))
+
+
+def test_a_station_may_have_any_name() -> None:
+    work = SiteWork({'dock_7': Station('dock_7', (2,))})
+    assert chargers(work, 7) == (Charger('charger_dock_7', (7,)),)

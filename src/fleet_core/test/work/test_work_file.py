@@ -1,13 +1,16 @@
 """The work file is read strictly: what is wrong is refused in one sentence with its line."""
 from __future__ import annotations
 
+import re
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from fleet_builders import corridor
+from fleet_builders import corridor, with_docks
 
 from fleet_core.files.errors import FileError
 from fleet_core.files.work_file import load_work
+from fleet_core.work.chargers import Charger
 from fleet_core.work.devices import (
     Device,
     DeviceDriver,
@@ -29,7 +32,7 @@ from fleet_core.work.stops import (
 )
 from fleet_core.work.templates import filled
 from fleet_core.work.timetables import Timetable
-from trajectory_graph import split_edges
+from trajectory_graph import Graph, split_edges
 
 FILE = '''step_types: [engage, disengage]
 stations:
@@ -161,11 +164,85 @@ def test_a_wrong_machine_is_refused_with_its_line(tmp_path, right, wrong, line, 
         read(tmp_path, HANDED.replace(right, wrong, 1))
 
 
+def test_a_machine_stands_at_the_places_that_its_file_names(tmp_path):
+    oven = '{name: oven, kind: machine, at: [press, 9], driver: simulated, timeout: 5}'
+    found = read(tmp_path, f'stations: [{{name: press, places: [3]}}]\ndevices: [{oven}]')
+    assert found.step_devices['oven'] == StepDevice('oven', 5.0, at=(3, 9))
+    with pytest.raises(FileError, match="line 1: no station and no vertex is named 'pres'"):
+        read(tmp_path, 'devices: [' + oven.replace('press', 'pres') + ']')
+    with pytest.raises(FileError, match='line 1: device lamp has at, but its kind is light'):
+        read(tmp_path, 'devices: [{name: lamp, kind: light, at: [3], edges: [4], '
+                       'driver: simulated, timeout: 5}]')
+
+
+def labelled(id: int, label: str) -> Graph:
+    graph = corridor(9)
+    return Graph((replace(one, label=label) if one.id == id else one
+                  for one in graph.vertices.values()), graph.edges.values())
+
+
+@pytest.mark.parametrize('name, told', [
+    ("'18'", "station '18' needs a name that is no number"),
+    ('-press', "station '-press' needs a name that is no number and does not begin with -"),
+    ('ramp', 'station ramp is called as vertex 7 is labelled, which is none of its places')])
+def test_a_station_cannot_be_mistaken_for_a_vertex(tmp_path, name, told):
+    path = tmp_path / 'work.yaml'
+    path.write_text(f'stations: [{{name: {name}, places: [3]}}]')
+    with pytest.raises(FileError, match=f'line 1: {re.escape(told)}'):
+        load_work(path, labelled(7, 'ramp'))
+
+
+def test_a_station_may_be_called_as_its_own_place_is_labelled(tmp_path):
+    path = tmp_path / 'work.yaml'
+    path.write_text('stations: [{name: press, places: [3]}]')
+    assert load_work(path, labelled(3, 'press')).stations['press'].places == (3,)
+
+
 def test_a_device_is_on_all_sections_of_an_edge_that_was_cut(tmp_path):
     (tmp_path / 'work.yaml').write_text(FILE)
     graph = split_edges(corridor(9), 1.0)
     gate = load_work(tmp_path / 'work.yaml', graph).devices['gate']
     assert set(gate.edges) == {*graph.sections[2], *graph.sections[3]} and len(gate.edges) > 2
+
+
+# -- chargers --------------------------------------------------------------------------------------
+
+CHARGERS = '''stations:
+- {name: press, places: [3]}
+devices:
+- {name: gate, kind: door, edges: [2], driver: simulated, timeout: 30}
+chargers:
+- {name: bay, places: [7, 8], capacity: 1}
+- {name: corner, places: [1]}
+'''
+
+
+def read_chargers(tmp_path, text):
+    (tmp_path / 'work.yaml').write_text(text)
+    return load_work(tmp_path / 'work.yaml', with_docks(corridor(9), 1, 7, 8)).chargers
+
+
+def test_a_charger_has_room_at_all_its_places_unless_its_capacity_is_less(tmp_path):
+    assert read_chargers(tmp_path, CHARGERS) == {
+        'bay': Charger('bay', (7, 8), 1), 'corner': Charger('corner', (1,))}
+    both = CHARGERS.replace(', capacity: 1', '')
+    assert read_chargers(tmp_path, both)['bay'].capacity == 2
+
+
+@pytest.mark.parametrize('right, wrong, line, told', [
+    ('places: [1]', 'places: [2]', 7, 'vertex 2 is no dock in the graph'),
+    ('places: [1]', 'places: [8]', 7, 'dock 8 belongs to charger bay already'),
+    ('places: [1]', 'places: []', 7, 'places is empty'),
+    ('places: [1]', 'capacity: 1', 7, 'places is missing'),
+    ('capacity: 1', 'capacity: 3', 6, 'capacity of charger bay is 3, but it has 2 places'),
+    ('capacity: 1', 'capacity: 0', 6, 'capacity of charger bay is 0'),
+    ('capacity: 1', 'queue: [2]', 6, "a charger has an unknown key 'queue'"),
+    ('name: corner', 'name: press', 7, 'a station or device is called press already'),
+    ('name: corner', 'name: gate', 7, 'a station or device is called gate already'),
+    ('name: corner', 'name: bay', 7, 'charger bay occurs twice')])
+def test_a_wrong_charger_is_refused_with_its_line(tmp_path, right, wrong, line, told):
+    with pytest.raises(FileError, match=f'line {line}: .*{told}'):
+        read_chargers(tmp_path, CHARGERS.replace(right, wrong, 1))
 
 
 @pytest.mark.parametrize('text', ['stations: []', 'templates: []\ntimetables: []', '{}'])

@@ -4,9 +4,19 @@ from __future__ import annotations
 import json
 
 import pytest
+from genpy import Time
 
+from fleet_core.supervision.machine_view import MachineState
 from fleet_devices.commands import device
+from fleet_devices.commands.machines import (
+    ListedMachine,
+    listed_machines,
+    machine_of_topic,
+    machine_table,
+    machine_values,
+)
 from graph_fleet_manager.commands.tables import WIDTH, as_json
+from itrci_nav_msgs.msg import FleetMachine, FleetState, StepState, StepStates
 from route_protocol.devices import (
     UNKNOWN_REQUESTER,
     DeviceFault,
@@ -53,6 +63,56 @@ def test_programs_get_all_as_json():
         'fault': 'NONE', 'reason': None, 'obeyed': [
             {'requester': ANNA.requester, 'mode': 'OPEN', 'number': 7, 'since': NOW - 90},
             {'requester': UNKNOWN_REQUESTER, 'mode': 'OPEN', 'number': 0, 'since': None}]}
+
+
+def machine(state: int, *, robot: str = '', key: int = 1005, stamp: float = NOW - 0.4,
+            ) -> ListedMachine:
+    steps = StepStates(run=1, number=3, last=1005, steps=[
+        StepState(1004, StepState.DONE, 0, ''), StepState(1005, state, 0, 'no pallet')])
+    steps.header.stamp = Time.from_sec(stamp)
+    fleet = FleetState(machines=[FleetMachine(
+        name='press_1', state=FleetMachine.WORKING, key=key, robot=robot, serial=42),
+        FleetMachine(name='oven')])
+    oven, press = listed_machines({'press_1': steps}, fleet)
+    assert (oven.name, press.name) == ('oven', 'press_1')
+    return press
+
+
+def test_machines_are_listed_with_their_step_and_the_robot_for_which_they_work():
+    head, oven, press = machine_table(
+        [ListedMachine('oven'), machine(StepState.RUNNING, robot='ld90_2')], NOW).splitlines()
+    assert head.split() == ['machine', 'does', 'read', 'step', 'which', 'is', 'works', 'for']
+    assert oven.split() == ['oven', 'SILENT', 'never', '-', '-', '-']
+    assert press.split() == ['press_1', 'WORKING', '0', 's', '1005', 'RUNNING', 'ld90_2', '(M42)']
+
+
+def test_below_a_machine_is_why_its_last_step_was_not_done():
+    _, press, why = machine_table([machine(StepState.FAILED)], NOW).splitlines()
+    assert press.split()[1:] == ['FREE', '0', 's', '1005', 'FAILED', '-']
+    assert why.strip() == 'no pallet'
+
+
+def test_a_machine_works_for_nobody_by_an_older_word_of_the_fleet_manager():
+    assert machine(StepState.RUNNING, robot='ld90_2', key=1004).serves == '-'
+
+
+def test_a_machine_whose_reports_are_old_is_silent():
+    assert machine(StepState.RUNNING, stamp=NOW - 4.0).state(NOW) is MachineState.SILENT
+
+
+def test_programs_get_all_of_a_machine_as_json():
+    assert json.loads(as_json(machine_values(machine(StepState.RUNNING, robot='a'), NOW))) == {
+        'machine': 'press_1', 'state': 'WORKING', 'read': NOW - 0.4, 'key': 1005, 'robot': 'a',
+        'mission_serial': 42, 'steps': [
+            {'key': 1004, 'state': 'DONE', 'code': None, 'text': None},
+            {'key': 1005, 'state': 'RUNNING', 'code': None, 'text': 'no pallet'}]}
+
+
+@pytest.mark.parametrize('topic, name', [
+    ('/devices/press_1/step_states', 'press_1'), ('/devices/a/b/step_states', ''),
+    ('/a/step_states', ''), ('/devices/step_states', '')])
+def test_the_topic_of_a_machine_has_its_name(topic, name):
+    assert machine_of_topic(topic) == name
 
 
 def test_a_number_is_above_the_last_one_also_if_that_is_of_a_clock_ahead():

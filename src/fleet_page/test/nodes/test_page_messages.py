@@ -11,16 +11,20 @@ import rospy
 from genpy import Time
 from geometry_msgs.msg import Point
 from nav_msgs.msg import OccupancyGrid
+from page_builders import graph
 from sensor_msgs.msg import PointCloud2, PointField
 from std_srvs.srv import Trigger, TriggerResponse
 from visualization_msgs.msg import Marker, MarkerArray
 
+from fleet_core.work.stations import Station, StationKind, destination_of
 from fleet_page.core.acts import Act, ActKind
 from fleet_page.core.fleet import (
     MISSION_STATES,
     ROBOT_STATES,
     ShownAllocation,
+    ShownMachine,
     ShownPose,
+    ShownQueuePlace,
     ShownResource,
     ShownTimetable,
 )
@@ -78,13 +82,36 @@ def test_stations_and_doors_are_told_with_what_they_show_and_the_robots_there():
                           device_mode=msg.DeviceState.OPEN,
                           claims=[msg.ResourceClaim('a', msg.ResourceClaim.IN_USE)]),
         msg.FleetResource(name='press', kind=msg.FleetResource.STATION, vertices=[18])]))
-    assert found == [ShownResource('gate', 'DOOR', (17,), (), 'OPEN', ('a',)),
+    assert found == [ShownResource('gate', 'DOOR', (17,), (), 'OPEN', ('a',), 'OPEN'),
                      ShownResource('press', 'STATION', vertices=(18,))]
     model = FleetModel()
     model.show_resources(found)
     assert model.live.get('resource:gate')['device'] == 'OPEN'
     model.show_resources(found[1:])
     assert model.live.get('resource:gate') is None
+    json.loads(model.live.update(0))
+
+
+def test_queues_loads_and_machines_are_told_with_their_robots():
+    message = msg.FleetState(
+        robots=[msg.FleetRobot(name='a', load=msg.FleetRobot.LOAD_LOADED, load_serial=42),
+                msg.FleetRobot(name='b', load=200)],
+        resources=[msg.FleetResource(
+            name='shelves', kind=msg.FleetResource.STATION, is_group=True,
+            queue=[msg.QueuePlace(22, 'a', True), msg.QueuePlace(vertex=8)])],
+        machines=[msg.FleetMachine(name='press_1', state=msg.FleetMachine.WORKING, vertices=[18],
+                                   robot='a'), msg.FleetMachine(name='oven', state=77)])
+    assert [(robot.load, robot.load_serial) for robot in messages.robots_of(message)] == [
+        ('LOADED', 42), ('UNKNOWN', 0)]
+    shelves, = messages.resources_of(message)
+    assert shelves.is_group
+    assert shelves.queue == (ShownQueuePlace(22, 'a', True), ShownQueuePlace(8))
+    machines = messages.machines_of(message)
+    assert machines == [ShownMachine('press_1', 'WORKING', 'OPEN', (18,), 'a'),
+                        ShownMachine('oven', 'SILENT', 'TROUBLE')]
+    model = FleetModel()
+    model.show_resources([shelves], machines)
+    assert model.live.get('machine:press_1')['robot'] == 'a'
     json.loads(model.live.update(0))
 
 
@@ -212,7 +239,10 @@ class Topic:
 def commands(monkeypatch):
     monkeypatch.setattr(rospy, 'Publisher', Topic)
     monkeypatch.setattr(rospy.Time, 'now', lambda: Time(5))
-    return fleet_commands.FleetCommands(lambda name: name == 'a')
+    stations = {'press': Station('press', (18,)),
+                'shelves': Station('shelves', (39, 52), kind=StationKind.GROUP)}
+    return fleet_commands.FleetCommands(
+        lambda name: name == 'a', lambda word: destination_of(word, stations, graph()))
 
 
 def test_a_mission_is_sent_with_the_name_of_the_person(commands):
@@ -222,6 +252,23 @@ def test_a_mission_is_sent_with_the_name_of_the_person(commands):
     assert outcome.ok and outcome.mission == sent.request_id > 0
     assert list(sent.destination_vertices_id) == [2, 3] and list(sent.dwell) == [0.0, -1.0]
     assert (sent.priority, sent.robot) == (4, 'a') and 'anna' in sent.requested_by
+
+
+def test_stations_and_groups_are_destinations(commands):
+    assert commands.do(Act(ActKind.SEND, destinations=('press', 2)), ANNA).ok
+    assert commands.do(Act(ActKind.SEND, destinations=('press', 'shelves')), ANNA).ok
+    vertices, group = commands._requests._publisher.sent
+    assert list(vertices.destination_vertices_id) == [18, 2]
+    assert [(stop.vertex, stop.group) for stop in group.stops] == [(18, ''), (0, 'shelves')]
+
+
+@pytest.mark.parametrize('act, told', [
+    (Act(ActKind.SEND, destinations=('pres',)), "no station and no vertex is named 'pres'"),
+    (Act(ActKind.SEND, destinations=('shelves',), stays=(3.0,)), 'A group takes no stay')])
+def test_a_name_that_cannot_be_a_destination_is_not_sent(commands, act, told):
+    outcome = commands.do(act, ANNA)
+    assert not outcome.ok and told in outcome.text
+    assert commands._requests._publisher.sent == []
 
 
 @pytest.mark.parametrize('kind, command', [

@@ -3,12 +3,18 @@ from __future__ import annotations
 
 import random
 import time
-from typing import Any, Dict, List, Mapping, NamedTuple, Optional, Sequence, Type
+from typing import Any, Dict, List, Mapping, NamedTuple, Optional, Sequence, Type, Union
 
 import rospy
 from std_srvs.srv import Trigger
 
-from itrci_nav_msgs.msg import DeviceRequest, EdgeCommand, MissionCommand, MissionRequest
+from itrci_nav_msgs.msg import (
+    DeviceRequest,
+    EdgeCommand,
+    MissionCommand,
+    MissionRequest,
+    MissionStop,
+)
 from itrci_nav_msgs.srv import GetMissionStatus, GetMissionStatusResponse
 
 SILENCE = 10.0  # s without news of a mission after which its sender asks for the stored status
@@ -79,10 +85,29 @@ class Sender:
         self._publisher.publish(message)
 
 
-def mission_request(destinations: Sequence[int], **fields: Any) -> MissionRequest:
-    """Returns a request of a mission. Its id is random if `fields` of the message name none."""
-    return MissionRequest(**{'request_id': _NEW_ID.randint(1, 2 ** 31 - 1),
-                             'destination_vertices_id': list(destinations), **fields})
+class ImpossibleRequest(ValueError):
+    """A request cannot be made. The text says why, and what to do."""
+
+
+def mission_request(destinations: Sequence[Union[int, str]], **fields: Any) -> MissionRequest:
+    """Returns a request of a mission. Its id is random if `fields` of the message name none.
+
+    destinations -- ids of vertices, and names of groups of which any place will do
+
+    Raises ImpossibleRequest for a group with `dwell`.
+    """
+    fields.setdefault('request_id', _NEW_ID.randint(1, 2 ** 31 - 1))
+    if all(isinstance(one, int) for one in destinations):
+        return MissionRequest(destination_vertices_id=list(destinations), **fields)
+    if fields.get('dwell'):
+        raise ImpossibleRequest('A group takes no stay: give one of its places.')
+    return MissionRequest(**{**fields, 'stops': visits(destinations)})
+
+
+def visits(destinations: Sequence[Union[int, str]]) -> List[MissionStop]:
+    """Stops at which nothing is to be done, at vertices and at places of groups."""
+    return [MissionStop(group=one) if isinstance(one, str) else MissionStop(vertex=one)
+            for one in destinations]
 
 
 class MissionNews:

@@ -10,6 +10,7 @@ from std_srvs.srv import TriggerResponse
 
 from fleet_requests import (
     SILENCE,
+    ImpossibleRequest,
     MissionNews,
     NotSent,
     Sender,
@@ -85,6 +86,16 @@ def test_what_its_receiver_does_not_hear_is_not_sent_whoever_else_listens(
 def test_a_receiver_that_listens_is_known_by_its_name(monkeypatch, kind, node, namespace):
     monkeypatch.setattr(Topic, 'listeners', ('/fleet_page', namespace + node))
     assert Sender(kind).is_heard
+
+
+def test_a_request_that_names_a_group_has_stops_at_which_nothing_is_done():
+    request = mission_request([18, 'shelves'], request_id=7, priority=2)
+    assert [(stop.vertex, stop.group, stop.steps) for stop in request.stops] == [
+        (18, '', []), (0, 'shelves', [])]
+    assert (list(request.destination_vertices_id), request.request_id, request.priority) == (
+        [], 7, 2)
+    with pytest.raises(ImpossibleRequest, match='A group takes no stay'):
+        mission_request(['shelves'], dwell=[3.0])
 
 
 def test_each_request_has_an_id_of_its_own_unless_one_is_given():

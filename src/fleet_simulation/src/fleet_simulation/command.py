@@ -14,6 +14,7 @@ import multiprocessing
 import shlex
 import sys
 from dataclasses import replace
+from datetime import datetime
 from math import inf
 from pathlib import Path
 from typing import Dict, FrozenSet, List, NoReturn, Optional, Sequence, Tuple
@@ -23,13 +24,17 @@ from fleet_core.files.fleet_file import load_fleet
 from fleet_core.files.robot_settings import load_settings
 from fleet_core.files.work_file import load_work
 from fleet_core.work.site_work import SiteWork
+from fleet_core.work.timetables import DAY, DAYS, minute_of_day
 from fleet_simulation.batch import Done, Job, ProgressBar, run_all
 from fleet_simulation.demand_file import load_demand
 from fleet_simulation.figures import Figures
 from fleet_simulation.proposals import Proposal, proposals
-from fleet_simulation.report import Proposed, Study, in_words, is_free, write
+from fleet_simulation.report import is_free, write
 from fleet_simulation.site import OrderPolicy, StudiedSite, WrongSite, site_of, with_docks
 from fleet_simulation.statistics import band, knee, sizes, waiting_by_edge
+from fleet_simulation.study import InputFiles, Proposed, Study
+from fleet_simulation.walls import NO_WALLS, load_walls
+from fleet_simulation.words import in_words
 from trajectory_graph import Graph, GraphError, load_graph, save_graph, split_edges
 
 _PROPOSED_EDGES = 4
@@ -48,7 +53,8 @@ def main(arguments: Optional[Sequence[str]] = None) -> int:
         if not is_free(options.output):
             raise WrongSite(f'{options.output} has files that are no earlier report; they could be '
                             'overwritten: name a new or empty folder with --output.')
-        site = _site(options)
+        made, site = datetime.now(), _site(options)
+        walls = load_walls(options.map) if options.map else NO_WALLS
         counts = options.robots or (max(len(site.fleet.robots), 1),)
         for count in counts:
             site.robots(count)
@@ -59,8 +65,8 @@ def main(arguments: Optional[Sequence[str]] = None) -> int:
         proposed: List[Proposed] = []
         if options.proposals and not ended and sizes(runs):
             proposed, ended = _try_proposals(site, runs, options)
-        study = Study(site, runs, options.hours, 'simulate_fleet ' + shlex.join(words), ended,
-                      proposed)
+        study = Study(site, _files(options), made, runs, options.hours,
+                      'simulate_fleet ' + shlex.join(words), ended, proposed, walls)
         path = write(study, options.output)
     except (GraphError, FileError, WrongSite) as error:
         print(error, file=sys.stderr)
@@ -82,11 +88,15 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument('--fleet', required=True, help='robot types and robots (YAML)')
     parser.add_argument('--demand', required=True, help='missions (YAML)')
     parser.add_argument('--work', help='stations, devices and templates of missions (YAML)')
+    parser.add_argument('--map', help='.map file whose walls the report draws')
     parser.add_argument('--output', required=True, type=Path, help='folder for the report')
     parser.add_argument('--robots', type=_counts, metavar='N|N..M|N,M', default=(),
                         help='fleet sizes (default: the number of robots in the fleet file)')
     parser.add_argument('--hours', type=_positive, default=8.0,
                         help='virtual hours of each run (8)')
+    parser.add_argument('--begin', type=_moment, default=_moment('mon 06:00'),
+                        metavar='DAY HH:MM', help='day and time at which each run begins, for the '
+                                                  'timetables of the work file (mon 06:00)')
     parser.add_argument('--seeds', type=_whole, default=5, help='runs of each size (5)')
     parser.add_argument('--longest-edge', type=_positive, metavar='M',
                         help='cut edges longer than M metres into sections, as fleet_launch does')
@@ -121,6 +131,16 @@ def _counts(text: str) -> Tuple[int, ...]:
     return found
 
 
+def _moment(text: str) -> int:
+    """Minutes since the beginning of Monday, from `mon 06:00`."""
+    day, _, time = text.partition(' ')
+    try:
+        return DAYS.index(day) * DAY + minute_of_day(time)
+    except ValueError:
+        raise argparse.ArgumentTypeError(f'{text!r} is not a day and a time, such as "mon 06:00"; '
+                                         f'the days are: {", ".join(DAYS)}') from None
+
+
 def _positive(text: str) -> float:
     try:
         value = float(text)
@@ -149,7 +169,12 @@ def _site(options: argparse.Namespace, graph: Optional[Graph] = None,
     work = load_work(options.work, graph) if options.work else SiteWork()
     site = site_of(graph, fleet, load_settings(options.fleet),
                    load_demand(options.demand, graph, work), options.latency, options.rounds)
-    return replace(site, order=options.order)
+    return replace(site, order=options.order, begin=options.begin)
+
+
+def _files(options: argparse.Namespace) -> InputFiles:
+    return InputFiles(*(Path(name).name if name else '' for name in (
+        options.graph, options.fleet, options.demand, options.work, options.map)))
 
 
 def _runs(site: StudiedSite, counts: Sequence[int],

@@ -95,7 +95,7 @@ def load_demand(path: Union[str, os.PathLike], graph: Graph,
             recorded = tuple(rows.values())
             for line, mission in rows.items():
                 note(Demand((), (mission,)), name, line)
-        if not flows and not recorded:
+        if not (flows or recorded or work.timetables):
             raise WrongYaml('the demand has no missions: give flows or csv', root)
         return Wanted(Demand(tuple(flows), recorded), _delays(fields), places, pairs, work,
                       read_times(fields, work, graph))

@@ -33,6 +33,30 @@ class WaitingCause(Enum):
 
 
 @dataclass
+class TimetableUse:
+    """What became of the missions of one timetable in one run. Times are virtual s.
+
+    requested, succeeded -- missions
+    leads     -- of each mission: time from its request until it succeeds
+    deadlines, missed -- as of all `Figures`
+    """
+
+    requested: int = 0
+    succeeded: int = 0
+    leads: List[float] = field(default_factory=list)
+    deadlines: int = 0
+    missed: int = 0
+
+    def add(self, other: TimetableUse) -> None:
+        """Adds the missions of another run."""
+        self.requested += other.requested
+        self.succeeded += other.succeeded
+        self.leads = [*self.leads, *other.leads]
+        self.deadlines += other.deadlines
+        self.missed += other.missed
+
+
+@dataclass
 class Figures:
     """The figures of one run. Times are virtual s, except `planning` and `spent`.
 
@@ -46,7 +70,8 @@ class Figures:
     leads          -- of each mission: time from its request until it succeeds
     use            -- robot seconds by activity
     waiting        -- robot seconds of waiting, by the edge that the robot waits for and the cause
-    resources      -- by name, how each station and device was used
+    resources      -- by name, how each station, device and charger was used
+    timetables     -- by name, what became of the missions of each timetable of the work file
     deadlines      -- missions with a deadline that ended, or whose deadline passed
     missed         -- those of them that were not done by their deadline
     docks          -- most robots that charged at the same time
@@ -70,6 +95,7 @@ class Figures:
     use: Dict[Use, float] = field(default_factory=lambda: dict.fromkeys(Use, 0.0))
     waiting: Dict[Tuple[int, WaitingCause], float] = field(default_factory=dict)
     resources: Dict[str, ResourceUse] = field(default_factory=dict)
+    timetables: Dict[str, TimetableUse] = field(default_factory=dict)
     deadlines: int = 0
     missed: int = 0
     docks: int = 0

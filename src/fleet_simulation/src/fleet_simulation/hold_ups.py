@@ -1,4 +1,4 @@
-"""What stations and devices cost: which robots wait for which of them, and why."""
+"""What stations, devices and chargers cost: which robots wait for which of them, and why."""
 from __future__ import annotations
 
 from dataclasses import dataclass, field
@@ -9,7 +9,7 @@ from fleet_core.interlocking.resources import Resource
 
 
 class HoldUp(Enum):
-    """Why a robot waits for a station or a device."""
+    """Why a robot waits for a resource."""
 
     TURN = 'its turn in the queue'
     CLAIM = 'other robots that claim it'
@@ -18,16 +18,16 @@ class HoldUp(Enum):
 
 
 class WaitFor(NamedTuple):
-    """The station or device for which a robot waits, by its name, and why."""
+    """The resource for which a robot waits, by its name, and why."""
 
     resource: str
     why: HoldUp
 
 
 def held_up(direct: Mapping[str, WaitFor], behind: Mapping[str, str]) -> Dict[str, WaitFor]:
-    """Returns the station or device that keeps each robot waiting; others are left out.
+    """Returns the resource that keeps each robot waiting; others are left out.
 
-    direct -- robots that wait for a station or a device themselves
+    direct -- robots that wait for a resource themselves
     behind -- by robot, the robot for which it waits; robots may wait for each other in a ring
     """
     found = dict(direct)
@@ -44,7 +44,7 @@ def held_up(direct: Mapping[str, WaitFor], behind: Mapping[str, str]) -> Dict[st
 
 @dataclass
 class ResourceUse:
-    """How one station or device was used in a run.
+    """How one resource was used in a run.
 
     claimed -- robot seconds for which robots claimed it
     waiting -- robot seconds for which robots waited for it, by reason
@@ -57,7 +57,7 @@ class ResourceUse:
 
 @dataclass(frozen=True)
 class Bottleneck:
-    """A station or device with what it costs, over several runs of one fleet.
+    """A resource with what it costs, over several runs of one fleet.
 
     occupied -- share (0..1) of its capacity that robots claim
     waiting  -- robot minutes per hour for which robots wait for it, by reason
@@ -74,7 +74,7 @@ class Bottleneck:
 
 
 def bottlenecks(runs: Mapping[str, ResourceUse], seconds: float) -> Iterator[Bottleneck]:
-    """Yields the stations and devices, the one for which robots wait longest first.
+    """Yields the resources, the one for which robots wait longest first.
 
     runs    -- by name, the sums over all runs
     seconds -- length of all runs together
@@ -86,7 +86,7 @@ def bottlenecks(runs: Mapping[str, ResourceUse], seconds: float) -> Iterator[Bot
 
 
 def summed(*runs: Mapping[str, ResourceUse]) -> Dict[str, ResourceUse]:
-    """Returns the sums over several runs, by the name of the station or device."""
+    """Returns the sums over several runs, by the name of the resource."""
     found: Dict[str, ResourceUse] = {}
     for run in runs:
         for name, use in run.items():

@@ -10,6 +10,7 @@ from dataclasses import replace
 from typing import Callable, FrozenSet, Iterator, List, NamedTuple, Sequence, Tuple
 
 from trajectory_graph import Edge, Graph, TrajectoryGraphError, Vertex, split_edges
+from trajectory_graph.drawn_names import edge_name, place_name, vertex_name
 from trajectory_graph.editing import Draft
 from trajectory_graph.graph import CurveType
 
@@ -64,6 +65,17 @@ def _valid(make: Make, graph: Graph, id: int, room: float) -> Iterator[Proposal]
             continue  # the change breaks a rule of graphs
 
 
+def _part(graph: Graph, id: int) -> str:
+    """Returns the name of an edge: `edge 7`, or of a section: `edge 7 at 38 %`, its middle."""
+    return place_name(graph, id, 0.5) if graph.edges[id].section_of else edge_name(graph, id)
+
+
+def _in_file(name: str) -> str:
+    """Returns the name of an edge, a section or a vertex as part of a file's name."""
+    kind, id, *place = name.replace(' %', '').split(' ')
+    return '_'.join((id, *place))
+
+
 def _cut(graph: Graph, id: int,
          _: float) -> Iterator[Tuple[str, str, Sequence[Vertex], Sequence[Edge]]]:
     if graph.curve(id).length <= _LONGEST:
@@ -73,7 +85,7 @@ def _cut(graph: Graph, id: int,
     ids = {vertex: vertex if vertex in (whole.origin, whole.destination) else
            max(graph.vertices) + number for number, vertex in enumerate(cut.vertices, 1)}
     first = max(graph.edges) + 1
-    yield (f'cut edge {id}', f'cut_{id}',
+    yield (f'cut {_part(graph, id)}', f'cut_{_in_file(_part(graph, id))}',
            [*graph.vertices.values(), *(replace(vertex, id=ids[vertex.id]) for vertex in
                                         cut.vertices.values()
                                         if ids[vertex.id] not in graph.vertices)],
@@ -92,7 +104,9 @@ def _one_way(graph: Graph, id: int,
             (edge.origin, edge.destination, replace(edge, velocity_backwards=0.0)),
             (edge.destination, edge.origin, replace(edge, velocity_forward=0.0))):
         if _comes_round(graph, changed, end, origin):
-            yield (f'make edge {id} one-way from {origin} to {end}', f'one_way_{id}_from_{origin}',
+            part, first = _part(graph, id), vertex_name(graph, origin)
+            yield (f'make {part} one-way from {first} to {vertex_name(graph, end)}',
+                   f'one_way_{_in_file(part)}_from_{_in_file(first)}',
                    list(graph.vertices.values()),
                    [changed if one.id == id else one for one in graph.edges.values()])
 
@@ -117,7 +131,9 @@ def _passing_place(graph: Graph, id: int,
     """Adds a spur beside the start of the edge, if there is room."""
     start = graph.edges[id].origin
     for vertices, edges, _ in _spurs(graph, id, room, 'passing place', dock=False):
-        yield (f'add a passing place beside vertex {start}', f'passing_{start}', vertices, edges)
+        name = vertex_name(graph, start)
+        file = f'passing_{_in_file(name)}_by_{_in_file(_part(graph, id))}'
+        yield f'add a passing place beside {name}', file, vertices, edges
         return
 
 
@@ -130,8 +146,9 @@ def _dock(graph: Graph, room: float) -> Iterator[Proposal]:
         if graph.vertices[start].dock:
             continue
         for vertices, edges, dock in _spurs(graph, id, room, 'dock', dock=True):
-            yield Proposal(f'add a dock beside vertex {start} (list vertex {dock} under docks in '
-                           'the fleet file)', f'dock_{start}', Graph(vertices, edges),
+            name = vertex_name(graph, start)
+            yield Proposal(f'add a dock beside {name} (list vertex {dock} under docks in the fleet '
+                           'file)', f'dock_{_in_file(name)}', Graph(vertices, edges),
                            frozenset((dock,)))
             return
 
@@ -169,6 +186,7 @@ def _parking(graph: Graph, id: int,
     ends = {edge.origin, edge.destination}
     if all(graph.vertices[end].parking is False or graph.vertices[end].dock for end in ends):
         return
-    yield (f'forbid parking at the ends of edge {id}', f'no_parking_{id}',
+    part = _part(graph, id)
+    yield (f'forbid parking at the ends of {part}', f'no_parking_{_in_file(part)}',
            [replace(vertex, parking=False) if vertex.id in ends and not vertex.dock else vertex
             for vertex in graph.vertices.values()], list(graph.edges.values()))

@@ -7,74 +7,59 @@ import math
 import os
 from html import escape
 from pathlib import Path
-from typing import Dict, Iterable, List, NamedTuple, Sequence, Tuple
+from typing import Callable, Dict, Iterable, Iterator, List, Optional, Sequence, Tuple
+
+import numpy as np
 
 from file_replacement import replace_file
 from fleet_simulation import svg
-from fleet_simulation.figures import Figures, Use, WaitingCause
-from fleet_simulation.hold_ups import Bottleneck, HoldUp
-from fleet_simulation.site import StudiedSite
+from fleet_simulation.demand import Demand, Flow, Saturated
+from fleet_simulation.figures import Figures, TimetableUse, Use, WaitingCause
+from fleet_simulation.hold_ups import HoldUp
+from fleet_simulation.site_map import site_map
 from fleet_simulation.statistics import (
-    Band,
+    KEPT_UP,
+    Side,
     SizeResults,
     bottlenecks_of,
-    keeps_up,
+    gain,
     knee,
     quantile,
+    served_share,
     sizes,
     waiting_by_cause,
     waiting_by_drawn_edge,
     waiting_by_edge,
 )
+from fleet_simulation.study import Study
+from fleet_simulation.words import deadlines_of, in_words, percent, several, time_in_words
 from node_program.inert_text import cell
 from trajectory_graph import Graph
+from trajectory_graph.drawn_names import drawn_ids, size_of
 
 REPORT = 'report.html'
 _TITLE = 'How many robots does this site need?'
-_WORDS = ('no', 'one', 'two', 'three', 'four', 'five', 'six', 'seven', 'eight', 'nine', 'ten',
-          'eleven', 'twelve')
 _TOLD_EDGES = 10
-_FEW_MINUTES = 0.6  # minutes of waiting per hour and robot that are not worth a sentence (1 %)
+_SERVES = {Side.ABOVE: 'yes', Side.BELOW: 'no', Side.UNDECIDED: Side.UNDECIDED.value}
+_VERDICTS = {Side.ABOVE: 'better', Side.BELOW: 'worse', Side.UNDECIDED: Side.UNDECIDED.value}
+_RULE = ('± is half of the 95 % confidence interval (Student) of the mean over the seeds. Two '
+         'fleets, and two graphs, are compared seed by seed. A difference is decided if its '
+         'interval does not contain zero, and a fleet serves the demand if its interval lies '
+         f'above {100 * KEPT_UP:.0f} % of the missions. Otherwise the report says "'
+         f'{Side.UNDECIDED.value}".')
 _STYLE = '''
 body { font: 15px/1.45 sans-serif; max-width: 960px; margin: 2em auto; padding: 0 1em;
        color: #222; }
-svg { font: 12px sans-serif; max-width: 100%; height: auto; }
+.wide { overflow-x: auto; }
+svg { font: 12px sans-serif; }
 table { border-collapse: collapse; margin: 0.6em 0; }
 th, td { border-bottom: 1px solid #ddd; padding: 3px 10px; text-align: right; }
 th:first-child, td:first-child { text-align: left; }
 .words { font-size: 1.15em; background: #f2f5f8; padding: 0.8em 1em; border-radius: 6px; }
+.head th { white-space: nowrap; vertical-align: top; }
+.head td { text-align: left; }
 .warning { background: #fff0e8; padding: 0.6em 1em; border-radius: 6px; }
 '''
-
-
-class Proposed(NamedTuple):
-    """A simulated change of the graph.
-
-    what -- the change in words, an imperative such as `cut edge 5`
-    gain -- additional missions per hour
-    file -- name of the file with the changed graph
-    """
-
-    what: str
-    gain: Band
-    file: str
-
-
-class Study(NamedTuple):
-    """All that a report shows.
-
-    hours       -- virtual hours of each run
-    command     -- the command line that requested the study
-    ended_early -- whether Ctrl-C ended the study before all runs were completed
-    proposals   -- simulated changes of the graph, the best first
-    """
-
-    site: StudiedSite
-    runs: Sequence[Figures]
-    hours: float
-    command: str
-    ended_early: bool = False
-    proposals: Sequence[Proposed] = ()
 
 
 def write(study: Study, folder: Path) -> Path:
@@ -103,121 +88,6 @@ def is_free(folder: Path) -> bool:
     return not names
 
 
-# -- words ----------------------------------------------------------------------------------------
-
-
-def in_words(study: Study) -> str:
-    """Returns the results of the study as one paragraph."""
-    found = sizes(study.runs)
-    if not found:
-        return 'No run was completed.'
-    best = knee(found)
-    sentences = (_throughput_in_words(best), _demand_in_words(study, best),
-                 _more_robots_in_words(found, best), _waiting_in_words(study, best),
-                 _bottleneck_in_words(best), _deadlines_in_words(best),
-                 _proposal_in_words(study), _failures_in_words(best))
-    return ' '.join(filter(None, sentences))
-
-
-def _throughput_in_words(best: SizeResults) -> str:
-    lead_time = ''
-    if best.leads:
-        lead_time = (', 95 % of them with a lead time of up to '
-                     f'{_time(quantile(best.leads, 0.95))}')
-    return (f'{_count(best.robots, "robot")} {"serve" if best.robots != 1 else "serves"} '
-            f'{best.per_hour} missions per hour{lead_time}.')
-
-
-def _demand_in_words(study: Study, best: SizeResults) -> str:
-    if study.site.demand.saturated:
-        return ''
-    if keeps_up(best):
-        return f'This serves the demand of {best.requested:.0f} missions per hour.'
-    return (f'The demand is {best.requested:.0f} missions per hour: '
-            f'{100 * (1 - best.served):.0f} % of it is not served.')
-
-
-def _more_robots_in_words(found: Sequence[SizeResults], best: SizeResults) -> str:
-    """Returns what the next larger simulated fleet adds to the best one."""
-    larger = next((size for size in found if size.robots > best.robots), None)
-    if larger is None:
-        return ('This is the largest simulated fleet: a larger one may serve more.'
-                if len(found) > 1 else '')
-    number = larger.robots - best.robots
-    gain = 100 * (larger.per_hour.mean / max(best.per_hour.mean, 1e-9) - 1)
-    subject = 'One more adds' if number == 1 else f'{_count(number, "more")} add'
-    return f'{subject} {gain:.0f} %.' if gain >= 0.5 else f'{subject} nothing.'
-
-
-def _waiting_in_words(study: Study, best: SizeResults) -> str:
-    edges = list(waiting_by_drawn_edge(best, study.site.graph).items())[:2]
-    if not edges or best.use[Use.WAITING] <= 0.01:
-        return ''
-    share = 100 * sum(part for _, part in edges)
-    ids = ' and '.join(str(id) for id, _ in edges)
-    subject, verb = ('edges', 'cause') if len(edges) > 1 else ('edge', 'causes')
-    return (f'A robot spends {100 * best.use[Use.WAITING]:.0f} % of its time waiting; '
-            f'{subject} {ids} {verb} {share:.0f} % of this waiting.')
-
-
-def _bottleneck_in_words(best: SizeResults) -> str:
-    found = bottlenecks_of(best)
-    if not found:
-        return ''
-    first = found[0]
-    if first.minutes < _FEW_MINUTES * best.robots:
-        return 'No robot waits long for a station or a device.'
-    told = (f'Of all stations and devices, {first.resource} is the bottleneck: robots wait '
-            f'{_minutes(first.minutes)} per hour for it, mostly for {_main_reason(first)}, and '
-            f'{100 * first.occupied:.0f} % of it is occupied')
-    if len(found) == 1 or found[1].minutes < _FEW_MINUTES * best.robots:
-        return f'{told}.'
-    return f'{told}; for {found[1].resource} they wait {_minutes(found[1].minutes)}.'
-
-
-def _main_reason(one: Bottleneck) -> str:
-    return max(one.waiting, key=lambda why: one.waiting[why]).value
-
-
-def _minutes(minutes: float) -> str:
-    return f'{minutes:.0f} robot minutes' if minutes >= 9.5 else f'{minutes:.1f} robot minutes'
-
-
-def _deadlines_in_words(best: SizeResults) -> str:
-    deadlines, missed = _deadlines(best)
-    if not deadlines:
-        return ''
-    return f'{missed} of {deadlines} deadlines were missed in the runs of this fleet.'
-
-
-def _deadlines(size: SizeResults) -> Tuple[int, int]:
-    """Returns the number of deadlines, and of those that were missed."""
-    return sum(run.deadlines for run in size.runs), sum(run.missed for run in size.runs)
-
-
-def _proposal_in_words(study: Study) -> str:
-    good = [one for one in study.proposals if one.gain.mean - one.gain.half > 0.0]
-    if not good:
-        return ''
-    return f'Best proposal: {good[0].what}. It adds {good[0].gain} missions per hour.'
-
-
-def _failures_in_words(best: SizeResults) -> str:
-    failed = sum(sum(run.failures.values()) for run in best.runs)
-    return f'{_count(failed, "mission")} failed in the runs of this fleet.' if failed else ''
-
-
-def _count(number: int, what: str) -> str:
-    word = _WORDS[number] if number < len(_WORDS) else str(number)
-    return f'{word[0].upper()}{word[1:]} {what}' + ('s' if number != 1 and what != 'more' else '')
-
-
-def _time(seconds: float) -> str:
-    if not math.isfinite(seconds):
-        return '-'
-    return f'{seconds:.0f} s' if seconds < 100.0 else f'{seconds / 60.0:.1f} minutes'
-
-
 # -- the page -------------------------------------------------------------------------------------
 
 
@@ -225,17 +95,72 @@ def html(study: Study) -> str:
     """Returns the whole HTML page."""
     found = sizes(study.runs)
     parts = ['<!DOCTYPE html><html lang="en"><head><meta charset="utf-8">',
+             '<meta name="viewport" content="width=device-width, initial-scale=1">',
              f'<title>{_TITLE}</title><style>{_STYLE}</style></head>',
-             '<body><h1>How many robots does this site need?</h1>',
+             f'<body><h1>{_TITLE}</h1>', _head(study),
              f'<p class="words">{escape(in_words(study))}</p>', _warnings(study)]
     if found:
         best = knee(found)
         parts += [_throughput(study, found, best), _times(found), _use(found),
                   _waiting(study, best), _resources(best), _deadline_table(found),
+                  _timetable_table(best),
                   _proposals(study), _needs(found), _planner(found),
                   _failures(found)]
     parts.append(_method(study))
     return '\n'.join(parts) + '</body></html>\n'
+
+
+def _head(study: Study) -> str:
+    """Returns what was simulated: site, date, demand, fleet, runs."""
+    site, files = study.site, study.files
+    places = np.array([vertex.position for vertex in site.graph.vertices.values()])
+    width, tall = np.ptp(places, axis=0).tolist()
+    extent = f'{width:.0f} m x {tall:.0f} m'
+    rows = [('Site', f'{files.graph}: {size_of(site.graph)}, {extent}')]
+    if files.work:
+        work = site.work
+        rows.append(('Work', f'{files.work}: {several(len(work.stations), "station")}, '
+                             f'{several(len(work.devices), "device")}, '
+                             f'{several(len(work.templates), "template")}'))
+    if files.walls:
+        rows.append(('Walls', files.walls))
+    sizes_run = sorted({run.robots for run in study.runs})
+    seeds = len({run.seed for run in study.runs})
+    rows += [
+        ('Date', f'{study.made:%Y-%m-%d %H:%M}'),
+        ('Demand', f'{files.demand}: ' + '; '.join(_flows(site.demand, study.hours))),
+        ('Fleet', f'{files.fleet}: ' + ', '.join(kind.name for kind in site.fleet.types)
+         + f'; simulated with {_listed(sizes_run)} {"robot" if sizes_run == [1] else "robots"}'),
+        ('Runs', f'{several(seeds, "seed")} of {study.hours:g} h for each size of the fleet')]
+    return '<table class="head">' + ''.join(
+        f'<tr><th>{name}</th><td>{escape(what)}</td></tr>' for name, what in rows) + '</table>'
+
+
+def _flows(demand: Demand, hours: float) -> Iterator[str]:
+    """Yields each flow with its missions per hour."""
+    for flow in demand.flows:
+        where = flow.template if not isinstance(flow, Flow) else ''.join(
+            (f'from {_places(flow.sources)} ' if flow.sources else '',
+             f'to {_places(flow.targets)}'))
+        name = f'{flow.name} ({where})' if flow.name else where
+        if isinstance(flow.arrivals, Saturated):
+            yield f'{name}, as many as the fleet serves'
+        else:
+            number = sum(shift.per_hour * max(min(shift.end, hours) - shift.begin, 0.0)
+                         for shift in flow.arrivals) / hours
+            yield f'{name}, {number:.3g} per hour'
+    if demand.recorded:
+        yield several(len(demand.recorded), 'recorded mission')
+
+
+def _places(ids: Sequence[int]) -> str:
+    return f'vertex {ids[0]}' if len(ids) == 1 else f'one of {len(ids)} vertices'
+
+
+def _listed(numbers: Sequence[int]) -> str:
+    if len(numbers) > 2 and numbers[-1] - numbers[0] == len(numbers) - 1:
+        return f'{numbers[0]} to {numbers[-1]}'
+    return ', '.join(map(str, numbers))
 
 
 def _warnings(study: Study) -> str:
@@ -255,16 +180,30 @@ def _throughput(study: Study, found: Sequence[SizeResults], best: SizeResults) -
     if bounded:
         lines.append(svg.Line('demand', [(size.robots, size.requested) for size in found]))
     rows = [(str(size.robots), str(size.per_hour), f'{size.per_hour.mean / size.robots:.1f}',
-             f'{100 * size.served:.0f} %' if bounded else 'unlimited demand')
-            for size in found]
+             _against(size, before),
+             *((percent(served_share(size)), _SERVES[served_share(size).side(KEPT_UP)])
+               if bounded else ()))
+            for before, size in zip([None, *found], found)]
     told = ('Each further robot adds 5 % or more: there is no knee in the simulated sizes.'
             if is_largest
             else f'The dashed line is the knee: {best.robots} robots. The knee is the smallest '
                  'fleet to which a further robot adds less than 5 %.')
     mark = math.nan if is_largest else best.robots
-    return (f'<h2>Throughput</h2>{svg.chart(lines, "robots", "missions per hour", mark)}'
-            + _table(('robots', 'missions per hour', 'per robot', 'share of the demand'), rows)
-            + (f'<p>{told}</p>' if len(found) > 1 else ''))
+    return ('<h2>Throughput</h2>'
+            + _wide(svg.chart(lines, 'robots', 'missions per hour', mark))
+            + _table(('robots', 'missions per hour', 'per robot', 'against the row before',
+                      *(('share of the demand', 'serves it') if bounded else ())), rows)
+            + (f'<p>{told}</p>' if len(found) > 1 else '') + f'<p>{_RULE}</p>')
+
+
+def _against(size: SizeResults, before: Optional[SizeResults]) -> str:
+    """Returns the change of the throughput from the next smaller fleet, if seeds decide it."""
+    if before is None:
+        return ''
+    more = gain(before, size)
+    sign = '+' if more.mean >= 0.0 else ''
+    undecided = f', {Side.UNDECIDED.value}' if more.side() is Side.UNDECIDED else ''
+    return f'{sign}{percent(more)}{undecided}'
 
 
 def _times(found: Sequence[SizeResults]) -> str:
@@ -272,10 +211,10 @@ def _times(found: Sequence[SizeResults]) -> str:
                       [(size.robots, quantile(getattr(size, field), share)) for size in found])
              for name, field in (('request to success', 'leads'), ('request to start', 'waits'))
              for share, label in ((0.5, 'p50'), (0.95, 'p95'))]
-    rows = [(str(size.robots), *(_time(quantile(values, share))
+    rows = [(str(size.robots), *(time_in_words(quantile(values, share))
                                  for values in (size.waits, size.leads) for share in (0.5, 0.95)))
             for size in found]
-    return (f'<h2>Waiting and lead time</h2>{svg.chart(lines, "robots", "s")}'
+    return (f'<h2>Waiting and lead time</h2>{_wide(svg.chart(lines, "robots", "s"))}'
             + _table(('robots', 'request to start, p50', 'p95', 'request to success, p50', 'p95'),
                      rows))
 
@@ -284,7 +223,7 @@ def _use(found: Sequence[SizeResults]) -> str:
     names = [use.value for use in Use]
     columns = {size.robots: [size.use[use] for use in Use] for size in found}
     return ("<h2>Where a robot's time goes</h2>"
-            + svg.stacks(names, columns, 'robots', "share of the robots' time")
+            + _wide(svg.stacks(names, columns, 'robots', "share of the robots' time"))
             + _table(('robots', *names), [
                 (str(size.robots), *(f'{100 * size.use[use]:.1f} %' for use in Use))
                 for size in found]))
@@ -303,7 +242,7 @@ def _waiting(study: Study, best: SizeResults) -> str:
     return (f'<h2>Where {best.robots} robots wait</h2>'
             '<p>Waiting counts at the edge that the robot wants to drive next. Causes of all '
             f'waiting: {escape(told_causes or "none")}.</p>'
-            + svg.site_map(graph, waiting_by_edge(best), told)
+            + _wide(site_map(graph, waiting_by_edge(best), told, study.site.work, study.walls))
             + _table(('edge', 'share of all waiting', 'causes'), rows))
 
 
@@ -313,7 +252,7 @@ def _resources(best: SizeResults) -> str:
             for one in bottlenecks_of(best)]
     if not rows:
         return ''
-    return (f'<h2>Stations and devices, with {best.robots} robots</h2>'
+    return (f'<h2>Stations, devices and chargers, with {best.robots} robots</h2>'
             '<p>Occupied: share of the capacity that robots claim, on their way there included. '
             'Waiting: robot minutes per hour.</p>'
             + _table(('', 'capacity', 'occupied', 'waiting', *(
@@ -322,18 +261,33 @@ def _resources(best: SizeResults) -> str:
 
 def _deadline_table(found: Sequence[SizeResults]) -> str:
     rows = [(str(size.robots), str(deadlines), str(missed), f'{100 * missed / deadlines:.1f} %')
-            for size in found for deadlines, missed in (_deadlines(size),) if deadlines]
+            for size in found for deadlines, missed in (deadlines_of(size),) if deadlines]
     return '<h2>Deadlines</h2>' + _table(('robots', 'deadlines', 'missed', 'share'),
                                          rows) if rows else ''
+
+
+def _timetable_table(best: SizeResults) -> str:
+    whole: Dict[str, TimetableUse] = {}
+    for run in best.runs:
+        for name, use in run.timetables.items():
+            whole.setdefault(name, TimetableUse()).add(use)
+    rows = [(name, str(use.requested), str(use.succeeded),
+             *(time_in_words(quantile(use.leads, share)) if use.leads else '-'
+               for share in (0.5, 0.95)),
+             str(use.deadlines), str(use.missed)) for name, use in whole.items()]
+    return (f'<h2>Timetables, with {best.robots} robots</h2>' + _table(
+        ('', 'missions', 'done', 'request to success, p50', 'p95', 'deadlines', 'missed'), rows)
+            ) if rows else ''
 
 
 def _proposals(study: Study) -> str:
     if not study.proposals:
         return ''
     return '<h2>Proposals</h2><p>Each change was simulated with the same seeds.</p>' + _table(
-        ('change', 'additional missions per hour, 95 % band', 'changed graph'),
-        [(one.what, f'{one.gain.mean:+.1f} ± {one.gain.half:.1f}', one.file)
-         for one in study.proposals])
+        ('change', 'additional missions per hour, 95 % band', 'verdict', 'changed graph'),
+        [(one.what, f'{one.gain.mean:+.1f}' + (
+            f' ± {one.gain.half:.1f}' if one.gain.half < math.inf else ''),
+          _VERDICTS[one.gain.side()], one.file) for one in study.proposals])
 
 
 def _needs(found: Sequence[SizeResults]) -> str:
@@ -388,7 +342,13 @@ def _method(study: Study) -> str:
 def _table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
     def line(cells: Sequence[str], tag: str) -> str:
         return '<tr>' + ''.join(f'<{tag}>{escape(cell)}</{tag}>' for cell in cells) + '</tr>'
-    return ('<table>' + line(head, 'th') + ''.join(line(row, 'td') for row in rows) + '</table>')
+    return _wide('<table>' + line(head, 'th') + ''.join(line(row, 'td') for row in rows)
+                 + '</table>')
+
+
+def _wide(part: str) -> str:
+    """Returns a part of the page that can be scrolled sideways where the window is narrow."""
+    return f'<div class="wide">{part}</div>'
 
 
 def _mean(values: Iterable[float]) -> float:
@@ -399,48 +359,74 @@ def _mean(values: Iterable[float]) -> float:
 # -- tables ---------------------------------------------------------------------------------------
 
 
-def _tables(study: Study) -> Dict[str, List[Tuple[object, ...]]]:
+Rows = List[Tuple[object, ...]]
+
+
+def _tables(study: Study) -> Dict[str, Rows]:
     """Returns the rows of each CSV file by its name, the header first; times are in s."""
-    runs: List[Tuple[object, ...]] = [(
-        'robots', 'seed', 'measured_s', 'requested', 'succeeded', 'per_hour', 'open_at_end',
-        'failed', 'wait_p50', 'wait_p95', 'lead_p50', 'lead_p95',
-        *(f'{use.name.lower()}_robot_s' for use in Use), 'docks', 'parked', 'travelled_m',
-        'deadlines', 'missed', 'plans', 'plan_p50', 'plan_p95', 'plan_longest', 'world_cpu_s',
-        'supervisor_cpu_s', 'planner_cpu_s', 'times_real_time', 'trouble')]
-    waiting: List[Tuple[object, ...]] = [
-        ('robots', 'seed', 'edge', 'cause', 'robot_s', 'drawn_edge')]
-    missions: List[Tuple[object, ...]] = [('robots', 'seed', 'what', 'seconds')]
-    failures: List[Tuple[object, ...]] = [('robots', 'seed', 'missions', 'why')]
-    for run in study.runs:
-        key = run.robots, run.seed
-        runs.append((
-            *key, f'{run.seconds:.1f}', run.requested, run.succeeded, f'{run.per_hour:.2f}',
-            run.open_at_end, sum(run.failures.values()),
+    graph = study.site.graph
+    return {
+        'runs.csv': [_RUN_COLUMNS, *map(_run_row, study.runs)],
+        'waiting.csv': [('robots', 'seed', 'edge', 'cause', 'robot_s', 'drawn_edge'),
+                        *_of_each(study, lambda run: _waiting_rows(run, graph))],
+        'missions.csv': [('robots', 'seed', 'what', 'seconds'), *_of_each(study, _mission_rows)],
+        'resources.csv': [('robots', 'seed', 'resource', 'capacity', 'claimed_robot_s',
+                           'waiting_for', 'robot_s'), *_of_each(study, _resource_rows)],
+        'timetables.csv': [('robots', 'seed', 'timetable', 'missions', 'done', 'lead_p50',
+                            'lead_p95', 'deadlines', 'missed'), *_of_each(study, _timetable_rows)],
+        'failures.csv': [('robots', 'seed', 'missions', 'why'), *_of_each(study, _failure_rows)],
+        'proposals.csv': [('change', 'gain_per_hour', 'half_band', 'graph'), *(
+            (one.what, f'{one.gain.mean:.2f}', f'{one.gain.half:.2f}', one.file)
+            for one in study.proposals)]}
+
+
+def _of_each(study: Study, rows: Callable[[Figures], Rows]) -> Rows:
+    """The rows of all runs. Each begins with the size and the seed of its run."""
+    return [(run.robots, run.seed, *row) for run in study.runs for row in rows(run)]
+
+
+_RUN_COLUMNS: Tuple[object, ...] = (
+    'robots', 'seed', 'measured_s', 'requested', 'succeeded', 'per_hour', 'open_at_end', 'failed',
+    'wait_p50', 'wait_p95', 'lead_p50', 'lead_p95',
+    *(f'{use.name.lower()}_robot_s' for use in Use), 'docks', 'parked', 'travelled_m', 'deadlines',
+    'missed', 'plans', 'plan_p50', 'plan_p95', 'plan_longest', 'world_cpu_s', 'supervisor_cpu_s',
+    'planner_cpu_s', 'times_real_time', 'trouble')
+
+
+def _run_row(run: Figures) -> Tuple[object, ...]:
+    return (run.robots, run.seed, f'{run.seconds:.1f}', run.requested, run.succeeded,
+            f'{run.per_hour:.2f}', run.open_at_end, sum(run.failures.values()),
             *(f'{quantile(values, share):.2f}' for values in (run.waits, run.leads)
               for share in (0.5, 0.95)),
             *(f'{run.use[use]:.0f}' for use in Use), run.docks, run.parked,
             f'{run.travelled:.0f}', run.deadlines, run.missed, len(run.planning),
             *(f'{quantile(run.planning, share):.4f}' for share in (0.5, 0.95, 1.0)),
-            *(f'{seconds:.2f}' for seconds in run.spent), f'{run.speed:.1f}', run.trouble))
-        waiting += [(*key, edge, cause.value, f'{seconds:.0f}', _drawn(study.site.graph, edge))
-                    for (edge, cause), seconds in sorted(run.waiting.items(), key=_by_edge)]
-        missions += [(*key, 'request to start', f'{one:.2f}') for one in run.waits]
-        missions += [(*key, 'request to success', f'{one:.2f}') for one in run.leads]
-        failures += [(*key, count, why) for why, count in run.failures.items()]
-    resources: List[Tuple[object, ...]] = [
-        ('robots', 'seed', 'resource', 'capacity', 'claimed_robot_s', 'waiting_for', 'robot_s')]
-    resources += [(run.robots, run.seed, use.resource, use.resource.capacity,
-                   f'{use.claimed:.0f}', why.value, f'{wait:.0f}') for run in study.runs
-                  for use in run.resources.values() for why, wait in use.waiting.items()]
-    proposals: List[Tuple[object, ...]] = [('change', 'gain_per_hour', 'half_band', 'graph')]
-    proposals += [(one.what, f'{one.gain.mean:.2f}', f'{one.gain.half:.2f}', one.file)
-                  for one in study.proposals]
-    return {'runs.csv': runs, 'waiting.csv': waiting, 'missions.csv': missions,
-            'resources.csv': resources, 'failures.csv': failures, 'proposals.csv': proposals}
+            *(f'{seconds:.2f}' for seconds in run.spent), f'{run.speed:.1f}', run.trouble)
 
 
-def _drawn(graph: Graph, edge: int) -> int:
-    return graph.edges[edge].drawn_id if edge in graph.edges else edge
+def _waiting_rows(run: Figures, graph: Graph) -> Rows:
+    return [(edge, cause.value, f'{seconds:.0f}', *drawn_ids(graph, (edge,)))
+            for (edge, cause), seconds in sorted(run.waiting.items(), key=_by_edge)]
+
+
+def _mission_rows(run: Figures) -> Rows:
+    return [(what, f'{one:.2f}') for what, times in (
+        ('request to start', run.waits), ('request to success', run.leads)) for one in times]
+
+
+def _resource_rows(run: Figures) -> Rows:
+    return [(use.resource, use.resource.capacity, f'{use.claimed:.0f}', why.value, f'{wait:.0f}')
+            for use in run.resources.values() for why, wait in use.waiting.items()]
+
+
+def _timetable_rows(run: Figures) -> Rows:
+    return [(name, use.requested, use.succeeded,
+             *(f'{quantile(use.leads, share):.2f}' for share in (0.5, 0.95)), use.deadlines,
+             use.missed) for name, use in run.timetables.items()]
+
+
+def _failure_rows(run: Figures) -> Rows:
+    return [(count, why) for why, count in run.failures.items()]
 
 
 def _by_edge(item: Tuple[Tuple[int, WaitingCause], float]) -> Tuple[int, str]:

@@ -2,6 +2,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from datetime import datetime, timedelta
 from random import Random
 from typing import Dict, Optional, Set
 
@@ -9,15 +10,16 @@ from fleet_core.fleet import RobotType
 from fleet_core.supervision.actions import SendRoute
 from fleet_core.supervision.missions import MissionState, Request, Status
 from fleet_core.supervision.robots import ManagedRobot
-from fleet_core.supervision.site_resources import resources_of
+from fleet_core.supervision.timetable_runs import giver_of
 from fleet_simulation.demand import HOUR, RequestSource
 from fleet_simulation.driven_robot import AGV, LD90, DrivenRobot
-from fleet_simulation.figures import Figures, Use, WaitingCause
+from fleet_simulation.figures import Figures, TimetableUse, Use, WaitingCause
 from fleet_simulation.hold_ups import HoldUp, ResourceUse, WaitFor, held_up
 from fleet_simulation.site import OrderPolicy, StudiedSite
 from fleet_simulation.virtual_actors import VirtualActors
 from fleet_simulation.virtual_fleet import STEP, Rhythm, VirtualFleet
 
+MONDAY = datetime(2024, 1, 1)  # no clock is changed in the days after it
 RHYTHM = Rhythm(driving=0.5, standing=2.0, supervisor=0.5, room=1.0)
 WARM_UP = 600.0     # s at the start of a run that do not count, at most a tenth of the run
 _SAMPLE = 10        # steps between two samples of what the robots do
@@ -45,11 +47,16 @@ class Run:
             settings=site.settings_of(fleet), parking=site.parking,
             dock_approach=site.fleet.dock_approach, rhythm=RHYTHM,
             switches=site.order is OrderPolicy.SWITCHING, check_every=_CHECK_EVERY,
-            work=site.work)
+            work=site.work, wall=(MONDAY + timedelta(minutes=site.begin)).timestamp())
         self.world.planner.rounds = site.rounds
         self._actors = VirtualActors(self.world, site.work, site.times, seed)
         self.figures = Figures(robots, seed)
-        self.figures.resources = {one.name: ResourceUse(one) for one in resources_of(site.work)}
+        resources = self.world.supervisor.interlocking.claims.needs.resources
+        self.figures.resources = {name: ResourceUse(one) for name, one in resources.items()}
+        self.figures.timetables = {name: TimetableUse() for name in site.work.timetables}
+        self._givers = {giver_of(name): name for name in site.work.timetables}
+        self._timetables: Dict[int, str] = {}
+        """By open mission, the timetable that requested it."""
         self._warm_up = 0.0
         self._steps = 0
         self._requests = RequestSource(site.demand, [], self._random)
@@ -78,8 +85,8 @@ class Run:
                 world.step()
         except AssertionError as failure:
             figures.trouble = str(failure).splitlines()[0]
-        for deadline in self._deadlines.values():
-            self._count_deadline(deadline, False)
+        for id, deadline in self._deadlines.items():
+            self._count_deadline(id, deadline, False)
         figures.seconds = max(world.now - self._warm_up, 0.0)
         figures.open_at_end = len(world.supervisor.book.open)
         figures.travelled = sum(robot.travelled for robot in world.agvs.values())
@@ -103,13 +110,28 @@ class Run:
             self.figures.requested += 1
         self.world.do(self.world.supervisor.request(request, self.world.now))
 
-    def _count_deadline(self, deadline: float, is_done: bool) -> None:
+    def _note_timetable(self, id: int) -> None:
+        """Notes a mission that the supervisor itself has requested, by a timetable."""
+        mission = self.world.supervisor.book.find(id)
+        name = '' if mission is None else self._givers.get(mission.request.requested_by, '')
+        if mission is None or not name:
+            return
+        self._requested[id], self._timetables[id] = self.world.now, name
+        if mission.request.deadline:
+            self._deadlines[id] = mission.request.deadline
+        if self.world.now >= self._warm_up:
+            self.figures.requested += 1
+            self.figures.timetables[name].requested += 1
+
+    def _count_deadline(self, id: int, deadline: float, is_done: bool) -> None:
         """Counts the deadline of a mission that has ended, or of one that is open at the end."""
         moment = self.world.wall + self.world.now
         if not is_done and moment <= deadline or self.world.now < self._warm_up:
             return
-        self.figures.deadlines += 1
-        self.figures.missed += not is_done or moment > deadline
+        of_timetable = self.figures.timetables.get(self._timetables.get(id, ''))
+        for counted in (self.figures, *(() if of_timetable is None else (of_timetable,))):
+            counted.deadlines += 1
+            counted.missed += not is_done or moment > deadline
 
     # -- observation of the virtual world ---------------------------------------------------------
 
@@ -123,6 +145,8 @@ class Run:
         """Records the start and the end of each mission."""
         id, now, figures = status.request_id, self.world.now, self.figures
         counts = now >= self._warm_up
+        if id not in self._requested and status.state.is_open:
+            self._note_timetable(id)
         if id not in self._requested:
             return
         assert status.state is not MissionState.NEEDS_PERSON, (
@@ -135,12 +159,17 @@ class Run:
             if counts and status.state is MissionState.SUCCEEDED:
                 figures.succeeded += 1
                 figures.leads.append(now - self._requested[id])
+                if id in self._timetables:
+                    of_timetable = figures.timetables[self._timetables[id]]
+                    of_timetable.succeeded += 1
+                    of_timetable.leads.append(figures.leads[-1])
             elif counts:
                 why = status.reason or status.state.name
                 figures.failures[why] = figures.failures.get(why, 0) + 1
             if id in self._deadlines:
                 is_done = status.state is MissionState.SUCCEEDED
-                self._count_deadline(self._deadlines.pop(id), is_done)
+                self._count_deadline(id, self._deadlines.pop(id), is_done)
+            self._timetables.pop(id, None)
             del self._requested[id]
             self._begun.discard(id)
             self._requests.ended(id)
@@ -180,7 +209,7 @@ class Run:
         figures.docks, figures.parked = max(figures.docks, docks), max(figures.parked, parked)
 
     def _sample_resources(self, seconds: float) -> Dict[str, WaitFor]:
-        """Counts the claims. Returns the station or device for which each robot waits."""
+        """Counts the claims. Returns the resource for which each robot waits."""
         figures, supervisor = self.figures, self.world.supervisor
         if not figures.resources:
             return {}

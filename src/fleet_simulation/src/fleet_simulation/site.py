@@ -14,6 +14,9 @@ from fleet_core.planning.road_network import RoadNetwork
 from fleet_core.site.survey import parking_for_all
 from fleet_core.supervision.settings import RobotSettings
 from fleet_core.work.site_work import SiteWork
+from fleet_core.work.stations import places_of
+from fleet_core.work.templates import PARAMETER
+from fleet_core.work.timetables import Timetable
 from fleet_simulation.demand import Demand
 from fleet_simulation.demand_file import Wanted
 from fleet_simulation.driven_robot import Delays
@@ -44,8 +47,9 @@ class StudiedSite:
     latency  -- virtual s until the planner answers
     rounds   -- rounds in which the planner improves each plan
     order    -- how the order on shared places changes while robots are late
-    work     -- what the site says about work, without timetables: missions come from the demand
+    work     -- what the site says about work. The supervisor runs its timetables
     times    -- how long steps and devices take
+    begin    -- minutes from the beginning of a Monday to that of a run, as clocks on the wall show
     """
 
     graph: Graph
@@ -60,6 +64,7 @@ class StudiedSite:
     order: OrderPolicy = OrderPolicy.FIXED
     work: SiteWork = SiteWork()
     times: WorkTimes = WorkTimes()
+    begin: int = 0
 
     def robots(self, count: int) -> Dict[str, Robot]:
         """Returns `count` robots by name.
@@ -115,9 +120,22 @@ def site_of(graph: Graph, fleet: Fleet, settings: Dict[str, RobotSettings], want
         if not origins(place) & (begin - {place} or begin):
             raise FileError(file, f'vertex {place} is not reachable: no robot can drive there from '
                                   'its start; connect it in the graph, or remove it here', line)
+    for timetable in wanted.work.timetables.values():
+        for place in _visited(timetable, wanted.work, graph):
+            if not origins(place) & (begin - {place} or begin):
+                raise WrongSite(f'Timetable {timetable.name} leads to vertex {place}, which no '
+                                'robot can reach from its start: connect it in the graph.')
     return StudiedSite(graph, fleet, settings, wanted.demand, wanted.delays, starts,
                        tuple(sorted(parking_for_all(network, fleet))), latency, rounds,
-                       work=replace(wanted.work, timetables={}), times=wanted.times)
+                       work=wanted.work, times=wanted.times)
+
+
+def _visited(timetable: Timetable, work: SiteWork, graph: Graph) -> Set[int]:
+    """Returns the vertices to which the missions of a timetable may lead."""
+    arguments = dict(timetable.arguments)
+    words = (arguments[stop.at[len(PARAMETER):]] if stop.at.startswith(PARAMETER) else stop.at
+             for stop in work.templates[timetable.template].stops)
+    return {place for word in words for place in places_of(word, work.stations, graph)}
 
 
 def _at_stations(work: SiteWork) -> Set[int]:

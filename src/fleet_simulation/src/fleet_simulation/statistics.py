@@ -2,6 +2,7 @@
 from __future__ import annotations
 
 import math
+from enum import Enum
 from typing import Container, Dict, Iterable, List, NamedTuple, Optional, Sequence
 
 import numpy as np
@@ -11,8 +12,8 @@ from fleet_simulation.figures import Figures, Use, WaitingCause
 from fleet_simulation.hold_ups import Bottleneck, bottlenecks, summed
 from trajectory_graph import Graph
 
-_WORTH = 0.05    # a further robot is worth it if it raises the throughput by at least this share
-_KEPT_UP = 0.97  # a fleet serves the demand if at least this share of the requests succeeds
+WORTH = 0.05    # a further robot is worth it if it raises the throughput by at least this share
+KEPT_UP = 0.97  # a fleet serves the demand if at least this share of the requests succeeds
 
 
 class Band(NamedTuple):
@@ -23,6 +24,20 @@ class Band(NamedTuple):
 
     def __str__(self) -> str:
         return f'{self.mean:.0f}' + (f' ± {self.half:.0f}' if self.half < math.inf else '')
+
+    def side(self, of: float = 0.0) -> Side:
+        """Returns on which side of a value the whole band lies."""
+        if self.mean - self.half > of:
+            return Side.ABOVE
+        return Side.BELOW if self.mean + self.half < of else Side.UNDECIDED
+
+
+class Side(Enum):
+    """Where a confidence band lies, seen from a value; UNDECIDED: the value lies in the band."""
+
+    BELOW = 'below'
+    ABOVE = 'above'
+    UNDECIDED = 'too few seeds to decide'
 
 
 def band(values: Sequence[float]) -> Band:
@@ -50,11 +65,6 @@ class SizeResults(NamedTuple):
     use: Dict[Use, float]
     """By activity: share (0..1) of the robots' time."""
 
-    @property
-    def served(self) -> float:
-        """The share (0..1) of the requested missions that succeeded."""
-        return min(self.per_hour.mean / self.requested, 1.0) if self.requested else 1.0
-
 
 def sizes(runs: Iterable[Figures]) -> List[SizeResults]:
     """Groups the runs by fleet size, the smallest first; runs that broke off are ignored."""
@@ -79,14 +89,22 @@ def knee(all_sizes: Sequence[SizeResults]) -> SizeResults:
     for size, following in zip(all_sizes, all_sizes[1:]):
         more = following.robots - size.robots
         gain = (following.per_hour.mean - size.per_hour.mean) / max(size.per_hour.mean, 1e-9)
-        if gain / more < _WORTH:
+        if gain / more < WORTH:
             return size
     return all_sizes[-1]
 
 
-def keeps_up(size: SizeResults) -> bool:
-    """Whether the fleet serves at least 97 % of the requested missions."""
-    return size.served >= _KEPT_UP
+def served_share(size: SizeResults) -> Band:
+    """Returns the share (0..1) of the requested missions that succeeded, over the seeds."""
+    return band([min(run.succeeded / run.requested, 1.0) if run.requested else 1.0
+                 for run in size.runs])
+
+
+def gain(size: SizeResults, larger: SizeResults) -> Band:
+    """Returns by which share the larger fleet has more throughput, compared seed by seed."""
+    before = {run.seed: run.per_hour for run in size.runs}
+    return band([(run.per_hour - before[run.seed]) / max(size.per_hour.mean, 1e-9)
+                 for run in larger.runs if run.seed in before])
 
 
 def waiting_by_edge(size: SizeResults) -> Dict[int, float]:
@@ -113,7 +131,7 @@ def waiting_by_cause(size: SizeResults,
 
 
 def bottlenecks_of(size: SizeResults) -> List[Bottleneck]:
-    """Returns the stations and devices, the one for which robots wait longest first."""
+    """Returns the stations, devices and chargers, the one for which robots wait longest first."""
     return list(bottlenecks(summed(*(run.resources for run in size.runs)),
                             sum(run.seconds for run in size.runs)))
 

@@ -3,15 +3,13 @@ from __future__ import annotations
 
 import math
 from html import escape
-from typing import Callable, List, Mapping, NamedTuple, Sequence, Tuple, Union
-
-import numpy as np
-
-from trajectory_graph import Graph
+from typing import Callable, List, Mapping, NamedTuple, Sequence, Tuple
 
 WIDTH, HEIGHT = 640, 300
 _LEFT, _RIGHT, _TOP, _BOTTOM = 64, 16, 16, 44
+_LEGEND_ROW, _LEGEND_COLUMN = 18, 300  # px
 COLOURS = ('#2266aa', '#88aacc', '#66aa66', '#bb9944', '#cc4433', '#9966aa', '#cccccc', '#333333')
+_LINE_COLOURS = tuple(COLOURS[number] for number in (0, 4, 2, 3))
 
 
 class Line(NamedTuple):
@@ -53,9 +51,9 @@ def chart(lines: Sequence[Line], across: str, up: str, mark: float = math.nan) -
         x = axes.across(mark)
         parts.append(f'<line x1="{x:.1f}" x2="{x:.1f}" y1="{_TOP}" '
                      f'y2="{HEIGHT - _BOTTOM}" stroke="#cc4433" stroke-dasharray="4 3"/>')
-    for number, line in enumerate(lines):
-        parts += _drawn_line(line, number, axes)
-    return _svg(WIDTH, HEIGHT, parts)
+    for line, colour in zip(lines, _LINE_COLOURS):
+        parts += _drawn_line(line, colour, axes)
+    return _above_legend(parts, [line.name for line in lines], _LINE_COLOURS)
 
 
 class _Axes(NamedTuple):
@@ -75,23 +73,19 @@ class _Axes(NamedTuple):
         return self.across(x), self.height(y)
 
 
-def _drawn_line(line: Line, number: int, axes: _Axes) -> List[str]:
-    """Returns one line of a chart with its band and its entry in the legend."""
-    colour = COLOURS[(0, 4, 2, 3)[number % 4]]
+def _drawn_line(line: Line, colour: str, axes: _Axes) -> List[str]:
+    """Returns one line of a chart with its band."""
     parts = []
     known = [(x, y, half) for (x, y), half in zip(line.points, line.halves) if half < math.inf]
     if known:
         outline = [axes.place(x, y + half) for x, y, half in known] + [
             axes.place(x, y - half) for x, y, half in reversed(known)]
-        parts.append(f'<polygon points="{_points(outline)}" fill="{colour}" '
+        parts.append(f'<polygon points="{points_of(outline)}" fill="{colour}" '
                      'fill-opacity="0.18"/>')
     drawn = [axes.place(x, y) for x, y in line.points if y == y]
-    parts.append(f'<polyline points="{_points(drawn)}" fill="none" stroke="{colour}" '
+    parts.append(f'<polyline points="{points_of(drawn)}" fill="none" stroke="{colour}" '
                  'stroke-width="2"/>')
     parts += [f'<circle cx="{x:.1f}" cy="{y:.1f}" r="3" fill="{colour}"/>' for x, y in drawn]
-    parts.append(f'<rect x="{_LEFT + 12}" y="{_TOP + 6 + 18 * number}" width="12" height="4" '
-                 f'fill="{colour}"/>')
-    parts.append(_text(_LEFT + 30, _TOP + 12 + 18 * number, line.name, 'start'))
     return parts
 
 
@@ -102,7 +96,6 @@ def stacks(names: Sequence[str], columns: Mapping[int, Sequence[float]], across:
     names      -- legend, one name per share
     across, up -- labels of the axes
     """
-    legend = 18 * math.ceil(len(names) / 2) + 10
     step = (WIDTH - _LEFT - _RIGHT) / max(len(columns), 1)
 
     def y_of(share: float) -> float:
@@ -117,58 +110,17 @@ def stacks(names: Sequence[str], columns: Mapping[int, Sequence[float]], across:
             below += share
         parts.append(_text(left + 0.35 * step, HEIGHT - _BOTTOM + 16, str(x), 'middle'))
     parts.append(_text((_LEFT + WIDTH) / 2, HEIGHT - 8, across, 'middle'))
-    for number, (name, colour) in enumerate(zip(names, COLOURS)):
-        x, y = _LEFT + 300 * (number % 2), HEIGHT + 6 + 18 * (number // 2)
+    return _above_legend(parts, names, COLOURS)
+
+
+def _above_legend(parts: List[str], names: Sequence[str], colours: Sequence[str]) -> str:
+    """Returns a chart with its legend below it, where it hides no line."""
+    for number, (name, colour) in enumerate(zip(names, colours)):
+        x = _LEFT + _LEGEND_COLUMN * (number % 2)
+        y = HEIGHT + 6 + _LEGEND_ROW * (number // 2)
         parts.append(f'<rect x="{x}" y="{y}" width="12" height="12" fill="{colour}"/>')
         parts.append(_text(x + 18, y + 10, name, 'start'))
-    return _svg(WIDTH, HEIGHT + legend, parts)
-
-
-def site_map(graph: Graph, heat: Mapping[int, float], labelled: Sequence[int]) -> str:
-    """Returns a map of the graph.
-
-    heat     -- by edge id: share (0..1) of all waiting; edges are drawn from grey to red
-    labelled -- drawn ids of the edges whose id is written on the map
-    """
-    lines = {id: _line(graph, id) for id in graph.edges}
-    points = np.concatenate([*lines.values(), [v.position for v in graph.vertices.values()]])
-    low, high = points.min(axis=0), points.max(axis=0)
-    width, tall = np.maximum(high - low, 1.0)
-    scale = min((WIDTH * 1.4 - 60) / width, 620.0 / tall)
-
-    def at(point: Union[Sequence[float], np.ndarray]) -> Tuple[float, float]:
-        return 30 + (point[0] - low[0]) * scale, 30 + (high[1] - point[1]) * scale
-    most = max(heat.values(), default=0.0) or 1.0
-    parts = []
-    for id, line in sorted(lines.items(), key=lambda item: heat.get(item[0], 0.0)):
-        share = heat.get(id, 0.0) / most
-        parts.append(f'<polyline points="{_points([at(point) for point in line])}" fill="none" '
-                     f'stroke="{_heat(share)}" stroke-width="{2 + 6 * share:.1f}" '
-                     f'stroke-linecap="round"><title>edge {graph.edges[id].drawn_id}: '
-                     f'{100 * heat.get(id, 0.0):.1f} % of all waiting</title></polyline>')
-    for vertex in graph.vertices.values():
-        x, y = at(vertex.position)
-        colour = '#2266aa' if vertex.dock else '#555555'
-        parts.append(f'<circle cx="{x:.1f}" cy="{y:.1f}" r="{5 if vertex.dock else 2}" '
-                     f'fill="{colour}"><title>vertex {vertex.id} {escape(vertex.label)}</title>'
-                     '</circle>')
-    for id in labelled:
-        sections = sorted(graph.whole_edges((id,)))
-        line = lines[sections[len(sections) // 2]]
-        x, y = at(line[len(line) // 2])
-        parts.append(f'<text x="{x + 7:.1f}" y="{y - 7:.1f}" font-weight="bold" '
-                     f'stroke="white" stroke-width="3" paint-order="stroke">{id}</text>')
-    return _svg(round(width * scale + 60), round(tall * scale + 60), parts)
-
-
-def _line(graph: Graph, id: int) -> np.ndarray:
-    curve = graph.curve(id)
-    return np.array([curve.point_at(curve.length * k / 12) for k in range(13)], dtype=float)
-
-
-def _heat(share: float) -> str:
-    cold, hot = (200, 204, 208), (204, 34, 17)
-    return '#' + ''.join(f'{round(c + (h - c) * math.sqrt(share)):02x}' for c, h in zip(cold, hot))
+    return picture(WIDTH, HEIGHT + _LEGEND_ROW * math.ceil(len(names) / 2) + 10, parts)
 
 
 def _frame(up: str, scale: Sequence[float], y_of: Callable[[float], float],
@@ -184,7 +136,8 @@ def _frame(up: str, scale: Sequence[float], y_of: Callable[[float], float],
     return ''.join(parts)
 
 
-def _points(points: Sequence[Tuple[float, float]]) -> str:
+def points_of(points: Sequence[Tuple[float, float]]) -> str:
+    """Returns points (px) in the form of the attribute `points`."""
     return ' '.join(f'{x:.1f},{y:.1f}' for x, y in points)
 
 
@@ -192,6 +145,7 @@ def _text(x: float, y: float, text: str, anchor: str) -> str:
     return f'<text x="{x:.1f}" y="{y:.1f}" text-anchor="{anchor}">{escape(text)}</text>'
 
 
-def _svg(width: int, height: int, parts: Sequence[str]) -> str:
+def picture(width: int, height: int, parts: Sequence[str]) -> str:
+    """Returns a picture of this size (px) with these parts."""
     return (f'<svg viewBox="0 0 {width} {height}" width="{width}" height="{height}" '
             f'role="img">{"".join(parts)}</svg>')

@@ -178,6 +178,7 @@ class VirtualFleet(Generic[Body]):
     resources -- zones and the like, besides the devices and stations of `work`; each device is
                 simulated
     work     -- what the site says about work; None: nothing
+    wall     -- s since 1970 at the beginning, by the computer's clock
     """
 
     def __init__(self, graph: Graph, robots: Mapping[str, Tuple[RobotType, int]],
@@ -188,7 +189,7 @@ class VirtualFleet(Generic[Body]):
                  parking: Optional[Sequence[int]] = None, dock_approach: float = DOCK_APPROACH,
                  rhythm: Optional[Rhythm] = None, switches: bool = False,
                  check_every: int = 1, resources: Sequence[Resource] = (),
-                 work: Optional[SiteWork] = None) -> None:
+                 work: Optional[SiteWork] = None, wall: float = 1e9) -> None:
         kinds = tuple(dict.fromkeys(kind for kind, _ in robots.values()))
         self.graph, self.clearance = graph, clearance
         self._described = (f'seed {seed}, loss {loss}, repeats {repeats}, planning {planning}, '
@@ -205,8 +206,7 @@ class VirtualFleet(Generic[Body]):
         self.random = Random(seed)
         self.network = VirtualNetwork(self.random, loss, repeats)
         self.planner = VirtualPlanner(self.fleet, planning, parking)
-        self.wall = 1e9
-        """s since 1970 at the beginning, by the computer's clock."""
+        self.wall = wall
         self.disk = VirtualDisk(lambda: self.wall + self.now)
         self.clocks: Dict[str, float] = {}
         """By robot: s by which its clock is ahead."""
@@ -395,13 +395,8 @@ class VirtualFleet(Generic[Body]):
                     self.watcher.sends(action)
                 self.sent.append(action)
                 self.network.to_robots.append(action)
-            elif isinstance(action, SendStep) and action.device:
-                for _ in range(self.network.copies()):
-                    self.step_devices[action.device].receive(action.command)
             elif isinstance(action, SendStep):
-                if not self.network.is_silent(action.robot, self.now):
-                    for _ in range(self.network.copies()):
-                        self.steps[action.robot].receive(action.command)
+                self._send_step(action)
             elif isinstance(action, AskDevice):
                 for _ in range(self.network.copies()):
                     self.devices[action.request.device].receive(action.request)
@@ -413,6 +408,14 @@ class VirtualFleet(Generic[Body]):
                 self.notes.append(action.text)
             elif isinstance(action, AskPlanner):
                 self.planner.answer(action.number, self._plan(action), self.now)
+
+    def _send_step(self, action: SendStep) -> None:
+        if not action.device and self.network.is_silent(action.robot, self.now):
+            return
+        actor = (self.step_devices[action.device] if action.device
+                 else self.steps[action.robot])
+        for _ in range(self.network.copies()):
+            actor.receive(action.command)
 
     def _plan(self, question: AskPlanner) -> PlanningOutcome:
         return self.planner.plan(question, self.supervisor.network)

@@ -1,4 +1,4 @@
-"""Charging on request and by opportunity: until when, and to whom it yields."""
+"""Charging on request and by opportunity: until when, and to whom it yields. Claims to chargers."""
 from __future__ import annotations
 
 from dataclasses import replace
@@ -6,10 +6,15 @@ from random import Random
 from typing import Mapping, Sequence
 
 import pytest
-from fleet_builders import AGV, corridor, with_docks
+from fleet_builders import AGV, corridor, graph_of, with_docks
 
 from fleet_core.supervision.missions import MissionState
 from fleet_core.supervision.settings import RobotSettings
+from fleet_core.supervision.waits import WaitCode
+from fleet_core.supervision.why import robot_wait
+from fleet_core.work.chargers import Charger
+from fleet_core.work.devices import Device, DeviceKind
+from fleet_core.work.site_work import SiteWork
 from world.supervised_fleet import SupervisedFleet
 
 
@@ -129,5 +134,114 @@ def test_no_two_robots_get_one_dock_and_none_waits_for_one_that_need_not_charge(
         docks = [robot.dock for robot in robots if robot.dock is not None]
         assert len(docks) == len(set(docks))
         waiting = fleet.supervisor.charging.waiting
-        assert 'a free dock' not in waiting.values() or not any(robot.tops_up for robot in robots)
+        assert not waiting or not any(robot.tops_up for robot in robots)
         assert all(robot.dock is not None for robot in robots if robot.tops_up)
+
+
+# -- chargers are claimed --------------------------------------------------------------------------
+
+# A lane with a bay of two docks at its end, and a dock at its beginning:
+#
+#     5 -- 1 -- 2 -- 3 -- 4 -- 6
+#               |    |     \
+#               8    9      7
+BAYS = with_docks(graph_of(
+    {**{k: (3.0 * k, 0.0) for k in (1, 2, 3, 4)}, 5: (0.0, 0.0), 6: (15.0, 0.0), 7: (14.0, 3.0),
+     8: (6.0, 3.0), 9: (9.0, 3.0)},
+    {1: (1, 2), 2: (2, 3), 3: (3, 4), 4: (1, 5), 5: (4, 6), 6: (4, 7), 7: (2, 8), 8: (3, 9)}),
+    5, 6, 7)
+
+
+def lane(robots: Mapping[str, int], *chargers: Charger, docks: Sequence[int] = (5, 6, 7),
+         idle_below: float = 0.0, doors: Sequence[Device] = ()) -> SupervisedFleet:
+    kind = replace(AGV, docks=frozenset(docks))
+    fleet = SupervisedFleet(
+        BAYS, {name: (kind, vertex) for name, vertex in robots.items()},
+        settings=RobotSettings(idle_below=idle_below), dock_approach=0.5,
+        work=SiteWork(chargers={one.name: one for one in chargers},
+                      devices={one.name: one for one in doors}))
+    fleet.run(1.0)
+    return fleet
+
+
+def holders(fleet: SupervisedFleet, charger: str) -> Sequence[str]:
+    return fleet.supervisor.interlocking.claims.holders(charger)
+
+
+def test_a_charger_is_claimed_before_the_last_edge_and_until_the_robot_has_left_it() -> None:
+    fleet = lane({'a': 4}, docks=(6,))
+    charge(fleet, a=0.2)
+    claims = fleet.supervisor.interlocking.claims
+    fleet.run_until(lambda: 5 in fleet.supervisor.robots['a'].record.ahead)
+    assert holders(fleet, 'dock_6') == ['a'] and claims.stored_of('a') == {'dock_6'}
+    fleet.run_until(lambda: stands_at(fleet, 'a', 6))
+    charge(fleet, a=0.9)
+    fleet.run(5.0)
+    assert holders(fleet, 'dock_6') == ['a']
+    fleet.request(1, 9)
+    fleet.run_until_done(1)
+    assert holders(fleet, 'dock_6') == []
+
+
+def test_a_robot_waits_for_a_charger_and_says_who_has_it() -> None:
+    fleet = lane({'a': 4, 'b': 3}, docks=(6,))
+    charge(fleet, a=0.1, b=0.2)
+    fleet.run_until(lambda: stands_at(fleet, 'a', 6))
+    robot, supervisor = fleet.supervisor.robots['b'], fleet.supervisor
+    wait = robot_wait(robot, supervisor.errand(robot), supervisor, fleet.now)
+    assert (wait.code, wait.text) == (WaitCode.CHARGING, 'a charger: dock_6 (a)')
+    charge(fleet, a=0.9)
+    fleet.run_until(lambda: stands_at(fleet, 'b', 6))
+
+
+def test_a_bay_for_one_robot_charges_one_after_the_other_also_past_a_parked_one() -> None:
+    fleet = lane({'a': 6, 'b': 3, 'c': 2}, Charger('bay', (6, 7), 1), docks=(6, 7))
+    charge(fleet, a=0.9, b=0.1, c=0.2)
+    fleet.run_until(lambda: any(stands_at(fleet, 'b', dock) for dock in (6, 7)))
+    assert holders(fleet, 'bay') == ['b']
+    assert fleet.supervisor.charging.waiting == {'c': 'a charger: bay (b)'}
+    charge(fleet, b=0.9, c=0.2)
+    fleet.run_until(lambda: any(stands_at(fleet, 'c', dock) for dock in (6, 7)))
+    assert holders(fleet, 'bay') == ['c']
+
+
+def test_another_charger_is_chosen_when_one_that_cannot_work_stays_in_the_nearest() -> None:
+    fleet = lane({'a': 1, 'b': 6}, docks=(6, 7))
+    fleet.do(fleet.supervisor.take_out('b', fleet.now))
+    charge(fleet, a=0.2, b=0.9)
+    fleet.run_until(lambda: stands_at(fleet, 'a', 7))
+
+
+def test_a_charger_behind_a_door_that_does_not_work_is_not_chosen() -> None:
+    fleet = lane({'a': 3}, docks=(5, 6), doors=[Device('gate', DeviceKind.DOOR, (5,), 10.0)])
+    fleet.devices['gate'].is_silent = True
+    fleet.run(5.0)
+    charge(fleet, a=0.2)
+    assert fleet.supervisor.robots['a'].dock == 5
+    fleet = lane({'a': 3}, docks=(6,), doors=[Device('gate', DeviceKind.DOOR, (5,), 10.0)])
+    fleet.devices['gate'].is_silent = True
+    fleet.run(5.0)
+    charge(fleet, a=0.2)
+    assert fleet.supervisor.charging.waiting == {
+        'a': 'a charger: the door gate on the way there does not work'}
+    fleet.devices['gate'].is_silent = False
+    fleet.run_until(lambda: stands_at(fleet, 'a', 6))
+
+
+def test_a_robot_with_nothing_to_do_gives_its_dock_to_a_mission_that_goes_there() -> None:
+    fleet = lane({'a': 4, 'b': 2}, docks=(6,), idle_below=0.75)
+    charge(fleet, a=0.7, b=0.9)
+    fleet.run_until(lambda: stands_at(fleet, 'a', 6))
+    fleet.request(1, 6, robot='b', dwells=(3.0,))
+    fleet.run_until_done(1, limit=200.0)
+
+
+def test_after_a_restart_a_robot_with_nothing_to_do_still_yields() -> None:
+    fleet = lane({'a': 4}, docks=(6,), idle_below=0.75)
+    charge(fleet, a=0.7)
+    fleet.run_until(lambda: stands_at(fleet, 'a', 6))
+    fleet.restart()
+    fleet.run(2.0)
+    assert fleet.supervisor.robots['a'].tops_up and holders(fleet, 'dock_6') == ['a']
+    fleet.request(1, 9)
+    fleet.run_until_done(1)

@@ -3,6 +3,7 @@ from __future__ import annotations
 
 from test_work_at_stops import WorkingFleet
 
+from fleet_core.supervision.machine_view import MachineState, MachineView
 from fleet_core.supervision.missions import MissionState
 from fleet_core.work.devices import StepDevice
 from fleet_core.work.rules import StepDecision
@@ -28,6 +29,26 @@ def test_a_device_hands_a_load_over_and_the_robot_waits_for_it():
     fleet.run_until(lambda: fleet.state(1) is MissionState.SUCCEEDED)
     assert (fleet.step_devices['press'].done, fleet.load()) == (['handshake'], LoadState.LOADED)
     assert fleet.done() == []
+
+
+def test_a_machine_tells_whether_it_works_and_for_which_robot_and_where():
+    fleet = fleet_of()
+    fleet.run_until(lambda: machine(fleet).state is MachineState.FREE)
+    fleet.send(1, WorkStop(4, steps=(HAND,)))
+    fleet.run_until(lambda: fleet.step_devices['press'].running)
+    fleet.run_until(lambda: machine(fleet).state is MachineState.WORKING)
+    (_, _, step), = fleet.supervisor.desk.work(1).steps
+    name, = fleet.supervisor.robots
+    assert machine(fleet) == MachineView('press', MachineState.WORKING, (4,), step.key, name, 1)
+    silent, = fleet.supervisor.desk.machines(fleet.now + 3.1)
+    assert silent == MachineView('press', MachineState.SILENT)
+    fleet.run_until(lambda: fleet.state(1) is MissionState.SUCCEEDED)
+    assert machine(fleet).state is MachineState.FREE
+
+
+def machine(fleet: WorkingFleet) -> MachineView:
+    view, = fleet.supervisor.desk.machines(fleet.now)
+    return view
 
 
 def test_a_device_that_fails_follows_the_policy_of_the_step():

@@ -12,7 +12,9 @@ from proofs import LONG, is_whole
 
 from fleet_core.supervision.hindrances import Hindrance
 from fleet_core.supervision.missions import CommandKind, MissionChange, MissionState, Request
+from fleet_core.supervision.resource_view import ResourceView, resource_views
 from fleet_core.supervision.settings import RobotSettings
+from fleet_core.supervision.station_desk import QueuePlace
 from fleet_core.supervision.waits import WaitCode
 from fleet_core.supervision.why import mission_reason
 from fleet_core.work.site_work import SiteWork
@@ -112,7 +114,23 @@ def test_a_robot_waits_at_the_first_queue_place_while_the_station_is_busy() -> N
     fleet.visit(2, 18, robot='a')
     fleet.run_until(lambda: fleet.queued == ['a'], limit=STAY - 1.0)
     assert fleet.supervisor.robots['a'].position.vertex == 5
+    assert shown(fleet).queue == (QueuePlace(5, 'a', True), QueuePlace(4), QueuePlace(3))
     fleet.run_until_done(1, 2)
+    assert shown(fleet).queue == (QueuePlace(5), QueuePlace(4), QueuePlace(3))
+
+
+def test_a_queue_place_is_of_a_robot_from_when_it_sets_out() -> None:
+    fleet = lane(2)
+    fleet.visit(1, 18, robot='b')
+    fleet.visit(2, 18, robot='a')
+    fleet.run_until(lambda: bool(shown(fleet).queue[0].robot))
+    assert shown(fleet).queue[0] == QueuePlace(5, 'a', False)
+    assert not shown(fleet).is_group
+
+
+def shown(fleet: FleetAtStations) -> ResourceView:
+    view, = resource_views(fleet.supervisor, fleet.now)
+    return view
 
 
 def test_robots_fill_the_queue_in_order_and_are_served_in_that_order() -> None:
@@ -327,6 +345,10 @@ def test_robots_at_a_group_never_go_to_one_place() -> None:
     fleet.run(3.0)
     assert {shelf(fleet, id) for id in (1, 2, 3)} == {13, 14, 15}
     fleet.run_until_done(1, 2, 3)
+
+
+def test_the_places_of_a_group_are_told_as_equal() -> None:
+    assert shown(at_shelves(1)).is_group
 
 
 def test_a_request_without_a_template_may_name_a_group() -> None:

@@ -391,7 +391,8 @@ def test_who_is_charged_leaves_the_dock_to_who_waits_for_it():
     fleet = yard({'a': 4, 'b': 1})
     charge(fleet, a=0.1, b=0.2)
     fleet.run(20.0)
-    assert fleet.agvs['a'].visited[-1] == 6 and view_of(fleet, 'b').waits_for.text == 'a free dock'
+    assert fleet.agvs['a'].visited[-1] == 6 and (
+        view_of(fleet, 'b').waits_for.text == 'a charger: dock_6 (a)')
     charge(fleet, a=0.8)
     fleet.run(40.0)
     assert fleet.agvs['b'].visited[-1] == 6
@@ -507,13 +508,13 @@ def test_a_robot_that_finds_no_dock_says_why():
     fleet.request(1, 1)
     fleet.run(3.0)
     assert view_of(fleet, 'a').waits_for.text == (
-        'a dock: the fleet file and the graph have none for its type')
+        'a charger: the fleet file and the graph have no dock for its type')
     assert fleet.statuses[-1].reason == 'a must charge first'
     fleet = yard({'a': 4})
     fleet.close(5)
     charge(fleet, a=0.2)
     fleet.run(3.0)
-    assert view_of(fleet, 'a').waits_for.text == 'a dock: it can reach none'
+    assert view_of(fleet, 'a').waits_for.text == 'a charger: it can reach none'
 
 
 def test_for_a_mission_that_needs_more_than_is_left_a_robot_charges_first():
@@ -548,7 +549,7 @@ def test_who_stands_elsewhere_gives_up_a_dock_that_it_cannot_reach_any_more():
     fleet.close(3)
     fleet.run(1.0)
     assert fleet.supervisor.robots['a'].dock is None
-    assert view_of(fleet, 'a').waits_for.text == 'a dock: it can reach none'
+    assert view_of(fleet, 'a').waits_for.text == 'a charger: it can reach none'
 
 
 # -- robots go before a late one, if switching is enabled ------------------------------------------

@@ -162,12 +162,13 @@ def test_it_says_what_a_robot_waits_for_and_until_when(called, monkeypatch, caps
 
 
 def test_programs_get_what_a_robot_waits_for_as_json(called, monkeypatch, capsys):
-    robot = FleetRobot(name='b', waits_for='a free dock', waits_for_code=12, until=math.nan)
+    robot = FleetRobot(name='b', waits_for='a charger: dock_6 (a)', waits_for_code=12,
+                       until=math.nan)
     monkeypatch.setattr(fleet, '_robots', lambda: [robot])
     assert fleet._fleet(['why', 'b', '--json']) == OK
     assert json.loads(capsys.readouterr().out) == {
         'robot': 'b', 'state': 'IDLE', 'mission': None, 'code': 'CHARGING',
-        'waits_for': 'a free dock', 'until': None}
+        'waits_for': 'a charger: dock_6 (a)', 'until': None}
 
 
 def test_why_a_robot_waits_is_asked_of_robots_that_there_are(called):

@@ -8,10 +8,12 @@ from fleet_builders import corridor
 from visualization_msgs.msg import Marker
 
 from fleet_core.supervision.fleet_stop import NOT_STOPPED, FleetStop, StopCause
+from fleet_core.supervision.looks import ResourceLook
 from fleet_core.supervision.waits import WaitCode
 from graph_fleet_manager.nodes.rviz import stop_picture
 from graph_fleet_manager.nodes.rviz.graph_picture import graph_markers
 from graph_fleet_manager.nodes.rviz.menus import BUTTON, BUTTON_ABOVE
+from graph_fleet_manager.nodes.rviz.paints import LOAD, PAINTS
 from graph_fleet_manager.nodes.rviz.picture import PictureChanges
 from graph_fleet_manager.nodes.rviz.plan_picture import plan_markers
 from graph_fleet_manager.nodes.rviz.robot_picture import (
@@ -93,6 +95,13 @@ def test_its_words_tell_what_it_does_and_waits_for(fields, words):
     assert words_of(robot(**fields), 0.0) == words
 
 
+def test_a_robot_that_waits_for_a_person_is_in_the_colour_of_trouble_and_says_what_for():
+    asks = robot(state=FleetRobot.BUSY, destination=18, waits_for_code=WaitCode.PERSON,
+                 waits_for='step 1 (engage) of stop 1 needs an answer: no pallet under the fork')
+    assert 'answer: no pallet under' in ' '.join(words_of(asks, 0.0).split())
+    assert named(drawn(asks), 'names')[0].color == RED
+
+
 def test_what_it_waits_for_takes_no_more_than_two_lines():
     assert len(words_of(robot(waits_for='somebody ' * 30), 0.0).splitlines()) <= 4
 
@@ -106,6 +115,19 @@ def test_a_failed_robot_has_a_red_ring_and_every_marker_ends_with_the_node():
     markers = drawn(robot(state=FleetRobot.FAILED))
     assert named(markers, 'outlines')[0].color == RED
     assert all(marker.lifetime.to_sec() > 0.0 for marker in markers)
+
+
+@pytest.mark.parametrize('load, serial, words, paint', [
+    (FleetRobot.LOAD_LOADED, 42, 'load of M42', LOAD),
+    (FleetRobot.LOAD_UNKNOWN, 0, 'load unknown', PAINTS[ResourceLook.TROUBLE])])
+def test_a_load_is_a_box_on_the_robot_with_its_mission_in_the_label(load, serial, words, paint):
+    laden = robot(state=FleetRobot.IDLE, load=load, load_serial=serial)
+    box, = named(drawn(laden), 'loads')
+    assert box.color == paint
+    assert words_of(laden, 0.0) == f'agv_1  50 %\nidle\n{words}'
+    assert [one.color for one in named(drawn(laden), 'outlines') if one.points] == (
+        [RED] if load == FleetRobot.LOAD_UNKNOWN else [])
+    assert named(drawn(robot()), 'loads') == []
 
 
 def test_its_label_stands_beside_it_in_its_hue():

@@ -10,16 +10,20 @@ import genpy
 import pytest
 import rosgraph
 import rospy
+from fleet_builders import corridor
 
 from fleet_core.supervision.history import HistoryLine
 from fleet_core.supervision.mission_commands import not_done, not_stored
 from fleet_core.supervision.missions import CommandKind, MissionState, RequestRefused, Status
 from fleet_requests import NotSent
-from graph_fleet_manager.commands import fleet_client, mission, timetables
+from graph_fleet_manager.commands import fleet_client, mission, place_names, timetables
 from graph_fleet_manager.commands.command_line import NOT_DONE, OK, WRONG, CommandProblem
 from graph_fleet_manager.commands.mission_names import mission_name
+from graph_fleet_manager.messages.graphs import graph_message
 from graph_fleet_manager.messages.missions import request_of, status_message
 from itrci_nav_msgs.msg import (
+    FleetResource,
+    FleetState,
     MissionCommand,
     MissionDependency,
     MissionRequest,
@@ -252,11 +256,75 @@ def test_other_stops_are_sent_from_a_file(monkeypatch, tmp_path):
     (tmp_path / 'stops.yaml').write_text('stops:\n- {at: 5, steps: [{type: a, timeout: 9}]}')
     sent = []
     monkeypatch.setattr(Nobody, 'send', lambda _, message: sent.append(message))
-    monkeypatch.setattr(mission, '_graph', lambda: None)
     change(monkeypatch, 'modify', status(MissionState.ACTIVE), status(MissionState.ACTIVE),
            more=('--priority', '3', '--stops', str(tmp_path / 'stops.yaml')))
     one, = sent
     assert [stop.vertex for stop in one.stops] == [5] and one.stops[0].steps[0].type == 'a'
+
+
+# -- names of places -----------------------------------------------------------------------------
+
+SITE = {
+    '/graph': graph_message(corridor(9), rospy.Time(1)),
+    '/fleet_state': FleetState(resources=[
+        FleetResource(name='press', kind=FleetResource.STATION, vertices=[3]),
+        FleetResource(name='shelves', kind=FleetResource.STATION, vertices=[5, 6], is_group=True),
+        FleetResource(name='table', kind=FleetResource.STATION, vertices=[7, 8]),
+        FleetResource(name='gate', kind=FleetResource.DOOR)])}
+
+
+@pytest.fixture
+def site(monkeypatch):
+    class Topic(Nobody):
+        def __init__(self, topic, _):
+            self.topic = topic
+
+        def last(self):
+            return SITE[self.topic]
+    monkeypatch.setattr(place_names, 'TopicListener', Topic)
+
+
+def test_vertices_stations_and_groups_are_destinations(site, monkeypatch):
+    sent = Sent(monkeypatch)
+    assert mission.main(['press', 'shelves', '18']) == 0
+    assert [(stop.vertex, stop.group) for stop in sent.request.stops] == [
+        (3, ''), (0, 'shelves'), (18, '')]
+    assert not sent.request.destination_vertices_id
+    assert mission.main(['press', '18', '--dwell', '4']) == 0
+    assert list(sent.request.destination_vertices_id) == [3, 18] and not sent.request.stops
+    assert request_of(sent.request).dwells == (4.0, 4.0)
+
+
+@pytest.mark.parametrize('words, told', [
+    (['pres'], "no station and no vertex is named 'pres'; the stations are: press, shelves, table"),
+    (['gate'], "no station and no vertex is named 'gate'"),
+    (['table'], 'station table is no group; give one of its places: 7, 8'),
+    (['shelves', '--dwell', '4'], 'A group takes no stay')])
+def test_a_word_that_names_no_one_place_is_refused_before_anything_is_sent(
+        site, monkeypatch, capsys, words, told):
+    sent = Sent(monkeypatch)
+    assert mission.main(words) == 1
+    assert told in capsys.readouterr().err and sent.request is None
+
+
+def test_a_mission_may_be_changed_to_a_group(site, monkeypatch):
+    sent = []
+    monkeypatch.setattr(Nobody, 'send', lambda _, message: sent.append(message))
+    change(monkeypatch, 'modify', status(MissionState.ACTIVE), status(MissionState.ACTIVE),
+           more=('press', 'shelves', '--priority', '3'))
+    assert [(stop.vertex, stop.group) for stop in sent[0].stops] == [(3, ''), (0, 'shelves')]
+
+
+def test_a_file_of_stops_may_name_a_station_but_a_group_is_no_vertex(site, monkeypatch, tmp_path,
+                                                                     capsys):
+    file = tmp_path / 'stops.yaml'
+    sent = Sent(monkeypatch)
+    file.write_text('stops:\n- {at: press}\n- {group: shelves}')
+    assert mission.main(['--stops', str(file)]) == 0
+    assert [(stop.vertex, stop.group) for stop in sent.request.stops] == [(3, ''), (0, 'shelves')]
+    file.write_text('stops:\n- {at: shelves}')
+    assert mission.main(['--stops', str(file)]) == 1
+    assert 'line 2: shelves is a group; write `group: shelves`' in capsys.readouterr().err
 
 
 # -- templates ------------------------------------------------------------------------------------

@@ -8,8 +8,10 @@ import genpy
 import pytest
 
 from fleet_core.interlocking.reports import Pose
+from fleet_core.interlocking.resources import Resource, ResourceKind
 from fleet_core.supervision.fleet_stop import NOT_STOPPED
 from fleet_core.supervision.fleet_view import DriveView, RobotState, RobotView
+from fleet_core.supervision.machine_view import MachineState, MachineView
 from fleet_core.supervision.missions import (
     CommandCode,
     CommandKind,
@@ -20,9 +22,14 @@ from fleet_core.supervision.missions import (
     Status,
 )
 from fleet_core.supervision.outages import Outage
+from fleet_core.supervision.resource_view import ResourceView
+from fleet_core.supervision.station_desk import QueuePlace
 from fleet_core.work.site_work import SiteWork
+from fleet_core.work.tables import LoadState
 from fleet_core.work.templates import Template
+from fleet_core.work.work import RobotLoad
 from graph_fleet_manager.messages.missions import (
+    LOAD_OF_CODE,
     moment_of,
     plan_message,
     refusal_status,
@@ -32,6 +39,7 @@ from graph_fleet_manager.messages.missions import (
     status_message,
     templates_message,
 )
+from graph_fleet_manager.messages.resources import machine_of
 from itrci_nav_msgs import msg
 from route_protocol.values import Reason, ReasonCode, VehicleLocation
 
@@ -40,7 +48,7 @@ NOW = genpy.Time(100)
 
 def fleet_robot(outage):
     view = RobotView('a', 'agv', RobotState.IDLE, outage, Pose(), 0.0, 1.0, None, None)
-    return state_message([view], (), NOT_STOPPED, genpy.Time.from_sec, NOW).robots[0]
+    return state_message([view], (), (), NOT_STOPPED, genpy.Time.from_sec, NOW).robots[0]
 
 
 def constants(kind, prefix):
@@ -56,6 +64,31 @@ def test_every_outage_has_a_code_of_its_own(outage):
 
 def test_a_robot_that_works_has_no_outage():
     assert fleet_robot(None).outage_code == msg.FleetRobot.OUTAGE_NONE
+
+
+@pytest.mark.parametrize('state', LoadState)
+def test_a_robots_load_is_told_with_its_mission(state):
+    view = RobotView('a', 'agv', RobotState.IDLE, None, Pose(), 0.0, 1.0, None, None,
+                     load=RobotLoad(state, 42))
+    told = state_message([view], (), (), NOT_STOPPED, genpy.Time.from_sec, NOW).robots[0]
+    assert (LOAD_OF_CODE[told.load], told.load_serial) == (state, 42)
+
+
+def test_a_machine_and_a_queue_can_be_read_back_from_their_messages():
+    machine = MachineView('press_1', MachineState.WORKING, (18,), 2 ** 53 - 1, 'a', 42)
+    press = ResourceView(Resource('press', ResourceKind.STATION, vertices=frozenset({18})), None,
+                         (), True, (QueuePlace(22, 'b', True), QueuePlace(8)))
+    told = state_message((), [press], [machine], NOT_STOPPED, genpy.Time.from_sec, NOW)
+    assert machine_of(told.machines[0]) == machine
+    assert told.resources[0].is_group
+    assert [(one.vertex, one.robot, one.is_there) for one in told.resources[0].queue] == [
+        (22, 'b', True), (8, '', False)]
+    told.serialize(io.BytesIO())
+
+
+def test_every_state_of_a_machine_has_the_number_of_the_message():
+    assert {state.name: getattr(msg.FleetMachine, state.name) for state in MachineState} == {
+        state.name: int(state) for state in MachineState}
 
 
 def test_every_state_of_a_robot_has_the_number_of_the_message():
@@ -159,7 +192,7 @@ def test_a_mission_with_such_a_time_that_was_accepted_before_can_be_told(stamp):
 @pytest.mark.parametrize('seconds', [-1e12, 1e12])
 def test_a_moment_that_no_message_can_carry_is_the_nearest_one_that_it_can(seconds):
     view = RobotView('a', 'agv', RobotState.IDLE, None, Pose(), seconds, 1.0, None, None)
-    state_message([view], (), NOT_STOPPED, lambda moment: moment_of(moment, NOW),
+    state_message([view], (), (), NOT_STOPPED, lambda moment: moment_of(moment, NOW),
                   NOW).serialize(io.BytesIO())
     plan = plan_message([('a', [DriveView(1, -seconds, seconds, True)])],
                         lambda moment: moment_of(moment, NOW), NOW)

@@ -38,6 +38,12 @@ def test_a_station_shows_who_claims_it_and_how_many_may() -> None:
     assert line.split() == ['press', 'station', '-', '1', 'of', '2', 'agv_1', '(in', 'use)']
 
 
+def test_a_charger_shows_who_charges_there() -> None:
+    bay = Resource('bay', ResourceKind.CHARGER, vertices=frozenset({16, 24}))
+    _, line = station._listed(listed(bay, ld90_1=ClaimState.IN_USE)).splitlines()
+    assert line.split() == ['bay', 'charger', '-', '1', 'of', '1', 'ld90_1', '(in', 'use)']
+
+
 @pytest.mark.parametrize('mode', DeviceMode)
 def test_a_device_shows_its_mode_and_what_is_wrong(mode: DeviceMode) -> None:
     view = DeviceView(mode, 'the PLC does not answer')

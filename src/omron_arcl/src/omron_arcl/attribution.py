@@ -15,17 +15,20 @@ import math
 import re
 from dataclasses import dataclass
 from enum import Enum
-from typing import Any, Callable, Iterable, List, Mapping, Sequence, Tuple, Type, Union
+from typing import Any, Callable, Iterable, List, Mapping, Optional, Sequence, Tuple, Type, Union
 
 from omron_arcl import replies
 from omron_arcl.activity import STANDING, ActivityKind, activity_of, read_activity
+from omron_arcl.command_line import parse_command
 from omron_arcl.command_queue import CommandQueue
 from omron_arcl.commands import DriveCourse
+from omron_arcl.drives import names_of
+from omron_arcl.errors import InvalidCommand
 from omron_arcl.execution import Execution, Outcome
 from omron_arcl.heard import SelfStop, StopOf
 from omron_arcl.judgements import ABOUT_THE_DOCK, Observation, acknowledges, fits
 from omron_arcl.parser import parse_line
-from omron_arcl.records import MotionCause
+from omron_arcl.records import DriveRecord, MotionCause
 from omron_arcl.replies import Reply, coordinates, readable
 from omron_arcl.secret import redact_passwords
 
@@ -55,6 +58,7 @@ class LinePart(Enum):
     """What a line may concern; each part decides on its own."""
 
     HALT = 'whose stop makes the robot halt'
+    ENDED = 'the drive whose command has ended, and that the line answers'
     COMMAND = 'the drive, or the refused command, that the line is about'
     START = 'the giver that makes the robot set out, if no command under way does'
     ANSWER = 'the query or stop that the line answers'
@@ -106,6 +110,10 @@ class Attribution:
                 self._commands.add_line(stop, text, now)
             records.begins_to_stop(StopOf(row.meaning))
         records.said(reply)
+        ended = _ended_drive(self._commands, reply)
+        if ended and self._decide(LinePart.ENDED, reply):
+            records.refused_late(ended)
+            return
         claimed = self._apply(LinePart.COMMAND, reply, text, now)
         if records.heard.sets_out and not claimed:
             for row, _ in self._decide(LinePart.START, reply):
@@ -277,16 +285,17 @@ def _began(commands: CommandQueue) -> List[Execution]:
     return [e for e in begun if e.order > max(stops, default=0)]
 
 
+def _next(commands: CommandQueue) -> List[Execution]:
+    """The drives that the robot may acknowledge or complete now, the oldest first."""
+    return [e for e in _fresh(commands) if not commands.records.comes_earlier(e)]
+
+
+def _next_first(commands: CommandQueue) -> List[Execution]:
+    return _next(commands) + _began(commands)
+
+
 def _began_first(commands: CommandQueue) -> List[Execution]:
-    return _began(commands) + _fresh(commands)
-
-
-def _to_acknowledge(commands: CommandQueue, reply: Reply) -> List[Execution]:
-    """The drive that a line acknowledges. A drive of ours that the robot has still to answer
-    although its command has ended comes first, if a stop was sent between the two."""
-    goal = activity_of(reply).goal
-    fresh = [e for e in _fresh(commands) if not commands.records.comes_earlier(goal, e)]
-    return [e for e in fresh + _began(commands) if acknowledges(e, reply)][:1]
+    return _began(commands) + _next(commands)
 
 
 def _present(commands: CommandQueue) -> Sequence[Execution]:
@@ -316,11 +325,23 @@ def _need_motors(commands: CommandQueue) -> Sequence[Execution]:
 def _obeyed_stops(commands: CommandQueue, reply: Reply) -> List[Execution]:
     """The stops that a `Stopped` ends. A stop behind a drive of which the robot has said nothing is
     not answered yet, because the robot answers in the order of sending: another client stopped the
-    robot. If the robot never says a word about that drive, `drives` ends the stop."""
+    robot, or a stop before that drive did. If the robot never says a word about that drive,
+    `drives` ends the stop."""
     if not commands.records.heard.stopped_by_us:
         return []
     first = next((e.order for e in _fresh(commands) if not e.has_lines), math.inf)
-    return [e for e in commands.motion_executions if e.command.spec.stops and e.order < first]
+    return [e for e in commands.motion_executions if e.command.spec.stops and e.order < first
+            and not commands.records.answers_a_drive_before(e)]
+
+
+def _ended_drive(commands: CommandQueue, reply: Reply) -> Optional[DriveRecord]:
+    """The drive that a refusal names, if its command has ended and the robot answers it next."""
+    if not isinstance(reply, replies.CommandError):
+        return None
+    try:
+        return commands.records.ended_drive(names_of(parse_command(reply.command)))
+    except InvalidCommand:
+        return None
 
 
 # --- does a line fit a command? -------------------------------------------------------------------
@@ -506,6 +527,10 @@ ATTRIBUTIONS: Mapping[LinePart, Tuple[Row, ...]] = {
             'p. 242: a robot that stands was stopped'),
         Row('stop of another client', _HALTS, lambda commands, reply: True, StopOf.OTHERS,
             'p. 46: all clients receive it')),
+    LinePart.ENDED: (
+        Row('refused late', (replies.CommandError,),
+            lambda commands, reply: _ended_drive(commands, reply) is not None, Outcome.REJECTED,
+            'p. 46: the line names the command'),),
     LinePart.COMMAND: (
         # refusals
         Row('refused: whole line', (replies.CommandError,),
@@ -565,7 +590,7 @@ ATTRIBUTIONS: Mapping[LinePart, Tuple[Row, ...]] = {
             Outcome.FAILED, 'p. 191'),
         # drives
         Row('completed', _ANY, _first(_began_first, _completes), Outcome.SUCCEEDED, _TABLE),
-        Row('acknowledged', _ANY, _to_acknowledge, Means.ACKNOWLEDGED, _TABLE),
+        Row('acknowledged', _ANY, _first(_next_first, acknowledges), Means.ACKNOWLEDGED, _TABLE),
         Row('broken off', _ANY, _first(_began, _aborts), Outcome.INTERRUPTED, _TABLE),
         Row('under way', _ANY, _under_way, Means.GOES_ON, _TABLE)),
     LinePart.START: (

@@ -24,23 +24,22 @@ The fate of a drive, and its next fate after an event (`Event`):
                                                                         answered a stop before
     LOST: link, silence, restart UNKNOWN      UNKNOWN      UNKNOWN
     EMERGENCY_STOP               UNKNOWN      UNKNOWN      UNKNOWN      a stop is owed for GIVEN
+    DOUBTED: an activity of the  GIVEN        OBEYED       UNKNOWN      the doubt begins, or the
+    robot contradicts it                                                activity is counted
+    CONFIRMED by an activity     GIVEN        OBEYED       UNKNOWN      the doubt is over
     another client stops         GIVEN        dropped      dropped      a stop is owed for GIVEN
     another client drives        GIVEN        dropped      dropped      also stops, if none is GIVEN
+
+A drive that is UNKNOWN and that the robot has still to answer is kept as one that is GIVEN.
 
 A stop is GIVEN until the robot stands after it, which drops the records before it; then it is OVER.
 A stop that failed or was lost is sent again.
 
 The *doubt* of a record under way, also of one that is kept aside: since when and why the robot
-seems not to obey. `judgements` says what an activity of the robot means for a command.
-
-    an activity                                        not doubted    doubted
-    contradicts it                                     doubted        counted
-    the same, arrived instead of broken off, or the    -              doubted since now
-    other way round
-    confirms it; it is acknowledged                    -              not doubted
-    `Stopped` after `Interrupted` of something unknown -              ended
-    SETTLE s with two contradictions, SETTLE_ONCE s    -              ended
-    more with one
+seems not to obey. `judgements` says what an activity of the robot means for a command. If it means
+that the robot arrived instead of breaking off, or the other way round, the doubt begins anew. It
+ends the command after SETTLE s with two contradictions, SETTLE_ONCE s more with one, and at
+`Stopped` after `Interrupted` of something unknown.
 
 Derived:
 - The *ruling* record is the newest one that is not a drive in the state GIVEN. Its giver drives the
@@ -61,7 +60,8 @@ Invariants:
 - A refused command changes no giver. Each drive has a giver, which can stop it.
 - Each event that interrupts, cancels or overrules the last drive of a giver begins an epoch of
   another, at the latest when the drives are answered that the robot had not answered yet.
-- No time between two lines decides on their meaning: the order of lines does.
+- No time between two lines decides on their meaning: the order of lines does. The robot answers in
+  the order of sending, also commands that have ended for their givers before it read them.
 - Nothing ends a command before it was doubted for SETTLE s, except lines about it, and `Stopped`
   after an interruption of something unknown.
 
@@ -115,6 +115,8 @@ class Event(Enum):
     CALLED_BACK = 'called back'
     LOST = 'lost'
     EMERGENCY_STOP = 'emergency stop'
+    DOUBTED = 'doubted'
+    CONFIRMED = 'confirmed'
 
 
 _Next = Optional[Fate]  # None: the record is dropped
@@ -128,6 +130,8 @@ TRANSITIONS: Mapping[Event, Tuple[_Next, _Next, _Next]] = {
     Event.CALLED_BACK:    (Fate.UNKNOWN, Fate.OVER,    Fate.OVER),
     Event.LOST:           (Fate.UNKNOWN, Fate.UNKNOWN, Fate.UNKNOWN),
     Event.EMERGENCY_STOP: (Fate.UNKNOWN, Fate.UNKNOWN, Fate.UNKNOWN),
+    Event.DOUBTED:        (Fate.GIVEN,   Fate.OBEYED,  Fate.UNKNOWN),
+    Event.CONFIRMED:      (Fate.GIVEN,   Fate.OBEYED,  Fate.UNKNOWN),
 }
 _FROM = (Fate.GIVEN, Fate.OBEYED, Fate.UNKNOWN)
 _EVENTS: Mapping[Outcome, Event] = {
@@ -174,7 +178,8 @@ class _Change(NamedTuple):
     drives: bool
 
 
-def _names_of(command: Command) -> Tuple[str, ...]:
+def names_of(command: Command) -> Tuple[str, ...]:
+    """The names by which the robot may confirm a drive; see `DriveRecord`."""
     return tuple(goal.casefold() for goal in command.goals) or (
         (_DOCK,) if command.spec.course is DriveCourse.INTO_THE_DOCK else ('',))
 
@@ -315,7 +320,7 @@ class Drives:
             self._begin_epoch(None, MotionCause.OTHER_CLIENT, _UNSEEN, False)
         if command.spec.drives:
             self._add(RecordKind.DRIVE, giver, f'"{command.text}" of {giver.name}', execution,
-                      goal=command.goals[0] if command.goals else '', names=_names_of(command),
+                      goal=command.goals[0] if command.goals else '', names=names_of(command),
                       command=execution.number)
             self._keep(self._records[-1])
         elif command.spec.stops:
@@ -400,13 +405,9 @@ class Drives:
 
     def _drive_ended(self, record: DriveRecord, execution: Execution, outcome: Outcome,
                      words: str) -> None:
-        event, before = _EVENTS[outcome], self._memory.ruling
-        if event is Event.WITHDRAWN and self.heard.unheard_stops:
-            event = Event.CALLED_BACK
-        elif event is Event.EMERGENCY_STOP:
+        event, before = self._event_of(execution, outcome), self._memory.ruling
+        if outcome is Outcome.EMERGENCY_STOPPED:
             self.note_emergency(words)
-            if execution.progress.rejected_at is not None:
-                event = Event.REFUSED
         self._happens(event, record)
         ruling = self._memory.ruling
         if ruling and ruling is self._records[-1] and ruling.was_broken_off:
@@ -417,7 +418,22 @@ class Drives:
         if outcome is Outcome.TIMED_OUT and execution.stop_on_timeout:
             self._owe(execution.giver, MotionCause.STOP, words)
         elif event is Event.EMERGENCY_STOP and record.pending and execution.sent:
-            self._add(RecordKind.STOP, NO_GIVER, words)  # it may come when the motors are on again
+            self._owe_for_what_comes(words)
+
+    def _event_of(self, execution: Execution, outcome: Outcome) -> Event:
+        event = _EVENTS[outcome]
+        if event is Event.WITHDRAWN and self.heard.unheard_stops and execution.sent:
+            return Event.CALLED_BACK
+        if event is Event.EMERGENCY_STOP and execution.progress.rejected_at is not None:
+            return Event.REFUSED
+        return event
+
+    def _owe_for_what_comes(self, words: str) -> None:
+        """A drive on its way reaches the robot after it was stopped, or when its motors are on
+        again. One stop ends all such drives."""
+        last = self._records[-1]
+        if not last.owed or last.number in self._executions:
+            self._add(RecordKind.STOP, NO_GIVER, words)
             self._keep()
 
     # --- doubts -----------------------------------------------------------------------------------
@@ -445,11 +461,12 @@ class Drives:
         if record is None:
             return False
         if record.doubt and record.doubt.broken_off and seen.is_line_of(ActivityKind.STOPPED):
-            self._mark(record.number, doubt=replace(record.doubt, is_certain=True))
+            self._happens(Event.DOUBTED, record, replace(record.doubt, is_certain=True))
         elif isinstance(verdict, Outcome):
-            self._mark(record.number, doubt=next_doubt(record.doubt, verdict, seen, now, begun))
+            self._happens(Event.DOUBTED, record,
+                          next_doubt(record.doubt, verdict, seen, now, begun))
         elif verdict is DriveSign.CONFIRMED:
-            self._mark(record.number, doubt=None)
+            self._happens(Event.CONFIRMED, record)
         return verdict is DriveSign.CONFIRMED
 
     def settled(self, now: float) -> List[Tuple[Execution, Doubt]]:
@@ -478,7 +495,8 @@ class Drives:
     def linked(self, connected: bool, now: float) -> None:
         """The link to the robot came up, broke, or could not be made."""
         self._unseen = self._unseen or self._connected and not connected
-        self._connected, self.heard = connected, RobotWords(self.heard.emergency_told)
+        self._connected = connected
+        self.heard = RobotWords(self.heard.emergency_told, self._number)
         self._look_until = now + LOOK if connected and self._memory.stop_owed else -math.inf
 
     def said(self, reply: Reply) -> None:
@@ -496,8 +514,7 @@ class Drives:
         crosses = any(r.pending and self._was_sent(r) for r in self._records)
         self._foreign(MotionCause.OTHER_CLIENT, False, _STOPPED_BY_OTHERS)
         if crosses:
-            self._add(RecordKind.STOP, NO_GIVER, _STOPPED_BY_OTHERS)
-            self._keep()
+            self._owe_for_what_comes(_STOPPED_BY_OTHERS)
 
     @property
     def is_idle(self) -> bool:
@@ -523,21 +540,45 @@ class Drives:
                    or record.kind is RecordKind.DRIVE and record.fate is Fate.UNKNOWN
                    for record in self._before(stop))
 
-    def comes_earlier(self, goal: str, drive: Execution) -> bool:
-        """Whether the robot may still have to answer an earlier drive to this goal whose command
-        has ended, because it has not answered a stop that was sent between the two."""
-        before = self._before(drive)
+    def _has_to_answer(self, record: DriveRecord) -> bool:
+        """Whether the robot has still to answer a drive whose command has ended for its giver."""
+        return (record.kind is RecordKind.DRIVE and record.fate is Fate.UNKNOWN
+                and record.number > self.heard.since and not record.acknowledged_by)
+
+    def answers_a_drive_before(self, stop: Execution) -> bool:
+        """Whether the robot has still to answer a drive that was sent before this stop and whose
+        command has ended."""
+        return any(map(self._has_to_answer, self._before(stop)))
+
+    def comes_earlier(self, drive: Execution) -> bool:
+        """Whether a line may be about an earlier drive to the same goal whose command has ended:
+        the robot has not answered it, or not a stop that was sent between the two."""
+        before, names = self._before(drive), set(names_of(drive.command))
         stop = next((r for r in reversed(before) if r.owed and self._was_sent(r)
                      and not self.has_begun(self._executions[r.number])), None)
-        return stop is not None and any(
-            r.fate is Fate.UNKNOWN and goal.casefold() in r.names
-            for r in before[:before.index(stop)])
+        return any(names.intersection(r.names) and (self._has_to_answer(r) or (
+            stop is not None and r.fate is Fate.UNKNOWN and r.number < stop.number))
+            for r in before)
+
+    def ended_drive(self, names: Sequence[str]) -> Optional[DriveRecord]:
+        """The drive with one of these names whose command has ended and that the robot has to
+        answer next."""
+        record = next((r for r in self._records if set(names).intersection(r.names) and (
+            self._has_to_answer(r) or r.pending and self._was_sent(r))), None)
+        return None if record is None or record.pending else record
+
+    def refused_late(self, record: DriveRecord) -> None:
+        """The robot refuses a drive whose command has ended for its giver."""
+        self._happens(Event.REFUSED, record)
 
     def begins_late(self, goal: str, line: str) -> None:
         """The robot sets out for a drive of ours whose command has ended for its giver."""
-        record = next((r for r in reversed(self._records) if r.fate is Fate.UNKNOWN
-                       and goal.casefold() in r.names), None)
-        if record and not self._memory.stop_owed:
+        record = self.ended_drive((goal.casefold(),)) or next(
+            (r for r in reversed(self._records) if r.fate is Fate.UNKNOWN
+             and goal.casefold() in r.names), None)
+        if record and self._memory.stop_owed:
+            self._mark(record.number, acknowledged_by=line)
+        elif record:
             self._obeyed(record.number, line)
 
     def driven_by_others(self, cause: MotionCause, activity: Activity, text: str) -> None:
@@ -654,16 +695,20 @@ class Drives:
         return next((r for r in self._records
                      if self._executions.get(r.number) is execution), None)
 
-    def _happens(self, event: Event, record: DriveRecord) -> None:
-        """A drive gets its next fate. Does nothing if something else has dropped its record."""
+    def _happens(self, event: Event, record: DriveRecord, doubt: Optional[Doubt] = None) -> None:
+        """A drive gets its next fate and doubt. Does nothing if something else has dropped its
+        record."""
         if record.fate is Fate.OVER:
             return
         fate = TRANSITIONS[event][_FROM.index(record.fate)]
         following = () if fate is None else (replace(
-            record, fate=fate, ending=_ENDINGS.get(event, CommandFate.NOT_OBEYED)),)
-        self._records = tuple(one for r in self._records
-                              for one in (following if r is record else (r,)))
-        self._keep()
+            record, fate=fate, doubt=doubt,
+            ending=_ENDINGS.get(event, CommandFate.NOT_OBEYED)),)
+        self._aside, self._records = (
+            tuple(one for r in records for one in (following if r is record else (r,)))
+            for records in (self._aside, self._records))
+        if fate is not record.fate:
+            self._keep()
 
     def _obeyed(self, number: int, line: str) -> None:
         """The robot carries a drive out, as a line says: what came before it is over, and its giver
@@ -716,9 +761,9 @@ class Drives:
                  activity: Optional[Activity] = None) -> None:
         """Others drive or stop the robot. Drives that the robot has not answered may still reach it
         after that, and so may the stops that end them."""
-        given = any(r.pending for r in self._records)
+        to_come = [r for r in self._records if r.pending or self._has_to_answer(r)]
         self._records = (
-            *(r for r in self._records if r.pending or r.owed and (given or not drives)),
+            *(r for r in self._records if r in to_come or r.owed and (to_come or not drives)),
             self._record(RecordKind.FOREIGN_DRIVE if drives else RecordKind.FOREIGN_STOP, NO_GIVER,
                          words, Fate.OVER, shown=_shown(activity) if activity and drives else ''))
         self._begin_epoch(None, cause, words, drives)

@@ -26,16 +26,12 @@ def digital_input(text: str, output: bool) -> replies.Input:
 
 def external_io_update(text: str) -> replies.ExternalIOUpdate:
     """`input <name> updated with 0x20 from 32`, `output <name> updated with 1 at bit 32 to 0x80`.
-
-    The value of the whole set is the first number in the one form, the last in the other.
     """
-    what, _, change = text.partition(' updated with ')
+    what, updated, _ = text.partition(' updated with ')
     side, _, name = what.partition(' ')
-    value, how, *_, last = change.split()
-    if side.lower() not in ('input', 'output') or not name or how not in ('from', 'at'):
+    if side.lower() not in ('input', 'output') or not (name and updated):
         raise ValueError
-    return replies.ExternalIOUpdate(name, side.lower() == 'output',
-                                      int(value if how == 'from' else last, 16))
+    return replies.ExternalIOUpdate(name)
 
 
 def range_device(text: str) -> replies.RangeDevice:

@@ -47,10 +47,11 @@ class RobotWords:
     Each attribute is one fact.
 
     emergency_before -- what was told of the emergency stop before the connection
+    since -- number of the newest record before the connection
     """
 
-    def __init__(self, emergency_before: bool = False) -> None:
-        self._emergency_before = emergency_before
+    def __init__(self, emergency_before: bool = False, since: int = 0) -> None:
+        self._emergency_before, self.since = emergency_before, since
         self.activity: Optional[Activity] = None
         """The last activity, of a line or a status."""
         self.shown: Optional[Activity] = None

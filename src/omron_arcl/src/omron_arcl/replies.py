@@ -535,11 +535,9 @@ class Input(Reply):
 
 @dataclass(frozen=True)
 class ExternalIOUpdate(Reply):
-    """The inputs (or, `output`, the outputs) of an external set now have the values `bits`."""
+    """Inputs or outputs of an external set have changed."""
 
     name: str
-    output: bool
-    bits: int
 
 
 # --- items, confirmations and notices that are not parsed further, and the connection itself ------

@@ -154,13 +154,13 @@ class ModelledController:
         """Puts a line on its way to the robot."""
         self.carry(self._delays.to_robot, partial(self._send_line, line))
 
-    def carry(self, seconds: float, call: Callable[[], None]) -> None:
-        """Calls at the arrival of a line that is sent now; never, if the link is lost before."""
-        connection = self._connection
-        if self.connected:
-            self._timeline.later(
-                self.on_the_way(seconds),
-                lambda: call() if connection == self._connection else None)
+    def carry(self, seconds: float, call: Callable[[], None],
+              lost: Callable[[], None] = lambda: None) -> None:
+        """Calls at the arrival of a line that is sent now; `lost`, if the link is lost before."""
+        connection = self._connection if self.connected else None
+        self._timeline.later(
+            self.on_the_way(seconds),
+            lambda: call() if connection == self._connection else lost())
 
     def _ask_status(self) -> None:
         if self.connected:

@@ -402,8 +402,8 @@ class Witness(DelayedDrive):
             arrives(seconds, self._hear_motors)
         stopped = self._stopped
         if line == 'EStop pressed' or self.foreign and line.startswith('Going to'):
-            # a status shows it, too, if the link that should carry the line is lost
-            self.later(self._controller.on_the_way(seconds), lambda: self._heard(line, stopped))
+            arrives(seconds, lambda: self._heard(line, stopped),
+                    lambda: self._is_shown(line) and self._heard(line, stopped))
         elif self.foreign and line == 'Stopping':
             arrives(seconds, lambda: self._heard(line, stopped))
         elif self.foreign and line.startswith('Interrupted: '):
@@ -450,6 +450,10 @@ class Witness(DelayedDrive):
             # a drive that is on its way reaches the robot after that
             self.words += [Word(record.giver, True) for record in memory.records[-1:]
                            if record.pending and word.drives]
+
+    def _is_shown(self, line: str) -> bool:
+        """True if a status shows what a line said that was lost with the link."""
+        return line != 'EStop pressed' or self.robot.status.startswith('EStop')
 
     def _put_before_stops(self, word: Word, stopped: Word) -> bool:
         """Puts another client's word before our first stop that the robot obeys after it.

@@ -115,3 +115,13 @@ def test_without_a_later_drive_it_is_found_that_the_stop_of_the_bridge_is_ignore
     monkeypatch.setattr(robots.world, '_take_from_bridge', lambda *_: None)
     robots.passes(20.0)
     assert any('drives on after a stop of the bridge' in words for words in robots.world.broken)
+
+
+def test_an_emergency_stop_that_was_over_before_the_link_came_back_is_not_heard():
+    world = Witness('rolling', Delays(), dialect='interrupted name')
+    world.cut(p.RobotLink.COMMANDS, 2.0)
+    world.robot.inject('estop press')
+    world.robot.inject('estop release')
+    world.robot.hear_another('enableMotors')
+    world.run(5.0)
+    assert _givers(world) == []

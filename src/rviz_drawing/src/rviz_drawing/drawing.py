@@ -140,6 +140,11 @@ def ring(centre: XY, radius: float, corners: int = 24) -> np.ndarray:
     return np.array(centre) + radius * np.column_stack((np.cos(angles), np.sin(angles)))
 
 
+def square(centre: XY, half: float) -> np.ndarray:
+    """A closed polyline (5, 2) around `centre`; `half`: half of its side."""
+    return np.array(centre) + half * np.array([(1, 1), (-1, 1), (-1, -1), (1, -1), (1, 1)], float)
+
+
 def arrowhead(tip: XY, yaw: float, length: float, z: float) -> np.ndarray:
     """The triangle (3, 3), for TRIANGLE_LIST, of an arrow along `yaw` that ends at `tip`.
 

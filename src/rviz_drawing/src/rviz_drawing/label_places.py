@@ -1,24 +1,25 @@
 """Chooses where the label of each robot is drawn, so that labels stay readable when robots meet.
 
-A label is drawn on the side of its robot where it covers the least area of other labels and of
-robots. If sides are equal, it is drawn above the robot. A label changes its side only if that
-reduces the covered area clearly, so that it does not flicker.
+A label keeps its side while that is free. It may cover the names of vertices and stations if it
+must, but covers other labels and robots least of all (`placing`).
 """
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Dict, Mapping, Tuple
-
-import numpy as np
+from typing import Dict, Iterable, List, Mapping, Optional, Tuple
 
 from rviz_drawing.text_places import text_size
+from trajectory_graph.placing import (
+    ABOVE_FIRST,
+    Box,
+    MayCover,
+    Places,
+    box_around,
+    box_beside,
+    middle_of,
+)
 
-GAP = 0.12          # m between a robot and its label
-SIDE_COST = 0.005   # m2 less that each of SIDES must cover to win over the one before
-CHANGE_COST = 0.05  # m2 less that a label must cover to change its side: less than one letter
-SWEEPS = 2          # rounds in which each label chooses its side, given those of the others
-#: In order of preference; x, y: 1 and -1 beyond the robot's outline, 0 in its middle.
-SIDES = np.array([(0, 1), (0, -1), (1, 0), (-1, 0), (1, 1), (-1, 1), (1, -1), (-1, -1)], float)
+GAP = 0.12  # m between a robot and its label
 
 
 @dataclass(frozen=True)
@@ -36,15 +37,15 @@ class Label:
         """The approximate width and height of the text, in m."""
         return text_size(self.words, self.height)
 
-    def middle(self, side: int) -> Tuple[float, float]:
-        """The centre of the text (m) if it is drawn on this one of SIDES."""
-        x, y = map(float, self.middles()[side])
-        return x, y
+    def boxes(self) -> List[Box]:
+        """The places of the text, one for each of ABOVE_FIRST."""
+        size = self.size
+        return [box_beside((self.x, self.y), self.radius + GAP, size, side)
+                for side in ABOVE_FIRST]
 
-    def middles(self) -> np.ndarray:
-        """The centres of the text for all SIDES, (8, 2), in m."""
-        away = self.radius + GAP + np.array(self.size) / 2.0
-        return np.array((self.x, self.y)) + SIDES * away
+    def middle(self, side: int) -> Tuple[float, float]:
+        """The centre of the text (m) if it is drawn on this one of ABOVE_FIRST."""
+        return middle_of(self.boxes()[side])
 
 
 class LabelPlaces:
@@ -54,36 +55,23 @@ class LabelPlaces:
         self._sides: Dict[str, int] = {}
 
     def side(self, name: str) -> int:
-        """The index in SIDES for this robot's label."""
+        """The index in ABOVE_FIRST for this robot's label."""
         return self._sides.get(name, 0)
 
-    def choose(self, labels: Mapping[str, Label]) -> None:
-        """Chooses the sides again, for the present positions. `labels` maps names of robots."""
-        names = list(labels)
-        if not names:
-            return
-        sides = np.array([self.side(name) for name in names], int)
-        halves = np.array([one.size for one in labels.values()]) / 2.0
-        middles = np.array([one.middles() for one in labels.values()])
-        robots = np.array([(one.x, one.y) for one in labels.values()])
-        radii = np.array([(one.radius, one.radius) for one in labels.values()])
-        before = sides.copy()
-        for _ in range(SWEEPS):
-            for number in range(len(names)):
-                others = np.arange(len(names)) != number
-                words = middles[others, sides[others]]
-                cost = (SIDE_COST * np.arange(len(SIDES))
-                        + CHANGE_COST * (np.arange(len(SIDES)) != before[number])
-                        + _overlap(middles[number], halves[number], words, halves[others])
-                        + _overlap(middles[number], halves[number], robots[others], radii[others]))
-                sides[number] = int(np.argmin(cost))
-        self._sides = dict(zip(names, map(int, sides)))
+    def choose(self, labels: Mapping[str, Label], window: Optional[Box] = None,
+               names: Iterable[Box] = (), buttons: Iterable[Box] = ()) -> None:
+        """Chooses the sides again, for the present positions.
 
-
-def _overlap(middles: np.ndarray, half: np.ndarray, others: np.ndarray,
-             other_halves: np.ndarray) -> np.ndarray:
-    """Area (m2) that a rectangle at each of `middles` (N, 2) shares with all others (M, 2)."""
-    apart = np.abs(middles[:, None] - others[None])
-    shared = np.clip(half + other_halves[None] - apart, 0.0, 2.0 * np.minimum(half, other_halves))
-    area: np.ndarray = shared.prod(axis=2).sum(axis=1)
-    return area
+        labels  -- by name of the robot; the first ones choose first
+        window  -- what people see; None: that is not known
+        names   -- of vertices and stations, which a label may cover if it must
+        buttons -- which it must not cover
+        """
+        places = Places(window)
+        for box in names:
+            places.cover(box, is_soft=True)
+        for box in (*buttons, *(box_around((one.x, one.y), (2.0 * one.radius,) * 2)
+                                for one in labels.values())):
+            places.cover(box)
+        self._sides = {name: places.place(one.boxes(), self._sides.get(name, -1), MayCover.ALL)
+                       for name, one in labels.items()}

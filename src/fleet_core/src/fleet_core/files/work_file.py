@@ -1,12 +1,14 @@
-"""The work file: stations, devices, templates of missions, and timetables of a site.
+"""The work file: stations, chargers, devices, templates of missions, and timetables of a site.
 
     stations:
     - {name: press, places: [18], queue: [20, 22], capacity: 1}
     - {name: shelves, places: [39, 42], kind: group}
+    chargers:
+    - {name: bay, places: [16, 24], capacity: 1}
     devices:
     - {name: gate_north, kind: door, edges: [17, 18], driver: modbus, host: 10.0.0.40, open_coil: 3,
        is_open: 11, timeout: 30}
-    - {name: press_1, kind: machine, driver: modbus, host: 10.0.0.41, start_coil: 5,
+    - {name: press_1, kind: machine, at: [press], driver: modbus, host: 10.0.0.41, start_coil: 5,
        key_register: 100, done: 12, failed: 13, timeout: 10}
     templates:
     - name: pallet
@@ -57,6 +59,7 @@ from fleet_core.files.strict_fields import (
     optional_items,
     word,
 )
+from fleet_core.work.chargers import Charger
 from fleet_core.work.devices import (
     KEY_REGISTERS,
     LAST_ADDRESS,
@@ -80,19 +83,22 @@ from fleet_core.work.templates import (
     filled,
     parameters_in,
 )
-from fleet_core.work.timetables import DAY, DAY_NAMES, WEEK, Timetable, minute_of_day
+from fleet_core.work.timetables import DAY, DAYS, WEEK, Timetable, minute_of_day
 from trajectory_graph import Graph, strict_yaml
 from trajectory_graph.strict_yaml import Field, WrongYaml
 
-_FILE = ('step_types', 'stations', 'devices', 'templates', 'timetables', 'job_steps')
+_FILE = ('step_types', 'stations', 'chargers', 'devices', 'templates', 'timetables', 'job_steps')
 _STATION = ('name', 'places', 'queue', 'capacity', 'kind')
+_CHARGER = ('name', 'places', 'capacity')
 _ADDRESS = {DeviceDriver.MODBUS: ('host', 'port', 'unit', 'open_coil', 'is_open'),
             DeviceDriver.LD90: ('robot', 'output', 'input')}
 _HAND_OVER = ('host', 'port', 'unit', 'start_coil', 'key_register', 'done', 'failed')
+_MACHINE = ('at', *_HAND_OVER[3:])  # keys of machines only
 _DEVICE = ('name', 'kind', 'edges', 'timeout', 'driver', *(
-    key for keys in _ADDRESS.values() for key in keys), *_HAND_OVER[3:])
+    key for keys in _ADDRESS.values() for key in keys), *_MACHINE)
 _TEMPLATE = ('name', 'parameters', 'stops', 'on_cancel')
-_TIMETABLE = ('name', 'template', 'arguments', 'every', 'from', 'to', 'days', 'priority')
+_TIMETABLE = ('name', 'template', 'arguments', 'every', 'from', 'to', 'days', 'priority',
+              'deadline')
 _JOB_STEPS = ('kind', 'at', 'steps')
 _MINUTES = {'min': 1, 'h': 60}
 _NAME = re.compile(r'[A-Za-z]\w*', re.ASCII)
@@ -109,6 +115,7 @@ def load_work(path: Union[str, os.PathLike], graph: Graph) -> SiteWork:
         found = _entries(fields, 'devices', 'device', partial(_device, stations, graph))
         devices = {name: one for name, one in found.items() if isinstance(one, Device)}
         machines = {name: one for name, one in found.items() if isinstance(one, StepDevice)}
+        chargers = _chargers(fields, (*stations, *found), graph)
         templates = _entries(fields, 'templates', 'template',
                              partial(_template, stations, types, (*devices, *machines), machines,
                                      graph))
@@ -116,7 +123,7 @@ def load_work(path: Union[str, os.PathLike], graph: Graph) -> SiteWork:
                               partial(_timetable, templates, stations, graph), 'template')
         return SiteWork(stations, devices, machines, templates, timetables, types,
                         _job_steps(stations, types, devices, machines, graph,
-                                   optional_items(fields, 'job_steps')))
+                                   optional_items(fields, 'job_steps')), chargers)
     except WrongYaml as wrong:
         raise FileError.of(path, wrong) from None
 
@@ -154,15 +161,59 @@ def _stations(fields: Dict[str, yaml.Node], graph: Graph) -> Dict[str, Station]:
                 raise WrongYaml(f'vertex {place} belongs to station {owners.get(place, name)} '
                                 'already', node)
         owners.update((place, name) for place in (*places, *queue))
+        _check_station_name(name, places, graph, node)
         kind = word(fields, 'kind', StationKind, StationKind.STATION)
-        capacity = strict_yaml.optional(fields, 'capacity', strict_yaml.whole,
-                                        len(places) if kind is StationKind.GROUP else 1)
-        if not 0 < capacity <= len(places):
-            raise WrongYaml(f'capacity of station {name} is {capacity}, but it has {len(places)} '
-                            f'{"place" if len(places) == 1 else "places"}: give a number from 1 to '
-                            f'{len(places)}', fields['capacity'])
+        capacity = _capacity(f'station {name}', fields, places,
+                             len(places) if kind is StationKind.GROUP else 1)
         return Station(name, places, queue, capacity, kind)
     return _entries(fields, 'stations', 'station', station)
+
+
+def _capacity(whose: str, fields: Dict[str, yaml.Node], places: Sequence[int],
+              default: int) -> int:
+    capacity = strict_yaml.optional(fields, 'capacity', strict_yaml.whole, default)
+    if not 0 < capacity <= len(places):
+        raise WrongYaml(f'capacity of {whose} is {capacity}, but it has {len(places)} '
+                        f'{"place" if len(places) == 1 else "places"}: give a number from 1 to '
+                        f'{len(places)}', fields['capacity'])
+    return capacity
+
+
+def _chargers(fields: Dict[str, yaml.Node], names: Container[str],
+              graph: Graph) -> Dict[str, Charger]:
+    """The chargers; `names`: of the stations and devices."""
+    owners: Dict[int, str] = {}
+
+    def charger(name: str, node: yaml.Node, fields: Dict[str, yaml.Node]) -> Charger:
+        known_fields(node, 'a charger', _CHARGER)
+        if name in names:
+            raise WrongYaml(f'a station or device is called {name} already; give the charger '
+                            'another name', node)
+        places = _vertices(strict_yaml.field(fields, 'places', node), graph)
+        for place in places:
+            if not graph.vertices[place].dock:
+                raise WrongYaml(f'vertex {place} is no dock in the graph: robots cannot charge '
+                                'there; set Dock: true at the vertex, or name another',
+                                fields['places'])
+            if place in owners:
+                raise WrongYaml(f'dock {place} belongs to charger {owners[place]} already', node)
+            owners[place] = name
+        return Charger(name, places, _capacity(f'charger {name}', fields, places, len(places)))
+    return _entries(fields, 'chargers', 'charger', charger)
+
+
+def _check_station_name(name: str, places: Sequence[int], graph: Graph, node: yaml.Node) -> None:
+    """Raises WrongYaml for a name that could be mistaken for a vertex, or for an option.
+
+    People and programs name a station where they could name a vertex (`stations.places_of`).
+    """
+    if name.isdecimal() or name.startswith('-'):
+        raise WrongYaml(f'station {name!r} needs a name that is no number and does not begin with '
+                        '-: it stands where the id of a vertex may stand', node)
+    for vertex in graph.vertices.values():
+        if vertex.label == name and vertex.id not in places:
+            raise WrongYaml(f'station {name} is called as vertex {vertex.id} is labelled, which is '
+                            'none of its places: give one of them another name', node)
 
 
 def _vertices(field: Field, graph: Graph) -> Tuple[int, ...]:
@@ -197,8 +248,8 @@ def _device(stations: Mapping[str, Station], graph: Graph, name: str, node: yaml
     strict_yaml.require(fields, ('kind', 'timeout', 'driver'), node)
     kind = word(fields, 'kind', DeviceKind, DeviceKind.DOOR)
     if kind is DeviceKind.MACHINE:
-        return _machine(name, node, fields)
-    _refuse_keys(name, kind, _HAND_OVER[3:], fields)
+        return _machine(stations, graph, name, node, fields)
+    _refuse_keys(name, kind, _MACHINE, fields)
     strict_yaml.require(fields, ('edges',), node)
 
     def edge(text: str) -> int:
@@ -221,24 +272,26 @@ def _refuse_keys(name: str, kind: DeviceKind, keys: Sequence[str],
             raise WrongYaml(f'device {name} has {key}, but its kind is {kind.value}', fields[key])
 
 
-def _machine(name: str, node: yaml.Node, fields: Dict[str, yaml.Node]) -> StepDevice:
+def _machine(stations: Mapping[str, Station], graph: Graph, name: str, node: yaml.Node,
+             fields: Dict[str, yaml.Node]) -> StepDevice:
     """A device that carries out steps. Its name becomes part of the names of topics."""
     if not _NAME.fullmatch(name):
         raise WrongYaml(f'machine {name!r} needs a name of letters, digits and _', node)
     _refuse_keys(name, DeviceKind.MACHINE, [
-        key for key in _DEVICE if key not in ('name', 'kind', 'timeout', 'driver', *_HAND_OVER)],
-        fields)
+        key for key in _DEVICE
+        if key not in ('name', 'kind', 'timeout', 'driver', 'at', *_HAND_OVER)], fields)
+    at = _places('at', stations, graph, optional_items(fields, 'at'))
     timeout = _timeout(('timeout', fields['timeout']))
     driver = word(fields, 'driver', DeviceDriver, DeviceDriver.SIMULATED)
     if driver is DeviceDriver.LD90:
         raise WrongYaml(f'device {name} is a machine: its driver must be simulated or modbus',
                         fields['driver'])
     if driver is DeviceDriver.MODBUS:
-        return StepDevice(name, timeout, _hand_over_address(node, fields))
+        return StepDevice(name, timeout, _hand_over_address(node, fields), at)
     for key in _HAND_OVER:
         if key in fields:
             raise WrongYaml(f'device {name} has {key}, but its driver is simulated', fields[key])
-    return StepDevice(name, timeout)
+    return StepDevice(name, timeout, at=at)
 
 
 def _hand_over_address(node: yaml.Node, fields: Dict[str, yaml.Node]) -> HandOverAddress:
@@ -410,15 +463,22 @@ def _steps_of_kind(stations: Mapping[str, Station], types: FrozenSet[str], graph
     steps = tuple(map(step_of, optional_items(fields, 'steps')))
     for step in steps:
         _check_step(step, types, node)
-    places: List[int] = []
-    for at in optional_items(fields, 'at'):
-        try:
-            places += places_of(strict_yaml.text(('an entry of at', at)), stations, graph)
-        except ValueError as error:
-            raise WrongYaml(str(error), at) from None
+    places = _places('at', stations, graph, optional_items(fields, 'at'))
     if 'at' in fields and not places:
         raise WrongYaml('at is empty; leave it out for all goals', fields['at'])
-    return JobSteps(kind, steps, tuple(places))
+    return JobSteps(kind, steps, places)
+
+
+def _places(key: str, stations: Mapping[str, Station], graph: Graph,
+            nodes: Sequence[yaml.Node]) -> Tuple[int, ...]:
+    """The vertices of the places in a list of words."""
+    places: List[int] = []
+    for node in nodes:
+        try:
+            places += places_of(strict_yaml.text((f'an entry of {key}', node)), stations, graph)
+        except ValueError as error:
+            raise WrongYaml(str(error), node) from None
+    return tuple(places)
 
 
 # -- timetables -----------------------------------------------------------------------------------
@@ -443,7 +503,8 @@ def _timetable(templates: Mapping[str, Template], stations: Mapping[str, Station
     return Timetable(name, template, _period(strict_yaml.field(fields, 'every', node)), arguments,
                      begin, end if end >= begin else end + DAY,
                      strict_yaml.optional(fields, 'days', _days, WEEK),
-                     strict_yaml.optional(fields, 'priority', strict_yaml.whole, 0))
+                     strict_yaml.optional(fields, 'priority', strict_yaml.whole, 0),
+                     strict_yaml.optional(fields, 'deadline', _period, 0))
 
 
 def _arguments(fields: Dict[str, yaml.Node]) -> Tuple[Tuple[str, str], ...]:
@@ -475,11 +536,10 @@ def _days(field: Field) -> FrozenSet[int]:
     """Days of the week, from `mon-fri` or `mon, wed, fri`; 0 is Monday."""
     found: Set[int] = set()
     for part in strict_yaml.text(field).split(','):
-        ends = [DAY_NAMES.index(day) if day in DAY_NAMES else None
-                for day in part.strip().split('-')]
+        ends = [DAYS.index(day) if day in DAYS else None for day in part.strip().split('-')]
         first, last = ends[0], ends[-1]
         if len(ends) > 2 or first is None or last is None:
             raise WrongYaml(f'days has {part.strip()!r}, but must be days such as mon-fri, or '
-                            f'mon, wed; the days are: {", ".join(DAY_NAMES)}', field[1])
+                            f'mon, wed; the days are: {", ".join(DAYS)}', field[1])
         found.update((first + k) % 7 for k in range((last - first) % 7 + 1))
     return frozenset(found)

@@ -180,8 +180,11 @@ class Claims:
 
         A robot that is already where a resource is needed may leave without its device.
         """
+        needed = self.needs.of_edge(edge)
+        if not needed:
+            return ''
         entered = self.needs.on_entry(edge, is_inside)
-        for resource in sorted(self.needs.of_edge(edge)):
+        for resource in sorted(needed):
             if resource not in self.stored_of(name) or resource in entered and (
                     self.state(name, resource) not in (ClaimState.READY, ClaimState.IN_USE)):
                 return resource
@@ -193,9 +196,11 @@ class Claims:
         """A robot has this allocation now. Where evidence says that it is, it has its claims."""
         if not self:
             return
-        self._needed[name] = (self.of(name) if allocation.knowledge is Knowledge.UNKNOWN
-                              else self.needs.of(allocation))
-        self._note(name)
+        needed = (self.of(name) if allocation.knowledge is Knowledge.UNKNOWN
+                  else self.needs.of(allocation))
+        if needed != self._needed.get(name):
+            self._needed[name] = needed
+            self._note(name)
 
     def want(self, name: str, edges: Sequence[int]) -> None:
         """A robot asks for these signed edges, and for no others: it claims what they need.
@@ -203,7 +208,7 @@ class Claims:
         The claims of edges that follow each other are had together or not at all, in the order of
         the edges.
         """
-        if not self:
+        if not self or not edges and not self._wanted.get(name):
             return
         wanted = NOTHING
         for needed in self._stretches(edges):

@@ -165,22 +165,35 @@ class Conformance:
         for name, robot in robots.items():
             if known.get(name) is not robot.master.allocation:
                 found.append(Violation(Invariant.READ, name))
-            if self._is_seen(name, robot.master):
-                continue
-            now, before = self._state(name, robot), self._before.get(name)
-            self._before[name] = now
-            found += [Violation(invariant, name, edges) for invariant, edges in (
-                (Invariant.CHECKED, frozenset() if before is None else
-                 now.allocation - before.allocation - self._granted.get(name, set())),
-                (Invariant.CONTAINED, now.sent - now.allocation),
-                (Invariant.STORED, now.sent - now.journal)) if edges]
-            if robot.master.protocol.ahead and not (
-                    robot.master.is_stopping or robot.needs_person or not robot.master.is_heard):
-                # A robot that has not reported since the start is known only roughly for a moment.
-                found += [Violation(Invariant.APART, name, other=other)
-                          for other in excluding(name) if robots[other].master.is_heard][:1]
+            if not self._is_seen(name, robot.master):
+                found += self._wrong_edges(name, robot)
+                found += self._too_near(name, robots, excluding)
         self._granted.clear()
         return [*found, *self._wrong_claims(robots, claims)] if claims else found
+
+    def _wrong_edges(self, name: str, robot: ObservedRobot) -> List[Violation]:
+        """What is wrong with the edges of a robot that has changed."""
+        now, before = self._state(name, robot), self._before.get(name)
+        self._before[name] = now
+        return [Violation(invariant, name, edges) for invariant, edges in (
+            (Invariant.CHECKED, frozenset() if before is None else
+             now.allocation - before.allocation - self._granted.get(name, set())),
+            (Invariant.CONTAINED, now.sent - now.allocation),
+            (Invariant.STORED, now.sent - now.journal)) if edges]
+
+    @staticmethod
+    def _too_near(name: str, robots: Mapping[str, ObservedRobot],
+                  excluding: Callable[[str], Sequence[str]]) -> List[Violation]:
+        """A robot that excludes one that may drive; empty: none does.
+
+        A robot that has not reported since the start is known only roughly for a moment.
+        """
+        master = robots[name].master
+        if not master.protocol.ahead or master.is_stopping or robots[name].needs_person or (
+                not master.is_heard):
+            return []
+        return [Violation(Invariant.APART, name, other=other)
+                for other in excluding(name) if robots[other].master.is_heard][:1]
 
     def _wrong_claims(self, robots: Mapping[str, ObservedRobot],
                       claims: Claims) -> Iterator[Violation]:

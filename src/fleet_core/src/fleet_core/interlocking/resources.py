@@ -46,6 +46,11 @@ class Resource:
     def __str__(self) -> str:
         return f'{self.kind.value} {self.name}'
 
+    @property
+    def orders_plans(self) -> bool:
+        """Is it for one robot, and has places that would not exclude each other without it?"""
+        return self.capacity == 1 and (bool(self.edges) or len(self.vertices) > 1)
+
 
 class Needs:
     """The resources that the places of one graph need.
@@ -57,6 +62,7 @@ class Needs:
         self.resources: Mapping[str, Resource] = {one.name: one for one in resources}
         self._geometry = geometry
         self._at: Dict[int, FrozenSet[str]] = {}  # by place
+        self._of_edge: Dict[int, FrozenSet[str]] = {}  # kept on demand: each grant asks for it
         for one in self.resources.values():
             places = [geometry.edge_place(edge) for edge in one.edges & geometry.edge_index.keys()]
             places += [geometry.index[vertex] for vertex in one.vertices & geometry.index.keys()]
@@ -69,8 +75,12 @@ class Needs:
 
     def of_edge(self, edge: int) -> FrozenSet[str]:
         """Names of the resources that a signed edge needs, with both of its ends."""
-        one, other = self._ends(edge)
-        return self._inside(edge) | self.of_vertex(one) | self.of_vertex(other)
+        known = self._of_edge.get(edge)
+        if known is None:
+            one, other = self._ends(edge)
+            known = self._of_edge[edge] = (
+                self._inside(edge) | self.of_vertex(one) | self.of_vertex(other))
+        return known
 
     def on_entry(self, edge: int, is_inside: bool) -> FrozenSet[str]:
         """Names of the resources into which a robot gets by driving a signed edge.
@@ -84,7 +94,9 @@ class Needs:
         """Names of the resources that all places of an allocation need."""
         if not self._at:
             return NOTHING
-        needs = NOTHING.union(*(self.of_edge(hold.edge) for hold in allocation.holds))
+        needs = NOTHING
+        for hold in allocation.holds:
+            needs |= self.of_edge(hold.edge)
         if allocation.vertex is not None:
             needs |= self.of_vertex(allocation.vertex)
         for area in allocation.areas:

@@ -6,6 +6,7 @@ reported pose what certainly lies behind the robot.
 from __future__ import annotations
 
 from collections import deque
+from itertools import count
 from typing import Deque, List, Optional, Tuple
 
 from fleet_core.fleet import RobotType
@@ -66,9 +67,23 @@ class RouteRecord:
     @property
     def held(self) -> Tuple[int, ...]:
         """The path of the robot: the edges that it has not certainly left, and those ahead."""
+        return tuple(step.edge for step in self._path)
+
+    @property
+    def begins(self) -> Tuple[int, float]:
+        """Number of the first edge that is held, and the fraction of it that lies behind the robot.
+
+        It is not always that of `cleared`: a robot that came to rest has left the edges behind it,
+        also if the pose that tells how far does not belong to the edge ahead.
+        """
+        first = next((step.number for step in self._path), self.end)
+        return first, self.cleared[1] if self.cleared[0] == first else 0.0
+
+    @property
+    def _path(self) -> Tuple[Step, ...]:
         if not self.ahead:
-            return tuple(step.edge for step in (*self.protocol.behind, *self.protocol.held))
-        return (*(step.edge for step in self.protocol.behind), *self.ahead)
+            return (*self.protocol.behind, *self.protocol.held)
+        return (*self.protocol.behind, *map(Step, count(self.done), self.ahead))
 
     def holds(self) -> Tuple[Hold, ...]:
         """All edges that other robots may not be granted, each with its cleared fraction."""

@@ -3,7 +3,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import inf
-from typing import Dict, List, Mapping, NamedTuple, Sequence, Tuple
+from typing import Dict, Iterable, List, Mapping, NamedTuple, Sequence, Tuple
 
 import numpy as np
 from scipy.optimize import linear_sum_assignment
@@ -154,14 +154,22 @@ def why_nobody(mission: Mission, found: Mapping[str, Hindrance],
     if not serving:
         return _out_of_service([robots[name] for name in names]), ''
     free = [robot for robot in serving if found[robot.name].is_free]
-    if not free and not any(robot.is_charged for robot in serving):
+    if not free and _must_all_charge(serving):
         return _must_charge(serving, now), ''
     full = room.full_station(mission)
     if full is not None and Hindrance.FULL in found.values():
         return room.why_full(full), ''
     if free and Hindrance.NONE not in found.values():
         return _unable([robot for robot in free if found[robot.name] is Hindrance.BATTERY])
-    return f'it waits for {names[0] if len(names) == 1 else "a robot"} to be free', ''
+    return _until_free(names), ''
+
+
+def _must_all_charge(robots: Iterable[ManagedRobot]) -> bool:
+    return not any(robot.is_charged for robot in robots)
+
+
+def _until_free(names: Sequence[str]) -> str:
+    return f'it waits for {names[0] if len(names) == 1 else "a robot"} to be free'
 
 
 def _out_of_service(robots: Sequence[ManagedRobot]) -> str:

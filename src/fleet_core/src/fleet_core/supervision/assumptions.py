@@ -137,8 +137,7 @@ def assumption_of(robot: ManagedRobot, errand: Errand) -> Assumption:
     else:
         role = PlanRole.DRIVING if record.ahead else PlanRole.STANDING
     places = _places(allocation) if role is PlanRole.OBSTACLE else _NOWHERE
-    base = record.cleared[0] if record.held else record.end
-    return Assumption(role, record.generation, base, record.end, places, errand.key)
+    return Assumption(role, record.generation, record.begins[0], record.end, places, errand.key)
 
 
 def _places(allocation: Allocation) -> Tuple[FrozenSet[int], FrozenSet[int], FrozenSet[Area]]:

@@ -1,4 +1,4 @@
-"""Charging: which robots drive to docks, and until when they stay there.
+"""Charging: which robots are to charge, until when, and to which charger they may go.
 
     | a robot charges because         | until                                  | its missions |
     |---------------------------------|----------------------------------------|--------------|
@@ -6,129 +6,247 @@
     | a mission that waits needs more | that threshold                         | wait         |
     | it was asked to                 | the charge that was asked for          | wait         |
     | it has nothing to do, and is    | that threshold, but another robot that | begin        |
-    | below a third threshold         | must charge gets its dock              |              |
+    | below a third threshold         | must charge gets its turn              |              |
 
-The emptiest robot comes first. A dock that is given to a robot is given to no other one.
+The rules of the turns are those of `fleet_core.work.chargers`. Which robots are in a charger is
+what the claims say. A charger is out of order while its robots cannot get there: closed edges lead
+there, or devices that do not work.
 """
 from __future__ import annotations
 
 import math
-from typing import AbstractSet, Dict, List, Mapping
+from collections import Counter
+from enum import Enum
+from typing import (
+    Callable,
+    Collection,
+    Dict,
+    FrozenSet,
+    Iterable,
+    Iterator,
+    List,
+    Mapping,
+    NamedTuple,
+    Optional,
+    Set,
+    Tuple,
+)
 
+from fleet_core.interlocking.claims import Claims
 from fleet_core.planning.road_network import RoadNetwork
 from fleet_core.supervision.assignment import time_to
 from fleet_core.supervision.battery import MUTE
+from fleet_core.supervision.device_desk import DeviceView
+from fleet_core.supervision.duties import follows
+from fleet_core.supervision.mission_book import MissionBook
+from fleet_core.supervision.missions import Mission
 from fleet_core.supervision.robots import ManagedRobot
+from fleet_core.work.chargers import Candidate, Charger, Occupied, turns_of
+from route_protocol.devices import DeviceMode
 
 _MUTE = f'a report of its battery, which has not come for {MUTE:.0f} s'
+_BROKEN = (DeviceMode.OFFLINE, DeviceMode.UNKNOWN)
 
 
-class ChargeQueue:
-    """Gives docks to the robots that need them, the emptiest first. The other robots wait.
+class _Need(Enum):
+    """Does a robot have to charge?"""
 
-    waiting -- for each robot that needs a dock and has none: what it waits for, in words
+    NONE = 'no'
+    TOP_UP = 'it has nothing to do'
+    MUST = 'it gets no mission before'
+
+
+class _Stay(NamedTuple):
+    """A robot that stays in a charger, and is no candidate. `place`: None: between vertices."""
+
+    robot: str
+    charger: str
+    place: Optional[int]
+
+
+class ChargerDesk:
+    """Gives robots their turns at chargers. The other robots wait.
+
+    waiting -- for each robot that must charge and has no turn: what it waits for, in words
+    leaving -- robots without work that are in a charger which is full, and for which another one
+               has a turn
+    view    -- returns what is known of a device now
     """
 
-    def __init__(self, robots: Mapping[str, ManagedRobot]) -> None:
+    def __init__(self, chargers: Mapping[str, Charger], claims: Claims, book: MissionBook,
+                 robots: Mapping[str, ManagedRobot],
+                 view: Callable[[str, float], DeviceView]) -> None:
         self.waiting: Dict[str, str] = {}
-        self._robots = robots
+        self.leaving: FrozenSet[str] = frozenset()
+        self._chargers, self._claims, self._book, self._robots = chargers, claims, book, robots
+        self._view = view
+        self._at = {place: one for one in chargers.values() for place in one.places}
 
-    def update(self, busy: AbstractSet[str], short: AbstractSet[str],
-               network: RoadNetwork, now: float) -> List[str]:
-        """Checks all batteries. Returns the robots that got a dock or gave one back.
+    @property
+    def reserved(self) -> FrozenSet[int]:
+        """The places of chargers that have not room for a robot at each of their places.
 
-        busy  -- robots that serve a mission: they charge after it
+        A robot that is parked at one of them keeps the others from being used.
+        """
+        return frozenset(place for one in self._chargers.values()
+                         if one.capacity < len(one.places) for place in one.places)
+
+    def update(self, short: Collection[str], network: RoadNetwork, now: float) -> List[str]:
+        """Checks all batteries. Returns the robots that are to be stored.
+
         short -- robots whose charge is too low for a mission that waits for them
         """
-        before = {name: (robot.dock, robot.charge_until) for name, robot in self._robots.items()}
-        for robot in self._robots.values():
+        before = {name: _stored(robot) for name, robot in self._robots.items()}
+        self.waiting = {}
+        serving = self._book.serving
+        candidates: Dict[str, Candidate] = {}
+        for name, robot in self._robots.items():
             if robot.charge_until and robot.battery.charge >= robot.charge_until:
                 robot.charge_until = 0.0
-            if robot.dock is not None and (
-                    robot.name in busy or not _goes_on(robot, network, now)):
-                _give_up(robot)
-        self.waiting = {}
-        free = [robot for name, robot in self._robots.items()
-                if robot.works and name not in busy and robot.dock is None]
-        for robot in sorted(free, key=_charge):
-            self._check_battery(robot, robot.name in short, network, now)
-        if not self.waiting:
-            for robot in free:
-                self._top_up(robot, network, now)
-        return [name for name, robot in self._robots.items()
-                if before[name] != (robot.dock, robot.charge_until)]
+            if name not in serving:
+                candidate = self._candidate(robot, name in short, network, now)
+                if candidate is not None:
+                    candidates[name] = candidate
+        if candidates or any(robot.dock is not None for robot in self._robots.values()):
+            self._give_turns(candidates, serving, network, now)
+        return [name for name, robot in self._robots.items() if before[name] != _stored(robot)]
 
-    def _top_up(self, robot: ManagedRobot, network: RoadNetwork, now: float) -> None:
-        """Gives a robot that has nothing to do a dock that no other robot has."""
-        if robot.dock is not None or not robot.battery.is_below_idle or (
-                robot.battery.is_mute(robot.liveness, now)):
-            return
-        taken = {other.dock for other in self._robots.values()}
-        times = {dock: time_to(dock, robot, network) for dock in docks_of(robot, network)
-                 if dock not in taken and self._is_free(dock)}
-        dock = min(times, key=lambda one: times[one], default=None)
-        if dock is not None and times[dock] < math.inf:
-            robot.dock, robot.tops_up = dock, True
+    def _candidate(self, robot: ManagedRobot, is_short: bool, network: RoadNetwork,
+                   now: float) -> Optional[Candidate]:
+        """A robot that is to charge, and can; None: it is not to, or cannot.
 
-    def _check_battery(self, robot: ManagedRobot, is_short: bool, network: RoadNetwork,
-                       now: float) -> None:
-        """Looks for a dock if the robot needs one; with a mute battery it waits for a report."""
-        below = robot.battery.is_below_leaving
-        wants = robot.battery.is_low or (is_short and below) or bool(robot.charge_until)
-        if not robot.battery.is_mute(robot.liveness, now):
-            if wants:
-                self._look_for_dock(robot, network)
-        elif wants or (below and robot.stands_at(docks_of(robot, network))):
-            self.waiting[robot.name] = _MUTE
+        A robot that stands at its charger is not sent away by an outage. A robot that works, but
+        whose battery does not report any more, might stay for ever: it must give up its turn.
+        """
+        if robot.works and robot.battery.is_mute(robot.liveness, now):
+            if _has_to(robot, is_short) or (robot.battery.is_below_leaving
+                                            and robot.stands_at(docks_of(robot, network))):
+                self.waiting[robot.name] = _MUTE
+            return None
+        need = _need_of(robot, is_short)
+        if need is _Need.NONE or not (robot.works or self._has_arrived(robot)):
+            return None
+        places = self._places(robot, network, now)
+        charger = self._at[places[0]] if places else None
+        return Candidate(robot.name, places, _charge(robot), need is _Need.MUST, robot.dock,
+                         charger is not None and charger.name in self._claims.of(robot.name))
 
-    def _look_for_dock(self, robot: ManagedRobot, network: RoadNetwork) -> None:
+    @staticmethod
+    def _has_arrived(robot: ManagedRobot) -> bool:
+        return robot.dock is not None and robot.stands_at((robot.dock,))
+
+    def _places(self, robot: ManagedRobot, network: RoadNetwork, now: float) -> Tuple[int, ...]:
+        """The docks that would do for a robot, the nearest one first."""
         docks = docks_of(robot, network)
+        if robot.dock in docks and self._has_arrived(robot):
+            return (robot.dock,)
         times = {dock: time_to(dock, robot, network) for dock in docks}
-        free = [dock for dock in docks if times[dock] < math.inf and self._is_free(dock)]
-        if free:
-            dock = min(free, key=lambda dock: times[dock])
-            for other in self._robots.values():
-                if other.dock == dock:  # it only tops up
-                    _give_up(other)
-            robot.dock = dock
-        elif not docks:
-            self.waiting[robot.name] = 'a dock: the fleet file and the graph have none for its type'
-        elif min(times.values()) == math.inf:
-            self.waiting[robot.name] = 'a dock: it can reach none'
-        else:
-            self.waiting[robot.name] = 'a free dock'
+        return tuple(sorted((dock for dock in docks if times[dock] < math.inf
+                             and not self._broken_at(dock, network, now)),
+                            key=lambda dock: times[dock]))
 
-    def _is_free(self, dock: int) -> bool:
-        """No robot needs the dock, and no robot that cannot work stands on it."""
-        return not any(robot.dock == dock and not robot.tops_up
-                       or (not robot.works and robot.record.position is not None
-                           and robot.record.position.vertex == dock)
-                       for robot in self._robots.values())
+    def _broken_at(self, dock: int, network: RoadNetwork, now: float) -> Set[str]:
+        """Names of devices that do not work, and without which no robot gets to a dock."""
+        needs, graph = self._claims.needs, network.graph
+        found: Set[str] = set()
+        for edge in graph.edges_from(dock):
+            broken = {name for name in needs.of_edge(-edge) if needs.resources[name].has_device
+                      and self._view(name, now).mode in _BROKEN}
+            if not broken:
+                return set()
+            found |= broken
+        return found
+
+    def _give_turns(self, candidates: Mapping[str, Candidate], serving: Mapping[str, Mission],
+                    network: RoadNetwork, now: float) -> None:
+        stays = list(self._stays(candidates, serving))
+        turns = turns_of(self._chargers.values(), candidates.values(), Occupied(
+            {one.place for one in stays if one.place is not None},
+            Counter(one.charger for one in stays), self._wanted(serving.values())))
+        for name, robot in self._robots.items():
+            robot.dock = turns.get(name)
+            robot.tops_up = robot.dock is not None and not candidates[name].needs
+        for name, one in candidates.items():
+            if one.needs and name not in turns:
+                self.waiting[name] = self._why_none(one, turns, stays, network, now)
+        self.leaving = frozenset(self._in_the_way(turns, stays))
+
+    def _stays(self, candidates: Collection[str],
+               serving: Mapping[str, Mission]) -> Iterator[_Stay]:
+        """The robots that claim chargers, are no candidates, and do not make room."""
+        for name in self._claims.robots:
+            for charger in self._claims.of(name) & self._chargers.keys():
+                robot = self._robots.get(name)
+                if name not in candidates and (robot is None or not robot.works or _is_to_stay(
+                        serving.get(name), self._chargers[charger])):
+                    yield _Stay(name, charger, None if robot is None else robot.record.last_vertex)
+
+    def _wanted(self, missions: Iterable[Mission]) -> FrozenSet[int]:
+        """The places of chargers to which missions go now."""
+        return frozenset(mission.left[0] for mission in missions
+                         if mission.left and mission.left[0] in self._at and follows(mission))
+
+    def _in_the_way(self, turns: Mapping[str, int], stays: List[_Stay]) -> Iterator[str]:
+        """Robots without work that claim a charger which a robot with a turn cannot claim yet."""
+        staying = {one.robot for one in stays}
+        for name in {self._at[place].name for place in turns.values()}:
+            charger, inside = self._chargers[name], self._claims.holders(name)
+            if charger.capacity == len(charger.places) or len(inside) < charger.capacity:
+                continue  # the plan makes room at single places
+            going = {robot for robot, place in turns.items() if place in charger.places}
+            if going - set(inside):
+                yield from (one for one in inside if one not in going | staying)
+
+    def _why_none(self, one: Candidate, turns: Mapping[str, int], stays: List[_Stay],
+                  network: RoadNetwork, now: float) -> str:
+        """What a robot that must charge and has no turn waits for, in words."""
+        robot = self._robots[one.robot]
+        docks = docks_of(robot, network)
+        if not docks:
+            return 'a charger: the fleet file and the graph have no dock for its type'
+        if not one.places:
+            broken = {name for dock in docks for name in self._broken_at(dock, network, now)}
+            if broken:
+                device = self._claims.needs.resources[min(broken)]
+                return f'a charger: the {device} on the way there does not work'
+            return 'a charger: it can reach none'
+        holders = {place: name for name, place in turns.items()}
+        found: List[str] = []
+        for charger in dict.fromkeys(self._at[place] for place in one.places):
+            names = [*(holders[place] for place in charger.places if place in holders),
+                     *(stay.robot for stay in stays if stay.charger == charger.name)]
+            found.append(f'{charger.name} ({", ".join(names)})')
+        return f'a charger: {", ".join(found)}'
 
 
-def _give_up(robot: ManagedRobot) -> None:
-    robot.dock, robot.tops_up = None, False
+def _is_to_stay(mission: Optional[Mission], charger: Charger) -> bool:
+    """Does a robot that works stay in a charger for its mission?"""
+    return mission is not None and (
+        not follows(mission) or mission.dwell_until is not None
+        or bool(mission.left) and mission.left[0] in charger.places)
+
+
+def _stored(robot: ManagedRobot) -> Tuple[Optional[int], bool, float]:
+    return robot.dock, robot.tops_up, robot.charge_until
+
+
+def _need_of(robot: ManagedRobot, is_short: bool) -> _Need:
+    if _has_to(robot, is_short):
+        return _Need.MUST
+    if robot.dock is not None and not robot.battery.may_leave:
+        return _Need.TOP_UP if robot.tops_up else _Need.MUST
+    return _Need.TOP_UP if robot.battery.is_below_idle else _Need.NONE
+
+
+def _has_to(robot: ManagedRobot, is_short: bool) -> bool:
+    """Does a robot have to charge, although it does not charge yet?"""
+    battery = robot.battery
+    return bool(robot.charge_until) or battery.is_low or is_short and battery.is_below_leaving
 
 
 def _charge(robot: ManagedRobot) -> float:
     charge = robot.battery.charge
     return math.inf if math.isnan(charge) else charge
-
-
-def _goes_on(robot: ManagedRobot, network: RoadNetwork, now: float) -> bool:
-    """Does a robot keep its dock, because it still charges or can still get there?
-
-    A robot that stands at its dock is not sent away by an outage. A robot that works, but whose
-    battery does not report any more, might stay for ever. It must give the dock up.
-    """
-    if robot.dock not in docks_of(robot, network) or (
-            robot.battery.may_leave and not robot.charge_until):
-        return False
-    if robot.works and robot.battery.is_mute(robot.liveness, now):
-        return False
-    if robot.dock is not None and robot.stands_at((robot.dock,)):
-        return True
-    return robot.works and time_to(robot.dock, robot, network) < math.inf
 
 
 def docks_of(robot: ManagedRobot, network: RoadNetwork) -> List[int]:

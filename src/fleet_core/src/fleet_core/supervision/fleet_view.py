@@ -17,6 +17,8 @@ from fleet_core.supervision.supervisor import Supervisor
 from fleet_core.supervision.time_to_go import UNKNOWN, TimeToGo, time_to_go
 from fleet_core.supervision.waits import NO_WAIT, Wait, WaitCode
 from fleet_core.supervision.why import robot_wait
+from fleet_core.work.tables import LoadState
+from fleet_core.work.work import RobotLoad
 
 
 class RobotState(IntEnum):
@@ -45,6 +47,9 @@ class RobotState(IntEnum):
 
 
 WORKING = 'working'
+LOAD_WORDS: Mapping[LoadState, str] = {
+    LoadState.LOADED: 'load of {mission}', LoadState.UNKNOWN: 'load unknown'}
+"""What a robot carries, as people read it; `mission`: the short name of the load's mission."""
 _WORDS = {RobotState.BUSY: 'driving', RobotState.STOPPED: 'emergency stop',
           RobotState.OFF_GRAPH: 'off the graph', RobotState.UNKNOWN: 'place unknown'}
 _OF_OUTAGE = {
@@ -65,6 +70,7 @@ class RobotView:
     mission     -- request id of the mission that it serves
     destination -- vertex to which it drives; None: none
     to_go       -- time until it is there, and until its mission ends, in s of the robot's clock
+    load        -- what it carries
 
     Each attribute is a field of the published state.
     """
@@ -80,6 +86,7 @@ class RobotView:
     destination: Optional[int]
     waits_for: Wait = NO_WAIT
     to_go: TimeToGo = UNKNOWN
+    load: RobotLoad = RobotLoad()
 
 
 class DriveView(NamedTuple):
@@ -96,7 +103,7 @@ def robot_views(supervisor: Supervisor, now: float) -> List[RobotView]:
     errands = supervisor.errands()
     return [*(_view(robot, errands[name], supervisor, now)
               for name, robot in supervisor.robots.items()),
-            *map(_removed_view, supervisor.removed.values())]
+            *(_removed_view(robot, supervisor) for robot in supervisor.removed.values())]
 
 
 def _view(robot: ManagedRobot, errand: Errand, supervisor: Supervisor, now: float) -> RobotView:
@@ -117,7 +124,7 @@ def _view(robot: ManagedRobot, errand: Errand, supervisor: Supervisor, now: floa
                      robot.liveness.seen, charge,
                      None if mission is None else mission.request.id, destination,
                      robot_wait(robot, errand, supervisor, now),
-                     _to_go(robot, errand, supervisor, now))
+                     _to_go(robot, errand, supervisor, now), supervisor.desk.load(robot.name))
 
 
 def _to_go(robot: ManagedRobot, errand: Errand, supervisor: Supervisor, now: float) -> TimeToGo:
@@ -127,7 +134,7 @@ def _to_go(robot: ManagedRobot, errand: Errand, supervisor: Supervisor, now: flo
                       supervisor.networks.edge_times, now)
 
 
-def _removed_view(robot: RemovedRobot) -> RobotView:
+def _removed_view(robot: RemovedRobot, supervisor: Supervisor) -> RobotView:
     record = robot.master.record
     position, pose = record.position, Pose()
     if position is not None:
@@ -136,7 +143,7 @@ def _removed_view(robot: RemovedRobot) -> RobotView:
     wait = Wait(WaitCode.OUTAGE, 'it is not in the fleet file any more; its places stay blocked '
                                  f'until `fleet absent {robot.name}`')
     return RobotView(robot.name, robot.type.name, RobotState.OUT_OF_SERVICE, None, pose, -math.inf,
-                     math.nan, None, None, wait)
+                     math.nan, None, None, wait, load=supervisor.desk.load(robot.name))
 
 
 class PlanProgress(NamedTuple):

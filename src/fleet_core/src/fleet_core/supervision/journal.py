@@ -72,6 +72,7 @@ class RobotMemory(NamedTuple):
     charge: Optional[float] = None
     kind: Optional[RobotType] = None
     charge_until: float = 0.0
+    tops_up: bool = False
 
 
 _NOTHING: Mapping[Any, Any] = MappingProxyType({})
@@ -347,6 +348,7 @@ def _memory_text(memory: RobotMemory) -> str:
         'outage': None if memory.outage is None else memory.outage.name, 'why': memory.why,
         'halted': memory.is_halted, 'resting': memory.comes_to_rest,
         'dock': memory.dock, 'charge': memory.charge, 'charge_until': memory.charge_until,
+        'tops_up': memory.tops_up,
         'type': None if kind is None else [kind.name, kind.radius, kind.speed, kind.play]})
 
 
@@ -361,7 +363,7 @@ def _memory(text: str) -> RobotMemory:
     return RobotMemory(master, None if outage is None else Outage[outage], stored['why'],
                        stored['halted'], stored.get('resting', False), stored.get('dock'),
                        stored.get('charge'), None if kind is None else RobotType(*kind),
-                       stored.get('charge_until', 0.0))
+                       stored.get('charge_until', 0.0), stored.get('tops_up', False))
 
 
 def _areas(stored: Iterable[Sequence[Any]]) -> Tuple[Area, ...]:

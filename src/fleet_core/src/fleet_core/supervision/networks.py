@@ -24,7 +24,7 @@ class Networks:
                  resources: Sequence[Resource] = ()) -> None:
         self.geometry = SiteGeometry(graph, fleet.dock_approach)
         """The geometry for the interlocking, to which claims are not places."""
-        alone = [Alone(one.edges, one.vertices) for one in resources if one.capacity == 1]
+        alone = [Alone(one.edges, one.vertices) for one in resources if one.orders_plans]
         self.nominal = RoadNetwork(
             graph, (), fleet.dock_approach,
             geometry=SiteGeometry(graph, fleet.dock_approach, alone) if alone else self.geometry)

@@ -176,4 +176,4 @@ class Outbox:
         return RobotMemory(robot.master.memory, robot.outage, robot.why, robot.is_halted,
                            robot.comes_to_rest, robot.dock,
                            None if math.isnan(robot.battery.charge) else robot.battery.charge,
-                           robot.type, robot.charge_until)
+                           robot.type, robot.charge_until, robot.tops_up)

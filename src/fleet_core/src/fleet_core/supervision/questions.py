@@ -109,7 +109,7 @@ def _task(robot: ManagedRobot, errand: Errand, own: Optional[RobotPlan], now: fl
     begun = 0.0
     held, position = record.held, record.position
     if held:
-        begun = record.cleared[1]
+        begun = record.begins[1]
     elif position is not None and position.vertex is None:
         mid_edge = position.edge, min(max(position.fraction, _MID_EDGE), 1.0 - _MID_EDGE)
     elif position is not None:

@@ -7,6 +7,7 @@ from typing import List, NamedTuple, Optional, Tuple
 from fleet_core.interlocking.claims import ClaimState
 from fleet_core.interlocking.resources import Resource
 from fleet_core.supervision.device_desk import DeviceView
+from fleet_core.supervision.station_desk import QueuePlace
 from fleet_core.supervision.supervisor import Supervisor
 
 
@@ -19,11 +20,18 @@ class ClaimView(NamedTuple):
 
 @dataclass(frozen=True)
 class ResourceView:
-    """The published state of one resource. `device`: None: it has none."""
+    """The published state of one resource.
+
+    device   -- None: it has none
+    is_group -- its places are equal, so a mission may name it in place of one of them
+    queue    -- of a station, the first place first
+    """
 
     resource: Resource
     device: Optional[DeviceView]
     claims: Tuple[ClaimView, ...]
+    is_group: bool = False
+    queue: Tuple[QueuePlace, ...] = ()
 
     @property
     def alarms(self) -> List[str]:
@@ -38,5 +46,6 @@ def resource_views(supervisor: Supervisor, now: float) -> List[ResourceView]:
     return [ResourceView(
         one, devices.view(one.name, now) if one.has_device else None,
         tuple(ClaimView(name, state) for name in claims.holders(one.name)
-              for state in (claims.state(name, one.name),) if state is not None))
+              for state in (claims.state(name, one.name),) if state is not None),
+        *supervisor.stations.places_of(one.name))
         for one in claims.needs.resources.values()]

@@ -88,7 +88,8 @@ def _restore(robot: ManagedRobot, memory: RobotMemory, graph: Graph, before: Opt
     if outage is not None and (outage.needs_person or outage is Outage.ABSENT):
         robot.outage, robot.why = outage, memory.why
     robot.is_halted, robot.comes_to_rest = memory.is_halted, memory.comes_to_rest
-    robot.dock, robot.charge_until = memory.dock, memory.charge_until
+    robot.dock, robot.tops_up = memory.dock, memory.tops_up
+    robot.charge_until = memory.charge_until
     if memory.charge is not None:
         robot.battery.charge = memory.charge
 

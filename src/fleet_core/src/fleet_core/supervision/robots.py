@@ -51,11 +51,11 @@ class ManagedRobot:
     comes_to_rest: bool = False
     """Its mission was cancelled or paused: it stops at the end of its edge."""
     dock: Optional[int] = None
-    """The dock at which it charges, or to which it drives for charging."""
+    """The place of a charger for which it has a turn (`charging`)."""
     charge_until: float = 0.0
     """Charge (0..1) that it was asked to reach; 0: it was not asked."""
     tops_up: bool = False
-    """It charges only as it has nothing to do: it gives its dock up for others and for work."""
+    """It charges only as it has nothing to do: it gives its turn up for others and for work."""
     passed: List[int] = field(default_factory=list)
     """Vertices that it passed and that are not yet counted for its mission."""
     driven: List[Driven] = field(default_factory=list)
@@ -290,7 +290,7 @@ class ManagedRobot:
         self.master.declare_absent(now)
         self.notice(Sign.DECLARED_ABSENT, 'it was declared absent')
         self.is_halted = self.comes_to_rest = False
-        self.dock, self.charge_until = None, 0.0
+        self.dock, self.tops_up, self.charge_until = None, False, 0.0
         self.liveness = Liveness()
         return ''
 

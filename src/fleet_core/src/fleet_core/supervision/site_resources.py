@@ -1,11 +1,14 @@
-"""The resources of a site, as its devices and stations make them."""
+"""The resources of a site, as its devices and stations make them, and the docks of its fleet."""
 from __future__ import annotations
 
-from typing import Mapping, Tuple
+from typing import Dict, Iterable, Mapping, Tuple
 
+from fleet_core.fleet import Fleet
 from fleet_core.interlocking.resources import Resource, ResourceKind
+from fleet_core.work.chargers import Charger
 from fleet_core.work.devices import DeviceKind
 from fleet_core.work.site_work import SiteWork
+from trajectory_graph import Graph
 
 _KINDS: Mapping[DeviceKind, ResourceKind] = {
     DeviceKind.DOOR: ResourceKind.DOOR,
@@ -13,12 +16,33 @@ _KINDS: Mapping[DeviceKind, ResourceKind] = {
     DeviceKind.LIGHT: ResourceKind.LIGHT}
 
 
-def resources_of(work: SiteWork) -> Tuple[Resource, ...]:
-    """The resources of a site: one for each device and each station.
+def chargers_of(work: SiteWork, fleet: Fleet, graph: Graph) -> Dict[str, Charger]:
+    """The chargers of a site, by name.
 
-    A device is for one robot at a time. A station is for as many as its capacity says.
+    Each dock at which a robot type charges, and which the work file does not make a place of a
+    charger, is a charger of its own.
+    """
+    found = dict(work.chargers)
+    named = {place for one in found.values() for place in one.places}
+    types = (*fleet.types, *(robot.type for robot in fleet.robots))
+    docks = {dock for kind in types for dock in kind.docks or ()}
+    for vertex in graph.vertices.values():
+        if vertex.dock and vertex.id in docks - named:
+            name = f'dock_{vertex.id}'
+            while name in found or name in work.names:
+                name = f'charger_{name}'
+            found[name] = Charger(name, (vertex.id,))
+    return found
+
+
+def resources_of(work: SiteWork, chargers: Iterable[Charger] = ()) -> Tuple[Resource, ...]:
+    """The resources of a site: one for each device, each station and each charger.
+
+    A device is for one robot at a time. The others are for as many as their capacity says.
     """
     return (*(Resource(one.name, _KINDS[one.kind], frozenset(one.edges), has_device=True)
               for one in work.devices.values()),
             *(Resource(one.name, ResourceKind.STATION, vertices=frozenset(one.places),
-                       capacity=one.capacity) for one in work.stations.values()))
+                       capacity=one.capacity) for one in work.stations.values()),
+            *(Resource(one.name, ResourceKind.CHARGER, vertices=frozenset(one.places),
+                       capacity=one.capacity) for one in chargers))

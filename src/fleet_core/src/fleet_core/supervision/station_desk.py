@@ -5,7 +5,7 @@ claims there are, and tells the planning how far each robot may go.
 """
 from __future__ import annotations
 
-from typing import AbstractSet, Dict, FrozenSet, List, Mapping, NamedTuple, Optional, Set
+from typing import AbstractSet, Dict, FrozenSet, List, Mapping, NamedTuple, Optional, Set, Tuple
 
 from fleet_core.interlocking.claims import Claims
 from fleet_core.planning.road_network import RoadNetwork
@@ -17,7 +17,7 @@ from fleet_core.supervision.robots import ManagedRobot
 from fleet_core.supervision.station_room import Occupancy, StationRoom, places_for
 from fleet_core.supervision.work_desk import WorkDesk
 from fleet_core.work.queues import EMPTY_QUEUE, Others, Queue, Waiter, advanced
-from fleet_core.work.stations import Station
+from fleet_core.work.stations import Station, StationKind
 
 
 class QueueStanding(NamedTuple):
@@ -30,6 +30,18 @@ class QueueStanding(NamedTuple):
     station: Station
     ahead: List[str]
     place: Optional[int]
+
+
+class QueuePlace(NamedTuple):
+    """A place at which robots wait for a station.
+
+    robot    -- that has it; empty: none has
+    is_there -- that robot stands there; False: it is on its way
+    """
+
+    vertex: int
+    robot: str = ''
+    is_there: bool = False
 
 
 class StationDesk:
@@ -69,6 +81,21 @@ class StationDesk:
                 return QueueStanding(station, before[:before.index(name)], queue.waits[name])
         return None
 
+    def places_of(self, name: str) -> Tuple[bool, Tuple[QueuePlace, ...]]:
+        """Are the places of this station equal? And its queue places, the first one first.
+
+        A resource that is no station has neither.
+        """
+        station = self._stations.get(name)
+        if station is None:
+            return False, ()
+        waits = self._queue_of(station).waits
+        robots = {place: robot for robot, place in waits.items()}
+        return station.kind is StationKind.GROUP, tuple(
+            QueuePlace(place, robot, bool(robot)
+                       and self._robots[robot].record.last_vertex == place)
+            for place in station.queue for robot in (robots.get(place, ''),))
+
     def inside(self, station: str) -> List[str]:
         """Names of the robots that claim a station."""
         return self._claims.holders(station)
@@ -103,11 +130,19 @@ class StationDesk:
 
     # -- changes ----------------------------------------------------------------------------------
 
-    def advance(self, network: RoadNetwork) -> None:
-        """Follows missions, robots and claims. Chooses among the places of groups."""
-        if not self._stations:
-            return
-        going = self._going()
+    def advance(self, network: RoadNetwork, leaving: AbstractSet[str] = frozenset()) -> None:
+        """Follows missions, robots and claims. Chooses among the places of groups.
+
+        leaving -- robots without work that are to leave where they are, because others need that
+        """
+        going = self._going() if self._stations or leaving else {}
+        in_the_way = {*leaving, *self._advance(going, network)}
+        self.limits = {name: limit for name in (self._robots if going or in_the_way else ())
+                       for limit in (self._limit(name, going.get(name), name in in_the_way),)
+                       if limit != NO_LIMIT}
+
+    def _advance(self, going: Mapping[str, Mission], network: RoadNetwork) -> Set[str]:
+        """Advances the queues. Returns the robots that are to leave stations for others."""
         leaving: Set[str] = set()
         for station in self._stations.values():
             waiters = [self._waiter(name, mission, station, network)
@@ -125,9 +160,7 @@ class StationDesk:
             if queue.waits:
                 leaving.update(name for name in self._claims.holders(station.name)
                                if name not in queue.turns)
-        self.limits = {name: limit for name in self._robots
-                       for limit in (self._limit(name, going.get(name), name in leaving),)
-                       if limit != NO_LIMIT}
+        return leaving
 
     def _going(self) -> Dict[str, Mission]:
         """The missions whose robots go on to their next stops, by robot."""

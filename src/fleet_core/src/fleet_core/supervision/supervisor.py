@@ -28,7 +28,7 @@ from fleet_core.planning.tasks import PlanningOutcome
 from fleet_core.supervision import mission_commands, mission_progress
 from fleet_core.supervision.actions import Action, TellStatus
 from fleet_core.supervision.assumptions import World, WorldView
-from fleet_core.supervision.charging import ChargeQueue, docks_of
+from fleet_core.supervision.charging import ChargerDesk, docks_of
 from fleet_core.supervision.device_desk import DeviceDesk
 from fleet_core.supervision.duties import NO_LIMIT, Errand, errand_of
 from fleet_core.supervision.fleet_stop import NOT_STOPPED, FleetStop, StopCause
@@ -36,6 +36,7 @@ from fleet_core.supervision.hindrances import Hindrance
 from fleet_core.supervision.journal import Journal
 from fleet_core.supervision.journal_database import JournalUnavailable
 from fleet_core.supervision.liveness import SILENCE
+from fleet_core.supervision.machine_view import MachineReports
 from fleet_core.supervision.mission_book import MissionBook
 from fleet_core.supervision.mission_times import MissionTimes
 from fleet_core.supervision.missions import (
@@ -62,7 +63,7 @@ from fleet_core.supervision.restoring import (
 from fleet_core.supervision.robots import ManagedRobot
 from fleet_core.supervision.run_number import RUN_NUMBER, RunNumber
 from fleet_core.supervision.settings import RobotSettings
-from fleet_core.supervision.site_resources import resources_of
+from fleet_core.supervision.site_resources import chargers_of, resources_of
 from fleet_core.supervision.station_desk import StationDesk
 from fleet_core.supervision.switching import OrderSwitching
 from fleet_core.supervision.time_to_go import time_over, time_to_go
@@ -87,7 +88,7 @@ class Supervisor:
     Each public method handles one event (a request, a report, a command, a tick) and returns the
     actions to be carried out. It passes the event to the module that is in charge:
 
-    - `book` keeps the missions, and `charging` gives docks to robots.
+    - `book` keeps the missions, and `charging` says which robots go to chargers.
     - `desk` leads missions with steps, and keeps the loads of robots.
     - `stations` says which robots may go to stations, and where the others wait.
     - `plan_executor` asks the planner, and requests grants by the plan's order.
@@ -98,8 +99,8 @@ class Supervisor:
     rate     -- the factor by which simulated robots are faster than the clock
     switching -- looks for a better order while robots are late; None: the order stays
     conformance -- checks each event against the model of allocations; None: nothing does
-    resources   -- zones and the like, which robots must claim, besides the devices and stations
-                   of `work`
+    resources   -- zones and the like, which robots must claim, besides the devices, stations and
+                   chargers of `work` and `fleet`
     work        -- what the site says about work; None: nothing
     """
 
@@ -112,7 +113,8 @@ class Supervisor:
                  work: Optional[SiteWork] = None) -> None:
         self.gate = gate or StopGate()
         work = work or SiteWork()
-        resources = (*resources_of(work), *resources)
+        chargers = chargers_of(work, fleet, graph)
+        resources = (*resources_of(work, chargers.values()), *resources)
         self.networks = Networks(graph, fleet, rate, resources)
         self.rate = rate
         """The factor by which robots are faster than the clock."""
@@ -127,7 +129,6 @@ class Supervisor:
         """Robots that are not in the fleet file any more, but may be on the site."""
         self.acceptance = Acceptance(graph, {r.name: r.type for r in self.robots.values()})
         """The data by which requests are checked."""
-        self.charging = ChargeQueue(self.robots)
         self.book = MissionBook(
             journal.missions(), journal.last_serial() + 1,
             {serial: now - seconds for serial, seconds in journal.stays().items()})
@@ -139,7 +140,8 @@ class Supervisor:
         # after the loss of the journal: nothing is granted until all robots stand
         self._is_recovering = False
         self.desk = WorkDesk(self.book, self.robots, journal.works(), journal.loads(),
-                             journal.value(NEWEST_STEP), journal.milliseconds)
+                             journal.value(NEWEST_STEP), journal.milliseconds,
+                             MachineReports(work.step_devices))
         self._work_requests = WorkRequests(work, graph, self.book)
         self.times = MissionTimes(self.book, journal.milliseconds)
         self.timetables = TimetableRuns(work.timetables, journal.value, journal.milliseconds)
@@ -154,11 +156,14 @@ class Supervisor:
                                     self.desk)
         self.desk.may_enter = self.stations.may_go_to
         self.devices = DeviceDesk(self._claims, lambda: self.interlocking.unknown_robots)
+        self.charging = ChargerDesk(chargers, self._claims, self.book, self.robots,
+                                    self.devices.view)
         self._out = Outbox(journal, self.book, self.robots, self._everywhere, self.interlocking,
                            self.desk, self.devices)
         self._view = WorldView(self.robots, changes)
         self.plan_executor = PlanExecutor(self.robots, self.interlocking, self._out,
-                                          switching, rate, self.stations.reserved)
+                                          switching, rate,
+                                          self.stations.reserved | self.charging.reserved)
         self.interlocking.stored(self._everywhere)
         self._declared_absent = {robot.name for robot in fleet.robots if robot.absent}
         self._run = RunNumber(journal)
@@ -415,7 +420,7 @@ class Supervisor:
 
     def device_steps(self, device: str, report: StepReport, now: float) -> List[Action]:
         """Handles a device's report of its steps."""
-        if self.desk.device_report(device, report):
+        if self.desk.device_report(device, report, now):
             self._work(now)
         return self._actions(now)
 
@@ -445,7 +450,7 @@ class Supervisor:
             name, what = claim[0], self._claims.needs.resources[claim[1]]
             why = self.devices.view(claim[1], now).why
             wrong = (f'{name} is where it needs the {what}, which does not report that it is open'
-                     f'{why and f" ({why})"}. No other robot is sent there. Look at both.')
+                     f'{why and f" ({why})"}. No other robot is sent there. ResourceLook at both.')
             self._out.note_state(f'{name}/{what}', wrong if claim in lost else '',
                                  f'The {what} is open for {name} again, or {name} has left it.')
         self._lost = lost
@@ -773,13 +778,12 @@ class Supervisor:
                                    for robot in self.robots.values())
         if self.all_wait.code:
             return
-        busy = set(self.book.serving)
-        for name in self.charging.update(busy, self._waiting.short, self.network, now):
+        for name in self.charging.update(self._waiting.short, self.network, now):
             self._out.robot_changed(name)
         for name in self._waiting.assign(self.acceptance, self.networks, now,
                                          self.stations.room):
             mission_progress.follow(self.book, self.robots[name], now)
-        self.stations.advance(self.network)
+        self.stations.advance(self.network, self.charging.leaving)
         self.plan_executor.advance(self._world(), now)
 
     def _follow(self, robot: ManagedRobot, now: float) -> None:

@@ -120,11 +120,17 @@ def paused_name(timetable: str) -> str:
     return f'timetable paused/{timetable}'
 
 
+def giver_of(timetable: str) -> str:
+    """The name of the giver of all missions of a timetable."""
+    return f'timetable {timetable}'
+
+
 def request_of(timetable: Timetable, run: WallMinute) -> Request:
     """The request of a run. It is the same one whenever it is made."""
     shown = shown_at(run)
+    stamp = shown.timestamp()
     digest = blake2b(f'{timetable.name} {shown.isoformat()}'.encode(), digest_size=4).digest()
     return Request(max(int.from_bytes(digest, 'big') & _LARGEST_ID, 1), (),
-                   priority=timetable.priority, stamp=shown.timestamp(),
-                   requested_by=f'timetable {timetable.name}', template=timetable.template,
-                   arguments=timetable.arguments)
+                   priority=timetable.priority, stamp=stamp, requested_by=giver_of(timetable.name),
+                   template=timetable.template, arguments=timetable.arguments,
+                   deadline=stamp + 60.0 * timetable.deadline if timetable.deadline else 0.0)

@@ -21,7 +21,7 @@ class WaitCode(IntEnum):
     PERSON = 9       # an answer to a step, or a person who unloads the robot
     STEP = 10
     STAY = 11
-    CHARGING = 12    # a dock, or a report of the battery
+    CHARGING = 12    # a charger, or a report of the battery
     PLAN = 13
     TRAFFIC = 14     # another robot, or an edge that may not be entered yet
     TIME = 15        # its earliest time

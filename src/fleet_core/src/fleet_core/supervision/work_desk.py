@@ -21,6 +21,7 @@ from typing import (
 )
 
 from fleet_core.supervision.actions import SendStep
+from fleet_core.supervision.machine_view import MachineReports, MachineView
 from fleet_core.supervision.mission_book import MissionBook
 from fleet_core.supervision.missions import Mission, MissionChange, MissionState, StepAnswer
 from fleet_core.supervision.robots import ManagedRobot
@@ -58,6 +59,7 @@ class WorkDesk:
     loads -- as stored, by the robot's name
     newest -- the highest key of a step that is known, as stored
     clock -- returns ms since 1970
+    machines -- what they report
 
     It has one method for each event of a mission with steps, because all of them change the works
     and the loads that are stored together.
@@ -65,13 +67,13 @@ class WorkDesk:
 
     def __init__(self, book: MissionBook, robots: Mapping[str, ManagedRobot],
                  works: Mapping[int, Work], loads: Mapping[str, RobotLoad], newest: int,
-                 clock: Callable[[], int]) -> None:
+                 clock: Callable[[], int], machines: MachineReports) -> None:
         self._book, self._robots, self._clock = book, robots, clock
         self._works: Dict[int, Work] = dict(works)
         self._loads: Dict[str, RobotLoad] = dict(loads)
         self._stored: Dict[int, Work] = dict(works)
         self._reports: Dict[str, StepReport] = {}
-        self._device_reports: Dict[str, StepReport] = {}
+        self._machines = machines
         self.newest = newest
         self.may_enter: Callable[[str, int], bool] = lambda _name, _place: True
         """May a robot go to this place now? If not, no step begins because it is near."""
@@ -94,6 +96,10 @@ class WorkDesk:
     def work(self, serial: int) -> Optional[Work]:
         """The work of an open mission; None: it has no steps."""
         return self._works.get(serial)
+
+    def machines(self, now: float) -> List[MachineView]:
+        """All machines of the site, and for which robots they work."""
+        return self._machines.views(self._book, self._works, now)
 
     @property
     def laden(self) -> FrozenSet[str]:
@@ -166,12 +172,12 @@ class WorkDesk:
             return strange
         return self._use(mission, rules.heard(self._situation(mission), report)) or strange
 
-    def device_report(self, device: str, report: StepReport) -> bool:
+    def device_report(self, device: str, report: StepReport, now: float) -> bool:
         """Handles a device's report of its steps. Returns whether it changed anything."""
-        before = self._device_reports.get(device)
+        before = self._machines.newest(device)
         if not report.is_newer_than(before):
             return False
-        self._device_reports[device] = report
+        self._machines.keep(device, report, now)
         if before is None and report.last > self.newest:
             self._doubt_all(device, report.last)
         changes = [self._use(mission, rules.heard(self._situation(mission), report, device))
@@ -247,7 +253,7 @@ class WorkDesk:
             return None
         step = work.step(place)
         has_driver, device = step.actor.has_driver, step.device
-        report = (self._device_reports.get(device) if device else self._reports.get(name)
+        report = (self._machines.newest(device) if device else self._reports.get(name)
                   ) if has_driver else None
         key = rules.next_key(work, report.last if report is not None else 0, now)
         hindrances = ((name in self._strange, _STRANGE), (key > MOST_KEY, _NO_KEY_LEFT),
@@ -262,7 +268,7 @@ class WorkDesk:
 
     def _is_busy(self, device: str) -> bool:
         """Does a device carry out a step, or may a command for one be on its way?"""
-        report = self._device_reports.get(device)
+        report = self._machines.newest(device)
         return report is not None and any(not one.word.is_final for one in report.steps) or any(
             step.device == device and own.seen is not Seen.OVER and own.key
             for work in self._works.values() for _, step, own in work.steps)
@@ -484,7 +490,7 @@ class WorkDesk:
         """
         devices = {step.device for _, step, own in work.steps if own.seen is not Seen.OVER}
         for device in sorted(devices):
-            report = self._device_reports.get(device) if device else self._reports.get(name)
+            report = self._machines.newest(device) if device else self._reports.get(name)
             for command in () if report is None else rules.commands(work, report, device):
                 yield device, command
 

@@ -80,12 +80,14 @@ class StepDevice:
     """A device that carries out steps: a press or a conveyor that hands over to robots.
 
     timeout -- s that it may take to get ready for a step, and to break one off
+    at      -- vertices at which it stands; empty: not said
     address -- where its driver reaches it; None: it is SIMULATED
     """
 
     name: str
     timeout: float
     address: Optional[HandOverAddress] = None
+    at: Tuple[int, ...] = ()
 
 
 @dataclass(frozen=True)

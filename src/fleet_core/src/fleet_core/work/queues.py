@@ -92,44 +92,60 @@ class Queue:
 EMPTY_QUEUE = Queue()
 
 
+class _Turns:
+    """The turns that are given while a queue advances.
+
+    places -- by robot with a turn, the place to which it goes
+    """
+
+    def __init__(self, station: Station, waiters: Mapping[str, Waiter], others: Others) -> None:
+        self.places: Dict[str, int] = {}
+        self._station, self._waiters, self._others = station, waiters, others
+        self._inside = {name for name, one in waiters.items() if one.is_inside}
+
+    @property
+    def has_room(self) -> bool:
+        """Is there room for a turn of one more robot that does not claim the station?"""
+        return (len({*self.places, *self._inside}) + self._others.inside
+                < self._station.capacity)
+
+    def give(self, name: str, wanted: Optional[int] = None) -> None:
+        """Gives a robot a turn for the wanted place, or the nearest free one, if one is free."""
+        stood_on = {one.ends_at for one in self._waiters.values() if one.robot != name}
+        taken = {*stood_on, *self._others.at, *self.places.values()}
+        free = [place for place in self._waiters[name].places if place not in taken]
+        if free:
+            self.places[name] = wanted if wanted in free else free[0]
+
+    def keep(self, before: Mapping[str, int]) -> None:
+        """Keeps the turns of before for which there is room, and gives one to all inside."""
+        for name, place in before.items():
+            if name in self._waiters and (name in self._inside or self.has_room):
+                self.give(name, place)
+        for one in sorted(self._waiters.values(), key=lambda one: one.rank):
+            if one.is_inside and one.robot not in self.places:
+                self.give(one.robot)
+
+    def give_rest(self, order: Iterable[str]) -> None:
+        """Gives turns to robots that do not claim the station, in this order."""
+        for name in order:
+            if name not in self._inside and self.has_room:
+                self.give(name)
+
+
 def advanced(before: Queue, station: Station, waiters: Iterable[Waiter], others: Others) -> Queue:
     """The queue of a station after anything has changed."""
     known = {one.robot: one for one in waiters}
-    turns: Dict[str, int] = {}
-
-    def give_turn(one: Waiter, wanted: Optional[int] = None) -> None:
-        stood_on = {other.ends_at for other in known.values() if other is not one}
-        free = [place for place in one.places
-                if place not in others.at and place not in stood_on
-                and place not in turns.values()]
-        if free:
-            turns[one.robot] = wanted if wanted in free else free[0]
-
-    inside = sorted((one for one in known.values() if one.is_inside), key=lambda one: one.rank)
-
-    def has_room() -> bool:
-        there = {*turns, *(one.robot for one in inside)}
-        return len(there) + others.inside < station.capacity
-
-    for name, place in before.turns.items():
-        if name in known and (known[name].is_inside or has_room()):
-            give_turn(known[name], place)
-    for one in inside:
-        if one.robot not in turns:
-            give_turn(one)
-    arrived = _arrived(before, station, [one for one in known.values() if one.robot not in turns])
-    coming = [name for name in (*before.turns, *before.coming)
-              if name in known and name not in turns and name not in arrived]
-    outside = sorted((one for one in known.values()
-                      if one.robot not in {*turns, *arrived, *coming}), key=lambda one: one.rank)
-    order = [*arrived, *coming, *(one.robot for one in outside)]
-    for name in order:
-        if not known[name].is_inside and has_room():
-            give_turn(known[name])
-    rest = [name for name in order if name not in turns]
+    turns = _Turns(station, known, others)
+    turns.keep(before.turns)
+    waiting = [one for name, one in known.items() if name not in turns.places]
+    arrived = _arrived(before, station, waiting)
+    order = [*arrived, *_behind(before, arrived, waiting)]
+    turns.give_rest(order)
+    rest = [name for name in order if name not in turns.places]
     free = [place for place in station.queue if place not in others.kept]
     waits: Dict[str, Optional[int]] = {**dict.fromkeys(rest), **dict(zip(rest, free))}
-    return Queue(turns, tuple(name for name in arrived if name in waits),
+    return Queue(turns.places, tuple(name for name in arrived if name in waits),
                  tuple(name for name in rest if waits[name] is not None and name not in arrived),
                  waits)
 
@@ -160,3 +176,12 @@ def _arrived(before: Queue, station: Station, waiting: Sequence[Waiter]) -> List
     at = {one.robot: station.queue.index(one.ends_at) for one in waiting
           if one.ends_at in station.queue and one.robot not in arrived}
     return [*arrived, *sorted(at, key=lambda name: at[name])]
+
+
+def _behind(before: Queue, arrived: Sequence[str], waiting: Sequence[Waiter]) -> List[str]:
+    """The robots that have not arrived: those on their way, and then those without a queue place.
+    """
+    away = {one.robot: one for one in waiting if one.robot not in arrived}
+    coming = [name for name in (*before.turns, *before.coming) if name in away]
+    outside = [name for name in away if name not in coming]
+    return [*coming, *sorted(outside, key=lambda name: away[name].rank)]

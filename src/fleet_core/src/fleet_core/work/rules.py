@@ -178,10 +178,18 @@ def due_step(situation: Situation, where: Where) -> Optional[StepPlace]:
     work = situation.work
     if work.is_ending or not nobody_is_asked(work):
         return None
-    for place, step, own in _steps_in_turn(work):
+    for place, step, own in (*_steps_left_behind(work), *_steps_in_turn(work)):
         if own.state is StepState.WAITING:
-            return place if stands_for(step, where) and blocks_none(step, work) else None
+            is_there = place.stop < work.current or stands_for(step, where)
+            return place if is_there and blocks_none(step, work) else None
     return None
+
+
+def _steps_left_behind(work: Work) -> Iterator[Tuple[StepPlace, WorkStep, StepProgress]]:
+    """The steps of earlier stops. One that is to be repeated went on while its robot drove away, so
+    it begins wherever that is.
+    """
+    return ((place, step, own) for place, step, own in work.steps if place.stop < work.current)
 
 
 def _steps_in_turn(work: Work) -> Iterator[Tuple[StepPlace, WorkStep, StepProgress]]:
@@ -581,17 +589,27 @@ def commands(work: Work, report: StepReport, device: str = '') -> List[StepComma
     A key is sent only when all lower ones are shown.
     """
     found: List[StepCommand] = []
+    for step, own in _to_be_told(work, report, device):
+        shown = report.find(own.key)
+        if shown is None:
+            return [*found, _first_command(step, own)]
+        if own.is_ended and step.breakable and not shown.word.is_final:
+            found.append(StepCommand(own.key, StepAct.CANCEL, own.run))
+    return found
+
+
+def _to_be_told(work: Work, report: StepReport,
+                device: str) -> List[Tuple[WorkStep, StepProgress]]:
+    """The steps that an actor may not know as they are now, by their keys."""
     steps = [(step, own) for _, step, own in work.steps if step.actor.has_driver
              and step.device == device and own.state in (StepState.RUNNING, StepState.ASK)
              and own.seen is not Seen.OVER and own.run == report.run]
-    for step, own in sorted(steps, key=lambda pair: pair[1].key):
-        shown = report.find(own.key)
-        end = StepAct.CANCEL if step.breakable else StepAct.REVOKE
-        if shown is None:
-            act = end if own.is_ended else StepAct.DO
-            begins = act is StepAct.DO
-            return [*found, StepCommand(own.key, act, own.run, step.type if begins else '',
-                                        step.parameters if begins else (), step.timeout)]
-        if own.is_ended and end is StepAct.CANCEL and not shown.word.is_final:
-            found.append(StepCommand(own.key, StepAct.CANCEL, own.run))
-    return found
+    return sorted(steps, key=lambda pair: pair[1].key)
+
+
+def _first_command(step: WorkStep, own: StepProgress) -> StepCommand:
+    """What an actor is told that does not show a step: to begin it, or never to begin it."""
+    if own.is_ended:
+        act = StepAct.CANCEL if step.breakable else StepAct.REVOKE
+        return StepCommand(own.key, act, own.run, timeout=step.timeout)
+    return StepCommand(own.key, StepAct.DO, own.run, step.type, step.parameters, step.timeout)

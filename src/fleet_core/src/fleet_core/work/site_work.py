@@ -4,6 +4,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import FrozenSet, Mapping, NamedTuple, Tuple
 
+from fleet_core.work.chargers import Charger
 from fleet_core.work.devices import Device, StepDevice
 from fleet_core.work.stations import Station
 from fleet_core.work.stops import StopKind, WorkStep
@@ -30,6 +31,7 @@ class SiteWork:
     step_devices -- those that carry out steps
     step_types -- the types of steps that the actors of the site know; empty: not said
     job_steps  -- of pickups and drop-offs of jobs
+    chargers -- those that the work file names
     """
 
     stations: Mapping[str, Station] = field(default_factory=dict)
@@ -39,6 +41,12 @@ class SiteWork:
     timetables: Mapping[str, Timetable] = field(default_factory=dict)
     step_types: FrozenSet[str] = frozenset()
     job_steps: Tuple[JobSteps, ...] = ()
+    chargers: Mapping[str, Charger] = field(default_factory=dict)
+
+    @property
+    def names(self) -> FrozenSet[str]:
+        """Names of all stations, devices and chargers. No two have one name."""
+        return frozenset((*self.stations, *self.devices, *self.step_devices, *self.chargers))
 
     def steps_of_job(self, place: int, kind: StopKind) -> Tuple[WorkStep, ...]:
         """Returns the steps at a stop of a job."""

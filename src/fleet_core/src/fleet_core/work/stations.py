@@ -3,7 +3,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import Enum
-from typing import Mapping, Tuple
+from typing import Mapping, Tuple, Union
 
 from trajectory_graph import Graph
 from trajectory_graph.id_lists import listed
@@ -36,12 +36,20 @@ class UnknownPlace(ValueError):
     """A word that names no place, or more than one. The text is a clause that says what to do."""
 
 
-def labelled(label: str, graph: Graph) -> int:
-    """The only vertex with this label. Raises UnknownPlace."""
-    found = _with_label(label, graph)
-    if not found:
-        raise UnknownPlace(f'no vertex has the label {label!r}; give the id of a vertex')
-    return _only(label, found)
+Destination = Union[int, str]
+"""The id of a vertex, or the name of a group of which the fleet manager chooses a place."""
+
+
+def destination_of(word: str, stations: Mapping[str, Station], graph: Graph) -> Destination:
+    """The destination that a word names, see `places_of`. Raises UnknownPlace."""
+    return group_of(word, stations) or places_of(word, stations, graph)[0]
+
+
+def place_of(word: str, stations: Mapping[str, Station], graph: Graph) -> int:
+    """The one place that a word names. Raises UnknownPlace, also for a group."""
+    if group_of(word, stations):
+        raise UnknownPlace(f'{word} is a group; write `group: {word}` in place of `at`')
+    return places_of(word, stations, graph)[0]
 
 
 def places_of(word: str, stations: Mapping[str, Station], graph: Graph) -> Tuple[int, ...]:

@@ -12,8 +12,8 @@ from datetime import datetime, timedelta
 from typing import FrozenSet, NamedTuple, Optional, Tuple
 
 DAY = 24 * 60   # minutes
-DAY_NAMES = ('mon', 'tue', 'wed', 'thu', 'fri', 'sat', 'sun')
-WEEK = frozenset(range(len(DAY_NAMES)))
+DAYS = ('mon', 'tue', 'wed', 'thu', 'fri', 'sat', 'sun')
+WEEK = frozenset(range(len(DAYS)))
 WallMinute = int
 """Minutes since the beginning of the year 1, as clocks on the wall show them."""
 _FIRST = datetime(1, 1, 1)
@@ -54,6 +54,7 @@ class Timetable:
                  more than a day: after midnight
     days      -- days of the week on which it begins; 0 is Monday
     priority  -- of its missions
+    deadline  -- minutes from the time of a run to that by which it is to be done; 0: there is none
     """
 
     name: str
@@ -64,6 +65,7 @@ class Timetable:
     end: int = DAY - 1
     days: FrozenSet[int] = WEEK
     priority: int = 0
+    deadline: int = 0
 
 
 class DueRun(NamedTuple):

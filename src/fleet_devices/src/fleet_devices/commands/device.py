@@ -1,4 +1,4 @@
-"""The command `device`: lists the doors, lights and other devices, opens them, gives them back.
+"""The command `device`: lists devices and machines, opens devices, and gives them back.
 
     device list [--json]
     device open gate_north
@@ -14,6 +14,14 @@ from __future__ import annotations
 import time
 from typing import Any, Dict, List, Optional, Sequence
 
+from fleet_devices.commands.ages import age
+from fleet_devices.commands.machines import (
+    listed_machines,
+    machine_of_topic,
+    machine_table,
+    machine_topics,
+    machine_values,
+)
 from graph_fleet_manager.commands.command_line import NOT_DONE, OK, CommandProblem, Parser
 from graph_fleet_manager.commands.fleet_client import (
     PATIENCE,
@@ -25,7 +33,7 @@ from graph_fleet_manager.commands.fleet_client import (
     run,
 )
 from graph_fleet_manager.commands.tables import as_json, offer_json, table_with_notes
-from itrci_nav_msgs.msg import DeviceRequest, DeviceState
+from itrci_nav_msgs.msg import DeviceRequest, DeviceState, FleetState, StepStates
 from route_protocol.device_messages import (
     LONGEST_NAME,
     WrongDeviceMessage,
@@ -47,10 +55,12 @@ def main(arguments: Optional[Sequence[str]] = None) -> int:
 
 def _device(arguments: List[str]) -> int:
     parser = Parser('device', description='Lists the doors, lights and other devices of a site, '
-                    'opens them, and gives them back.')
+                    'and its machines; opens devices, and gives them back.')
     commands = parser.add_subparsers(dest='command', metavar='COMMAND')
     commands.required = True
-    offer_json(commands.add_parser('list', help='what each device shows, and its holders'))
+    offer_json(commands.add_parser(
+        'list', help='what each device shows, and its holders; what each machine does, and for '
+                     'which robot'))
     asks = commands.add_parser('open', help='holds a device open until you give it back')
     gives = commands.add_parser('release', help='gives a device back; it closes when it has no '
                                                 'other holder')
@@ -131,7 +141,9 @@ def _report(message: DeviceState) -> DeviceReport:
 
 
 def _list(states: TopicListener, is_json: bool) -> int:
-    until = time.monotonic() + PATIENCE
+    fleet = TopicListener('/fleet_state', FleetState)
+    steps = {topic: TopicListener(topic, StepStates) for topic in machine_topics()}
+    until = time.monotonic() + (PATIENCE if not steps else ALL_REPORTS)
     latest: Dict[str, DeviceReport] = {}
     while time.monotonic() < until:
         states.wait(until - time.monotonic())
@@ -141,13 +153,18 @@ def _list(states: TopicListener, is_json: bool) -> int:
             report = _report(message)
             if report.is_newer_than(latest.get(report.device)):
                 latest[report.device] = report
-    if not latest:
+    machines = listed_machines(
+        {machine_of_topic(topic): heard.messages[-1] for topic, heard in steps.items()
+         if heard.messages}, fleet.messages[-1] if fleet.messages else None)
+    if not latest and not machines:
         raise CommandProblem('No device is reported: is fleet_devices running, and does its work '
                              'file have devices?')
     reports = [latest[name] for name in sorted(latest)]
     now = time.time()
-    print(as_json({'devices': [values(report) for report in reports]}) if is_json
-          else listed(reports, now))
+    print(as_json({'devices': [values(report) for report in reports],
+                   'machines': [machine_values(one, now) for one in machines]}) if is_json
+          else '\n\n'.join(([listed(reports, now)] if reports else [])
+                           + ([machine_table(machines, now)] if machines else [])))
     return OK
 
 
@@ -160,14 +177,6 @@ def listed(reports: Sequence[DeviceReport], now: float) -> str:
             for report in reports]
     return table_with_notes(('device', 'shows', 'for', 'read', 'held by (for)'), rows,
                             [report.reason for report in reports])
-
-
-def age(since: float, now: float) -> str:
-    """How long ago something was, for people."""
-    seconds = max(now - since, 0.0)
-    if seconds < 120:
-        return f'{seconds:.0f} s'
-    return f'{seconds / 60:.0f} min' if seconds < 7200 else f'{seconds / 3600:.0f} h'
 
 
 def values(report: DeviceReport) -> Dict[str, Any]:

@@ -8,6 +8,7 @@ from enum import Enum
 from typing import Any, Callable, Dict, Mapping, Tuple
 
 from fleet_core.work.rules import StepDecision
+from fleet_core.work.stations import Destination
 from fleet_page.core.roles import UserRole
 
 MOST_DESTINATIONS = 100
@@ -53,6 +54,7 @@ class Act:
 
     mission -- request id
     robot   -- the robot that the act concerns, or that must serve the mission
+    destinations -- ids of vertices, and names of stations and groups
     stays   -- s at each destination, negative: until released; empty: no stays
     name    -- name of a favourite, an area, a template or a timetable, or key of an alarm
     arguments -- of the template, each with the name of its parameter
@@ -67,7 +69,7 @@ class Act:
     robot: str = ''
     robot_type: str = ''
     priority: int = 0
-    destinations: Tuple[int, ...] = ()
+    destinations: Tuple[Destination, ...] = ()
     stays: Tuple[float, ...] = ()
     edges: Tuple[int, ...] = ()
     name: str = ''
@@ -104,12 +106,15 @@ def _ids(value: Any, most: int) -> Tuple[int, ...]:
     return ids
 
 
-def _destinations(value: Any) -> Tuple[int, ...]:
-    return _ids(value, MOST_DESTINATIONS)
+def _destinations(value: Any) -> Tuple[Destination, ...]:
+    """Ids of vertices, and names of stations and groups."""
+    if not isinstance(value, list) or not 0 < len(value) <= MOST_DESTINATIONS:
+        raise WrongAct(f'must be a list of 1 to {MOST_DESTINATIONS} ids or names')
+    return tuple(_text(one) if isinstance(one, str) else _ids([one], 1)[0] for one in value)
 
 
-def _changed_destinations(value: Any) -> Tuple[int, ...]:
-    return () if value == [] else _destinations(value)
+def _changed_destinations(value: Any) -> Tuple[Destination, ...]:
+    return () if value == [] else _ids(value, MOST_DESTINATIONS)
 
 
 def _edges(value: Any) -> Tuple[int, ...]:

@@ -5,8 +5,10 @@ from dataclasses import dataclass
 from enum import Enum
 from typing import Optional, Tuple
 
+from fleet_core.supervision.looks import ResourceLook
 from fleet_core.supervision.outages import Outage
 from fleet_core.supervision.waits import WaitCode
+from fleet_core.work.tables import LoadState
 
 ROBOT_STATES = ('IDLE', 'BUSY', 'CHARGING', 'OFFLINE', 'STOPPED', 'TAKEN_OVER', 'FAILED',
                 'OFF_GRAPH', 'OUT_OF_SERVICE', 'ABSENT', 'UNKNOWN')
@@ -39,6 +41,7 @@ class ShownRobot:
     to_end   -- s until its mission ends, as the fleet manager expects; None: unknown
     not_open -- the device in which it is, and which does not report that it is open; empty: none
     wait     -- name of the code of what it waits for (WaitCode)
+    load     -- what it carries (name of a LoadState); load_serial: the serial of the load's mission
 
     Each attribute is a value that the page shows.
     """
@@ -57,6 +60,8 @@ class ShownRobot:
     to_end: Optional[float] = None
     wait: str = WaitCode.NOTHING.name
     not_open: str = ''
+    load: str = LoadState.EMPTY.name
+    load_serial: int = 0
 
     @property
     def is_working(self) -> bool:
@@ -71,6 +76,15 @@ class ShownRobot:
 
 
 @dataclass(frozen=True)
+class ShownQueuePlace:
+    """A place at which robots wait for a station. `robot`: that has it; empty: none has."""
+
+    vertex: int
+    robot: str = ''
+    is_there: bool = False
+
+
+@dataclass(frozen=True)
 class ShownResource:
     """A station, a door or the like, as the map shows it.
 
@@ -79,6 +93,9 @@ class ShownResource:
     vertices -- ids of the vertices that need it
     device   -- what its device shows (name of a DeviceMode); empty: it has none
     robots   -- names of the robots that claim it
+    look     -- name of its ResourceLook, which has a colour
+    is_group -- its vertices are equal: a mission may name it in place of one of them
+    queue    -- of a station, the first place first
     """
 
     name: str
@@ -87,6 +104,26 @@ class ShownResource:
     vertices: Tuple[int, ...] = ()
     device: str = ''
     robots: Tuple[str, ...] = ()
+    look: str = ResourceLook.PLACE.name
+    is_group: bool = False
+    queue: Tuple[ShownQueuePlace, ...] = ()
+
+
+@dataclass(frozen=True)
+class ShownMachine:
+    """A machine, as the map shows it.
+
+    state    -- name of a MachineState
+    look     -- name of its ResourceLook
+    vertices -- where it stands, or works; empty: that is not known
+    robot    -- for which it works; empty: none
+    """
+
+    name: str
+    state: str
+    look: str
+    vertices: Tuple[int, ...] = ()
+    robot: str = ''
 
 
 ALARMING = ('STOPPED', 'TAKEN_OVER', 'FAILED', 'OFF_GRAPH', 'TOO_NEAR', 'CLOCK', 'DEAF')
@@ -181,7 +218,7 @@ class MissionStatus:
     deadline -- one of DEADLINE_STATES
     template -- the template and its arguments, for people; empty: none
     serial   -- number of the mission at this site, for people; 0: it was not accepted
-    destinations -- vertices in force; the request of a template has none
+    destinations -- vertices in force; empty: those of the request
 
     Each attribute is a value that the page shows.
     """

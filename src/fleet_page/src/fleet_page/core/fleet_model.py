@@ -3,7 +3,7 @@
 Keys of the live state: `fleet`, `stop`, `counts`, `site`, `closed`, `favourites`, `areas`,
 `templates`, `timetables`,
 `robot:NAME`, `pose:NAME`, `plan:NAME`, `allocation:NAME`, `laser:NAME`, `resource:NAME`,
-`mission:ID:STAMP`, `alarm:robot:NAME`, `alarm:mission:ID:STAMP`.
+`machine:NAME`, `mission:ID:STAMP`, `alarm:robot:NAME`, `alarm:mission:ID:STAMP`.
 """
 from __future__ import annotations
 
@@ -22,6 +22,7 @@ from fleet_page.core.fleet import (
     MissionStatus,
     RobotGroup,
     ShownAllocation,
+    ShownMachine,
     ShownPlan,
     ShownPose,
     ShownResource,
@@ -92,9 +93,11 @@ class FleetModel:
         """Takes the list of all closed edges."""
         self.live.put('closed', sorted(edges))
 
-    def show_resources(self, resources: Iterable[ShownResource]) -> None:
-        """Shows all stations, doors and the like."""
+    def show_resources(self, resources: Iterable[ShownResource],
+                       machines: Iterable[ShownMachine] = ()) -> None:
+        """Shows all stations, doors and the like, and all machines."""
         self.live.replace('resource:', {one.name: asdict(one) for one in resources})
+        self.live.replace('machine:', {one.name: asdict(one) for one in machines})
 
     def show_templates(self, templates: Iterable[ShownTemplate]) -> None:
         """Shows all templates of missions."""
@@ -119,27 +122,37 @@ class FleetModel:
         for name in found:
             # RViz numbers the robots in the same order: the number selects the colour.
             self._numbers.setdefault(name, len(self._numbers))
-        self._faults = {name: self._fault_since(robot, now) for name, robot in found.items()}
-        self.live.replace('robot:', {
-            name: {**_robot_values(robot), 'number': self._numbers[name],
-                   'fault': self._faults[name][0], 'fault_since': self._faults[name][1]}
-            for name, robot in found.items()})
-        happened = (event_between(self.robots[name], robot, now)
-                    for name, robot in found.items() if name in self.robots)
-        self._events.extend(event for event in happened if event is not None)
+        self._show_robots(found, now)
+        self._note_events(found, now)
         for name in {*self.robots, *found}:
             self._raise_alarm(f'robot:{name}', alarm_of(found[name]) if name in found else '', now)
         self.robots = found
-        for name in [name for name in self.places if name not in found]:
-            del self.places[name]
-            self.live.remove(f'pose:{name}')
-        for name, robot in found.items():
-            if name not in self.places:
-                place = self._place_on_graph(robot)
-                if place is not None:
-                    self._show_place(name, place)
+        self._follow_places()
         self._expect_ends(now)
         self.tick(now)
+
+    def _show_robots(self, robots: Mapping[str, ShownRobot], now: float) -> None:
+        self._faults = {name: self._fault_since(robot, now) for name, robot in robots.items()}
+        self.live.replace('robot:', {
+            name: {**_robot_values(robot), 'number': self._numbers[name],
+                   'fault': self._faults[name][0], 'fault_since': self._faults[name][1]}
+            for name, robot in robots.items()})
+
+    def _note_events(self, robots: Mapping[str, ShownRobot], now: float) -> None:
+        """Notes what happened to robots since their last states."""
+        happened = (event_between(self.robots[name], robot, now)
+                    for name, robot in robots.items() if name in self.robots)
+        self._events.extend(event for event in happened if event is not None)
+
+    def _follow_places(self) -> None:
+        """Shows each robot that has told no pose on the graph. Forgets robots that have gone."""
+        for name in [name for name in self.places if name not in self.robots]:
+            del self.places[name]
+            self.live.remove(f'pose:{name}')
+        for name, robot in self.robots.items():
+            place = None if name in self.places else self._place_on_graph(robot)
+            if place is not None:
+                self._show_place(name, place)
 
     def _fault_since(self, robot: ShownRobot, now: float) -> Tuple[str, int]:
         """Returns what keeps a robot from working, and since when (s since 1970; 0: nothing)."""
@@ -379,7 +392,7 @@ class FleetModel:
         if status.deadline in DEADLINE_ALARMS:
             values['alarm'] = status.deadline
         if request is not None:
-            values.update(destinations=list(request.destinations or status.destinations),
+            values.update(destinations=list(status.destinations or request.destinations),
                           priority=request.priority, wanted_robot=request.robot,
                           robot_type=request.robot_type, by=request.requested_by)
             end = self._ends.get(key)

@@ -5,9 +5,18 @@ from typing import Any, Callable, Dict, Tuple, Type
 
 from std_srvs.srv import Trigger
 
+from fleet_core.work.stations import Destination, UnknownPlace
 from fleet_page.core.acts import ANSWERS, Act, ActKind, ActOutcome
 from fleet_page.core.roles import Person
-from fleet_requests import NotSent, Sender, ServiceRefused, ServiceSilent, call, mission_request
+from fleet_requests import (
+    ImpossibleRequest,
+    NotSent,
+    Sender,
+    ServiceRefused,
+    ServiceSilent,
+    call,
+    mission_request,
+)
 from itrci_nav_msgs.msg import EdgeCommand, MissionCommand, MissionRequest, StepParameter
 from itrci_nav_msgs.srv import DeclareAbsent, PauseTimetable
 
@@ -27,10 +36,12 @@ class FleetCommands:
 
     is_robot -- returns whether a robot has this name; else a name from the network could become
                 part of any service name
+    destination -- returns what the name of a station or group names; raises UnknownPlace
     """
 
-    def __init__(self, is_robot: Callable[[str], bool]) -> None:
-        self._is_robot = is_robot
+    def __init__(self, is_robot: Callable[[str], bool],
+                 destination: Callable[[str], Destination]) -> None:
+        self._is_robot, self._destination = is_robot, destination
         self._requests = Sender(MissionRequest)
         self._commands = Sender(MissionCommand)
         self._edges = Sender(EdgeCommand)
@@ -48,14 +59,17 @@ class FleetCommands:
             if act.kind in EDGES:
                 return self._edge(act, by)
             return self._call(act, by)
-        except (NotSent, ServiceRefused) as reason:
+        except (NotSent, ServiceRefused, ImpossibleRequest) as reason:
             return ActOutcome(False, str(reason))
+        except UnknownPlace as unknown:
+            return ActOutcome(False, f'A destination is wrong: {unknown}.')
         except ServiceSilent as error:
             return ActOutcome(False, f'{error}.')
 
     def _send(self, act: Act, by: str) -> ActOutcome:
         request = mission_request(
-            act.destinations, robot=act.robot, robot_type=act.robot_type, priority=act.priority,
+            [self._destination(one) if isinstance(one, str) else one for one in act.destinations],
+            robot=act.robot, robot_type=act.robot_type, priority=act.priority,
             dwell=list(act.stays), requested_by=by)
         self._requests.send(request)
         return ActOutcome(True, f'Sent as mission {request.request_id}.', request.request_id)

@@ -51,6 +51,7 @@ from visualization_msgs.msg import MarkerArray
 
 from fleet_core.supervision.history import HistoryLine, history
 from fleet_core.supervision.journal_database import JournalError
+from fleet_core.work.stations import Destination, Station, UnknownPlace, destination_of
 from fleet_page.core.acts import Act
 from fleet_page.core.fleet_model import HOUR
 from fleet_page.core.page import Page
@@ -66,6 +67,7 @@ from fleet_page.nodes.fleet_stop import forget_node_arguments, stop_fleet
 from fleet_page.nodes.layer_topics import LayerTopics
 from fleet_page.web.server import WebServer, serve
 from graph_fleet_manager.messages.missions import stop_of
+from graph_fleet_manager.messages.resources import stations_of
 from graph_fleet_manager.nodes.fleet_parameter import fleet_of
 from graph_topic import FollowedGraph
 from itrci_nav_msgs.msg import (
@@ -118,7 +120,8 @@ class FleetPageNode:
         self._page = Page(self._records, replay, missions, self._tell_areas)
         if parameter('~fleet_file', ''):
             self._page.site.radii = messages.radii_of(fleet_of())
-        commands = FleetCommands(lambda name: name in self._page.model.robots)
+        self._stations: Mapping[str, Station] = {}
+        commands = FleetCommands(lambda name: name in self._page.model.robots, self._destination)
         self._layer_topics = LayerTopics(self._page.model, self._loop_call)
         server = WebServer(self._page, commands.do, self._layer_topics.watch)
         self._loop = asyncio.new_event_loop()
@@ -243,10 +246,19 @@ class FleetPageNode:
         self._page.site.fences = messages.fences_of(message)
         self._page.model.site_changed()
 
+    def _destination(self, word: str) -> Destination:
+        """What a name of a person names. Threads of the HTTP server call it."""
+        graph = self._page.model.graph
+        if graph is None:
+            raise UnknownPlace('there is no graph yet')
+        return destination_of(word, self._stations, graph)
+
     def _on_state(self, message: FleetState) -> None:
+        self._stations = stations_of(message.resources)
         self._page.model.show_stop(stop_of(message.stop))
         self._page.model.take_robots(messages.robots_of(message), time.time())
-        self._page.model.show_resources(messages.resources_of(message))
+        self._page.model.show_resources(messages.resources_of(message),
+                                        messages.machines_of(message))
         ready = self._readiness.words(
             self._page.model.robots.values(), self._is_surveyed,
             stop_of(message.stop).is_in_force, time.monotonic())

@@ -8,7 +8,9 @@ import numpy as np
 from sensor_msgs.msg import PointCloud2
 from visualization_msgs.msg import Marker, MarkerArray
 
+from fleet_core.supervision.looks import LOOK_OF_MACHINE
 from fleet_core.supervision.waits import WaitCode
+from fleet_core.work.tables import LoadState
 from fleet_page.core.acts import ANSWERS, Act, ActKind
 from fleet_page.core.fleet import (
     DEADLINE_STATES,
@@ -17,8 +19,10 @@ from fleet_page.core.fleet import (
     MissionRequest,
     MissionStatus,
     ShownAllocation,
+    ShownMachine,
     ShownPlan,
     ShownPose,
+    ShownQueuePlace,
     ShownResource,
     ShownRobot,
     ShownTemplate,
@@ -26,8 +30,8 @@ from fleet_page.core.fleet import (
 )
 from fleet_page.core.site import WallMap, wall_map
 from fleet_page.nodes.fleet_commands import COMMANDS, EDGES
-from graph_fleet_manager.messages.missions import person_of
-from graph_fleet_manager.messages.resources import KIND_OF_CODE, device_of
+from graph_fleet_manager.messages.missions import LOAD_OF_CODE, person_of
+from graph_fleet_manager.messages.resources import KIND_OF_CODE, device_of, look_of, machine_of
 from itrci_nav_msgs import msg
 from node_lifecycle.clouds import places_in
 from node_lifecycle.headings import yaw_from_quaternion
@@ -60,15 +64,24 @@ def _robot_of(message: msg.FleetRobot, not_open: str) -> ShownRobot:
         message.battery if math.isfinite(message.battery) else None,
         message.request_id if message.has_mission else None, message.destination,
         message.waits_for, message.to_end if math.isfinite(message.to_end) else None,
-        _WAITS.get(message.waits_for_code, 'UNKNOWN'), not_open)
+        _WAITS.get(message.waits_for_code, 'UNKNOWN'), not_open,
+        LOAD_OF_CODE.get(message.load, LoadState.UNKNOWN).name, message.load_serial)
 
 
 def resources_of(message: msg.FleetState) -> List[ShownResource]:
     """The stations, doors and the like in /fleet_state."""
     return [ShownResource(
         one.name, KIND_OF_CODE[one.kind].name, tuple(one.edges), tuple(one.vertices),
-        '' if device is None else device.mode.name, tuple(claim.robot for claim in one.claims))
+        '' if device is None else device.mode.name, tuple(claim.robot for claim in one.claims),
+        look_of(one).name, one.is_group,
+        tuple(ShownQueuePlace(place.vertex, place.robot, place.is_there) for place in one.queue))
         for one in message.resources for device in (device_of(one),)]
+
+
+def machines_of(message: msg.FleetState) -> List[ShownMachine]:
+    """The machines in /fleet_state."""
+    return [ShownMachine(one.name, one.state.name, LOOK_OF_MACHINE[one.state].name, one.places,
+                         one.robot) for one in map(machine_of, message.machines)]
 
 
 def places_of(message: msg.FleetPoses) -> Dict[str, ShownPose]:

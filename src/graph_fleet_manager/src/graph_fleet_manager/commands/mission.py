@@ -1,6 +1,7 @@
 """The command `mission`: sends a mission and shows its progress; lists, changes, shows the history.
 
     mission 18 39 52 6 16 --type omron_ld90 --wait
+    mission press shelves
     mission why MISSION
     mission list | cancel MISSION | pause MISSION | resume MISSION | release MISSION
     mission history [--csv]
@@ -45,9 +46,9 @@ from fleet_core.supervision.missions import (
 )
 from fleet_core.supervision.waits import WaitCode
 from fleet_core.work.rules import StepDecision
-from fleet_core.work.stations import UnknownPlace, labelled
+from fleet_core.work.stations import Destination
 from fleet_core.work.timetables import minute_of_day, next_time
-from fleet_requests import mission_request
+from fleet_requests import ImpossibleRequest, mission_request, visits
 from graph_fleet_manager.commands.command_line import NOT_DONE, OK, CommandProblem, Parser
 from graph_fleet_manager.commands.fleet_client import (
     PATIENCE,
@@ -62,6 +63,7 @@ from graph_fleet_manager.commands.fleet_client import (
 )
 from graph_fleet_manager.commands.mission_names import MissionName, mission_name
 from graph_fleet_manager.commands.mission_watch import MissionWatch, ask_for
+from graph_fleet_manager.commands.place_names import PlaceNames
 from graph_fleet_manager.commands.progress import ProgressLine, line_of
 from graph_fleet_manager.commands.tables import (
     WIDTH,
@@ -84,11 +86,9 @@ from itrci_nav_msgs.msg import (
     MissionTemplates,
     StepParameter,
 )
-from itrci_nav_msgs.msg import Graph as GraphMessage
 from itrci_nav_msgs.srv import ExplainMission, ExplainMissionResponse
 from node_program.inert_text import cell
 from trajectory_graph import Graph
-from trajectory_graph.messages import graph_from_message
 
 _CHANGES = {command.name.lower(): command for command in CommandKind}
 _ANSWERS = {answer.name.lower(): answer for answer in StepDecision if answer}
@@ -141,8 +141,8 @@ def _options(name: str, what: str, arguments: List[str]) -> argparse.Namespace:
                                  'mission goes on, the step was done')
     if name == 'modify':
         parser.add_argument('destinations', nargs='*', metavar='VERTEX',
-                            help='the new destinations, in order, without dwells: id of a vertex, '
-                                 'or a label that only one vertex has; none: as before')
+                            help='the new destinations, in order, without dwells, named as those '
+                                 'of a new mission; none: as before')
         parser.add_argument('--stops', metavar='FILE',
                             help='of a mission with stops: YAML file of the stops after those that '
                                  'have begun')
@@ -156,29 +156,36 @@ def _options(name: str, what: str, arguments: List[str]) -> argparse.Namespace:
 
 
 def _send(arguments: List[str]) -> int:
-    parser = Parser('mission', description='Sends a robot to vertices, in order. Other uses: '
+    parser = Parser('mission', description='Sends a robot to places, in order. Other uses: '
                     'mission run TEMPLATE, mission templates, mission timetables, mission list, '
                     'mission why ID, mission cancel|pause|resume|release|modify|answer ID, '
                     'mission history.')
-    parser.add_argument('destinations', nargs='*', metavar='VERTEX',
-                        help='id of a vertex, or a label that only one vertex has')
+    parser.add_argument('destinations', nargs='*', metavar='PLACE',
+                        help='id of a vertex; name of a station with one place; name of a group, '
+                             'of which the fleet manager chooses a place; or a label that only one '
+                             'vertex has')
     _offer_conditions(parser)
     parser.add_argument('--dwell', type=float, nargs='+', default=[], metavar='S',
                         help='s to stay at each destination: one for all, or one for each; '
                              'negative: until mission release')
     parser.add_argument('--stops', metavar='FILE',
-                        help='YAML file of stops with steps, in place of VERTEX and --dwell')
+                        help='YAML file of stops with steps, in place of PLACE and --dwell')
     options = parser.parse_args(arguments)
     if bool(options.destinations) is bool(options.stops) or options.stops and options.dwell:
-        parser.error('give vertices, with or without --dwell, or give --stops')
+        parser.error('give places, with or without --dwell, or give --stops')
     connect('mission_command')
-    graph = _graph()
-    work = _stops(options.stops, graph) if options.stops else StopsFile(())
-    destinations = [_vertex(word, graph) for word in options.destinations]
+    names = PlaceNames()
+    work = _stops(options.stops, names) if options.stops else StopsFile(())
+    destinations = [names.destination(word) for word in options.destinations]
     dwells = options.dwell * len(destinations) if len(options.dwell) == 1 else options.dwell
-    return _send_request(mission_request(
-        destinations, dwell=dwells, stops=stop_messages(work.stops),
-        on_cancel=stop_messages(work.on_cancel), **_conditions(options)), options.wait, graph)
+    try:
+        request = mission_request(
+            destinations, dwell=dwells, **({} if options.destinations else {
+                'stops': stop_messages(work.stops), 'on_cancel': stop_messages(work.on_cancel)}),
+            **_conditions(options))
+    except ImpossibleRequest as wrong:
+        raise CommandProblem(str(wrong)) from None
+    return _send_request(request, options.wait, names.graph if options.wait else None)
 
 
 def _offer_conditions(parser: Parser) -> None:
@@ -238,7 +245,7 @@ def _run_template(arguments: List[str]) -> int:
     connect('mission_command', [sys.argv[0], *filter(is_for_ros, sys.argv[1:])])
     return _send_request(mission_request(
         (), template=options.template, arguments=options.arguments, **_conditions(options)),
-        options.wait, _graph() if options.wait else None)
+        options.wait, PlaceNames().graph if options.wait else None)
 
 
 def _argument(text: str) -> StepParameter:
@@ -276,36 +283,11 @@ def _send_request(request: MissionRequest, waits: bool, graph: Optional[Graph]) 
     return _follow(request, status, listener, graph) if waits and graph is not None else OK
 
 
-def _stops(path: str, graph: Graph) -> StopsFile:
+def _stops(path: str, names: PlaceNames) -> StopsFile:
     try:
-        return load_stops(path, lambda word: _place(word, graph))
+        return load_stops(path, names.place)
     except FileError as error:
         raise CommandProblem(str(error)) from None
-
-
-def _graph() -> Graph:
-    return graph_from_message(TopicListener('/graph', GraphMessage).last())
-
-
-def _vertices(words: List[str]) -> List[int]:
-    """The ids of vertices; the graph is needed only for labels."""
-    graph = None if all(word.isdecimal() for word in words) else _graph()
-    return [int(word) if graph is None else _vertex(word, graph) for word in words]
-
-
-def _vertex(word: str, graph: Graph) -> int:
-    try:
-        return _place(word, graph)
-    except UnknownPlace as unknown:
-        raise CommandProblem(f'A destination is wrong: {unknown}.') from None
-
-
-def _place(word: str, graph: Graph) -> int:
-    """The vertex that an id or a label names. Raises UnknownPlace."""
-    try:
-        return int(word)
-    except ValueError:
-        return labelled(word, graph)
 
 
 def _acknowledged(request: MissionRequest, listener: TopicListener) -> MissionStatus:
@@ -319,7 +301,6 @@ def _acknowledged(request: MissionRequest, listener: TopicListener) -> MissionSt
 def _follow(request: MissionRequest, status: MissionStatus, listener: TopicListener,
             graph: Graph) -> int:
     """Shows the progress of a mission until it ends. Returns the exit status."""
-    destinations = list(request.destination_vertices_id) or list(status.destinations)
     states = TopicListener('/fleet_state', FleetState)
     state: Optional[FleetState] = None
     line = ProgressLine()
@@ -329,7 +310,7 @@ def _follow(request: MissionRequest, status: MissionStatus, listener: TopicListe
         while MissionState(status.state).is_open:
             state = (states.unread() or [state])[-1]
             about = (status.state, status.robot, status.destinations_reached, status.reason)
-            line.show(line_of(status, destinations, state, graph), about)
+            line.show(line_of(status, _destinations(request, status), state, graph), about)
             status = watch.wait(0.5)
     except KeyboardInterrupt:
         line.end()
@@ -339,9 +320,15 @@ def _follow(request: MissionRequest, status: MissionStatus, listener: TopicListe
     if status.state != MissionStatus.SUCCEEDED:
         raise CommandProblem(f'Mission {id}: {MissionState(status.state).name}: {status.reason}.',
                              NOT_DONE)
-    places = ', '.join(map(str, destinations)) or f'all {status.destinations_reached} stops'
+    places = ', '.join(map(str, _destinations(request, status))) or (
+        f'all {status.destinations_reached} stops')
     print(f'Mission {id} has succeeded: {status.robot} was at {places}.')
     return OK
+
+
+def _destinations(request: MissionRequest, status: MissionStatus) -> List[int]:
+    """The destinations of a mission. Those of groups are chosen by the fleet manager."""
+    return list(request.destination_vertices_id) or list(status.destinations)
 
 
 # -- listing and changing -------------------------------------------------------------------------
@@ -459,11 +446,12 @@ def _change(word: str, arguments: List[str]) -> int:
         message.answer = int(_ANSWERS[options.answer])
     if word == 'modify':
         message.priority = options.priority
-        message.destination_vertices_id = _vertices(options.destinations)
+        names = PlaceNames()
+        _change_destinations(message, [names.destination(one) for one in options.destinations])
         if options.stops:
-            found = _stops(options.stops, _graph())
+            found = _stops(options.stops, names)
             if found.on_cancel or options.destinations:
-                raise CommandProblem('Give either vertices, or a file of stops without on_cancel.')
+                raise CommandProblem('Give either places, or a file of stops without on_cancel.')
             message.stops = stop_messages(found.stops)
     known = _open_mission(options.id, listener)
     message.request_id = known.request_id
@@ -485,6 +473,14 @@ def _change(word: str, arguments: List[str]) -> int:
         raise CommandProblem(f'Mission {options.id}{reason}.', NOT_DONE)
     print(f'Mission {options.id}: {MissionState(status.state).name}{reason}')
     return OK
+
+
+def _change_destinations(message: MissionCommand, destinations: List[Destination]) -> None:
+    """Fills in the new destinations. Only a mission with stops can be sent to a group."""
+    if any(isinstance(one, str) for one in destinations):
+        message.stops = visits(destinations)
+    else:
+        message.destination_vertices_id = destinations
 
 
 def _open_mission(name: MissionName, listener: TopicListener) -> MissionStatus:

@@ -4,7 +4,7 @@ from __future__ import annotations
 from datetime import datetime
 from typing import Any, Dict, List, Sequence
 
-from fleet_core.work.timetables import DAY, DAY_NAMES, WEEK
+from fleet_core.work.timetables import DAY, DAYS, WEEK
 from fleet_requests import call
 from graph_fleet_manager.commands.command_line import OK, Parser
 from graph_fleet_manager.commands.fleet_client import TopicListener, connect, requested_by
@@ -51,7 +51,7 @@ def runs_of(one: Timetable) -> str:
     every = f'{one.every // 60} h' if one.every % 60 == 0 else f'{one.every} min'
     days = frozenset(one.days)
     return f'every {every}, {_clock(one.begin)} to {_clock(one.end)}' + (
-        '' if days == WEEK else ', ' + ' '.join(DAY_NAMES[day] for day in sorted(days)))
+        '' if days == WEEK else ', ' + ' '.join(DAYS[day] for day in sorted(days)))
 
 
 def _clock(minute: int) -> str:
@@ -66,5 +66,5 @@ def _values(one: Timetable) -> Dict[str, Any]:
     return {'timetable': one.name, 'template': one.template,
             'arguments': {argument.name: argument.value for argument in one.arguments},
             'priority': one.priority, 'every': one.every, 'from': _clock(one.begin),
-            'to': _clock(one.end), 'days': [DAY_NAMES[day] for day in one.days],
+            'to': _clock(one.end), 'days': [DAYS[day] for day in one.days],
             'paused': one.is_paused, 'next': one.next.to_sec() or None}

@@ -10,6 +10,7 @@ from fleet_core.interlocking.reports import Report
 from fleet_core.interlocking.route_master import ME
 from fleet_core.supervision.fleet_stop import FleetStop, StopCause
 from fleet_core.supervision.fleet_view import DriveView, RobotView
+from fleet_core.supervision.machine_view import MachineView
 from fleet_core.supervision.missions import (
     MissionState,
     Request,
@@ -22,7 +23,8 @@ from fleet_core.supervision.timetable_runs import TimetableView
 from fleet_core.supervision.why import MissionReason
 from fleet_core.work.site_work import SiteWork
 from fleet_core.work.stops import dwells_of
-from graph_fleet_manager.messages.resources import resource_messages
+from fleet_core.work.tables import LoadState
+from graph_fleet_manager.messages.resources import machine_messages, resource_messages
 from graph_fleet_manager.messages.stops import WrongStopMessage, dependencies_of, stops_of
 from itrci_nav_msgs import msg, srv
 from route_protocol import messages as route_messages
@@ -36,6 +38,10 @@ _OUTAGES: Dict[Optional[Outage], int] = {
     **{outage: getattr(msg.FleetRobot, f'OUTAGE_{outage.name}') for outage in Outage}}
 OUTAGE_OF_CODE: Dict[int, Optional[Outage]] = {code: outage for outage, code in _OUTAGES.items()}
 """The outage of each `FleetRobot.outage_code`; None: the robot works."""
+_LOADS: Dict[LoadState, int] = {
+    state: getattr(msg.FleetRobot, f'LOAD_{state.name}') for state in LoadState}
+LOAD_OF_CODE: Dict[int, LoadState] = {code: state for state, code in _LOADS.items()}
+"""What is known of a load, by `FleetRobot.load`."""
 _SAME = 1e-6           # s by which stamps of one request may differ, because floats round them
 _END_OF_TIME = genpy.Time(2 ** 32 - 1, 10 ** 9 - 1)  # the latest time that a message can carry
 _LONGEST_NAME = 256
@@ -198,14 +204,15 @@ def stop_of(message: msg.FleetStop) -> FleetStop:
     return FleetStop(cause, message.by, message.since.to_sec(), message.why)
 
 
-def state_message(robots: Iterable[RobotView], resources: Iterable[ResourceView], stop: FleetStop,
-                  moment: Moment, now: genpy.Time, rate: float = 1.0) -> msg.FleetState:
-    """The state of the fleet, its robots and resources as a message; `now` is its stamp.
+def state_message(robots: Iterable[RobotView], resources: Iterable[ResourceView],
+                  machines: Iterable[MachineView], stop: FleetStop, moment: Moment,
+                  now: genpy.Time, rate: float = 1.0) -> msg.FleetState:
+    """The state of the fleet, its robots, resources and machines as a message; `now`: its stamp.
 
     rate -- factor by which simulated robots are faster than the clock
     """
     message = msg.FleetState(stop=stop_message(stop), resources=resource_messages(resources),
-                             robots=[
+                             machines=machine_messages(machines), robots=[
         msg.FleetRobot(
             name=robot.name, type=robot.type, state=int(robot.state),
             outage_code=_OUTAGES[robot.outage],
@@ -215,7 +222,8 @@ def state_message(robots: Iterable[RobotView], resources: Iterable[ResourceView]
             request_id=robot.mission or 0, destination=robot.destination or 0,
             to_destination=robot.to_go.destination / rate, to_end=robot.to_go.end / rate,
             waits_for_code=int(robot.waits_for.code), waits_for=robot.waits_for.text,
-            until=robot.waits_for.until)
+            until=robot.waits_for.until, load=_LOADS[robot.load.state],
+            load_serial=robot.load.serial)
         for robot in robots])
     message.header.stamp = now
     return message

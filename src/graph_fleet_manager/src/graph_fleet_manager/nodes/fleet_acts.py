@@ -6,16 +6,25 @@ from typing import Any, Callable, Dict, FrozenSet, Type
 
 from std_srvs.srv import Trigger
 
+from fleet_core.supervision.missions import MissionState
 from fleet_requests import NotSent, Sender, ServiceRefused, ServiceSilent, call, mission_request
 from graph_fleet_manager.commands.command_line import CommandProblem
 from graph_fleet_manager.commands.fleet_client import requested_by
 from graph_fleet_manager.commands.stop import stop
-from graph_fleet_manager.nodes.rviz.menus import MenuAct, Subject
-from itrci_nav_msgs.msg import EdgeCommand, FleetRobot, MissionCommand, MissionRequest
+from graph_fleet_manager.nodes.rviz.menus import ANSWERS, Ask, MenuAct, Subject
+from itrci_nav_msgs.msg import (
+    EdgeCommand,
+    FleetRobot,
+    MissionCommand,
+    MissionRequest,
+    MissionStatus,
+)
 from itrci_nav_msgs.srv import DeclareAbsent
 
 _COMMANDS = {MenuAct.CANCEL: MissionCommand.CANCEL, MenuAct.PAUSE: MissionCommand.PAUSE,
              MenuAct.RESUME: MissionCommand.RESUME, MenuAct.RELEASE: MissionCommand.RELEASE}
+_ANSWERS = {MenuAct.RETRY: MissionCommand.RETRY, MenuAct.SKIP: MissionCommand.SKIP,
+            MenuAct.DONE: MissionCommand.DONE, MenuAct.FAIL: MissionCommand.FAIL}
 _SERVICES = {MenuAct.RESUME_ALL: ('/resume_fleet', Trigger),
              MenuAct.OUT: ('/{}/leave_fleet', Trigger), MenuAct.IN: ('/{}/join_fleet', Trigger),
              MenuAct.ABSENT: ('/{}/declare_absent', DeclareAbsent)}
@@ -30,9 +39,25 @@ class FleetActs:
         self.closed: FrozenSet[int] = frozenset()
         self.chosen = ''
         """The robot for which the next mission is requested; empty if none is chosen."""
+        self._asking: Dict[int, Ask] = {}  # by the id of the mission's request
         self._requests = Sender(MissionRequest)
         self._commands = Sender(MissionCommand)
         self._edges = Sender(EdgeCommand)
+
+    def mission_said(self, status: MissionStatus) -> None:
+        """Notes whether a step of a mission asks. One that only waits to be done by a person or a
+        program cannot be done again.
+        """
+        if not status.asks or not MissionState(status.state).is_open:
+            self._asking.pop(status.request_id, None)
+        else:
+            first = 0 if status.state == MissionState.NEEDS_PERSON else 1
+            self._asking[status.request_id] = Ask(status.asks, ANSWERS[first:])
+
+    def asks(self) -> Dict[str, Ask]:
+        """By robot, the step of its mission that waits for an answer."""
+        return {name: self._asking[robot.request_id] for name, robot in self.robots.items()
+                if robot.has_mission and robot.request_id in self._asking}
 
     def act(self, act: MenuAct, subject: Subject) -> None:
         """Carries out one entry of a menu. Never blocks: a thread of its own calls a service."""
@@ -53,8 +78,8 @@ class FleetActs:
                 self._say(str(reason))
 
     def _send(self, act: MenuAct, subject: Subject) -> None:
-        if act in _COMMANDS:
-            self._command(act, subject.robot)
+        if act in _COMMANDS or act in _ANSWERS:
+            self._command(act, subject)
         elif act is MenuAct.SEND_ANY:
             self._request(subject.vertex, '')
         elif act is MenuAct.SEND_CHOSEN:
@@ -71,13 +96,14 @@ class FleetActs:
         self._say(f'{robot or "A robot"} is sent to vertex {vertex}, '
                   f'as mission {request.request_id}')
 
-    def _command(self, act: MenuAct, name: str) -> None:
-        robot = self.robots.get(name)
+    def _command(self, act: MenuAct, subject: Subject) -> None:
+        name, robot = subject.robot, self.robots.get(subject.robot)
         if robot is None or not robot.has_mission:
             self._say(f'{name} has no mission')
             return
         self._commands.send(MissionCommand(
-            request_id=robot.request_id, command=_COMMANDS[act], requested_by=self._by))
+            request_id=robot.request_id, command=_COMMANDS.get(act, MissionCommand.ANSWER),
+            answer=_ANSWERS.get(act, 0), step_key=subject.step, requested_by=self._by))
         self._say(f'{act.value}: {name}, mission {robot.request_id}')
 
     def _close(self, act: MenuAct, edge: int) -> None:

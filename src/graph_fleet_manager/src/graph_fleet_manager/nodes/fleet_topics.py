@@ -185,8 +185,8 @@ class FleetTopics:
         def moment(seconds: float) -> rospy.Time:
             return messages.moment_of(seconds - now, stamp)
         send(self._states.publish, messages.state_message(
-            robot_views(supervisor, now), resource_views(supervisor, now), supervisor.stop, moment,
-            stamp, self._rate))
+            robot_views(supervisor, now), resource_views(supervisor, now),
+            supervisor.desk.machines(now), supervisor.stop, moment, stamp, self._rate))
         if self._allocations.get_num_connections():
             robots: Dict[str, InterlockedRobot] = {**supervisor.robots, **supervisor.removed}
             send(self._allocations.publish, allocations_message(

@@ -30,11 +30,11 @@ from visualization_msgs.msg import Marker, MarkerArray
 from graph_fleet_manager.messages.missions import stop_of
 from graph_fleet_manager.nodes.fleet_acts import FleetActs
 from graph_fleet_manager.nodes.fleet_parameter import fleet_of
-from graph_fleet_manager.nodes.rviz.graph_picture import graph_markers
+from graph_fleet_manager.nodes.rviz.graph_picture import graph_markers, name_boxes, window_of
 from graph_fleet_manager.nodes.rviz.menus import FleetMenus
 from graph_fleet_manager.nodes.rviz.picture import Picture
 from graph_fleet_manager.nodes.rviz.plan_picture import plan_markers
-from graph_fleet_manager.nodes.rviz.resource_picture import resource_markers
+from graph_fleet_manager.nodes.rviz.resource_picture import DrawnResources, draw_resources
 from graph_fleet_manager.nodes.rviz.robot_picture import (
     LONGEST_TEXT,
     DrawnPose,
@@ -90,6 +90,7 @@ class FleetVisualisation:
         self._ticks = 0
         self._places = TruePlaces()
         self._label_places = LabelPlaces()
+        self._drawn = DrawnResources([])
         self._pictures = {name: Picture(f'/fleet_markers/{name}', latch=name != 'robots')
                           for name in ('graph', 'plans', 'robots')}
         self._feedback = rospy.Publisher('/fleet_markers/feedback', MarkerArray, queue_size=2)
@@ -143,6 +144,8 @@ class FleetVisualisation:
             self._plan, self._changed = message, True
 
     def _on_status(self, message: MissionStatus) -> None:
+        with self._lock:
+            self._acts.mission_said(message)
         if message.state in _BAD:
             why = f': {message.reason}' if message.reason else ''
             self._say(f'Mission {message.request_id} {_BAD[message.state]}{why}')
@@ -165,11 +168,13 @@ class FleetVisualisation:
         self._ticks += 1
         places = self._draw_robots(graph, state)
         if self._ticks % SLOW == 0:
-            self._menus.show_robots(places)
+            self._menus.show_robots(places, self._acts.asks())
             if self._changed:
                 self._changed = False
+                self._drawn = draw_resources(graph, state.resources, state.machines,
+                                             window_of(graph), name_boxes(graph))
                 self._pictures['plans'].show([
-                    *resource_markers(graph, state.resources),
+                    *self._drawn.markers,
                     *plan_markers(graph, self._plan, state, self._numbers)])
 
     def _draw_robots(self, graph: Graph, state: FleetState) -> Dict[str, DrawnPose]:
@@ -186,7 +191,8 @@ class FleetVisualisation:
                 labels[robot.name] = label_of(robot, place, self._radii.get(robot.type, RADIUS),
                                               now)
         if self._ticks % SLOW == 0:
-            self._label_places.choose(labels)
+            self._label_places.choose(labels, window_of(graph),
+                                      (*name_boxes(graph), *self._drawn.boxes))
         for robot in state.robots:
             if robot.name in places:
                 markers += robot_markers(

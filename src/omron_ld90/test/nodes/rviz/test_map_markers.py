@@ -34,6 +34,12 @@ def colour(marker: Marker) -> tuple:
     return marker.color.r, marker.color.g, marker.color.b
 
 
+def test_walls_are_neutral_because_red_is_only_for_trouble():
+    shown = document(data=b'2D-Map\nLINES\n0 0 100 0\nDATA\n0 0\n')
+    for walls in (map_markers.points(shown, 'map'), map_markers.lines(shown, 'map')):
+        assert max(colour(walls)) - min(colour(walls)) < 0.1
+
+
 @pytest.mark.parametrize('build', [map_markers.lines, map_markers.goals, map_markers.docks])
 def test_a_marker_of_nothing_takes_the_older_one_away(build):
     marker = build(document(), 'map')

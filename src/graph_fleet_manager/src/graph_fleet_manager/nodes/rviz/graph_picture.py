@@ -1,18 +1,22 @@
 """The graph of a fleet in RViz: edges, closed edges, vertices, parking and docks."""
 from __future__ import annotations
 
-from typing import Collection, List
+from typing import Collection, List, Tuple
 
 from visualization_msgs.msg import Marker
 
 from rviz_drawing import drawing
-from trajectory_graph import Graph
+from rviz_drawing.text_places import text_size
+from trajectory_graph import Graph, Vertex
+from trajectory_graph.placing import Box, box_around
 
 EDGE, CLOSED = drawing.colour(0.55, 0.56, 0.62), drawing.colour(1.0, 0.18, 0.15)
 PARKING, DOCK = drawing.colour(0.25, 0.45, 0.95, 0.55), drawing.colour(0.2, 0.8, 0.35, 0.7)
 NAME = drawing.colour(0.82, 0.83, 0.88)
 EDGE_WIDTH, CLOSED_WIDTH = 0.05, 0.14
 RING, SQUARE = 0.16, 0.62
+NAME_HEIGHT = 0.32
+SEEN = 2.0  # m around the graph; the buttons are above that
 _Z = 0.02
 
 
@@ -44,9 +48,27 @@ def graph_markers(graph: Graph, closed: Collection[int], parking: Collection[int
         markers.append(drawing.text('closed_names', id, 'closed', (x, y + 0.4), 0.32, CLOSED))
     for vertex in graph.vertices.values():
         if is_place(graph, vertex.id):
-            markers.append(drawing.text('names', vertex.id, str(vertex.id),
-                                        (vertex.x + 0.34, vertex.y - 0.38), 0.32, NAME, z=0.1))
+            markers.append(drawing.text('names', vertex.id, str(vertex.id), _name_place(vertex),
+                                        NAME_HEIGHT, NAME, z=0.1))
     return markers
+
+
+def name_boxes(graph: Graph) -> List[Box]:
+    """The boxes of the vertices' ids."""
+    return [box_around(_name_place(vertex), text_size(str(vertex.id), NAME_HEIGHT))
+            for vertex in graph.vertices.values() if is_place(graph, vertex.id)]
+
+
+def window_of(graph: Graph) -> Box:
+    """What people see of the surroundings of a graph in the view that the fleet's RViz begins with.
+    """
+    xs = [vertex.x for vertex in graph.vertices.values()]
+    ys = [vertex.y for vertex in graph.vertices.values()]
+    return min(xs) - SEEN, min(ys) - SEEN, max(xs) + SEEN, max(ys) + SEEN
+
+
+def _name_place(vertex: Vertex) -> Tuple[float, float]:
+    return vertex.x + 0.34, vertex.y - 0.38
 
 
 def is_place(graph: Graph, vertex: int) -> bool:

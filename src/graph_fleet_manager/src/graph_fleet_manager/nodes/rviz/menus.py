@@ -45,6 +45,10 @@ class MenuAct(enum.Enum):
     OUT = 'Stop it, and take it out of service'
     IN = 'Put it back into service'
     ABSENT = 'It is not on the site (absent)'
+    RETRY = 'Do it again'
+    SKIP = 'It was not done: go on without it'
+    DONE = 'It was done: go on'
+    FAIL = 'The mission fails'
     STOP_ALL = 'Stop all robots'
     RESUME_ALL = 'Let all robots go on'
 
@@ -55,12 +59,40 @@ ROBOT_MENU = (MenuAct.CHOOSE, MenuAct.CANCEL, MenuAct.PAUSE, MenuAct.RESUME, Men
               MenuAct.OUT, MenuAct.IN, MenuAct.ABSENT, MenuAct.STOP_ALL)
 
 
+ANSWERS = (MenuAct.RETRY, MenuAct.SKIP, MenuAct.DONE, MenuAct.FAIL)
+"""The answers to a step; the robot whose mission it is offers them while it asks."""
+ANSWER = 'Answer its step'
+
+
 class Subject(NamedTuple):
-    """The object of a handle: a vertex, a drawn edge or a robot; if none is set, the fleet."""
+    """The object of a handle: a vertex, a drawn edge or a robot; if none is set, the fleet.
+
+    step -- key of the step that an answer is about
+    """
 
     vertex: int = 0
     edge: int = 0
     robot: str = ''
+    step: int = 0
+
+
+class Ask(NamedTuple):
+    """A step that waits for an answer, and the answers that it takes."""
+
+    step: int
+    answers: Tuple[MenuAct, ...]
+
+
+class _AnswerMenu(NamedTuple):
+    """The entries of a robot's menu for answers.
+
+    entries -- their numbers. Those for an earlier step stay hidden: a click in a menu that was
+               opened before cannot answer another step
+    """
+
+    top: int
+    ask: Optional[Ask] = None
+    entries: Tuple[int, ...] = ()
 
 
 class FleetMenus:
@@ -74,6 +106,7 @@ class FleetMenus:
         self._server = OrderedMarkerServer('/fleet_menus', q_size=10)
         self._menus: Dict[str, MenuHandler] = {}
         self._robots: Dict[str, DrawnPose] = {}
+        self._answers: Dict[str, _AnswerMenu] = {}
 
     def show_graph(self, graph: Graph) -> None:
         """Shows the buttons, and handles on vertices and edges in place of those shown before."""
@@ -97,11 +130,14 @@ class FleetMenus:
                          _button(words, paint), (act,), Subject(), act)
         self._server.applyChanges()
 
-    def show_robots(self, places: Mapping[str, DrawnPose]) -> None:
-        """Shows handles at the present poses of robots, and removes those of all other robots."""
+    def show_robots(self, places: Mapping[str, DrawnPose], asks: Mapping[str, Ask]) -> None:
+        """Shows handles at the present poses of robots, and removes those of all other robots.
+
+        asks -- by robot, the step of its mission that waits for an answer
+        """
         changed = False
         for name in [name for name in self._robots if name not in places]:
-            del self._robots[name]
+            del self._robots[name], self._answers[name]
             self._remove(f'robot {name}')
             changed = True
         for name, place in places.items():
@@ -110,14 +146,39 @@ class FleetMenus:
                 self._insert(f'robot {name}', (place.x, place.y), [
                     _disc(ROBOT_SIZE, 0.45, ROBOT_PAINT)], ROBOT_MENU, Subject(robot=name),
                     MenuAct.CHOOSE)
+                self._answers[name] = self._no_answers(name)
             elif max(abs(before.x - place.x), abs(before.y - place.y)) > MOVED:
                 self._server.setPose(f'robot {name}', drawing.pose_at((place.x, place.y)))
             else:
                 continue
             self._robots[name] = place
             changed = True
+        for name in places:
+            changed |= self._offer(name, asks.get(name))
         if changed:
             self._server.applyChanges()
+
+    def _no_answers(self, name: str) -> _AnswerMenu:
+        handler = self._menus[f'robot {name}']
+        top = handler.insert(ANSWER, callback=lambda _feedback: None)
+        handler.setVisible(top, False)
+        return _AnswerMenu(top)
+
+    def _offer(self, name: str, ask: Optional[Ask]) -> bool:
+        """Offers the answers to a step in the menu of a robot. Returns whether that is a change."""
+        shown, handler = self._answers[name], self._menus[f'robot {name}']
+        if shown.ask == ask:
+            return False
+        for entry in shown.entries:
+            handler.setVisible(entry, False)
+        handler.setVisible(shown.top, ask is not None)
+        entries = () if ask is None else tuple(
+            handler.insert(act.value, parent=shown.top,
+                           callback=self._chosen(act, Subject(robot=name, step=ask.step)))
+            for act in ask.answers)
+        self._answers[name] = _AnswerMenu(shown.top, ask, entries)
+        handler.reApply(self._server)
+        return True
 
     def _insert(self, name: str, place: Tuple[float, float], shapes: List[Marker],
                 menu: Iterable[MenuAct], subject: Subject,

@@ -1,56 +1,139 @@
-"""Doors and stations in RViz: what they show, and the robots that claim them."""
+"""Doors, stations, queues, chargers and machines in RViz, and the robots that use them."""
 from __future__ import annotations
 
-from typing import Iterable, List
+from typing import Container, Iterable, List, NamedTuple, Optional, Sequence, Tuple
 
 from std_msgs.msg import ColorRGBA
 from visualization_msgs.msg import Marker
 
-from fleet_core.interlocking.claims import ClaimState
-from graph_fleet_manager.messages.resources import CLAIM_OF_CODE, device_of
-from itrci_nav_msgs.msg import FleetResource
-from route_protocol.devices import DeviceMode
+from fleet_core.supervision.looks import LOOK_OF_MACHINE, ResourceLook, queue_words
+from graph_fleet_manager.messages.resources import (
+    CLAIM_OF_CODE,
+    look_of,
+    machine_of,
+    words_of,
+)
+from graph_fleet_manager.nodes.rviz.paints import PAINTS
+from itrci_nav_msgs.msg import FleetMachine, FleetResource
 from rviz_drawing import drawing
+from rviz_drawing.text_places import text_size
 from trajectory_graph import Graph
+from trajectory_graph.placing import (
+    ABOVE_FIRST,
+    Box,
+    Places,
+    box_around,
+    box_beside,
+    middle_of,
+)
 
-OPEN, SHUT = drawing.colour(0.25, 0.85, 0.4), drawing.colour(0.95, 0.7, 0.2)
-ALARM, STATION = drawing.colour(1.0, 0.25, 0.2), drawing.colour(0.35, 0.75, 0.95)
-BAND, RING, RING_RADIUS = 0.22, 0.1, 0.45  # m
-TEXT_HEIGHT, TEXT_ABOVE = 0.36, 0.75       # m
+BAND, RING, THIN = 0.22, 0.1, 0.04                      # m, widths of lines
+STATION_RADIUS, QUEUE_RADIUS, MACHINE = 0.45, 0.32, 0.58  # m; of a machine, half of its side
+TEXT_HEIGHT, TEXT_AWAY = 0.36, 0.12                     # m
 _Z = 0.01
 
 
-def resource_markers(graph: Graph, resources: Iterable[FleetResource]) -> List[Marker]:
-    """The markers of doors and other devices, along their edges, and of stations."""
+class Words(NamedTuple):
+    """A text beside a point, `away` from it."""
+
+    text: str
+    paint: ColorRGBA
+    point: Tuple[float, float]
+    away: float
+
+
+class DrawnResources(NamedTuple):
+    """The markers of all resources, and the boxes of their words."""
+
+    markers: List[Marker]
+    boxes: Sequence[Box] = ()
+
+
+def draw_resources(graph: Graph, resources: Sequence[FleetResource],
+                   machines: Sequence[FleetMachine] = (), window: Optional[Box] = None,
+                   covered: Iterable[Box] = ()) -> DrawnResources:
+    """Draws doors and other devices along their edges, and stations and machines at their places.
+
+    window  -- what people see; None: that is not known
+    covered -- boxes that no words may cover
+    """
     markers: List[Marker] = []
+    words: List[Words] = []
+    squares = {vertex for machine in machines for vertex in machine.vertices}
     for number, one in enumerate(resources):
-        curves = [graph.curve(edge) for edge in one.edges if edge in graph.edges]
-        places = [graph.vertices[id].position for id in one.vertices if id in graph.vertices]
-        paint = _paint(one)
-        lines = [*(curve.sample(drawing.STEP) for curve in curves),
-                 *(drawing.ring(place, RING_RADIUS) for place in places)]
-        markers.append(drawing.lines('resources', number, paint, BAND if curves else RING, lines,
-                                     _Z))
-        middles = [*(curve.point_at(curve.length / 2.0) for curve in curves), *places]
-        for x, y in middles[:1]:
-            markers.append(drawing.text('resource_names', number, words_of(one),
-                                        (x, y + TEXT_ABOVE), TEXT_HEIGHT, paint, z=0.3))
-    return markers
+        markers.append(_resource(graph, number, one, words, squares))
+    for number, machine in enumerate(machines):
+        markers.append(_machine(graph, number, machine, words))
+    for number, one in enumerate(resources):
+        markers += _queue(graph, number, one, words)
+    bands = [box_around((x, y), (BAND, BAND)) for one in resources for edge in one.edges
+             if edge in graph.edges for x, y in graph.curve(edge).sample(BAND)]
+    texts, boxes = _placed(words, window, (*covered, *bands))
+    return DrawnResources([*markers, *texts], boxes)
 
 
-def words_of(one: FleetResource) -> str:
-    """Its name, what it shows, and the robots that claim it."""
-    device = device_of(one)
-    shows = '' if device is None else f' {device.mode.name}'
-    return '\n'.join([f'{one.name}{shows}', *(
+def _resource(graph: Graph, number: int, one: FleetResource, words: List[Words],
+              squares: Container[int]) -> Marker:
+    """`squares`: vertices with a machine, outside of whose square the words are."""
+    paint = PAINTS[look_of(one)]
+    curves = [graph.curve(edge) for edge in one.edges if edge in graph.edges]
+    places = [graph.vertices[id].position for id in one.vertices if id in graph.vertices]
+    middles = [*(curve.point_at(curve.length / 2.0) for curve in curves), *places]
+    if middles:
+        words.append(Words(words_with_claims(one), paint, middles[0],
+                           BAND if curves else
+                           MACHINE if one.vertices[0] in squares else STATION_RADIUS))
+    return drawing.lines('resources', number, paint, BAND if curves else RING, [
+        *(curve.sample(drawing.STEP) for curve in curves),
+        *(drawing.ring(place, STATION_RADIUS) for place in places)], _Z)
+
+
+def words_with_claims(one: FleetResource) -> str:
+    """What a resource is and shows, and the robots that claim it."""
+    return '\n'.join([words_of(one), *(
         f'{claim.robot} ({CLAIM_OF_CODE[claim.state].value})' for claim in one.claims)])
 
 
-def _paint(one: FleetResource) -> ColorRGBA:
-    device, states = device_of(one), {CLAIM_OF_CODE[claim.state] for claim in one.claims}
-    if device is None:
-        return STATION
-    if ClaimState.LOST in states:
-        return ALARM
-    return OPEN if device.mode is DeviceMode.OPEN else SHUT
+def _queue(graph: Graph, number: int, one: FleetResource, words: List[Words]) -> List[Marker]:
+    """The queue places of a station: a thick ring if a robot stands there, else a thin one."""
+    paint = PAINTS[ResourceLook.PLACE]
+    rings = {is_there: [drawing.ring(graph.vertices[place.vertex].position, QUEUE_RADIUS)
+                        for place in one.queue
+                        if place.is_there is is_there and place.vertex in graph.vertices]
+             for is_there in (False, True)}
+    words += [Words(queue_words(one.name, k, place.robot, place.is_there), paint,
+                    graph.vertices[place.vertex].position, QUEUE_RADIUS)
+              for k, place in enumerate(one.queue, 1) if place.vertex in graph.vertices]
+    return [drawing.lines('queues', number, paint, THIN, rings[False], _Z),
+            drawing.lines('queues_taken', number, paint, RING, rings[True], _Z)]
 
+
+def _machine(graph: Graph, number: int, message: FleetMachine, words: List[Words]) -> Marker:
+    machine = machine_of(message)
+    paint = PAINTS[LOOK_OF_MACHINE[machine.state]]
+    places = [graph.vertices[id].position for id in machine.places if id in graph.vertices]
+    text = f'machine {machine.name}: {machine.state.words}'
+    if places:
+        words.append(Words(f'{text}\n{machine.robot}' if machine.robot else text, paint, places[0],
+                           MACHINE))
+    return drawing.lines('machines', number, paint, RING,
+                         [drawing.square(place, MACHINE) for place in places], _Z)
+
+
+def _placed(words: Iterable[Words], window: Optional[Box],
+            covered: Iterable[Box]) -> Tuple[List[Marker], List[Box]]:
+    """The texts that find a place, and their boxes. The first ones choose first."""
+    places = Places(window)
+    for box in covered:
+        places.cover(box)
+    markers: List[Marker] = []
+    boxes: List[Box] = []
+    for number, one in enumerate(words):
+        size = text_size(one.text, TEXT_HEIGHT)
+        beside = [box_beside(one.point, one.away + TEXT_AWAY, size, side) for side in ABOVE_FIRST]
+        side = places.place(beside)
+        if side >= 0:
+            boxes.append(beside[side])
+            markers.append(drawing.text('resource_names', number, one.text,
+                                        middle_of(beside[side]), TEXT_HEIGHT, one.paint, z=0.3))
+    return markers, boxes

@@ -9,7 +9,13 @@ from typing import Dict, List, Optional, Tuple
 import rospy
 from visualization_msgs.msg import Marker
 
-from fleet_core.supervision.fleet_view import WORKING, RobotState
+from fleet_core.supervision.fleet_view import LOAD_WORDS, WORKING, RobotState
+from fleet_core.supervision.looks import ResourceLook
+from fleet_core.supervision.missions import short_name
+from fleet_core.supervision.waits import WaitCode
+from fleet_core.work.tables import LoadState
+from graph_fleet_manager.messages.missions import LOAD_OF_CODE
+from graph_fleet_manager.nodes.rviz.paints import LOAD, PAINTS
 from itrci_nav_msgs.msg import FleetRobot
 from rviz_drawing import drawing
 from rviz_drawing.label_places import Label
@@ -27,6 +33,7 @@ _TROUBLE = frozenset((FleetRobot.STOPPED, FleetRobot.TAKEN_OVER, FleetRobot.FAIL
 #: States for which no reason is shown beside the word.
 _SAID = frozenset((FleetRobot.OFFLINE, FleetRobot.OUT_OF_SERVICE))
 WAIT_WIDTH, WAIT_LINES = 24, 2  # characters per line and lines, for the reason why a robot waits
+ASK_LINES = 5  # lines if it waits for a person
 
 
 @dataclass(frozen=True)
@@ -55,7 +62,7 @@ def label_of(robot: FleetRobot, place: DrawnPose, radius: float, now: float) -> 
 
 def robot_markers(robot: FleetRobot, number: int, place: DrawnPose, label: Label, side: int,
                   chosen: bool) -> List[Marker]:
-    """The markers of one robot. `number` selects its colour, `side` is an index in SIDES."""
+    """The markers of one robot. `number` selects its colour, `side` is an index in ABOVE_FIRST."""
     radius = label.radius
     gone = robot.state in (FleetRobot.OFFLINE, FleetRobot.OUT_OF_SERVICE)
     paint = GREY if gone else drawing.own_colour(number)
@@ -65,11 +72,17 @@ def robot_markers(robot: FleetRobot, number: int, place: DrawnPose, label: Label
                          drawing.pose_at(here, place.heading, 0.2))
     nose = drawing.shape(Marker.ARROW, 'noses', number, DARK, (length * 0.8, width * 0.45, 0.05),
                          drawing.pose_at(_along(place, -0.4 * length), place.heading, 0.4))
-    trouble = robot.state in _TROUBLE
-    words = drawing.text('names', number, label.words[:LONGEST_TEXT], label.middle(side),
+    trouble = robot.state in _TROUBLE or needs_person(robot)
+    words = drawing.text('names', number, label.words[:2 * LONGEST_TEXT], label.middle(side),
                          label.height, RED if trouble else GREY if gone else
                          drawing.own_colour(number, WORDS_SATURATION), 1.5)
     markers = [body, nose, words]
+    if robot.load != FleetRobot.LOAD_EMPTY:
+        size = 0.6 * width
+        markers.append(drawing.shape(
+            Marker.CUBE, 'loads', number, LOAD if robot.load == FleetRobot.LOAD_LOADED else
+            PAINTS[ResourceLook.TROUBLE], (size, size, 0.2),
+            drawing.pose_at(_along(place, -0.25 * length), place.heading, 0.45)))
     outline = drawing.lines('outlines', number, RED if trouble else WHITE, 0.08,
                             [drawing.ring(here, radius + 0.12)] if trouble or chosen else [], 0.3)
     markers.append(outline)
@@ -88,11 +101,22 @@ def words_of(robot: FleetRobot, now: float) -> str:
         doing += f' {robot.destination}'
     elif robot.state == FleetRobot.OFFLINE and robot.seen.to_sec() > 0.0:
         doing += f' for {_duration(now - robot.seen.to_sec())}'
-    lines = [robot.name + charge, doing]
+    lines = [robot.name + charge, doing, *load_words(robot)]
     if robot.waits_for and robot.state not in _SAID:
-        lines += textwrap.wrap(f'({robot.waits_for})', WAIT_WIDTH, max_lines=WAIT_LINES,
-                               placeholder=' ...')
+        lines += textwrap.wrap(f'({robot.waits_for})', WAIT_WIDTH, placeholder=' ...',
+                               max_lines=ASK_LINES if needs_person(robot) else WAIT_LINES)
     return '\n'.join(lines)
+
+
+def needs_person(robot: FleetRobot) -> bool:
+    """Returns whether a step asks, or a person must look at the load."""
+    return robot.waits_for_code == WaitCode.PERSON or robot.load == FleetRobot.LOAD_UNKNOWN
+
+
+def load_words(robot: FleetRobot) -> List[str]:
+    """What a robot carries, as a line of its label; none if it carries nothing."""
+    words = LOAD_WORDS.get(LOAD_OF_CODE.get(robot.load, LoadState.UNKNOWN))
+    return [] if words is None else [words.format(mission=short_name(robot.load_serial))]
 
 
 def _duration(seconds: float) -> str:

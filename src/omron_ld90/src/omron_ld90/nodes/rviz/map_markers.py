@@ -21,7 +21,7 @@ from rviz_drawing import drawing
 from rviz_drawing.fast_messages import PointsMarker
 
 BLACK = drawing.colour(0.0, 0.0, 0.0)
-RED = drawing.colour(0.85, 0.05, 0.05)
+SLATE = drawing.colour(0.35, 0.37, 0.42)
 GREEN = drawing.colour(0.0, 0.7, 0.15)
 WHITE = drawing.colour(1.0, 1.0, 1.0)
 ORANGE = drawing.colour(1.0, 0.55, 0.0, 0.4)
@@ -53,8 +53,8 @@ def points(document: MapDocument, frame: str) -> Marker:
 
 
 def lines(document: MapDocument, frame: str) -> Marker:
-    """The wall lines, red."""
-    return _many(frame, 'lines', Marker.LINE_LIST, RED, (LINE_WIDTH, 0.0, 0.0),
+    """The wall lines, neutral: red is only for trouble."""
+    return _many(frame, 'lines', Marker.LINE_LIST, SLATE, (LINE_WIDTH, 0.0, 0.0),
                  document.lines.reshape(-1, 2), LINE_Z)
 
 

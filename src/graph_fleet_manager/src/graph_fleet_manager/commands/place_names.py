@@ -1,0 +1,55 @@
+"""The names of places on a command line: ids and labels of vertices, stations, and groups."""
+from __future__ import annotations
+
+from typing import Dict, Optional
+
+from fleet_core.work.stations import (
+    Destination,
+    Station,
+    UnknownPlace,
+    destination_of,
+    place_of,
+)
+from graph_fleet_manager.commands.command_line import CommandProblem
+from graph_fleet_manager.commands.fleet_client import TopicListener
+from graph_fleet_manager.messages.resources import stations_of
+from itrci_nav_msgs.msg import FleetState
+from itrci_nav_msgs.msg import Graph as GraphMessage
+from trajectory_graph import Graph
+from trajectory_graph.messages import graph_from_message
+
+
+class PlaceNames:
+    """The names of places. Graph and stations are asked for when the first name needs them.
+
+    The id of a vertex needs neither: the fleet manager says whether there is such a vertex.
+    """
+
+    def __init__(self) -> None:
+        self._graph: Optional[Graph] = None
+        self._stations: Optional[Dict[str, Station]] = None
+
+    @property
+    def graph(self) -> Graph:
+        """The graph in force."""
+        if self._graph is None:
+            self._graph = graph_from_message(TopicListener('/graph', GraphMessage).last())
+        return self._graph
+
+    def destination(self, word: str) -> Destination:
+        """The vertex or group that a word of the command line names. Raises CommandProblem."""
+        if word.isdecimal():
+            return int(word)
+        try:
+            return destination_of(word, self._known(), self.graph)
+        except UnknownPlace as unknown:
+            raise CommandProblem(f'A destination is wrong: {unknown}.') from None
+
+    def place(self, word: str) -> int:
+        """The vertex that a word names. Raises UnknownPlace."""
+        return int(word) if word.isdecimal() else place_of(word, self._known(), self.graph)
+
+    def _known(self) -> Dict[str, Station]:
+        if self._stations is None:
+            self._stations = stations_of(TopicListener('/fleet_state', FleetState).last().resources)
+        return self._stations

@@ -1,0 +1,132 @@
+"""A robot that answers in the order of sending: what is told of each drive is true of it.
+
+Commands end for their givers, by an emergency stop or a cancellation, while the robot has still to
+answer them. No answer to such a command counts as one to a newer command of the same words.
+"""
+from __future__ import annotations
+
+from typing import Callable, List, Optional
+
+import pytest
+from drive_bench import PERSON, ROUTE, Bench
+from hypothesis import Phase, given, settings
+from hypothesis import strategies as st
+
+from omron_arcl import Execution, Giver
+from omron_arcl.drives import Drives
+from omron_arcl.records import MotionCause
+
+OTHERS = (MotionCause.OTHER_CLIENT, MotionCause.ROBOT, MotionCause.INTERRUPTED)
+
+
+class RobotInOrder:
+    """A robot that has some commands still to read. No other client drives it.
+
+    names -- whether it names the drive that it breaks off
+    refuses -- whether it answers a drive that it cannot carry out
+    """
+
+    def __init__(self, names: bool, refuses: bool) -> None:
+        self.bench = Bench()
+        self.bench.status('Stopped')
+        self._names, self._refuses = names, refuses
+        self._read = 0  # number of commands that it has read
+        self._given: List[Execution] = []
+        self._pressed = False
+        self._obeyed: Optional[Execution] = None  # the drive that it carries out
+
+    def give(self, text: str, giver: Giver) -> None:
+        self._given.append(self.bench.give(text, giver=giver))
+
+    def cancel(self, which: int) -> None:
+        for execution in self._given[which:which + 1]:
+            self.bench.dispatcher.cancel(execution, self.bench.now, execution.giver)
+            self.bench.send()
+
+    def read(self) -> None:
+        if self._read == len(self.bench.sent):
+            return
+        text = self.bench.sent[self._read]
+        self._read += 1
+        if text == 'oneLineStatus':
+            self.bench.status('EStop pressed' if self._pressed else
+                              self._obeyed.command.text.replace('goto', 'Going to')
+                              if self._obeyed else 'Stopped')
+        elif text == 'stop':
+            self._break_off()
+            self._say('Stopping', 'Stopped')
+        elif not self._pressed:
+            self._break_off()
+            same = [e for e in self._given if e.sent and e.command.text == text]
+            self._obeyed = same[self.bench.sent[:self._read].count(text) - 1]
+            self._say(text.replace('goto', 'Going to'))
+        elif self._refuses:
+            self._say(f'CommandError: {text}', 'CommandErrorDescription: EStop pressed')
+
+    def press(self) -> None:
+        if not self._pressed:
+            self._pressed, self._obeyed = True, None
+            self._say('EStop pressed')
+
+    def release(self) -> None:
+        if self._pressed:
+            self._pressed = False
+            self._say('EStop relieved but motors still disabled', 'Motors enabled')
+
+    def arrive(self) -> None:
+        if self._obeyed is not None:
+            goal, self._obeyed = self._obeyed.command.goals[0], None
+            self._say(f'Arrived at {goal}')
+
+    def settle(self) -> None:
+        self.release()
+        for _ in range(12):
+            self.bench.pass_time(1.5)
+            self.bench.give('oneLineStatus')
+            while self._read < len(self.bench.sent):
+                self.read()
+
+    def check(self) -> None:
+        """The drive that the robot carries out has not ended, and its giver is told."""
+        memory = self.bench.memory
+        assert not memory.stop_owed
+        if self._obeyed is not None:
+            assert (self._obeyed.result, memory.giver) == (None, self._obeyed.giver)
+
+    def _break_off(self) -> None:
+        drive, self._obeyed = self._obeyed, None
+        if drive is not None and self._names:
+            self._say(f'Interrupted: Going to {drive.command.goals[0]}')
+
+    def _say(self, *said: str) -> None:
+        for line in said:
+            self.bench.robot(line)
+            cause = self.bench.memory.cause
+            assert cause not in OTHERS, f'"{line}" began an epoch: there is no other client'
+
+
+GIVEN = [(text, giver) for text in ('goto 3', 'goto 4') for giver in (ROUTE, PERSON)]
+ACTS: List[Callable[[RobotInOrder], None]] = [
+    *[lambda robot, given=given: robot.give(*given) for given in 2 * GIVEN],
+    *[lambda robot, giver=giver: robot.give('stop', giver) for giver in (ROUTE, PERSON)],
+    *[lambda robot, which=which: robot.cancel(which) for which in range(2)],
+    *3 * [RobotInOrder.press, RobotInOrder.release], *4 * [RobotInOrder.read], RobotInOrder.arrive]
+
+
+def live(names: bool, refuses: bool, acts: List[Callable[[RobotInOrder], None]]) -> None:
+    robot = RobotInOrder(names, refuses)
+    for act in acts:
+        act(robot)
+    robot.settle()
+    robot.check()
+
+
+LIVES = given(st.booleans(), st.booleans(),
+              st.lists(st.sampled_from(ACTS), min_size=6, max_size=14))
+test_what_is_told_of_each_drive_is_true = LIVES(live)
+
+
+def test_a_controller_that_forgets_the_answers_to_come_is_found(monkeypatch) -> None:
+    monkeypatch.setattr(Drives, '_has_to_answer', lambda *_: False)
+    with pytest.raises(AssertionError):
+        settings(phases=[Phase.generate], database=None)(LIVES(live))()

@@ -1,0 +1,135 @@
+"""Finds places for texts beside their points, so that no text covers another.
+
+A text is at the first of its places that is free. If none is free, `may` says what it may cover to
+be shown: soft boxes, or all. It covers as little as it can. The editor and RViz place their texts
+so, and the page by the same rules (`placing.js`; a test in `fleet_page` compares the two).
+"""
+from __future__ import annotations
+
+import math
+from enum import Enum
+from itertools import product
+from typing import Dict, Iterator, List, NamedTuple, Optional, Sequence, Tuple
+
+Box = Tuple[float, float, float, float]  # left, lower, right, upper
+Side = Tuple[int, int]                   # 1 and -1: beyond the point, 0: in its middle
+_Cell = Tuple[int, int]
+
+ABOVE_FIRST: Tuple[Side, ...] = (
+    (0, 1), (0, -1), (1, 0), (-1, 0), (1, 1), (-1, 1), (1, -1), (-1, -1))
+"""The sides of a point, the best one first; y upwards."""
+CELL = 1.6  # m of the grid in which neighbours are found
+
+
+class MayCover(Enum):
+    """What a text may cover if no place of it is free."""
+
+    NOTHING = 'nothing'
+    SOFT = 'soft boxes'
+    ALL = 'all'
+
+
+class Covered(NamedTuple):
+    """How much of a box is covered, as an area."""
+
+    firm: float = 0.0
+    soft: float = 0.0
+
+
+class _Cover:
+    """A covered box. Each is one of its own, also if two are at the same place."""
+
+    def __init__(self, box: Box, is_soft: bool) -> None:
+        self.box, self.is_soft = box, is_soft
+
+
+class Places:
+    """The boxes that are covered.
+
+    window -- what lies outside counts as covered and firm; None: there is no outside
+    cell   -- size of the grid in which neighbours are found
+    """
+
+    def __init__(self, window: Optional[Box] = None, cell: float = CELL) -> None:
+        self._window, self._cell = window, cell
+        self._cells: Dict[_Cell, List[_Cover]] = {}
+
+    def cover(self, box: Box, is_soft: bool = False) -> None:
+        """Marks a box as covered."""
+        cover = _Cover(box, is_soft)
+        for cell in self._cells_of(box):
+            self._cells.setdefault(cell, []).append(cover)
+
+    def uncover(self, box: Box) -> None:
+        """Takes back the first cover of this box."""
+        for one in [one for cell in self._cells_of(box) for one in self._cells.get(cell, ())
+                    if one.box == box][:1]:
+            for cell in self._cells_of(box):
+                self._cells[cell].remove(one)
+
+    def place(self, boxes: Sequence[Box], before: int = -1,
+              may: MayCover = MayCover.NOTHING) -> int:
+        """Covers the best one of `boxes` with a text. Returns its number; -1: there is none.
+
+        before -- number of the box where the text was; it stays there while that is free
+        """
+        numbers = range(len(boxes))
+        best, least = -1, Covered(math.inf, math.inf)
+        for number in numbers if before < 0 else (
+                before, *(one for one in numbers if one != before)):
+            covered = self.covered(boxes[number])
+            if covered < least:
+                best, least = number, covered
+            if not any(covered):
+                break
+        if (least.firm and may is not MayCover.ALL) or (least.soft and may is MayCover.NOTHING):
+            return -1
+        self.cover(boxes[best])
+        return best
+
+    def covered(self, box: Box) -> Covered:
+        """How much of a box is covered."""
+        firm = soft = 0.0
+        if self._window is not None:
+            firm = (box[2] - box[0]) * (box[3] - box[1]) - shared(box, self._window)
+        seen = set()
+        for cell in self._cells_of(box):
+            for one in self._cells.get(cell, ()):
+                if one in seen:
+                    continue
+                seen.add(one)
+                if one.is_soft:
+                    soft += shared(box, one.box)
+                else:
+                    firm += shared(box, one.box)
+        return Covered(firm, soft)
+
+    def _cells_of(self, box: Box) -> Iterator[_Cell]:
+        left, lower, right, upper = (math.floor(side / self._cell) for side in box)
+        return product(range(left, right + 1), range(lower, upper + 1))
+
+
+def shared(one: Box, other: Box) -> float:
+    """The area that two boxes share."""
+    width = min(one[2], other[2]) - max(one[0], other[0])
+    height = min(one[3], other[3]) - max(one[1], other[1])
+    return width * height if width > 0.0 and height > 0.0 else 0.0
+
+
+def box_around(middle: Tuple[float, float], size: Tuple[float, float]) -> Box:
+    """The box of this size around a point."""
+    (x, y), (width, height) = middle, size
+    return x - width / 2.0, y - height / 2.0, x + width / 2.0, y + height / 2.0
+
+
+def middle_of(box: Box) -> Tuple[float, float]:
+    """The middle of a box."""
+    return (box[0] + box[2]) / 2.0, (box[1] + box[3]) / 2.0
+
+
+def box_beside(point: Tuple[float, float], away: float, size: Tuple[float, float],
+               side: Side) -> Box:
+    """The box of a text of this size on one side of a point, `away` from it."""
+    (x, y), (right, up) = point, side
+    away *= math.sqrt(0.5) if right and up else 1.0
+    return box_around((x + right * (away + size[0] / 2.0), y + up * (away + size[1] / 2.0)), size)
