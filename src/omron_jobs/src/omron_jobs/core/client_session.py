@@ -52,9 +52,12 @@ class ClientSession:
 
     def send(self, lines: Iterable[str]) -> None:
         """Queues lines."""
+        self.send_bytes(written(lines))
+
+    def send_bytes(self, data: bytes) -> None:
+        """Queues lines that are written already."""
         if self.phase is not ClientPhase.CLOSED:
-            for line in lines:
-                self.output += line.encode('utf-8', 'replace') + b'\r\n'
+            self.output += data
 
     def receive(self, data: bytes) -> None:
         """Handles bytes of the client, in pieces of any size."""
@@ -126,15 +129,21 @@ class JobServer:
     def announce(self, changes: Iterable[SegmentChange]) -> None:
         """Tells changes to all clients that are logged in."""
         told = tuple(changes)
-        lines = [update_line(change) for change in told]
+        if not told:
+            return
+        data = written(map(update_line, told))
         for session in list(self.sessions):
             if session.phase is ClientPhase.OPEN:
-                session.send(lines)
-        if told:
-            self.on_changes(told)
+                session.send_bytes(data)
+        self.on_changes(told)
 
     def shut_down(self) -> None:
         """Says farewell to all clients, and ends their sessions."""
         for session in list(self.sessions):
             session.send([words.SHUTTING_DOWN])
             session.close()
+
+
+def written(lines: Iterable[str]) -> bytes:
+    """Returns lines as they are sent."""
+    return b''.join(line.encode('utf-8', 'replace') + b'\r\n' for line in lines)

@@ -27,6 +27,7 @@ from typing import (
     Set,
 )
 
+from omron_jobs.core.job_shelf import JobShelf
 from omron_jobs.core.job_words import SegmentKind, SegmentStatus
 from omron_jobs.core.jobs import (
     JobDrive,
@@ -48,6 +49,7 @@ from omron_jobs.core.jobs import (
 
 REPEAT = 2.0        # s between two messages about one job to the fleet manager
 SILENCE = 10.0      # s without news of a mission after which the fleet manager is asked
+QUESTIONS = 10      # about silent missions in a second: a thousand may wait without news for hours
 MOST_OPEN = 2000    # jobs
 MOST_ENDED = 100    # jobs that are kept after their end; OMRON's MaxNumberOfCompletedItems
 KEEP_ENDED = 60     # min for which they are kept; OMRON's DeleteCompletedItemsMinutes
@@ -111,15 +113,18 @@ class FleetMessage(NamedTuple):
 class JobBook:
     """The jobs of one fleet.
 
+    It has many attributes because the messages about one mission have times of their own: what it
+    showed last, when it was heard, and what was sent.
+
     jobs, counters -- as stored
+    shelf -- all jobs that are kept
     clock -- returns ms since 1970
     new_mission -- returns a random id for a request
     """
 
     def __init__(self, jobs: Iterable[QueuedJob], counters: JobCounters, store: JobStore,
                  clock: Callable[[], int], new_mission: Callable[[], int]) -> None:
-        self._jobs: Dict[int, QueuedJob] = {
-            job.mission: job for job in sorted(jobs, key=lambda job: job.segments[0].number)}
+        self.shelf = JobShelf(jobs)
         self.counters = counters
         self._store, self._clock, self._new_mission = store, clock, new_mission
         self._news: Dict[int, JobMission] = {}
@@ -127,33 +132,30 @@ class JobBook:
         self._sent: Dict[int, float] = {}
         self._heard: Dict[int, float] = {}
         self._unstored: Set[int] = set()
-        self._restless: Set[int] = {job.mission for job in self._jobs.values() if job.is_open}
+        self._restless: Set[int] = {job.mission for job in self.shelf.open}
+        self._silent_from = -math.inf   # nothing is silent before this moment
+        self._asked = -math.inf         # since when there might have been more of such questions
 
     # -- what clients ask ------------------------------------------------------------------------
 
     @property
     def jobs(self) -> Sequence[QueuedJob]:
         """All jobs that are kept, the oldest first."""
-        return tuple(self._jobs.values())
-
-    @property
-    def is_behind(self) -> bool:
-        """Whether something could not be stored."""
-        return bool(self._unstored)
+        return self.shelf.all
 
     def find(self, matches: Callable[[QueuedJob, JobSegment], bool], only_open: bool = False,
              ) -> List[QueuedJob]:
         """Returns the jobs with a segment that matches, the oldest first."""
-        return [job for job in self._jobs.values() if (job.is_open or not only_open)
-                and any(matches(job, segment) for segment in job.segments)]
+        return [job for job in (self.shelf.open if only_open else self.shelf.all)
+                if any(matches(job, segment) for segment in job.segments)]
 
     # -- what clients want -----------------------------------------------------------------------
 
     def swap_at(self, vertex: int) -> Optional[QueuedJob]:
         """The oldest job whose robot, when it has dropped off at a vertex, has no other job yet."""
-        taken = {job.robot for job in self._jobs.values() if job.is_open}
-        return next((job for job in self._jobs.values()
-                     if carrier_to(job, vertex) not in ('', *taken)), None)
+        running = self.shelf.open
+        taken = {'', *(job.robot for job in running)}
+        return next((job for job in running if carrier_to(job, vertex) not in taken), None)
 
     def queue(self, goals: Sequence[JobGoal], id: str = '', robot: str = '',
               origin: Optional[JobOrigin] = None) -> QueuedJob:
@@ -163,7 +165,7 @@ class JobBook:
         robot  -- must serve it; empty: any
         origin -- its record of the REST interface
         """
-        active = {job.id.lower() for job in self._jobs.values() if job.is_open}
+        active = self.shelf.open_ids
         if id.lower() in active:
             raise JobRefused(f'job_id "{id}" is the id of an active job')
         if len(active) >= MOST_OPEN:
@@ -178,14 +180,15 @@ class JobBook:
             self._clock(), self._free_mission(), robot=robot, origin=origin)
         counters = self.counters._replace(number=number + len(goals))
         self._store.write([job], (), counters)
-        self._jobs[job.mission], self.counters = job, counters
+        self.shelf.put(job)
+        self.counters = counters
         self._restless.add(job.mission)
         return job
 
     def _free_mission(self) -> int:
         while True:
             mission = self._new_mission()
-            if mission not in self._jobs:
+            if mission not in self.shelf:
                 return mission
 
     def cancel(self, jobs: Sequence[QueuedJob], reason: str) -> List[SegmentChange]:
@@ -224,7 +227,7 @@ class JobBook:
     def _keep(self, jobs: Sequence[QueuedJob]) -> None:
         self._store.write(jobs, (), self.counters)
         for job in jobs:
-            self._jobs[job.mission] = job
+            self.shelf.put(job)
             self._restless.add(job.mission)
             if job.is_known:
                 self._sent.pop(job.mission, None)
@@ -235,7 +238,7 @@ class JobBook:
         """Returns what the fleet manager must be told now; it listens. `now`: s, monotonic."""
         found = []
         for id in sorted(self._restless):
-            job = self._jobs[id]
+            job = self.shelf[id]
             act = self._act(job)
             if act is None:
                 self._restless.discard(id)
@@ -263,22 +266,35 @@ class JobBook:
 
     def silent(self, now: float) -> List[FleetMessage]:
         """Returns questions for missions without news: a status may be lost. `now`: as in `due`."""
-        found = []
-        for id, job in self._jobs.items():
-            if id in self._news and job.is_open and now - max(
-                    self._heard[id], self._sent.get(id, -math.inf)) >= SILENCE:
-                self._sent[id] = now
-                found.append(FleetMessage(FleetAct.ASK, job))
-        return found
+        most = int(min(now - self._asked, SILENCE) * QUESTIONS)
+        if most < 1 or now < self._silent_from:
+            return []
+        self._silent_from = now + SILENCE
+        silent = []
+        for job in self.shelf.open:
+            news = self._news.get(job.mission)
+            if news is not None:
+                last = max(self._heard[job.mission], self._sent.get(job.mission, -math.inf))
+                if now - last >= SILENCE:
+                    silent.append((news.state is JobMissionState.PENDING, last, job))
+                else:
+                    self._silent_from = min(self._silent_from, last + SILENCE)
+        self._asked = max(self._asked, now - SILENCE) + min(len(silent), most) / QUESTIONS
+        if len(silent) > most:  # those that are served first, then those not asked for longest
+            silent.sort(key=lambda one: one[:2])
+            self._silent_from = now
+        for _, _, job in silent[:most]:
+            self._sent[job.mission] = now
+        return [FleetMessage(FleetAct.ASK, job) for _, _, job in silent[:most]]
 
     def hear(self, mission: int, stamp: int, news: JobMission, now: float) -> List[SegmentChange]:
         """Handles the status of a mission. `stamp`: of its request, ms; `now`: as in `due`."""
-        job = self._jobs.get(mission)
+        job = self.shelf.get(mission)
         if job is None or job.queued != stamp or not job.is_open:
             return []
         self._news[mission], self._heard[mission] = news, now
         changes = self._show(job, news)
-        if self._jobs[mission].is_open:
+        if self.shelf[mission].is_open:
             self._restless.add(mission)
         return changes
 
@@ -286,12 +302,12 @@ class JobBook:
         """Handles the drives of all robots, by the mission that each one serves."""
         before, self._drives = self._drives, drives
         return [change for mission, drive in drives.items()
-                if mission in self._jobs and before.get(mission) != drive
-                for change in self._show_again(self._jobs[mission])]
+                if mission in self.shelf and before.get(mission) != drive
+                for change in self._show_again(self.shelf[mission])]
 
     def hear_unknown(self, mission: int, stamp: int, asked: float) -> List[SegmentChange]:
         """The fleet manager, asked at `asked`, does not know a mission that it had accepted."""
-        job = self._jobs.get(mission)
+        job = self.shelf.get(mission)
         if job is None or job.queued != stamp or not job.is_open or not job.is_known or (
                 self._heard.get(mission, -math.inf) >= asked):
             return []
@@ -302,7 +318,7 @@ class JobBook:
         shown, changes = news_of(job, news._replace(drive=drive), self._clock())
         if shown == job:
             return []
-        self._jobs[job.mission] = shown
+        self.shelf.put(shown)
         self._unstored.add(job.mission)
         if not shown.is_open:
             self._restless.discard(job.mission)
@@ -319,19 +335,12 @@ class JobBook:
 
     def store_news(self) -> None:
         """Stores what missions have shown, and forgets old jobs. Raises OSError; call it again."""
-        forgotten = self._too_old()
-        changed = [self._jobs[id] for id in sorted(self._unstored) if id not in forgotten]
+        forgotten = self.shelf.too_old(self._clock() - KEEP_ENDED * 60_000, MOST_ENDED)
+        changed = [self.shelf[id] for id in sorted(self._unstored) if id not in forgotten]
         if changed or forgotten:
             self._store.write(changed, forgotten, self.counters)
         self._unstored.clear()
         for id in forgotten:
-            del self._jobs[id]
+            self.shelf.forget(id)
             for table in (self._news, self._sent, self._heard):
                 table.pop(id, None)
-
-    def _too_old(self) -> List[int]:
-        ended = sorted((job.segments[-1].ended, id) for id, job in self._jobs.items()
-                       if not job.is_open)
-        latest = self._clock() - KEEP_ENDED * 60_000
-        return [id for k, (end, id) in enumerate(ended)
-                if end < latest or k < len(ended) - MOST_ENDED]

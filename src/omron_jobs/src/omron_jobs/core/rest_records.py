@@ -153,13 +153,17 @@ class RestRecords:
         self._history: Dict[RestType, Deque[Record]] = {
             kind: deque(maxlen=LONGEST_HISTORY) for kind in WITH_HISTORY}
         self._shown: Dict[int, QueuedJob] = {}
+        self._changed: Dict[int, None] = {}     # missions whose jobs have changed, in this order
         self._by_segment: Dict[int, int] = {}
         self._robots: Mapping[str, RobotNews] = {}
         self._goals: Optional[Mapping[str, int]] = None
         self._last = 0
         for job in book.jobs:  # what has ended did not change when this program started
-            if not job.is_open:
+            if job.is_open:
+                self._changed[job.mission] = None
+            else:
                 self._show_job(job, job.segments[-1].ended)
+        book.shelf.on_change = self._note
         self.refresh()
 
     # -- what is asked ---------------------------------------------------------------------------
@@ -204,19 +208,25 @@ class RestRecords:
                     for one in job.segments)))
         self.refresh()
 
+    def _note(self, mission: int) -> None:
+        self._changed[mission] = None
+
     def _find_new_jobs(self) -> None:
-        for job in self._book.jobs:
-            if job.mission not in self._shown:
+        for mission in self._changed:
+            job = self._book.shelf.get(mission)
+            if job is not None and mission not in self._shown:
                 self._show_job(job)
 
     def refresh(self) -> None:
         """Follows jobs, robots and goals."""
-        jobs = {job.mission: job for job in self._book.jobs}
-        for mission, job in jobs.items():
-            if self._shown.get(mission) is not job:
+        changed, self._changed = self._changed, {}
+        for mission in changed:
+            job, shown = self._book.shelf.get(mission), self._shown.get(mission)
+            if job is None and shown is not None:
+                del self._shown[mission]
+                self._forget_job(shown)
+            elif job is not None and job is not shown:
                 self._show_job(job)
-        for mission in [one for one in self._shown if one not in jobs]:
-            self._forget_job(self._shown.pop(mission))
         self._show_robots()
         if self._site.goals is not None and self._site.goals is not self._goals:
             self._goals = self._site.goals

@@ -105,10 +105,11 @@ class JobServerNode:
                              lambda: ids.randint(1, 2 ** 31 - 1))
         self._site = JobSite()
         self._server = JobServer(JobCommands(self._book, self._site), password)
-        self._port = JobPort(self._server, peers(), self._work)
+        self._port = JobPort(self._server, peers(), self._work_soon)
         self._records = RestRecords(self._book, self._site, lambda: int(time.time() * 1000))
         self._server.on_changes = self._records.announce
         self._problem = self._work_problem = ''
+        self._works_soon = False
         self._questions: queue.Queue[Tuple[QueuedJob, float]] = queue.Queue()
         self._asked: Set[int] = set()  # missions of questions without an answer
         self._loop = asyncio.new_event_loop()
@@ -140,7 +141,7 @@ class JobServerNode:
 
     def _open_rest(self, settings: RestSettings) -> RestPort:
         port = RestPort(RestApi(self._book, self._site, self._records, self._server.announce),
-                        self._records, settings.password, self._port.peers, self._work)
+                        self._records, settings.password, self._port.peers, self._work_soon)
         try:
             self._loop.run_until_complete(
                 port.open(settings.host, settings.port, settings.certificates))
@@ -166,15 +167,14 @@ class JobServerNode:
 
         def put() -> None:
             self._site.goals, self._site_work = goals, work
-            self._records.refresh()
+            self._work_soon()
         self._put(put)
 
     def _on_state(self, message: FleetState) -> None:
         def put() -> None:
             self._server.announce(self._book.hear_drives(drives_of(message)))
             self._site.robots = robots_of(message, self._substatus)
-            self._records.refresh()
-            self._work()
+            self._work_soon()
         self._put(put)
 
     def _on_status(self, message: MissionStatus) -> None:
@@ -204,7 +204,12 @@ class JobServerNode:
         self._loop.call_later(TICK, self._tick)
         for message in self._book.silent(time.monotonic()):
             self._send(message)
-        self._work()
+        self._work_soon()
+        try:
+            self._book.store_news()
+            self._problem = ''
+        except OSError as error:
+            self._problem = f'jobs cannot be stored: {error.strerror}'
 
     def _hear(self, message: MissionStatus) -> None:
         try:
@@ -214,7 +219,7 @@ class JobServerNode:
             return
         self._server.announce(self._book.hear(message.request_id, stamp_of(message), news,
                                           time.monotonic()))
-        self._work()
+        self._work_soon()
 
     def _hear_answer(self, job: QueuedJob, asked: float, answer: Any) -> None:
         self._asked.discard(job.mission)
@@ -224,20 +229,22 @@ class JobServerNode:
             self._hear(answer.status)
         else:
             self._server.announce(self._book.hear_unknown(job.mission, job.queued, asked))
-            self._work()
+            self._work_soon()
+
+    def _work_soon(self) -> None:
+        """Works when all that has come is handled: many statuses come at once."""
+        if not self._works_soon:
+            self._works_soon = True
+            self._loop.call_soon(self._work)
 
     def _work(self) -> None:
-        """Sends what is due to fleet manager and clients, and stores what was heard."""
+        """Sends what is due to fleet manager and clients, and brings the records up to date."""
+        self._works_soon = False
         self._port.flush()
         if self._requests.is_heard and self._commands.is_heard:
             for message in self._book.due(time.monotonic()):
                 self._send(message)
-        try:
-            self._book.store_news()
-            self._records.refresh()
-            self._problem = ''
-        except OSError as error:
-            self._problem = f'jobs cannot be stored: {error.strerror}'
+        self._records.refresh()
 
     def _send(self, message: FleetMessage) -> None:
         act, job, first = message
@@ -263,7 +270,8 @@ class JobServerNode:
             self._commands.repeat(command)
 
     def _substatus(self, mission: int) -> Optional[str]:
-        current = next((job.current for job in self._book.jobs if job.mission == mission), None)
+        job = self._book.shelf.get(mission)
+        current = None if job is None else job.current
         return (current.told.substatus if current is not None
                 and current.told.status is SegmentStatus.IN_PROGRESS else None)
 
@@ -277,7 +285,7 @@ class JobServerNode:
                            f'the outgoing connection is lost: {self._outgoing.trouble}')
         else:
             status.summary(DiagnosticStatus.OK, f'{len(self._server.sessions)} clients')
-        status.add('active jobs', str(sum(job.is_open for job in self._book.jobs)))
+        status.add('active jobs', str(len(self._book.shelf.open_ids)))
         return status
 
     def _end(self) -> None:
