@@ -2,30 +2,24 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from datetime import datetime, timedelta
 from random import Random
 from typing import Dict, Optional, Set
 
-from fleet_core.fleet import RobotType
 from fleet_core.supervision.actions import SendRoute
 from fleet_core.supervision.missions import MissionState, Request, Status
 from fleet_core.supervision.robots import ManagedRobot
 from fleet_core.supervision.timetable_runs import giver_of
 from fleet_simulation.demand import HOUR, RequestSource
-from fleet_simulation.driven_robot import AGV, LD90, DrivenRobot
+from fleet_simulation.driven_robot import DrivenRobot
 from fleet_simulation.figures import Figures, TimetableUse, Use, WaitingCause
 from fleet_simulation.hold_ups import HoldUp, ResourceUse, WaitFor, held_up
 from fleet_simulation.site import OrderPolicy, StudiedSite
-from fleet_simulation.virtual_actors import VirtualActors
-from fleet_simulation.virtual_fleet import STEP, Rhythm, VirtualFleet
+from fleet_simulation.studied_fleet import StudiedFleet
+from fleet_simulation.virtual_fleet import STEP
 
-MONDAY = datetime(2024, 1, 1)  # no clock is changed in the days after it
-RHYTHM = Rhythm(driving=0.5, standing=2.0, supervisor=0.5, room=1.0)
 WARM_UP = 600.0     # s at the start of a run that do not count, at most a tenth of the run
 _SAMPLE = 10        # steps between two samples of what the robots do
-_BATTERY = 100      # steps between two battery reports
 _REPLANNING = 50    # steps between two complete new plans, with OrderPolicy.REPLANNING
-_CHECK_EVERY = 100  # events of the supervisor between two checks against the model of allocations
 
 
 def simulate(site: StudiedSite, robots: int, seed: int, hours: float) -> Figures:
@@ -39,17 +33,8 @@ class Run:
     def __init__(self, site: StudiedSite, robots: int, seed: int) -> None:
         self._site = site
         self._random = Random(f'run {seed}')
-        fleet = site.robots(robots)
-        self._drivers = {name: robot.driver for name, robot in fleet.items()}
-        self.world: VirtualFleet[DrivenRobot] = VirtualFleet(
-            site.graph, {name: (robot.type, robot.vertex) for name, robot in fleet.items()},
-            self._make, site.fleet.clearance, seed, planning=site.latency,
-            settings=site.settings_of(fleet), parking=site.parking,
-            dock_approach=site.fleet.dock_approach, rhythm=RHYTHM,
-            switches=site.order is OrderPolicy.SWITCHING, check_every=_CHECK_EVERY,
-            work=site.work, wall=(MONDAY + timedelta(minutes=site.begin)).timestamp())
-        self.world.planner.rounds = site.rounds
-        self._actors = VirtualActors(self.world, site.work, site.times, seed)
+        self._fleet = StudiedFleet(site, robots, seed, self._random)
+        self.world = self._fleet.world
         self.figures = Figures(robots, seed)
         resources = self.world.supervisor.interlocking.claims.needs.resources
         self.figures.resources = {name: ResourceUse(one) for name, one in resources.items()}
@@ -66,12 +51,6 @@ class Run:
         """Of open missions, s since 1970."""
         self.world.watcher = self
 
-    def _make(self, name: str, kind: RobotType, vertex: int) -> DrivenRobot:
-        mechanics = AGV if kind.obeys_edge_speed or self._drivers[name] == 'agv' else LD90
-        return DrivenRobot(name, self._site.graph, kind, vertex, mechanics, self._site.delays,
-                           Random(f'{name} {self._random.random()}'),
-                           self._random.uniform(0.5, 1.0))
-
     def run(self, hours: float) -> Figures:
         """Simulates the given number of virtual hours; returns the figures."""
         world, figures, end = self.world, self.figures, hours * HOUR
@@ -79,7 +58,7 @@ class Run:
         demand = self._site.demand
         self._requests = RequestSource(demand, demand.draw(figures.seed, hours), self._random)
         try:
-            self._report_batteries()
+            self._fleet.begin()
             while world.now < end - STEP / 2:
                 self._request()
                 world.step()
@@ -177,17 +156,11 @@ class Run:
     def stepped(self) -> None:
         """Does what is due after one time step: new plans, battery reports, samples."""
         self._steps += 1
-        self._actors.stepped()
+        self._fleet.stepped()
         if self._site.order is OrderPolicy.REPLANNING and self._steps % _REPLANNING == 0:
             self.world.supervisor.plan_executor.plan_anew()
-        if self._steps % _BATTERY == 0:
-            self._report_batteries()
         if self._steps % _SAMPLE == 0 and self.world.now >= self._warm_up:
             self._sample()
-
-    def _report_batteries(self) -> None:
-        for name, robot in self.world.agvs.items():
-            self.world.do(self.world.supervisor.battery(name, robot.charge, self.world.now))
 
     def _sample(self) -> None:
         seconds, figures = _SAMPLE * STEP, self.figures

@@ -9,16 +9,7 @@ import sqlite3
 import pytest
 import rospy
 
-from fleet_core.work.site_work import JobSteps, SiteWork
-from fleet_core.work.stops import LoadEffect, StopKind, WorkStep
-from itrci_nav_msgs.msg import (
-    FleetRobot,
-    FleetState,
-    MissionCommand,
-    MissionStatus,
-    MissionStep,
-    MissionStop,
-)
+from itrci_nav_msgs.msg import FleetRobot, FleetState, MissionCommand, MissionStatus
 from itrci_nav_msgs.srv import ExplainMissionResponse
 from node_lifecycle import ConfigurationError
 from omron_jobs.core.job_book import JobCounters
@@ -37,15 +28,12 @@ from omron_jobs.core.jobs import (
 from omron_jobs.nodes.fleet_news import (
     WrongStatus,
     drives_of,
-    goals_of,
     mission_of,
     robots_of,
     stamp_of,
-    stops_of,
 )
 from omron_jobs.nodes.job_file import JobFile
 from omron_jobs.nodes.job_server import JobServerNode, stamp
-from trajectory_graph import Vertex
 
 JOB = QueuedJob('own', (
     JobSegment(7, SegmentKind.PICKUP, 'x', 1, 10, Told(SegmentStatus.COMPLETED, 'None', 'r'), 9),
@@ -128,27 +116,6 @@ def test_a_stamp_comes_back_although_the_fleet_manager_rounds_it(queued):
     status = MissionStatus()
     status.request_stamp = type(stamp(job)).from_sec(stamp(job).to_sec())
     assert stamp_of(status) == queued
-
-
-def test_segments_become_stops_with_the_steps_of_the_site():
-    work = SiteWork(job_steps=(
-        JobSteps(StopKind.PICKUP, (WorkStep('engage', 60.0, load=LoadEffect.TAKES),)),
-        JobSteps(StopKind.DROPOFF, (WorkStep('disengage', 60.0),), (7,))))
-    pickup, dropoff = stops_of(JOB, work)
-    assert [(stop.vertex, stop.kind) for stop in (pickup, dropoff)] == [
-        (1, MissionStop.PICKUP), (2, MissionStop.DROPOFF)]
-    step, = pickup.steps
-    assert (step.type, step.timeout, step.load) == ('engage', 60.0, MissionStep.TAKES)
-    assert dropoff.steps == []
-
-
-@pytest.mark.parametrize('label, name', [
-    ('press', 'press'), ('twice', '1'), ('', '1'), ('12', '1'), ('a"b', '1'), (' a', '1'),
-    ('a\nb', '1'), ('two words', 'two words')])
-def test_a_goal_is_named_by_a_label_that_can_name_it(label, name):
-    vertices = [Vertex(1, 0.0, 0.0, 0.0, label=label), Vertex(2, 1.0, 0.0, 0.0, label='twice'),
-                Vertex(3, 2.0, 0.0, 0.0, label='d', dock=True)]
-    assert goals_of(vertices) == {name: 1, '2' if label == 'twice' else 'twice': 2}
 
 
 @pytest.mark.parametrize('robot, shown', [

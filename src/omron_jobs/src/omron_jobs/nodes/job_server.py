@@ -51,6 +51,7 @@ from fleet_core.files.errors import FileError
 from fleet_core.files.work_file import load_work
 from fleet_core.work.site_work import SiteWork
 from fleet_requests import Sender, mission_request, stored_status
+from graph_fleet_manager.messages.stops import stop_messages
 from graph_topic import FollowedGraph
 from itrci_nav_msgs.msg import FleetState, MissionCommand, MissionRequest, MissionStatus
 from node_lifecycle import (
@@ -70,17 +71,16 @@ from omron_jobs.core.job_words import SegmentStatus
 from omron_jobs.core.jobs import QueuedJob
 from omron_jobs.core.rest_api import RestApi
 from omron_jobs.core.rest_records import RestRecords
+from omron_jobs.fleet.missions import goals_of, stops_of
 from omron_jobs.network.job_port import JobPort, WrongPeer, read_peers
 from omron_jobs.network.outgoing_link import DialledAddress, DialledLink
 from omron_jobs.network.rest_port import RestPort
 from omron_jobs.nodes.fleet_news import (
     WrongStatus,
     drives_of,
-    goals_of,
     mission_of,
     robots_of,
     stamp_of,
-    stops_of,
 )
 from omron_jobs.nodes.job_file import JobFile
 from trajectory_graph import Graph
@@ -250,9 +250,9 @@ class JobServerNode:
         act, job, first = message
         if act in (FleetAct.REQUEST, FleetAct.CHANGE) and self._site_work is None:
             return  # what is to be done at its stops is not known yet: it is due again
-        work = self._site_work or SiteWork()
+        stops = stop_messages(stops_of(job, self._site_work or SiteWork()))
         if act is FleetAct.REQUEST:
-            request = mission_request((), request_id=job.mission, stops=stops_of(job, work),
+            request = mission_request((), request_id=job.mission, stops=stops,
                                       priority=job.segments[0].priority, requested_by=_NAME,
                                       robot_type=self._robot_type, robot=job.robot)
             request.header.stamp = stamp(job)
@@ -265,7 +265,7 @@ class JobServerNode:
             command = MissionCommand(
                 request_id=job.mission, requested_by=_NAME, priority=job.segments[0].priority,
                 command=MissionCommand.CANCEL if act is FleetAct.CANCEL else MissionCommand.MODIFY,
-                first_stop=first, stops=stops_of(job, work)[first - 1:] if first else [])
+                first_stop=first, stops=stops[first - 1:] if first else [])
             command.header.stamp = rospy.Time.now()
             self._commands.repeat(command)
 
