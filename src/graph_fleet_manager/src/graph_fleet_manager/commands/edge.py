@@ -69,7 +69,8 @@ def _known_areas() -> Dict[str, Tuple[int, ...]]:
     topics = rosgraph.Master(rospy.get_name()).getSystemState()[0]
     if not any(name == _AREAS for name, _ in topics):
         return {}
-    return {area.name: tuple(area.edges) for area in TopicListener(_AREAS, EdgeAreas).last().areas}
+    listener = TopicListener(_AREAS, EdgeAreas)
+    return {area.name: tuple(area.edges) for area in listener.last().areas}
 
 
 def _is_id(word: str) -> bool:
