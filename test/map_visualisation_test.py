@@ -104,14 +104,16 @@ class MapVisualisationTest(unittest.TestCase):
             MapObject.forbidden_area(RotatedRectangle(200, 100, 400, 200, 30), 'Keep out'),
             MapObject.forbidden_line(0, 0, 300, 400)))
         expected = {
-            'points': (Marker.POINTS, 5, (0, 0, 0)), 'lines': (Marker.LINE_LIST, 2, (1, 0, 0)),
-            'goals': (Marker.CUBE_LIST, 2, (0, 1, 0)), 'docks': (Marker.CUBE_LIST, 1, (0, 1, 0))}
+            'points': (Marker.POINTS, 5, (0.0, 0.0, 0.0)),
+            'lines': (Marker.LINE_LIST, 2, (0.35, 0.37, 0.42)),
+            'goals': (Marker.CUBE_LIST, 2, (0.0, 0.7, 0.15)),
+            'docks': (Marker.CUBE_LIST, 1, (0.0, 0.7, 0.15))}
         for topic, (kind, count, colour) in expected.items():
             marker = latched(f'map_markers/{topic}', Marker)
             self.assertEqual((kind, count, 'map'),
                              (marker.type, len(marker.points), marker.header.frame_id), topic)
             seen = (marker.color.r, marker.color.g, marker.color.b)
-            self.assertEqual(colour, tuple(round(part) for part in seen), f'colour of {topic}')
+            self.assertEqual(colour, tuple(round(part, 2) for part in seen), f'colour of {topic}')
         corner = latched('map_markers/points', Marker).points[0]
         self.assertEqual((-1.0, -0.5), (corner.x, corner.y))
 

@@ -458,7 +458,7 @@ def test_the_list_of_faults_names_every_robot_that_does_not_work_with_code_and_r
     window.click('#tab_button_robots')
     window.click('#faults_box summary')
     window.wait(lambda: '(2)' in window.text('#faults_box summary'))
-    for row, words in (('b', ('FAILED', 'wheel blocked', 'since', 'ResourceLook at the robot')),
+    for row, words in (('b', ('FAILED', 'wheel blocked', 'since', 'Look at the robot')),
                        ('c', ('OUT_OF_SERVICE', 'taken out of service', 'put it into service'))):
         text = window.text(f'#faults [data-key={row}]')
         assert all(word in text for word in words), text

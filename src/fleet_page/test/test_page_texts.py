@@ -10,7 +10,7 @@ from page_builders import PAGE_FOLDER
 
 from fleet_core.interlocking.resources import ResourceKind
 from fleet_core.supervision.fleet_view import LOAD_WORDS, WORKING, RobotState
-from fleet_core.supervision.looks import DEVICE_WORDS, QueueState, ResourceLook
+from fleet_core.supervision.looks import DEVICE_WORDS, QueueState
 from fleet_core.supervision.machine_view import MachineState
 from fleet_core.supervision.outages import Outage
 from fleet_page.core.acts import ANSWERS, ActKind
@@ -22,7 +22,6 @@ from fleet_page.core.fleet import (
     RobotGroup,
 )
 from fleet_page.door.files import CHART
-from graph_fleet_manager.nodes.rviz.paints import HEX_OF_LOAD, HEX_OF_LOOK
 from route_protocol.devices import DeviceMode
 
 SOURCES = {path.name: path.read_text() for path in PAGE_FOLDER.iterdir()
@@ -195,10 +194,3 @@ def test_a_robots_state_has_the_same_words_everywhere(state):
     ('resource_', {kind.name: kind.value for kind in ResourceKind})])
 def test_stations_devices_and_loads_have_the_same_words_on_the_page_and_in_rviz(prefix, words):
     assert {name: TABLES['en'][prefix + name] for name in words} == words
-
-
-def test_the_dark_page_has_the_colours_of_rviz():
-    dark = re.search(r'data-theme=dark\] \{(.*?)\}', SOURCES['page.css'], re.DOTALL).group(1)
-    colours = dict(re.findall(r'--([\w-]+): (#\w+)', dark))
-    assert {look: colours[look.name.lower()] for look in ResourceLook} == HEX_OF_LOOK
-    assert colours['load'] == HEX_OF_LOAD

@@ -11,11 +11,11 @@ from typing import Any, Mapping, Tuple
 import pytest
 from planted_guards import GUARDS
 from proofs import LONG, is_whole
+from random_work import lived
 
 from fleet_core.interlocking.claims import Claims
 from fleet_core.supervision import device_desk
 from fleet_core.supervision.work_desk import WorkDesk
-from world.random_work import lived
 
 WHOLE = is_whole(__file__)
 STEPS = 2_000_000 if LONG else 100_000 if WHOLE else 5_000

@@ -808,7 +808,7 @@ class RandomWork(SupervisedFleet):
             is_between = 0.01 < agv.arc < SITE.curve(agv.edge).length - 0.01
             needs = [resource for resource, one in claims.needs.resources.items()
                      if is_between and abs(agv.edge) in one.edges or any(
-                         math.dist(agv.position, SITE.vertex(vertex).position) < KIND.radius
+                         math.dist(agv.position, SITE.vertex(vertex).position) < KIND.radius - 0.01
                          for vertex in one.vertices)]
             for resource in needs if name not in self.moved else ():
                 inside.setdefault(resource, []).append(name)
