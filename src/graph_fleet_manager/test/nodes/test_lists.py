@@ -86,7 +86,7 @@ def test_a_closed_edge_is_listed_once_as_it_was_drawn():
                               [Edge(7, 1, 2), Edge(8, 2, 1)]), 2.0)
     closed = edge._closed(graph, graph.whole_edges((7,)))
     assert closed == [{'edge': 7, 'from': 1, 'to': 2, 'length': pytest.approx(6.0)}]
-    lines = edge._listed(closed).splitlines()
+    lines = edge._listed(closed, []).splitlines()
     assert lines[0].split() == ['closed', 'edge', 'from', 'to', 'length']
     assert lines[1].split() == ['7', '1', '2', '6.0', 'm']
-    assert edge._listed([]) == 'No edge is closed.'
+    assert edge._listed([], []) == 'No edge is closed.'
