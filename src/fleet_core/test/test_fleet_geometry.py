@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
-from fleet_builders import as_files, graph_of, random_graph
+from fleet_builders import AGV, as_files, graph_of, random_graph
 from hypothesis import given, reject, settings
 from hypothesis import strategies as st
 from plan_checker import World
@@ -140,6 +140,13 @@ def test_a_dock_and_its_approach_are_for_one_robot_alone():
     at = conflicts.starts[aside] + conflicts.row(aside).index(approach)
     assert conflicts.forward[at] == pytest.approx(0.5 / 4.0), 'the approach ends 0.5 m behind 2'
     assert 2 not in conflicts.row(0), 'a docked robot is in no other robot\'s way elsewhere'
+
+
+@pytest.mark.parametrize('way', [(1, 9), (9, 1), (1, 2, 9), (9, 2, 1)])
+def test_no_path_leads_over_a_vertex_that_the_graph_does_not_have_any_more(way):
+    network = RoadNetwork(graph_of({1: (0, 0), 2: (5, 0)}, {1: (1, 2)}))
+    assert network.seconds_over(AGV, (1, 2)) < math.inf
+    assert network.seconds_over(AGV, way) == math.inf
 
 
 def test_what_is_asked_twice_is_computed_once():

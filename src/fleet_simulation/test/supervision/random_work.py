@@ -35,6 +35,7 @@ from random import Random
 from typing import Any, Callable, Dict, List, Mapping, NamedTuple, Optional, Sequence, Set, Tuple
 
 from fleet_core.fleet import RobotType
+from fleet_core.geometry.exclusions import ROUNDING
 from fleet_core.interlocking.claims import ClaimState
 from fleet_core.interlocking.reports import Report
 from fleet_core.interlocking.resources import Resource, ResourceKind
@@ -808,8 +809,8 @@ class RandomWork(SupervisedFleet):
             is_between = 0.01 < agv.arc < SITE.curve(agv.edge).length - 0.01
             needs = [resource for resource, one in claims.needs.resources.items()
                      if is_between and abs(agv.edge) in one.edges or any(
-                         math.dist(agv.position, SITE.vertex(vertex).position) < KIND.radius - 0.01
-                         for vertex in one.vertices)]
+                         math.dist(agv.position, SITE.vertex(vertex).position)
+                         < KIND.radius - ROUNDING for vertex in one.vertices)]
             for resource in needs if name not in self.moved else ():
                 inside.setdefault(resource, []).append(name)
                 assert resource in claims.stored_of(name), f'(c) {name} does not claim {resource}'

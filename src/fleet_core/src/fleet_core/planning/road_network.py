@@ -160,8 +160,12 @@ class RoadNetwork:
         return [known[target] for target in targets]
 
     def seconds_over(self, kind: RobotType, vertices: Sequence[int]) -> float:
-        """Seconds from the first of these vertices (by id) over all others in order; inf: no path.
+        """Seconds from the first of these vertices (by id) over all others in order.
+
+        Infinite: there is no path, or the graph does not have one of them (any more).
         """
+        if any(vertex not in self.index for vertex in vertices):
+            return math.inf
         return sum(float(self.paths_to(kind, (self.index[other],))[0][self.index[one]])
                    for one, other in zip(vertices, vertices[1:]))
 

@@ -196,9 +196,13 @@ def _must_charge(robots: Sequence[ManagedRobot], now: float) -> str:
 
 
 def time_to(vertex: int, robot: ManagedRobot, network: RoadNetwork) -> float:
-    """Seconds from the robot's next resting place to a vertex, without traffic; infinite: no path.
+    """Seconds from the robot's next resting place to a vertex, without traffic.
+
+    Infinite: there is no path, or the graph does not have the vertex (any more).
     """
     record = robot.record
+    if vertex not in network.index:
+        return inf
     times = network.paths_to(robot.type, (network.index[vertex],))[0]
     at = record.last_vertex
     if at is not None:
