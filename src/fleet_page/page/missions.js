@@ -1,6 +1,6 @@
 // Missions: a new mission by clicks, favourites, and the tables of open and ended missions.
 import { $, make, openMenu, showRows, withCode } from './dom.js';
-import { entries, all, site } from './server.js';
+import { entries, all } from './server.js';
 import { t, clockOf, dateOf, duration, language, said, store, stored } from './texts.js';
 import { knowsVertex, showChosen, vertexName } from './map.js';
 import { stationPlaces } from './resources.js';
@@ -111,7 +111,7 @@ export function showMissions(person) {
   options($('send_robot'), robots.map(([name]) => name).sort());
   options($('send_type'), [...new Set(robots.map(([, robot]) => robot.type))].sort());
   showFavourites();
-  showTemplates(me, site.vertices);
+  showTemplates(me);
   showTables();
 }
 

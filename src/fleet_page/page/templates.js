@@ -1,6 +1,6 @@
 // Missions of templates, whose parameters a person fills in by name or by clicks on the map, and timetables.
 import { $, make, showRows } from './dom.js';
-import { all, entries } from './server.js';
+import { entries } from './server.js';
 import { language, store, stored, t } from './texts.js';
 import { vertexName } from './map.js';
 
@@ -17,7 +17,7 @@ const known = () => entries.get('templates') || [];
 export const chosenTemplate = () => known().find(template => template.name === $('send_template').value) || null;
 const inputs = () => [...$('parameters').querySelectorAll('input')];
 
-export function showTemplates(me, vertices) {
+export function showTemplates(me) {
   const select = $('send_template'), shown = JSON.stringify([known(), t('no_template')]);
   if (select.shown !== shown) {
     select.shown = shown;
@@ -27,17 +27,7 @@ export function showTemplates(me, vertices) {
     $('template_choice').hidden = !known().length;
     showParameters();
   }
-  showWords(vertices);
   showTimetables(me);
-}
-
-// The words that a parameter may be: stations, and places as for destinations.
-function showWords(vertices) {
-  const stations = all('resource:').filter(([, resource]) => resource.kind === 'STATION').map(([name]) => name).sort();
-  const shown = JSON.stringify([stations, vertices.length, entries.get('site')]);
-  if ($('words').shown === shown) return;
-  $('words').shown = shown;
-  $('words').replaceChildren(...[...stations, ...vertices.filter(vertex => vertex[3] !== 'cut').map(vertex => vertexName(vertex[0]))].map(value => make('option', { value })));
 }
 
 function showParameters() {
@@ -48,7 +38,7 @@ function showParameters() {
   $('parameters').shown = shown;
   const before = new Map(inputs().map(input => [input.name, input.value]));
   $('parameters').replaceChildren(...(template ? template.parameters : []).map(name => {
-    const input = make('input', { name, list: 'words', autocomplete: 'off', required: true, maxlength: 100 });
+    const input = make('input', { name, list: 'places', autocomplete: 'off', required: true, maxlength: 100 });
     input.value = before.get(name) || '';
     input.addEventListener('focus', () => mark(name));
     return make('label', {}, make('span', {}, name), ' ', input);

@@ -50,10 +50,8 @@ class FleetCommands:
         """Carries out an act for a person, and returns its outcome."""
         by = by_page(person.name)
         try:
-            if act.kind is ActKind.SEND:
+            if act.kind in (ActKind.SEND, ActKind.RUN):
                 return self._send(act, by)
-            if act.kind is ActKind.RUN:
-                return self._run(act, by)
             if act.kind in COMMANDS:
                 return self._command(act, by)
             if act.kind in EDGES:
@@ -69,15 +67,9 @@ class FleetCommands:
     def _send(self, act: Act, by: str) -> ActOutcome:
         request = mission_request(
             [self._destination(one) if isinstance(one, str) else one for one in act.destinations],
+            template=act.name, arguments=[StepParameter(*pair) for pair in act.arguments],
             robot=act.robot, robot_type=act.robot_type, priority=act.priority,
             dwell=list(act.stays), requested_by=by)
-        self._requests.send(request)
-        return ActOutcome(True, f'Sent as mission {request.request_id}.', request.request_id)
-
-    def _run(self, act: Act, by: str) -> ActOutcome:
-        request = mission_request(
-            (), template=act.name, arguments=[StepParameter(*pair) for pair in act.arguments],
-            robot=act.robot, robot_type=act.robot_type, priority=act.priority, requested_by=by)
         self._requests.send(request)
         return ActOutcome(True, f'Sent as mission {request.request_id}.', request.request_id)
 
