@@ -88,14 +88,14 @@ class DayRun:
                              for name, vertex in self._named_goals().items()})
         self._jobs: Dict[str, WatchedJob] = {}
         self._refused: List[DayError] = []
-        self._start_server()
+        self._start_job_server()
 
     def _named_goals(self) -> Dict[str, int]:
         """The goals by their names, and by their ids, which commands may have as well."""
         goals = dict(self._site.goals or {})
         return {**{str(vertex): vertex for vertex in goals.values()}, **goals}
 
-    def _start_server(self) -> None:
+    def _start_job_server(self) -> None:
         """Starts the job server with what is on the disk; the program logs in."""
         self._book = JobBook(
             self._disk.jobs.values(), self._disk.counters, self._disk,
@@ -163,7 +163,7 @@ class DayRun:
             self._world.restart()
         else:
             self._listen()
-            self._start_server()
+            self._start_job_server()
 
     def _listen(self, line: Optional[DayLine] = None) -> None:
         """Lets the program read. `line`: it has just sent the command of this line."""
