@@ -6,7 +6,7 @@ import pytest
 from drive_bench import OTHER, PERSON, ROUTE, Bench
 
 from omron_arcl import Execution, Outcome
-from omron_arcl.drives import Unclear
+from omron_arcl.drives import MOST_OPEN, Unclear
 from omron_arcl.judgements import SETTLE_OVERTAKEN
 from omron_arcl.records import Fate, MotionCause, RecordKind
 
@@ -140,7 +140,7 @@ def test_each_drive_has_its_own(bench):
 
 def test_a_command_is_doubted_however_many_were_given_after_it(bench):
     goto = driving(bench)
-    for goal in range(30):
+    for goal in range(1, MOST_OPEN):
         bench.drive(PERSON, f'goto {100 + goal}')
     for _ in range(5):
         bench.status('Stopped', 1.5)

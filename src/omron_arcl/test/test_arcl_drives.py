@@ -11,8 +11,8 @@ import pytest
 from arcl_builders import outcome
 from drive_bench import DOCKED, DOCKING, OTHER, PERSON, ROUTE, UNDOCKED, UNDOCKING, Bench
 
-from omron_arcl import Giver, Outcome, parse_command
-from omron_arcl.drives import LOOK, RETRY, Overruled, Unclear, draw_epoch
+from omron_arcl import Busy, Giver, Outcome, parse_command
+from omron_arcl.drives import LOOK, MOST_OPEN, RETRY, Overruled, Unclear, draw_epoch
 from omron_arcl.records import CommandFate, DriveMemory, Fate, MotionCause, MotionState
 
 
@@ -1074,6 +1074,54 @@ class TestDrivesOnTheirWay:
         assert not bench.memory.drives, 'a refused command is no drive'
 
 
+class TestManyDrives:
+    def test_a_drive_is_refused_while_the_robot_has_many_to_answer(self, bench):
+        bench.status('Stopped')
+        drives = [bench.drive(PERSON, f'goto {n}') for n in range(MOST_OPEN)]
+        with pytest.raises(Busy, match=f'{MOST_OPEN} drives before it.*"stop"') as refused:
+            bench.drive(PERSON, 'goto 99')
+        assert refused.value.limit == MOST_OPEN
+        assert 'goto 99' not in bench.sent
+        bench.robot('Going to 0', 'Going to 1')
+        assert outcome(drives[0]) is Outcome.INTERRUPTED
+        assert (bench.has_begun(drives[1]), bench.memory.giver) == (True, PERSON)
+        bench.drive(PERSON, 'goto 99')
+
+    def test_also_if_their_commands_have_ended_until_the_robot_obeys_the_stop(self, bench):
+        bench.status('Stopped')
+        for n in range(MOST_OPEN):
+            bench.drive(PERSON, f'goto {n}')
+        bench.robot('EStop pressed')
+        with pytest.raises(Busy):
+            bench.drive(PERSON, 'goto 99')
+        bench.robot('Motors enabled', 'Stopping', 'Stopped')
+        for _ in range(3):
+            bench.status('Stopped', 1.5)
+        bench.drive(PERSON, 'goto 99')
+
+    def test_a_stop_is_not_refused_and_no_number_of_stops_makes_the_robot_forget_a_drive(
+            self, bench):
+        bench.status('Stopped')
+        drive = bench.drive(PERSON, 'goto 3')
+        stops = [bench.stop(OTHER) for _ in range(5 * MOST_OPEN)]
+        assert len(bench.memory.records) <= 3 * MOST_OPEN
+        assert [r.goal for r in bench.memory.records if r.pending] == ['3']
+        bench.robot('Going to 3')
+        assert (bench.has_begun(drive), bench.memory.stop_owed) == (True, True)
+        bench.robot('Stopping', 'Stopped')
+        assert {outcome(stop) for stop in stops} == {Outcome.SUCCEEDED}
+        assert not bench.memory.stop_owed
+
+    def test_the_stop_before_many_drives_is_owed_until_the_robot_obeys_one_of_them(self, bench):
+        bench.status('Stopped')
+        bench.stop(OTHER)
+        for n in range(MOST_OPEN):
+            bench.drive(PERSON, f'goto {n}')
+        assert bench.memory.stop_owed
+        bench.robot('Stopping', 'Stopped', 'Going to 0')
+        assert (bench.memory.stop_owed, bench.memory.giver) == (False, PERSON)
+
+
 class TestLastCommands:
     """A giver that lost an answer reads what became of its last command."""
 
@@ -1159,8 +1207,15 @@ class TestLastCommands:
     def test_a_bounded_number_of_givers_is_told(self, bench):
         for process in range(50):
             bench.drive(Giver(f'/program_{process}'), number=1)
+            bench.robot('Going to 12')
         assert len(bench.memory.last_commands) == 20
         assert self.told(bench, Giver('/program_49'))[0] == 1
+
+    def test_no_number_of_givers_hides_one_that_the_robot_has_to_answer(self, bench):
+        bench.drive(ROUTE, 'goto 3', number=1)
+        for process in range(50):
+            bench.stop(Giver(f'/program_{process}'), number=1)
+        assert self.told(bench) == (1, CommandFate.GIVEN)
 
 
 class TestState:

@@ -1,10 +1,12 @@
 """A robot that answers in the order of sending: what is told of each drive is true of it.
 
 Commands end for their givers, by an emergency stop or a cancellation, while the robot has still to
-answer them. No answer to such a command counts as one to a newer command of the same words.
+answer them. No answer to such a command counts as one to a newer command of the same words. No
+number of commands makes the controller forget one that the robot has still to read.
 """
 from __future__ import annotations
 
+from collections import Counter
 from typing import Callable, List, Optional
 
 import pytest
@@ -12,8 +14,7 @@ from drive_bench import PERSON, ROUTE, Bench
 from hypothesis import Phase, given, settings
 from hypothesis import strategies as st
 
-from omron_arcl import Execution, Giver
-from omron_arcl.drives import Drives
+from omron_arcl import Busy, Execution, Giver
 from omron_arcl.records import MotionCause
 
 OTHERS = (MotionCause.OTHER_CLIENT, MotionCause.ROBOT, MotionCause.INTERRUPTED)
@@ -36,7 +37,10 @@ class RobotInOrder:
         self._obeyed: Optional[Execution] = None  # the drive that it carries out
 
     def give(self, text: str, giver: Giver) -> None:
-        self._given.append(self.bench.give(text, giver=giver))
+        try:
+            self._given.append(self.bench.give(text, giver=giver))
+        except Busy:
+            assert text != 'stop'
 
     def cancel(self, which: int) -> None:
         for execution in self._given[which:which + 1]:
@@ -93,6 +97,15 @@ class RobotInOrder:
         if self._obeyed is not None:
             assert (self._obeyed.result, memory.giver) == (None, self._obeyed.giver)
 
+    def check_records(self) -> None:
+        """Each drive that the robot has still to read has a record, and so has a stop behind it."""
+        unread = self.bench.sent[self._read:]
+        drives = [text for text in unread if text.startswith('goto')]
+        known = [f'goto {r.goal}' for r in self.bench.memory.records if r.may_move]
+        assert not Counter(drives) - Counter(known), f'{drives} are to be read, {known} are known'
+        if drives and unread[-1] == 'stop':
+            assert self.bench.memory.stop_owed
+
     def _break_off(self) -> None:
         drive, self._obeyed = self._obeyed, None
         if drive is not None and self._names:
@@ -117,6 +130,7 @@ def live(names: bool, refuses: bool, acts: List[Callable[[RobotInOrder], None]])
     robot = RobotInOrder(names, refuses)
     for act in acts:
         act(robot)
+        robot.check_records()
     robot.settle()
     robot.check()
 
@@ -126,7 +140,23 @@ LIVES = given(st.booleans(), st.booleans(),
 test_what_is_told_of_each_drive_is_true = LIVES(live)
 
 
-def test_a_controller_that_forgets_the_answers_to_come_is_found(monkeypatch) -> None:
-    monkeypatch.setattr(Drives, '_has_to_answer', lambda *_: False)
+def test_so_it_is_if_more_drives_are_given_than_are_kept(monkeypatch) -> None:
+    monkeypatch.setattr('omron_arcl.drives.MOST_OPEN', 2)
+    monkeypatch.setattr('omron_arcl.drives._KEPT_RECORDS', 2)
+    LIVES(live)()
+
+
+FAULTS = {
+    'the answers to come are forgotten': {
+        'omron_arcl.drives.Drives._has_to_answer': lambda *_: False},
+    'the newest records are kept, also of drives that are open': {
+        'omron_arcl.drives._KEPT_RECORDS': 3,
+        'omron_arcl.drives._shortened': lambda values, most, needless: values[-most:]}}
+
+
+@pytest.mark.parametrize('fault', FAULTS)
+def test_each_planted_fault_is_found(fault, monkeypatch) -> None:
+    for what, planted in FAULTS[fault].items():
+        monkeypatch.setattr(what, planted)
     with pytest.raises(AssertionError):
         settings(phases=[Phase.generate], database=None)(LIVES(live))()

@@ -64,7 +64,7 @@ class CommandQueue:
             stops = sum(other.command.spec.stops for other in self.waiting)
             self.waiting.insert(stops, execution)
         elif len(self.waiting) >= MAXIMUM_WAITING:
-            raise Busy(f'Not sent, {MAXIMUM_WAITING} commands are waiting already.')
+            raise Busy(MAXIMUM_WAITING, 'commands')
         else:
             self.waiting.append(execution)
 

@@ -9,7 +9,9 @@ I/O and no clock. `attribution` decides whose a line of the robot is, in one tab
 events here.
 
 A record that something newer has replaced is dropped: nothing is derived from it any more. If its
-command is still under way for its giver, the record is kept aside until that ends.
+command is still under way for its giver, the record is kept aside until that ends. No number of
+records drops one that is open: while the robot has MOST_OPEN drives to carry out or to answer, a
+further one is refused, and of the owed stops between two drives the newest stands for all.
 
 The fate of a drive, and its next fate after an event (`Event`):
 
@@ -57,6 +59,8 @@ Derived:
 
 Invariants:
 - No drive that names an epoch passes a stop or drive that its giver does not know of.
+- No drive that the robot obeys or has to answer is forgotten, nor an owed stop, and no stop is
+  refused, however many there are.
 - A refused command changes no giver. Each drive has a giver, which can stop it.
 - Each event that interrupts, cancels or overrules the last drive of a giver begins an epoch of
   another, at the latest when the drives are answered that the robot had not answered yet.
@@ -74,12 +78,24 @@ import secrets
 from collections import deque
 from dataclasses import replace
 from enum import Enum
-from typing import Any, Callable, Deque, Dict, List, Mapping, NamedTuple, Optional, Sequence, Tuple
+from typing import (
+    Any,
+    Callable,
+    Deque,
+    Dict,
+    List,
+    Mapping,
+    NamedTuple,
+    Optional,
+    Sequence,
+    Tuple,
+    TypeVar,
+)
 
 from omron_arcl import replies
 from omron_arcl.activity import MOVING, STANDING, Activity, ActivityKind
 from omron_arcl.commands import Command, DriveCourse
-from omron_arcl.errors import ArclError
+from omron_arcl.errors import ArclError, Busy
 from omron_arcl.execution import NO_GIVER, Execution, Giver, Outcome
 from omron_arcl.heard import RobotWords, StopOf
 from omron_arcl.judgements import DriveSign, Observation, is_settled, judge, next_doubt
@@ -100,8 +116,8 @@ from omron_arcl.replies import Reply
 LOOK = 2.0  # s of a new connection to wait for a status that may make an owed stop unnecessary
 RETRY = 1.0  # s between two attempts to send an owed stop
 _KEPT_EPOCHS = 100
-_KEPT_RECORDS = 20
-_KEPT_GIVERS = 20
+MOST_OPEN = 20  # drives that the robot carries out or has to answer
+_KEPT_RECORDS = _KEPT_GIVERS = 20  # beyond these numbers only open ones are kept
 
 
 class Event(Enum):
@@ -119,6 +135,7 @@ class Event(Enum):
     CONFIRMED = 'confirmed'
 
 
+_T = TypeVar('_T')
 _Next = Optional[Fate]  # None: the record is dropped
 TRANSITIONS: Mapping[Event, Tuple[_Next, _Next, _Next]] = {
     #                      from GIVEN    from OBEYED   from UNKNOWN
@@ -142,6 +159,7 @@ _EVENTS: Mapping[Outcome, Event] = {
     Outcome.LOST: Event.LOST, Outcome.TIMED_OUT: Event.LOST,
     Outcome.EMERGENCY_STOPPED: Event.EMERGENCY_STOP}
 _ENDINGS = {Event.COMPLETED: CommandFate.COMPLETED, Event.FAILED: CommandFate.FAILED}
+_DECIDED = (*_ENDINGS.values(), CommandFate.NOT_OBEYED)
 UNHEEDED = (Outcome.TIMED_OUT, Outcome.REJECTED, Outcome.UNKNOWN_COMMAND)
 """The outcomes of a stop that the robot does not obey."""
 # The outcomes of a stop after which the robot need not obey it any more.
@@ -182,6 +200,12 @@ def names_of(command: Command) -> Tuple[str, ...]:
     """The names by which the robot may confirm a drive; see `DriveRecord`."""
     return tuple(goal.casefold() for goal in command.goals) or (
         (_DOCK,) if command.spec.course is DriveCourse.INTO_THE_DOCK else ('',))
+
+
+def _shortened(values: Tuple[_T, ...], most: int, needless: Sequence[_T]) -> Tuple[_T, ...]:
+    """The values without the oldest needless ones, as far as they are more than `most`."""
+    dropped = needless[:max(len(values) - most, 0)]
+    return tuple(value for value in values if value not in dropped)
 
 
 def _shown(activity: Activity) -> str:
@@ -259,7 +283,7 @@ class Drives:
         return False
 
     def check(self, giver: Giver, command: Command, known_epoch: int, number: int = 0) -> None:
-        """Raises Overruled or Unclear if a command must not be sent.
+        """Raises Overruled, Unclear or Busy if a command must not be sent.
 
         number -- of the command at its giver; a drive that a newer command has overtaken is late
         """
@@ -278,6 +302,8 @@ class Drives:
             unclear = self._why_unclear(giver)
             if unclear:
                 raise Unclear(f'Not sent, {unclear}.')
+        if spec.drives and sum(map(self._is_open, self._records)) >= MOST_OPEN:
+            raise Busy(MOST_OPEN, 'drives')
 
     def _why_unclear(self, giver: Giver) -> str:
         """Why `giver` cannot drive, although it knows the present epoch; empty: it can."""
@@ -375,11 +401,13 @@ class Drives:
     def ended(self, execution: Execution, outcome: Outcome, words: str, now: float) -> None:
         """A command has ended, or could not be sent."""
         under_way = self.record_of(execution)
+        if execution.command.spec.stops and not self.has_begun(execution) and (
+                outcome in UNHEEDED or under_way and under_way.doubt
+                and is_settled(under_way.doubt, None, now)):  # the robot stands after it
+            self.heard.forget_stop()
         if under_way is not None:
             self._mark(under_way.number, doubt=None)
         record = self._record_of(execution)
-        if execution.command.spec.stops and outcome in UNHEEDED and not self.has_begun(execution):
-            self.heard.forget_stop()
         self._executions = {n: e for n, e in self._executions.items() if e is not execution}
         if record is None:  # what came later has ended it already
             return
@@ -540,6 +568,11 @@ class Drives:
                    or record.kind is RecordKind.DRIVE and record.fate is Fate.UNKNOWN
                    for record in self._before(stop))
 
+    def _is_open(self, record: DriveRecord) -> bool:
+        """Whether the robot carries out a drive of this connection, or may still do so."""
+        return record.may_move and (
+            record.fate is not Fate.UNKNOWN or record.number > self.heard.since)
+
     def _has_to_answer(self, record: DriveRecord) -> bool:
         """Whether the robot has still to answer a drive whose command has ended for its giver."""
         return (record.kind is RecordKind.DRIVE and record.fate is Fate.UNKNOWN
@@ -687,7 +720,10 @@ class Drives:
     def _add(self, kind: RecordKind, giver: Giver, words: str,
              execution: Optional[Execution] = None, **fields: Any) -> None:
         record = self._record(kind, giver, words, **fields)
-        self._records = (*self._records, record)[-_KEPT_RECORDS:]
+        records = (*self._records, record)
+        self._records = _shortened(records, _KEPT_RECORDS, [
+            one for one, after in zip(records, records[1:])
+            if not (self._is_open(one) or one.owed and not after.owed)])
         if execution:
             self._executions[record.number] = execution
 
@@ -720,8 +756,10 @@ class Drives:
         ruling, at = self._memory.ruling, self._records.index(record)
         self.heard.replacing = False
         # the robot answers in order: all stops sent before are answered, and none sent after
-        self.heard.unheard_stops = sum(r.kind is RecordKind.STOP and (
-            r.fate is Fate.OVER or self._was_sent(r)) for r in self._records[at + 1:])
+        self.heard.unheard_stops = sum(
+            r.kind is RecordKind.STOP and r.number > number
+            and (r.fate is Fate.OVER or self._was_sent(r))
+            for r in (*self._aside, *self._records))
         self._records = (record, *(
             r for r in self._records[at + 1:] if r.kind in (RecordKind.DRIVE, RecordKind.STOP)))
         self._happens(Event.ACKNOWLEDGED, record)
@@ -788,8 +826,9 @@ class Drives:
         if given and given.command:
             last = (*(one for one in last if one.giver != given.giver.name),
                     LastCommand(given.giver.name, given.command, CommandFate.GIVEN))
-        self._memory = replace(self._memory, last_commands=tuple(
-            replace(one, fate=self._fate_of(one)) for one in last)[-_KEPT_GIVERS:])
+        told = tuple(replace(one, fate=self._fate_of(one)) for one in last)
+        self._memory = replace(self._memory, last_commands=_shortened(
+            told, _KEPT_GIVERS, [one for one in told if one.fate in _DECIDED]))
         self._store(replace(self._memory, records=tuple(
             replace(record, doubt=None) for record in self._records)))
 

@@ -37,7 +37,12 @@ class StopOwed(NotConnected):
 
 
 class Busy(ArclError):
-    """More commands wait to be sent than the queue accepts."""
+    """`limit` commands have not ended, the most that are kept. No stop is refused for that."""
+
+    def __init__(self, limit: int, commands: str) -> None:
+        self.limit = limit
+        super().__init__(f'Not sent, {limit} {commands} before it have not ended yet. Wait until '
+                         'one has, or give "stop".')
 
 
 class LinkError(ArclError):

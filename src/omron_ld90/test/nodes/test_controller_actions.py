@@ -6,7 +6,7 @@ from typing import Any, Callable, Dict, Iterator, List, Optional, Tuple
 import pytest
 import rospy
 
-from omron_arcl import ArclError, Giver, NotConnected, Outcome, Result
+from omron_arcl import ArclError, Busy, Giver, NotConnected, Outcome, Result
 from omron_arcl.drives import Overruled, Unclear
 from omron_ld90.nodes import controller_actions
 from omron_ld90.nodes.controller_execute_command import _OUTCOMES, ExecuteCommandServer
@@ -171,6 +171,7 @@ def test_a_time_out_that_is_none_is_refused(bench, timeout):
     (ArclError('not allowed'), R.REFUSED, 'not allowed'),
     (NotConnected('no route'), R.NEVER_SENT, str(NotConnected('no route'))),
     (Unclear('Not sent, it is unknown.'), R.NEVER_SENT, 'Not sent, it is unknown.'),
+    (Busy(20, 'drives'), R.NEVER_SENT, str(Busy(20, 'drives'))),
     (Overruled('"stop" of /rviz'), R.OVERRULED,
      'Not sent, another command came first: "stop" of /rviz.')])
 def test_a_goal_that_cannot_be_given_is_rejected_with_its_reason(bench, error, outcome, message):

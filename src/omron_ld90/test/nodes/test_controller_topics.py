@@ -56,7 +56,7 @@ class Bench:
 
     def _execute(self, text: str, giver: Giver, on_end: Callable[[Result], None]) -> None:
         if self.busy:
-            raise Busy('Not sent, 200 commands are waiting already.')
+            raise Busy(200, 'commands')
         self.given.append((text, giver.name))
         self.on_end = on_end
 
@@ -146,7 +146,7 @@ def test_what_is_too_old_is_told_and_not_given_and_a_stop_never_is(bench):
 def test_a_command_that_cannot_be_given_is_told(bench):
     bench.busy = True
     bench.hear('send_command', String('goto 12'))
-    assert bench.refusals == [('goto 12', '/person', 'Not sent, 200 commands are waiting already.')]
+    assert bench.refusals == [('goto 12', '/person', str(Busy(200, 'commands')))]
 
 
 @pytest.mark.parametrize(('outcome', 'is_told'), [

@@ -6,7 +6,7 @@ from typing import Callable, Dict, Tuple
 
 import actionlib
 
-from omron_arcl import Giver, NotConnected, Outcome, Result, printable
+from omron_arcl import Busy, Giver, NotConnected, Outcome, Result, printable
 from omron_arcl.command_line import is_stop
 from omron_arcl.drives import Overruled, Unclear
 from omron_ld90.nodes.controller_actions import (
@@ -77,7 +77,7 @@ class ExecuteCommandServer(CommandActions):
         another giver came first."""
         if isinstance(reason, Overruled):
             outcome = ExecuteCommandResult.OVERRULED
-        elif isinstance(reason, (NotConnected, NeverSent, Unclear)):
+        elif isinstance(reason, (Busy, NotConnected, NeverSent, Unclear)):
             outcome = ExecuteCommandResult.NEVER_SENT
         else:
             outcome = ExecuteCommandResult.REFUSED
