@@ -17,7 +17,8 @@ from __future__ import annotations
 import secrets
 import threading
 import time
-from typing import Dict, Iterable, List, Tuple
+from collections import deque
+from typing import Deque, Dict, Iterable, List, Optional, Tuple
 
 import actionlib
 import rospy
@@ -26,13 +27,19 @@ from diagnostic_updater import DiagnosticStatusWrapper
 
 from node_lifecycle import parameter, publish_diagnostics, run, warn
 from node_lifecycle.secret_files import read_password_file
+from omron_arcl import LinkError, Received
+from omron_arcl.arcl_link import ArclLink
+from omron_arcl.errors import ConnectionLost
+from omron_arcl.session import LoggedIn
 from omron_jobs.client.fleet_manager_lines import WrongJob
 from omron_jobs.client.handed_jobs import HandedJob, HandedState, HandedStop, HandedStopKind
 from omron_jobs.client.job_client import JobClient, TooManyJobs
-from omron_jobs.network.fleet_manager_link import FleetManagerLink
 from omron_jobs.nodes.handed_jobs_file import HandedJobsFile
 from omron_ld90_msgs.msg import JobStatus, JobStop, QueueJobAction, QueueJobFeedback, QueueJobResult
 
+SILENCE = 6.0   # s without a line after which the link counts as lost
+BEAT = 1.5      # s between two requests for a sign of life
+_SIGN_OF_LIFE = 'getDateTime'
 _NAME = 'job_client'
 _KINDS = {JobStop.PICKUP: HandedStopKind.PICKUP, JobStop.DROPOFF: HandedStopKind.DROPOFF}
 
@@ -52,7 +59,12 @@ class JobClientNode:
         self._goals: Dict[str, List[actionlib.ServerGoalHandle]] = {}
         self._problem = ''
         self._status = rospy.Publisher('~job_status', JobStatus, queue_size=1000)
-        self._link = FleetManagerLink(host, parameter('~port', 7171, int), password, self)
+        self._to_send: Deque[str] = deque()
+        self._beat = 0.0
+        # The link is reset when it closes: no command of an old one arrives after the question of
+        # the next one.
+        self._link = ArclLink('Fleet Manager link', host, parameter('~port', 7171, int), password,
+                              self, silence=SILENCE, resets=True)
         self._server = actionlib.ActionServer('~queue_job', QueueJobAction, self._on_goal,
                                               self._on_cancel, auto_start=False)
         for job in self._jobs.jobs:
@@ -99,24 +111,34 @@ class JobClientNode:
 
     # -- in the thread of the link -----------------------------------------------------------------
 
-    def hear_login(self) -> None:
+    def hear_login(self, login: LoggedIn, now: float) -> None:
         """Begins a link."""
+        self._beat = now
         with self._lock:
             self._jobs.hear_login()
 
-    def hear_loss(self) -> None:
-        """Ends a link."""
+    def hear_loss(self, cause: LinkError) -> None:
+        """Ends a link; what was not sent is asked for again on the next one."""
+        self._to_send.clear()
         with self._lock:
             self._jobs.hear_loss()
 
-    def hear_line(self, text: str, now: float) -> None:
+    def hear_line(self, line: Received, now: float) -> None:
         """Reads a line of the Fleet Manager, and tells what has changed."""
         with self._lock:
-            self._jobs.hear_line(text, now)
+            self._jobs.hear_line(line.text, now)
             self._tell()
 
-    def due(self, now: float) -> Iterable[str]:
-        """What is to be sent; stores what was heard."""
+    def next_to_send(self, now: float) -> Optional[bytes]:
+        """What is to be sent next; stores before what was heard."""
+        if not self._to_send:
+            self._to_send.extend(self._due(now))
+        if not self._to_send and now - self._beat >= BEAT:
+            self._beat = now
+            self._to_send.append(_SIGN_OF_LIFE)
+        return self._to_send.popleft().encode('ascii') if self._to_send else None
+
+    def _due(self, now: float) -> Iterable[str]:
         with self._lock:
             try:
                 self._jobs.store_news()
@@ -127,10 +149,11 @@ class JobClientNode:
             self._tell()
             return lines
 
-    def is_stuck(self, now: float) -> bool:
-        """Whether an answer is overdue."""
+    def hear_turn(self, now: float) -> None:
+        """Ends the link if an answer is overdue."""
         with self._lock:
-            return self._jobs.is_stuck(now)
+            if self._jobs.is_stuck(now):
+                raise ConnectionLost('the Fleet Manager does not answer')
 
     # -- to people and programs --------------------------------------------------------------------
 
