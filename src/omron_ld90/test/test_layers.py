@@ -119,7 +119,7 @@ LAYERS: Dict[str, Layer] = {
     'omron_jobs.core': layer('omron_arcl'),
     'omron_jobs.client': layer(),
     'omron_jobs.network': layer(
-        'browser_guard omron_jobs.core',
+        'browser_guard omron_arcl omron_jobs.client omron_jobs.core',
         sockets='job_port outgoing_link rest_port'),
     'omron_jobs.fleet': layer(
         'fleet_core.supervision fleet_core.work omron_jobs.core trajectory_graph'),
@@ -128,8 +128,8 @@ LAYERS: Dict[str, Layer] = {
         'node_program omron_jobs.core omron_jobs.fleet trajectory_graph'),
     'omron_jobs.nodes': layer(
         'browser_guard fleet_core.files fleet_core.work fleet_requests '
-        'graph_fleet_manager.messages graph_topic json_records node_lifecycle omron_arcl '
-        'omron_jobs.client omron_jobs.core omron_jobs.fleet '
+        'graph_fleet_manager.messages graph_topic json_records node_lifecycle omron_jobs.client '
+        'omron_jobs.core omron_jobs.fleet '
         'omron_jobs.network trajectory_graph', ros=True, sockets='job_server'),
     # graphs
     'graph_editor': layer('file_replacement graph_editor.checking graph_editor.making omron_map '
