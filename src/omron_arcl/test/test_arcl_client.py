@@ -211,7 +211,7 @@ def test_a_login_without_prompt_welcome_or_help_list_succeeds(monkeypatch):
 
 
 def test_a_login_that_fails_says_what_was_received(links, monkeypatch):
-    monkeypatch.setattr('omron_arcl.client.LOGIN_SILENCE', 1.0)
+    monkeypatch.setattr('omron_arcl.arcl_link.LOGIN_SILENCE', 1.0)
     with ScriptedRobot(login=False) as robot:
         robot.mute = True
         with Client('127.0.0.1', robot.port, PASSWORD, backoff=quick(), on_link=links,
@@ -230,7 +230,7 @@ def test_a_robot_with_nothing_to_say_stays_connected_by_heartbeats(robot, links)
 
 
 def test_a_silent_server_is_given_up_during_the_login(links, monkeypatch):
-    monkeypatch.setattr('omron_arcl.client.LOGIN_SILENCE', 1.0)
+    monkeypatch.setattr('omron_arcl.arcl_link.LOGIN_SILENCE', 1.0)
     with ScriptedRobot(login=False) as robot:
         robot.mute = True
         with Client('127.0.0.1', robot.port, PASSWORD, backoff=quick(), on_link=links,

@@ -43,7 +43,7 @@ def test_a_mistake_of_ours_in_a_connection_is_told_and_the_next_one_is_tried(mon
     def fail(*_: object, **__: object) -> None:
         raise RuntimeError('a mistake')
     with ScriptedRobot() as robot:
-        monkeypatch.setattr('omron_arcl.client.Session', fail)
+        monkeypatch.setattr('omron_arcl.arcl_link.Session', fail)
         with Client('127.0.0.1', robot.port, PASSWORD, backoff=Backoff(0.01, 0.01),
                     on_link=links) as client:
             links.wait(lambda link: 'a mistake' in link.reason, 'the reason')

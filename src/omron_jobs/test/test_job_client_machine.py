@@ -3,7 +3,7 @@ Fleet Manager in memory: no job is done twice, none is lost, and each ends in it
 """
 from __future__ import annotations
 
-from typing import Callable, Dict, List, Tuple, Type
+from typing import Dict, List, Tuple, Type
 
 import pytest
 from hypothesis import HealthCheck, Phase, settings
@@ -26,6 +26,7 @@ from omron_jobs.client.job_client import ASKED_EVERY, RESENT_WITHIN, JobClient
 from omron_ld90_sim.clock import SimClock
 from omron_ld90_sim.interface.fleet_manager import SimFleetManager
 from omron_ld90_sim.interface.session import SimSession
+from simulated_manager import Robot
 
 P, D = HandedStopKind.PICKUP, HandedStopKind.DROPOFF
 JOBS: Tuple[Tuple[HandedStop, ...], ...] = (
@@ -34,24 +35,6 @@ JOBS: Tuple[Tuple[HandedStop, ...], ...] = (
     (HandedStop('x', P), HandedStop('nowhere', D)))
 STATES = {'Completed': HandedState.COMPLETED, 'Cancelled': HandedState.CANCELLED}
 PICK = st.integers(0, 30)
-
-
-class Robot:
-    """A robot whose drives end when the test says so."""
-
-    def __init__(self, name: str) -> None:
-        self.name = name
-        self.ended: List[Callable[[bool], None]] = []
-
-    @property
-    def is_free(self) -> bool:
-        return not self.ended
-
-    def drive(self, goal: str, ended: Callable[[bool], None]) -> None:
-        self.ended = [ended]
-
-    def stop(self) -> None:
-        self.ended = []
 
 
 class HandedJobsInAnyOrder(RuleBasedStateMachine):
@@ -178,10 +161,7 @@ class HandedJobsInAnyOrder(RuleBasedStateMachine):
 
     @rule(which=PICK, is_there=st.booleans())
     def end_drive(self, which: int, is_there: bool) -> None:
-        robot = self.robots[which % 2]
-        ended, robot.ended = robot.ended, []
-        for call in ended:
-            call(is_there)
+        self.robots[which % 2].end_drive(is_there)
 
     @property
     def now(self) -> float:

@@ -42,7 +42,7 @@ LAYERS: Dict[str, Layer] = {
     'route_protocol': layer(),
     'omron_map': layer('file_replacement'),
     'omron_map_converter': layer('omron_map trajectory_graph'),
-    'omron_arcl': layer('browser_guard', sockets='connection transport client listener'),
+    'omron_arcl': layer('browser_guard', sockets='arcl_link connection transport listener'),
     'node_program': layer(),
     'xmlrpc_guard': layer('browser_guard', ros=True),
     'node_lifecycle': layer(
@@ -119,8 +119,8 @@ LAYERS: Dict[str, Layer] = {
     'omron_jobs.core': layer('omron_arcl'),
     'omron_jobs.client': layer(),
     'omron_jobs.network': layer(
-        'browser_guard omron_arcl omron_jobs.core',
-        sockets='fleet_manager_link job_port outgoing_link rest_port'),
+        'browser_guard omron_arcl omron_jobs.client omron_jobs.core',
+        sockets='job_port outgoing_link rest_port'),
     'omron_jobs.fleet': layer(
         'fleet_core.supervision fleet_core.work omron_jobs.core trajectory_graph'),
     'omron_jobs.day': layer(

@@ -1,50 +1,36 @@
-"""The connection to the robot's ARCL server: logs in, keeps the login, sends commands.
+"""The connection to a robot: commands over a link to its ARCL server, and what became of them.
 
-One thread owns the socket. It reports lines and results through callbacks. It calls them itself,
-without locks, so a callback may give commands. A callback must be short.
+The link's thread reports lines and results through callbacks. It calls them itself, without locks,
+so a callback may give commands. A callback must be short.
 """
 from __future__ import annotations
 
 import contextlib
 import math
-import selectors
 import threading
 import time
-from typing import Callable, Dict, Mapping, Optional, Union
+from typing import Callable, Dict, Mapping, Optional
 
+from omron_arcl.arcl_link import ArclLink
 from omron_arcl.command_line import parse_command
 from omron_arcl.commands import Command
-from omron_arcl.connection import ArclConnection, LivePeer, reason_of
 from omron_arcl.dispatcher import Dispatcher
 from omron_arcl.drives import Drives
-from omron_arcl.errors import (
-    Busy,
-    ConnectionFailed,
-    ConnectionLost,
-    LinkError,
-    NotConnected,
-    StopOwed,
-    WrongPassword,
-)
+from omron_arcl.errors import Busy, LinkError, NotConnected, StopOwed
 from omron_arcl.execution import NO_GIVER, Execution, Giver, Outcome, Result
 from omron_arcl.help_list import HelpList
 from omron_arcl.link import Backoff, Link, LinkPhase
 from omron_arcl.records import RobotMotion
 from omron_arcl.replies import Goal, Macro, MapChanged, Route
-from omron_arcl.secret import redact_passwords
-from omron_arcl.session import LoggedIn, Received, Session, SessionState, Trace
+from omron_arcl.session import LoggedIn, Received
 from omron_arcl.session_log import SessionLog
-from omron_arcl.transport import Transport
 
-CONNECT_TIMEOUT = 3.0  # s, for each address of the robot
-LOGIN_TIMEOUT = 15.0  # s from the connection to the end of the login
-LOGIN_SILENCE = 4.0  # s without a line in the login after which it has failed, at least
 HEARTBEATS = ('oneLineStatus', 'status')  # the second for robots that do not have the first
 _IN_DOUBT = 1.0  # s between heartbeats while a status would show whether a drive is over
 _MAXIMUM_NAMES = 10_000
 
 
-class Client(Transport):
+class Client(ArclLink):
     """The connection to a robot's ARCL server; connects again after each loss until `close`.
 
     on_line(Received): a line came after the login. on_link(Link): the link changed.
@@ -54,7 +40,8 @@ class Client(Transport):
     robot has listed and that is not ASCII. records: the records of the robot's
     drives. on_motion(Motion): the motion has changed; called by any thread.
 
-    It has many attributes because one thread keeps one connection: its parts, callbacks and times.
+    It is the user of its own link. It has many attributes because one thread keeps one connection:
+    its parts, callbacks and times.
     """
 
     def __init__(self, host: str, port: int, password: bytes, *,
@@ -65,21 +52,14 @@ class Client(Transport):
                  heartbeat: float = 1.5, timeout: float = 4.0,
                  records: Optional[Drives] = None,
                  on_motion: Optional[Callable[[RobotMotion], None]] = None) -> None:
-        self.peer = f'{host}:{port}'
-        super().__init__('ARCL client', Link(LinkPhase.DISCONNECTED, self.peer, 'not started'),
-                         on_link)
-        self._address = (host, port)
-        self._password = password
+        super().__init__('ARCL client', host, port, password, self, silence=timeout,
+                         on_link=on_link, log=log, backoff=backoff)
         self._on_line = on_line
         self._on_login = on_login
         self._on_motion = on_motion
         self._told_motion: Optional[RobotMotion] = None
         self._telling = threading.Lock()  # keeps the calls of on_motion in order
-        self._log = log
-        self._trace: Optional[Trace] = None
-        self._backoff = backoff or Backoff()
         self._heartbeat = heartbeat
-        self._timeout = timeout
 
         self.help = HelpList({}, complete=False)
         self._names: Dict[str, bytes] = {}
@@ -169,95 +149,51 @@ class Client(Transport):
 
     # --- the thread of the client ----------------------------------------------------------------
 
-    def _run(self) -> None:
-        while not self._closing.is_set():
-            try:
-                cause = self._converse()
-            except Exception as error:  # without this the thread would end and never reconnect
-                cause = self._cause(error)
-            self._lost(cause)
-            self._closing.wait(self._backoff.after(cause))
-
-    def _converse(self) -> LinkError:
-        """Serves one connection from beginning to end; returns or raises why it ended."""
-        self._answered.clear()
-        self._set_link(LinkPhase.CONNECTING, self.peer, 'connecting')
-        try:
-            connection = ArclConnection.open(*self._address, CONNECT_TIMEOUT, self._closing.is_set)
-        except OSError as error:
-            return ConnectionFailed(f'cannot connect: {reason_of(error)}')
-        self._set_link(LinkPhase.LOGGING_IN, self.peer, 'logging in')
-        with connection, selectors.DefaultSelector() as selector:
-            selector.register(connection.socket, selectors.EVENT_READ)
-            selector.register(self._waker.reader, selectors.EVENT_READ)
-            self._trace = self._log.connection() if self._log else None
-            session = Session(self._password, trace=self._trace)
-            self._log_in(connection, session, selector)
-            return self._talk(LivePeer(connection, session, self._timeout), selector)
-
-    def _log_in(self, connection: ArclConnection, session: Session,
-                selector: selectors.BaseSelector) -> None:
-        """Runs until the session is ready; raises LinkError or OSError."""
-        peer = LivePeer(connection, session, max(self._timeout, LOGIN_SILENCE))
-        began = time.monotonic()
-        while session.state is not SessionState.READY and not self._closing.is_set():
-            now = self._turn(peer, selector)
-            if now - began > LOGIN_TIMEOUT:
-                words = f'; the robot said "{session.words}"' if session.words else ''
-                raise ConnectionFailed(f'the login took more than {LOGIN_TIMEOUT:.0f} s{words}')
-
-    def _talk(self, peer: LivePeer, selector: selectors.BaseSelector) -> LinkError:
-        while not self._closing.is_set():
-            now = self._turn(peer, selector)
-            with self._lock:
-                self._dispatcher.on_time(now)
-                in_doubt = self._dispatcher.in_doubt
-            self._beat(now, min(self._heartbeat, _IN_DOUBT) if in_doubt else self._heartbeat)
-            self._call_back()
-        return ConnectionLost('closed by us')
-
-    def _turn(self, peer: LivePeer, selector: selectors.BaseSelector) -> float:
-        """Sends pending data, waits for an event, processes what came; returns the time then."""
-        self._send(peer)
-        selector.modify(peer.connection.socket, selectors.EVENT_READ
-                        | (selectors.EVENT_WRITE if peer.connection.unsent else 0))
-        waited = self._wait(selector)
-        now = time.monotonic()
-        for event in peer.receive(now, waited):
-            self._handle(event, now)
-        for timed in peer.session.on_time(now):
-            if isinstance(timed, (LoggedIn, Received)):
-                self._handle(timed, now)
-        return now
-
-    def _send(self, peer: LivePeer) -> None:
-        """Sends pending lines, one command at a time, so that a stop overtakes all others."""
-        peer.connection.send(peer.session.take_output())
-        while not peer.connection.unsent and peer.session.state is SessionState.READY:
-            with self._lock:
-                line = self._dispatcher.next_to_send(time.monotonic())
-            if line is None:
-                return
-            if self._trace:
-                self._trace('C', redact_passwords(line))
-            peer.connection.send(line + b'\n')
-
-    def _handle(self, event: Union[LoggedIn, Received], now: float) -> None:
-        if isinstance(event, Received):
-            self._learn_name(event)
-            self._call(self._on_line, event)
-            with self._lock:
-                self._dispatcher.on_reply(event.reply, event.text, now)
-        else:
-            self._backoff.reset()
-            with self._lock:
-                self.help = event.help
-                self._dispatcher.on_connected(now)
-            # The first status shows what happened meanwhile, and whether to send an owed stop.
-            self._pulsed_at = -math.inf
-            self._set_link(LinkPhase.CONNECTED, self.peer)
+    def _set_link(self, phase: LinkPhase, peer: str, reason: str = '') -> None:
+        is_answered = phase in (LinkPhase.CONNECTED, LinkPhase.WRONG_PASSWORD)
+        if not is_answered:
+            self._answered.clear()
+        super()._set_link(phase, peer, reason)
+        if is_answered:
             self._answered.set()
-            self._call(self._on_login, event.help)
+        if phase is LinkPhase.CONNECTED:
+            self._call(self._on_login, self.help)
+
+    def hear_login(self, login: LoggedIn, now: float) -> None:
+        """The link is logged in."""
+        with self._lock:
+            self.help = login.help
+            self._dispatcher.on_connected(now)
+        # The first status shows what happened meanwhile, and whether to send an owed stop.
+        self._pulsed_at = -math.inf
+
+    def hear_line(self, line: Received, now: float) -> None:
+        """A line of the robot."""
+        self._learn_name(line)
+        self._call(self._on_line, line)
+        with self._lock:
+            self._dispatcher.on_reply(line.reply, line.text, now)
+
+    def hear_turn(self, now: float) -> None:
+        """Follows the time."""
+        with self._lock:
+            self._dispatcher.on_time(now)
+            in_doubt = self._dispatcher.in_doubt
+        self._beat(now, min(self._heartbeat, _IN_DOUBT) if in_doubt else self._heartbeat)
+        self._call_back()
+
+    def next_to_send(self, now: float) -> Optional[bytes]:
+        """The next command."""
+        with self._lock:
+            return self._dispatcher.next_to_send(now)
+
+    def hear_loss(self, cause: LinkError) -> None:
+        """The link has ended: what was sent is lost."""
+        with self._lock:
+            self._names.clear()
+            self._dispatcher.on_lost(str(cause))
+        self._pulse = None
+        self._call_back()
 
     def _learn_name(self, line: Received) -> None:
         """Remembers how the robot writes a name that is not ASCII."""
@@ -284,20 +220,6 @@ class Client(Transport):
             self._pulsed_at = now
             with contextlib.suppress(Busy):  # a full queue brings enough signs of life
                 self._pulse = self.execute(self._heartbeats[0])
-
-    def _lost(self, cause: LinkError) -> None:
-        refused = isinstance(cause, WrongPassword)
-        if not refused:
-            self._answered.clear()
-        self._set_link(LinkPhase.WRONG_PASSWORD if refused else LinkPhase.DISCONNECTED, self.peer,
-                       str(cause))
-        if refused:
-            self._answered.set()
-        with self._lock:
-            self._names.clear()
-            self._dispatcher.on_lost(str(cause))
-        self._pulse = None
-        self._call_back()
 
     def _call_back(self) -> None:
         """Reports the outcomes to the givers of commands."""

@@ -6,6 +6,7 @@ import errno
 import os
 import selectors
 import socket
+import struct
 import time
 from typing import Any, Callable, Iterator, List, Optional, Tuple, Union
 
@@ -64,6 +65,10 @@ class ArclConnection:
     def close(self) -> None:
         """Closes the socket."""
         self.socket.close()
+
+    def reset_when_closed(self) -> None:
+        """Lets the kernel drop what it has not delivered when the socket closes."""
+        self.socket.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, struct.pack('ii', 1, 0))
 
     def receive(self) -> Optional[bytes]:
         """The received bytes: None if there are none yet, b'' at the end. Raises OSError."""

@@ -29,7 +29,7 @@ from node_lifecycle.secret_files import read_password_file
 from omron_jobs.client.fleet_manager_lines import WrongJob
 from omron_jobs.client.handed_jobs import HandedJob, HandedState, HandedStop, HandedStopKind
 from omron_jobs.client.job_client import JobClient, TooManyJobs
-from omron_jobs.network.fleet_manager_link import FleetManagerLink
+from omron_jobs.network.job_handover import JobHandover
 from omron_jobs.nodes.handed_jobs_file import HandedJobsFile
 from omron_ld90_msgs.msg import JobStatus, JobStop, QueueJobAction, QueueJobFeedback, QueueJobResult
 
@@ -38,38 +38,34 @@ _KINDS = {JobStop.PICKUP: HandedStopKind.PICKUP, JobStop.DROPOFF: HandedStopKind
 
 
 class JobClientNode:
-    """The node: see the module's text. One lock guards the jobs; the link's thread serves them."""
+    """The node: see the module's text. One lock guards the jobs and the goals that wait for them."""
 
     def __init__(self) -> None:
-        host = parameter('~fleet_manager_ip')
+        host, port = parameter('~fleet_manager_ip'), parameter('~port', 7171, int)
         password = read_password_file(parameter('~password_file'), 'password of the Fleet Manager')
         self._file = HandedJobsFile(parameter('~jobs_file', 'omron_jobs/handed_jobs.json'),
                                     '~jobs_file')
+        jobs = JobClient(self._file.read(), self._file.write, lambda: int(time.time() * 1000),
+                         lambda: f'ROS{secrets.token_hex(8)}')
         self._lock = threading.RLock()
-        self._jobs = JobClient(self._file.read(), self._file.write,
-                               lambda: int(time.time() * 1000),
-                               lambda: f'ROS{secrets.token_hex(8)}')
+        self._handover = JobHandover(jobs, host, port, password, self._on_change, lock=self._lock)
         self._goals: Dict[str, List[actionlib.ServerGoalHandle]] = {}
-        self._problem = ''
         self._status = rospy.Publisher('~job_status', JobStatus, queue_size=1000)
-        self._link = FleetManagerLink(host, parameter('~port', 7171, int), password, self)
         self._server = actionlib.ActionServer('~queue_job', QueueJobAction, self._on_goal,
                                               self._on_cancel, auto_start=False)
-        for job in self._jobs.jobs:
+        for job in self._handover.jobs:
             if job.is_open:
                 self._status.publish(status_of(job))
         publish_diagnostics('none', {'jobs': self._show})
-        rospy.on_shutdown(self._link.close)
-        self._link.start()
+        rospy.on_shutdown(self._handover.close)
+        self._handover.start()
         self._server.start()
-
-    # -- the action --------------------------------------------------------------------------------
 
     def _on_goal(self, goal: actionlib.ServerGoalHandle) -> None:
         with self._lock:
             try:
                 wanted = goal.get_goal()
-                job = self._jobs.request(stops_of(wanted.stops), wanted.request_id)
+                job = self._handover.request(stops_of(wanted.stops), wanted.request_id)
             except (WrongJob, TooManyJobs) as problem:
                 goal.set_rejected(text=f'The job is not queued: {problem}.')
                 return
@@ -81,67 +77,25 @@ class JobClientNode:
             goal.publish_feedback(QueueJobFeedback(status_of(job)))
             if not job.is_open:
                 self._end(job)
-            self._tell()
-        self._link.wake()
 
     def _on_cancel(self, goal: actionlib.ServerGoalHandle) -> None:
         with self._lock:
-            for id, goals in self._goals.items():
-                if goal in goals:
-                    try:
-                        self._jobs.cancel(id)
-                    except OSError as problem:
-                        warn('cancel', f'Job {id} is not cancelled, this cannot be stored '
-                                       f'({problem}): cancel it again.')
-                    break
-            self._tell()
-        self._link.wake()
-
-    # -- in the thread of the link -----------------------------------------------------------------
-
-    def hear_login(self) -> None:
-        """Begins a link."""
-        with self._lock:
-            self._jobs.hear_login()
-
-    def hear_loss(self) -> None:
-        """Ends a link."""
-        with self._lock:
-            self._jobs.hear_loss()
-
-    def hear_line(self, text: str, now: float) -> None:
-        """Reads a line of the Fleet Manager, and tells what has changed."""
-        with self._lock:
-            self._jobs.hear_line(text, now)
-            self._tell()
-
-    def due(self, now: float) -> Iterable[str]:
-        """What is to be sent; stores what was heard."""
-        with self._lock:
+            id = next((id for id, goals in self._goals.items() if goal in goals), None)
+            if id is None:
+                return
             try:
-                self._jobs.store_news()
-                lines = self._jobs.due(now)
-                self._problem = self._jobs.problem
+                self._handover.cancel(id)
             except OSError as problem:
-                self._problem, lines = f'jobs cannot be stored: {problem.strerror}', []
-            self._tell()
-            return lines
+                warn('cancel', f'Job {id} is not cancelled, this cannot be stored ({problem}): '
+                               'cancel it again.')
 
-    def is_stuck(self, now: float) -> bool:
-        """Whether an answer is overdue."""
-        with self._lock:
-            return self._jobs.is_stuck(now)
-
-    # -- to people and programs --------------------------------------------------------------------
-
-    def _tell(self) -> None:
-        for job in self._jobs.pop_changes():
-            status = status_of(job)
-            self._status.publish(status)
-            for goal in self._goals.get(job.id, []):
-                goal.publish_feedback(QueueJobFeedback(status))
-            if not job.is_open:
-                self._end(job)
+    def _on_change(self, job: HandedJob) -> None:
+        status = status_of(job)
+        self._status.publish(status)
+        for goal in self._goals.get(job.id, []):
+            goal.publish_feedback(QueueJobFeedback(status))
+        if not job.is_open:
+            self._end(job)
 
     def _end(self, job: HandedJob) -> None:
         result = QueueJobResult(status_of(job))
@@ -154,15 +108,14 @@ class JobClientNode:
                 goal.set_aborted(result, f'The job ended as {job.state.name}. {job.reason}'.strip())
 
     def _show(self, status: DiagnosticStatusWrapper) -> DiagnosticStatusWrapper:
-        link = self._link.link
-        if self._problem:
-            status.summary(DiagnosticStatus.ERROR, self._problem)
+        link = self._handover.link
+        if self._handover.problem:
+            status.summary(DiagnosticStatus.ERROR, self._handover.problem)
         elif not link.connected:
             status.summary(DiagnosticStatus.WARN, f'no link to {link.peer}: {link.reason}')
         else:
             status.summary(DiagnosticStatus.OK, f'linked to {link.peer}')
-        with self._lock:
-            status.add('open jobs', str(sum(job.is_open for job in self._jobs.jobs)))
+        status.add('open jobs', str(sum(job.is_open for job in self._handover.jobs)))
         return status
 
 
