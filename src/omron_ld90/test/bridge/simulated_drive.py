@@ -6,6 +6,7 @@ gives the same figures each time.
 from __future__ import annotations
 
 import math
+from functools import lru_cache
 from pathlib import Path
 from typing import Callable, List, Optional, Tuple
 
@@ -40,12 +41,24 @@ from route_protocol.values import RouteOrder, RouteReport
 from trajectory_graph import Graph, load_graph
 
 MAPS = Path(__file__).resolve().parents[4] / 'maps'
-STEP = 0.02           # s
+STEP = 0.05           # s
 TICK = 0.1            # s
 STATUS_PERIOD = 0.5   # s
-PATH_STEP = 0.06  # s between samples of the driven path
+PATH_STEP = 0.05  # s between samples of the driven path
 NANOSECONDS = 1_000_000_000
 DOCK_VERTEX = 16
+
+
+@lru_cache(maxsize=None)
+def _laboratory() -> Graph:
+    return load_graph(MAPS / 'lab_graph.yaml')
+
+
+@lru_cache(maxsize=2)
+def _site(map_file: Path) -> Tuple[MapDocument, SimFloor]:
+    """A map and its floor, which no drive changes."""
+    document = MapDocument.load(str(map_file))
+    return document, SimFloor.from_map(document)
 
 
 class SimulatedDrive:
@@ -55,14 +68,14 @@ class SimulatedDrive:
                  heading: float = 0.0, map_file: Path = MAPS / 'lab.map',
                  graph: Optional[Graph] = None, **settings) -> None:
         """Starts at a vertex with `heading` (degrees), or in the dock."""
-        self.graph = graph or load_graph(MAPS / 'lab_graph.yaml')
+        self.graph = graph or _laboratory()
         self.clock = SimClock()
-        document = MapDocument.load(str(map_file))
+        document, floor = _site(map_file)
         start = None
         if vertex is not None:
             x, y = self.graph.vertex(vertex).position
             start = SimPose(1000.0 * x, 1000.0 * y, heading)
-        self.robot = SimRobot(self.clock, document, SimFloor.from_map(document), start, 0)
+        self.robot = SimRobot(self.clock, document, floor, start, 0)
         self.server = ArclServer(self.clock, self.robot, 'adept', execute)
         self._faults = Faults(self.server)
         self.follower = RouteFollower(RouteSettings(

@@ -7,7 +7,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from enum import Enum
-from typing import Iterator, NamedTuple, Optional, Tuple
+from functools import cached_property
+from typing import NamedTuple, Optional, Tuple
 
 from fleet_core.work.stops import WorkStep, WorkStop
 from fleet_core.work.tables import LoadState, StepState, StopState
@@ -88,18 +89,18 @@ class Work:
         """Does the mission end, and what it has begun has not ended yet?"""
         return self.ending is not Ending.NONE and not self.is_cut
 
-    @property
+    @cached_property
     def current(self) -> int:
         """Number of the stop that is made now or next; the number of stops: none is."""
         return next((k for k, stop in enumerate(self.progress) if not stop.state.is_final),
                     len(self.progress))
 
-    @property
-    def steps(self) -> Iterator[Tuple[StepPlace, WorkStep, StepProgress]]:
+    @cached_property
+    def steps(self) -> Tuple[Tuple[StepPlace, WorkStep, StepProgress], ...]:
         """All steps, in the order of the stops."""
-        for k, (stop, progress) in enumerate(zip(self.stops, self.progress)):
-            for n, (step, own) in enumerate(zip(stop.steps, progress.steps)):
-                yield StepPlace(k, n), step, own
+        return tuple((StepPlace(k, n), step, own)
+                     for k, (stop, progress) in enumerate(zip(self.stops, self.progress))
+                     for n, (step, own) in enumerate(zip(stop.steps, progress.steps)))
 
     def step(self, place: StepPlace) -> WorkStep:
         """The step in a place."""
@@ -120,7 +121,7 @@ class Work:
         return replace(self, progress=(*self.progress[:number], stop,
                                        *self.progress[number + 1:]))
 
-    @property
+    @cached_property
     def asking(self) -> Optional[StepPlace]:
         """The first step that waits for the answer of a person; None: none does."""
         return next((place for place, _, own in self.steps if own.state is StepState.ASK), None)
