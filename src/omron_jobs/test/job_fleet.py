@@ -9,6 +9,7 @@ from typing import Dict, Iterator, List, NamedTuple, Optional, Sequence, Tuple
 
 from omron_jobs.core.job_book import FleetAct, FleetMessage, JobBook, JobCounters
 from omron_jobs.core.jobs import JobDrive, JobMission, JobMissionState, QueuedJob, SegmentChange
+from omron_jobs.core.posted_records import PostedRecord
 
 Key = Tuple[int, int]
 
@@ -19,16 +20,19 @@ class Disk:
     def __init__(self) -> None:
         self.jobs: Dict[int, QueuedJob] = {}
         self.counters = JobCounters()
+        self.posted: List[PostedRecord] = []
         self.is_full = False
 
     def write(self, jobs: Sequence[QueuedJob], forgotten: Sequence[int],
-              counters: JobCounters) -> None:
+              counters: JobCounters, posted: Optional[PostedRecord] = None) -> None:
         if self.is_full:
             raise OSError(28, 'No space left on device')
         self.jobs.update((job.mission, job) for job in jobs)
         for id in forgotten:
             del self.jobs[id]
         self.counters = counters
+        if posted is not None:
+            self.posted.append(posted)
 
 
 class Mission(NamedTuple):

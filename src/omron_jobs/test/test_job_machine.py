@@ -1,12 +1,13 @@
 """Jobs, cancellations, lost messages and clients, full disks and restarts, in any order.
 
 The model is what clients were told: each job that was `successfully queued` is done once, or ends
-otherwise, and what is told of it is what its mission did.
+otherwise, and what is told of it is what its mission did. What was posted over REST stays.
 """
 from __future__ import annotations
 
+import json
 from dataclasses import replace
-from typing import Any, Dict, Iterable, List, Sequence, Tuple, Type
+from typing import Any, Dict, Iterable, List, Optional, Sequence, Tuple, Type
 
 import pytest
 from hypothesis import HealthCheck, Phase, settings
@@ -24,6 +25,10 @@ from omron_jobs.core.client_session import ClientSession, JobServer
 from omron_jobs.core.job_book import FleetAct, FleetMessage, JobBook, JobCounters, JobGoal
 from omron_jobs.core.job_commands import JobCommands, JobSite
 from omron_jobs.core.jobs import JobMission, JobMissionState, QueuedJob, SegmentChange
+from omron_jobs.core.posted_records import PostedRecord
+from omron_jobs.core.rest_api import RestApi
+from omron_jobs.core.rest_records import RestRecords
+from omron_jobs.core.rest_words import RestType
 
 State = JobMissionState
 FINAL = ('Completed', 'Cancelled', 'Failed')
@@ -43,6 +48,8 @@ class JobsInAnyOrder(RuleBasedStateMachine):
         self.queued: Dict[str, int] = {}
         """By the id of its first segment, the number of segments of each job that was accepted."""
         self.cancelled: List[str] = []
+        self.posted: Dict[Tuple[RestType, str], Any] = {}
+        """By type and key, each record of REST that was answered 201."""
         self.start()
 
     def start(self) -> None:
@@ -51,6 +58,9 @@ class JobsInAnyOrder(RuleBasedStateMachine):
         site = JobSite()
         site.goals = {'x': 1, 'y': 2, 'z': 3}
         self.server = JobServer(JobCommands(self.book, site), b'p')
+        self.records = RestRecords(self.book, site, lambda: 1 + int(self.now * 1000),
+                                   self.disk.posted)
+        self.rest = RestApi(self.book, site, self.records, self.server.announce)
         self.clients: List[ClientSession] = []
         self.told: Dict[ClientSession, Dict[str, str]] = {}
         self.connect()
@@ -250,7 +260,37 @@ class JobsInAnyOrder(RuleBasedStateMachine):
                 assert status == shown[segment]
 
 
-TestJobsInAnyOrder = JobsInAnyOrder.TestCase
+class JobsOfBothInterfaces(JobsInAnyOrder):
+    """Cancellations and modifications come over REST, too. A machine of its own finds the planted
+    faults of the other one sooner."""
+
+    @rule(which=PICK, key=st.sampled_from(('', 'a', 'b')), wish=st.sampled_from((
+        ('JobCancel', {'cancelReason': 'why'}), ('JobSegmentModify', {'priority': 4}),
+        ('JobSegmentModify', {'goal': 'y'}))))
+    def post(self, which: int, key: str, wish: Tuple[str, Dict[str, Any]]) -> None:
+        if not self.queued:
+            return
+        first = sorted(self.queued)[which % len(self.queued)]
+        kind, named = wish[0], {'segmentId': first}
+        if kind == 'JobCancel':
+            named = {'cancelType': 'SegmentId', 'cancelValue': first}
+        answer = self.rest.answer('POST', f'/{kind}', {}, json.dumps(
+            {'namekey': key, **named, **wish[1]}).encode())
+        if answer.status == 201:
+            posted = RestType(kind), answer.body['namekey']
+            assert posted not in self.posted, 'a key counts twice'
+            self.posted[posted] = answer.body
+            if kind == 'JobCancel':
+                self.cancelled.append(first)
+        self.after_news()
+
+    @invariant()
+    def what_was_posted_is_shown_as_it_was_answered(self) -> None:
+        for posted, record in self.posted.items():
+            assert self.records.by_key(*posted) == record
+
+
+TestJobsInAnyOrder = JobsOfBothInterfaces.TestCase
 
 
 # -- the machine finds what it is for --------------------------------------------------------------
@@ -312,6 +352,13 @@ class ForgetsItsCounter(JobBook):
         super().__init__(jobs, JobCounters(), *others)
 
 
+class StoresNoRecords(JobBook):
+    """Stores what a record of REST changes, but not the record."""
+
+    def _keep(self, jobs: Sequence[QueuedJob], posted: Optional[PostedRecord]) -> None:
+        super()._keep(jobs, None)
+
+
 class AsksNobody(JobBook):
     """Waits for news of its missions, also of those whose last news was lost."""
 
@@ -320,9 +367,11 @@ class AsksNobody(JobBook):
 
 
 @pytest.mark.parametrize('book', [StoresLate, StampsAnew, CancelsOnce, ChangesOnce,
-                                  KeepsTheNewGoal, ForgetsItsCounter, AsksNobody])
+                                  KeepsTheNewGoal, ForgetsItsCounter, StoresNoRecords,
+                                  AsksNobody])
 def test_a_planted_fault_is_found(book: Type[JobBook]) -> None:
-    faulty = type('Faulty', (JobsInAnyOrder,), {'Book': book})
+    machine = JobsOfBothInterfaces if book is StoresNoRecords else JobsInAnyOrder
+    faulty = type('Faulty', (machine,), {'Book': book})
     with pytest.raises((AssertionError, KeyError)):
         run_state_machine_as_test(faulty, settings=settings(
             max_examples=2000, deadline=None, derandomize=True, database=None,

@@ -56,7 +56,8 @@ class Site:
         self.site.goals = {'x': 1, 'y': 2, 'z': 3}
         self.site.robots = {'r1': RobotNews(RobotStatus.AVAILABLE, 'Available')}
         self.server = JobServer(JobCommands(self.book, self.site), b'p')
-        self.records = RestRecords(self.book, self.site, lambda: int(self.now * 1000))
+        self.records = RestRecords(self.book, self.site, lambda: int(self.now * 1000),
+                                   self.disk.posted)
         self.server.on_changes = self.records.announce
         self.api = RestApi(self.book, self.site, self.records, self.server.announce)
         self.client = self.server.connect()
@@ -352,6 +353,49 @@ def test_requests_jobs_and_their_keys_outlive_a_restart():
                       ).status == 400
     assert len(again.book.jobs) == 1
     assert again.ask('/Job/UpdatedSince?sinceTime=1005000')  # so a client that asks misses nothing
+
+
+def test_cancellations_and_modifications_outlive_a_restart_and_their_keys_count_once():
+    site = Site()
+    for goal in 'xyz':
+        site.made('/Pickup', {'goal': goal})
+    made = {}
+    for path, record in (
+            ('/JobCancel', {'namekey': 'own', 'jobId': 'JOB1', 'cancelReason': 'why'}),
+            ('/JobCancel', {'jobId': 'JOB2'}),
+            ('/JobSegmentModify', {'namekey': 'm', 'segmentId': 'PICKUP3', 'priority': 7}),
+            ('/JobSegmentModify', {'segmentId': 'PICKUP3', 'goal': 'x'})):
+        one = site.made(path, record)
+        made[f'{path}/ByKey/{one["namekey"]}'] = one
+    assert list(made) == ['/JobCancel/ByKey/own', '/JobCancel/ByKey/~2',
+                          '/JobSegmentModify/ByKey/m', '/JobSegmentModify/ByKey/~2']
+    again = Site(site.disk, site.fleet, site.now - 5)  # the clock was set back as well
+    assert {path: again.ask(path) for path in made} == made
+    assert again.post('/JobCancel', {'namekey': 'own', 'jobId': 'JOB3'}).status == 400
+    assert again.book.jobs[2].cancel is None
+    third = again.made('/JobCancel', {'jobId': 'JOB3'})
+    assert third['namekey'] == '~3'
+    since = made['/JobSegmentModify/ByKey/~2']['audit']['upd']['millis']
+    assert third in again.ask(f'/JobCancel/UpdatedSince?sinceTime={since}')
+
+
+def test_a_cancellation_that_cannot_be_stored_has_no_record():
+    site = Site()
+    site.made('/Pickup', {'goal': 'x'})
+    site.disk.is_full = True
+    assert site.post('/JobCancel', {'namekey': 'own', 'jobId': 'JOB1'}).status == 500
+    site.disk.is_full = False
+    assert site.get('/JobCancel/ByKey/own').status == 404
+    assert site.made('/JobCancel', {'namekey': 'own', 'jobId': 'JOB1'})['status'] == 'Completed'
+
+
+def test_the_oldest_cancellations_are_forgotten_and_no_key_made_here_comes_twice(monkeypatch):
+    monkeypatch.setattr('omron_jobs.core.rest_records.MOST_POSTED', 3)
+    site = Site()
+    keys = [site.made('/JobCancel', {'robot': 'r1'})['namekey'] for _ in range(8)]
+    assert keys == [f'~{number}' for number in range(1, 9)]
+    kept = [one['namekey'] for one in site.ask('/JobCancel/UpdatedSince?sinceTime=0')]
+    assert kept == keys[5:]
 
 
 # -- bad input -------------------------------------------------------------------------------------

@@ -25,6 +25,7 @@ from omron_jobs.core.jobs import (
     QueuedJob,
     Told,
 )
+from omron_jobs.core.posted_records import PostedRecord
 from omron_jobs.nodes.fleet_news import (
     WrongStatus,
     drives_of,
@@ -56,6 +57,29 @@ def test_jobs_come_back(tmp_path):
     other = str(tmp_path / 'other.sqlite')  # this process has the lock of the first one
     shutil.copy(path, other)
     assert JobFile(other, '~jobs_file').read() == ([JOB], COUNTERS)
+
+
+def test_the_last_posted_records_of_each_type_come_back_in_order(tmp_path, monkeypatch):
+    monkeypatch.setattr('omron_jobs.nodes.job_file.MOST_POSTED', 3)
+    path = str(tmp_path / 'jobs.sqlite')
+    with sqlite3.connect(path) as older:  # a file that was made before there were such records
+        older.executescript("""
+            CREATE TABLE job (mission INTEGER PRIMARY KEY, record TEXT NOT NULL);
+            CREATE TABLE counters (one INTEGER PRIMARY KEY CHECK (one = 1), record TEXT NOT NULL);
+            PRAGMA user_version = 1;""")
+    file = JobFile(path, '~jobs_file')
+    assert file.read_posted() == []
+    cancels = [PostedRecord('JobCancel', number, 7, {'namekey': f'~{number}', 'cancelReason': None})
+               for number in range(1, 8)]
+    change = PostedRecord('JobSegmentModify', 1, 8, {'namekey': 'own', 'priority': 3})
+    for one in (change, *cancels):
+        file.write([], (), COUNTERS, one)
+    with pytest.raises(OSError):
+        file.write([OTHER], (), COUNTERS, change)  # a number is used once
+    found = file.read_posted()
+    assert [one for one in found if one.kind == 'JobCancel'] == cancels[4:]
+    assert [one for one in found if one.kind != 'JobCancel'] == [change]
+    assert file.read() == ([], COUNTERS)
 
 
 @pytest.mark.parametrize('content', [b'no database at all' * 100, None])

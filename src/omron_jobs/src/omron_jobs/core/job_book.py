@@ -46,6 +46,7 @@ from omron_jobs.core.jobs import (
     with_goal,
     with_priority,
 )
+from omron_jobs.core.posted_records import PostedRecord
 
 REPEAT = 2.0        # s between two messages about one job to the fleet manager
 SILENCE = 10.0      # s without news of a mission after which the fleet manager is asked
@@ -74,10 +75,11 @@ class JobStore(Protocol):
     """Keeps jobs on a disk."""
 
     def write(self, jobs: Sequence[QueuedJob], forgotten: Sequence[int], counters: JobCounters,
-              ) -> None:
+              posted: Optional[PostedRecord] = None) -> None:
         """Stores jobs in the place of those with their missions. All or nothing; raises OSError.
 
         forgotten -- missions of jobs to be removed
+        posted    -- the record of REST that has changed the jobs
         """
 
 
@@ -191,10 +193,14 @@ class JobBook:
             if mission not in self.shelf:
                 return mission
 
-    def cancel(self, jobs: Sequence[QueuedJob], reason: str) -> List[SegmentChange]:
-        """Cancels jobs that have not ended. Raises OSError if that cannot be stored."""
+    def cancel(self, jobs: Sequence[QueuedJob], reason: str,
+               posted: Optional[PostedRecord] = None) -> List[SegmentChange]:
+        """Cancels jobs that have not ended. Raises OSError if that cannot be stored.
+
+        posted -- here and below: the record of REST that asks for it; it is stored too
+        """
         wanted = [replace(job, cancel=reason) for job in jobs if job.cancel is None]
-        self._keep(wanted)
+        self._keep(wanted, posted)
         changes: List[SegmentChange] = []
         for job in wanted:
             changes += self._show_again(job)
@@ -206,14 +212,15 @@ class JobBook:
             return []
         return self._show(job, news._replace(is_refusal=False))
 
-    def set_priority(self, job: QueuedJob, segment: JobSegment, priority: int
-                     ) -> List[SegmentChange]:
+    def set_priority(self, job: QueuedJob, segment: JobSegment, priority: int,
+                     posted: Optional[PostedRecord] = None) -> List[SegmentChange]:
         """Changes the priority of a segment. Raises OSError if that cannot be stored."""
         changed, changes = with_priority(job, segment.number, priority)
-        self._keep([changed])
+        self._keep([changed], posted)
         return changes
 
-    def set_goal(self, job: QueuedJob, segment: JobSegment, place: Place) -> List[SegmentChange]:
+    def set_goal(self, job: QueuedJob, segment: JobSegment, place: Place,
+                 posted: Optional[PostedRecord] = None) -> List[SegmentChange]:
         """Changes the goal of a segment, unless its mission shows in time that it cannot be done.
 
         Raises JobRefused, and OSError if it cannot be stored.
@@ -221,11 +228,11 @@ class JobBook:
         if segment.other is not None:
             raise JobRefused(f'failed: "{segment.id}" is just being changed: try again')
         changed, changes = with_goal(job, segment.number, place)
-        self._keep([changed])
+        self._keep([changed], posted)
         return [*changes, *self._show_again(changed)]
 
-    def _keep(self, jobs: Sequence[QueuedJob]) -> None:
-        self._store.write(jobs, (), self.counters)
+    def _keep(self, jobs: Sequence[QueuedJob], posted: Optional[PostedRecord]) -> None:
+        self._store.write(jobs, (), self.counters, posted)
         for job in jobs:
             self.shelf.put(job)
             self._restless.add(job.mission)

@@ -238,10 +238,11 @@ class RestApi:
         jobs = self._to_cancel(kind, value)
         if not jobs and kind not in (CancelType.ROBOT_NAME, CancelType.STATUS):
             raise WrongRequest(f'No active job has this {kind.value}.', UNKNOWN)
-        self._announce(self._book.cancel(jobs, reason))
-        return self._posted(RestType.JOB_CANCEL, key, {
+        posted = self._records.to_post(RestType.JOB_CANCEL, key, {
             'cancelType': kind.value, 'cancelValue': value, 'cancelReason': reason or None,
             'status': DONE})
+        self._announce(self._book.cancel(jobs, reason, posted))
+        return self._records.post(posted)
 
     def _to_cancel(self, kind: CancelType, value: str) -> List[QueuedJob]:
         if kind is CancelType.JOB_NAMEKEY:
@@ -262,25 +263,18 @@ class RestApi:
             raise WrongRequest('Give either a priority or a goal.')
         if not any(one.id.lower() == id.lower() for job in self._book.jobs for one in job.segments):
             raise WrongRequest('There is no such segment.', UNKNOWN)
-        if goal:
-            place = self._place(goal)
-            job, one = of_other_goal(self._book, id)
-            changes = self._book.set_goal(job, one, place)
-        else:
-            assert priority is not None
-            job, one = of_other_priority(self._book, id)
-            changes = self._book.set_priority(job, one, priority)
-        self._announce(changes)
-        return self._posted(RestType.JOB_SEGMENT_MODIFY, key, {
+        place = self._place(goal) if goal else None
+        job, one = (of_other_priority if place is None else of_other_goal)(self._book, id)
+        posted = self._records.to_post(RestType.JOB_SEGMENT_MODIFY, key, {
             'segmentId': one.id, 'segmentNamekey': one.id, 'priority': priority,
             'goal': goal or None, 'status': DONE})
-
-    def _posted(self, kind: RestType, key: str, record: Record) -> Record:
-        used = {one['namekey'] for one in self._records.of(kind)}
-        number = len(used) + 1
-        while not key:
-            key, number = f'~{number}' if f'~{number}' not in used else '', number + 1
-        return self._records.post(kind, {'namekey': key, **record})
+        if place is not None:
+            changes = self._book.set_goal(job, one, place, posted)
+        else:
+            assert priority is not None
+            changes = self._book.set_priority(job, one, priority, posted)
+        self._announce(changes)
+        return self._records.post(posted)
 
 
 def _written(value: object) -> str:

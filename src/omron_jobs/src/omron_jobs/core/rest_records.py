@@ -3,6 +3,7 @@
 The records have no truth of their own: each follows from a job, a robot or a goal. What is kept
 beside them is when each one changed last, and what it was before (`History`). After a restart each
 record of an open job counts as changed, so that no client misses a change; the history begins anew.
+Cancellations and modifications follow from no job. They are stored as they were posted.
 """
 from __future__ import annotations
 
@@ -14,6 +15,7 @@ from omron_jobs.core.job_book import JobBook
 from omron_jobs.core.job_commands import JobSite, RobotNews
 from omron_jobs.core.job_words import NONE, RobotStatus, SegmentStatus
 from omron_jobs.core.jobs import JobSegment, QueuedJob, SegmentChange
+from omron_jobs.core.posted_records import MOST_POSTED, PostedRecord
 from omron_jobs.core.rest_words import (
     AUDITED,
     BEING_MODIFIED,
@@ -29,7 +31,6 @@ from omron_jobs.core.rest_words import (
 )
 
 LONGEST_HISTORY = 5000  # records of each type
-MOST_POSTED = 1000      # cancellations and modifications that are kept, each
 Record = Dict[str, Any]
 Listener = Callable[[RestType, Record], None]
 _REFUSED = (SegmentStatus.CANCELLED, SegmentStatus.CANCELLING)
@@ -143,10 +144,12 @@ class RestRecords:
     """All records, each with the time of its last change.
 
     clock -- returns ms since 1970
+    posted -- as stored
     listeners -- are told each record that is new or has changed
     """
 
-    def __init__(self, book: JobBook, site: JobSite, clock: Callable[[], int]) -> None:
+    def __init__(self, book: JobBook, site: JobSite, clock: Callable[[], int],
+                 posted: Iterable[PostedRecord] = ()) -> None:
         self.listeners: List[Listener] = []
         self._book, self._site, self._clock = book, site, clock
         self._tables: Dict[RestType, Dict[str, Record]] = {kind: {} for kind in RestType}
@@ -157,7 +160,10 @@ class RestRecords:
         self._by_segment: Dict[int, int] = {}
         self._robots: Mapping[str, RobotNews] = {}
         self._goals: Optional[Mapping[str, int]] = None
+        self._numbers: Dict[RestType, int] = {}     # of the last cancellation and modification
         self._last = 0
+        for one in posted:
+            self.post(one)
         for job in book.jobs:  # what has ended did not change when this program started
             if job.is_open:
                 self._changed[job.mission] = None
@@ -182,12 +188,23 @@ class RestRecords:
 
     # -- what changes ----------------------------------------------------------------------------
 
-    def post(self, kind: RestType, record: Record) -> Record:
+    def to_post(self, kind: RestType, key: str, record: Record) -> PostedRecord:
+        """Returns a cancellation or modification, to be stored with what it changes.
+
+        key -- empty: the client gave none
+        """
+        number = self._numbers.get(kind, 0) + 1
+        return PostedRecord(kind.value, number, self._now(),
+                            {'namekey': key or f'~{number}', **record})
+
+    def post(self, posted: PostedRecord) -> Record:
         """Keeps a cancellation or modification that was carried out, and returns its record."""
+        kind = RestType(posted.kind)
         table = self._tables[kind]
         while len(table) >= MOST_POSTED:
             del table[next(iter(table))]
-        return self._put(kind, record)
+        self._numbers[kind] = posted.number
+        return self._put(kind, dict(posted.record), posted.at)
 
     def put_values(self, groups: Mapping[str, Mapping[str, object]]) -> None:
         """Takes the values of the data store, by group and item."""
@@ -272,14 +289,18 @@ class RestRecords:
                 self._put(RestType.ROBOT_FAULT,
                           fault_record(record['robot'], record['name'], False))
 
+    def _now(self) -> int:
+        """Times of changes never go back, or `UpdatedSince` would miss some."""
+        return max(self._last, self._clock())
+
     def _put(self, kind: RestType, content: Record, at: int = 0) -> Record:
         """Keeps a record if it has changed. `at`: when; 0: now."""
         table, key = self._tables[kind], content['namekey']
         before = table.get(key)
         if before is not None and all(before[name] == value for name, value in content.items()):
             return before
-        if not at:  # times of changes never go back, or `UpdatedSince` would miss some
-            at = self._last = max(self._last, self._clock())
+        at = at or self._now()
+        self._last = max(self._last, at)
         stamp = {'millis': at}
         record = dict(content)
         if kind in AUDITED:

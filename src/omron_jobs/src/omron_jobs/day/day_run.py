@@ -15,6 +15,7 @@ from omron_jobs.core.client_session import ClientPhase, ClientSession, JobServer
 from omron_jobs.core.job_book import JobBook, JobCounters
 from omron_jobs.core.job_commands import JobCommands, JobSite
 from omron_jobs.core.jobs import QueuedJob
+from omron_jobs.core.posted_records import PostedRecord
 from omron_jobs.day.day_file import RESTART, DayLine
 from omron_jobs.day.fleet_desk import FleetDesk
 from omron_jobs.day.judge import GoalPlace, Judge, WatchedJob
@@ -58,9 +59,9 @@ class MemoryDisk:
         self.missions: Dict[str, int] = {}
         """Mission of each job, by the id of its first segment."""
 
-    def write(self, jobs: Sequence[QueuedJob], forgotten: Sequence[int],
-              counters: JobCounters) -> None:
-        """Stores jobs and counters."""
+    def write(self, jobs: Sequence[QueuedJob], forgotten: Sequence[int], counters: JobCounters,
+              posted: Optional[PostedRecord] = None) -> None:
+        """Stores jobs and counters. `posted`: a day has no clients of REST."""
         for job in jobs:
             self.jobs[job.mission] = job
             self.missions[job.segments[0].id] = job.mission

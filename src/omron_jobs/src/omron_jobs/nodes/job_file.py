@@ -4,13 +4,14 @@ from __future__ import annotations
 import json
 import os
 import sqlite3
-from typing import List, Sequence, Tuple
+from typing import List, Optional, Sequence, Tuple
 
 from json_records import from_json, to_json
 from node_lifecycle import ConfigurationError
 from node_lifecycle.kept_files import hold, in_ros_home
 from omron_jobs.core.job_book import JobCounters
 from omron_jobs.core.jobs import QueuedJob
+from omron_jobs.core.posted_records import MOST_POSTED, PostedRecord
 
 VERSION = 1
 _ADDED = ('robot', 'origin')  # fields of jobs that older files do not have
@@ -18,6 +19,11 @@ _LAYOUT = '''
 CREATE TABLE job (mission INTEGER PRIMARY KEY, record TEXT NOT NULL);
 CREATE TABLE counters (one INTEGER PRIMARY KEY CHECK (one = 1), record TEXT NOT NULL);
 PRAGMA user_version = 1;
+'''
+# Older files do not have it, and older programs leave it alone: both have the same version.
+_POSTED = '''
+CREATE TABLE IF NOT EXISTS posted (kind TEXT, number INTEGER, record TEXT NOT NULL,
+                                   PRIMARY KEY (kind, number))
 '''
 
 
@@ -39,6 +45,7 @@ class JobFile:
                 self._database.executescript(f'BEGIN; {_LAYOUT} COMMIT;')
             elif found != VERSION:
                 raise self._unusable(f'it has the unknown version {found}')
+            self._database.execute(_POSTED)
         except (OSError, sqlite3.Error) as error:
             raise self._unusable(str(error)) from None
 
@@ -58,8 +65,16 @@ class JobFile:
             raise self._unusable(str(error)) from None
         return jobs, counters[0] if counters else JobCounters()
 
-    def write(self, jobs: Sequence[QueuedJob], forgotten: Sequence[int],
-              counters: JobCounters) -> None:
+    def read_posted(self) -> List[PostedRecord]:
+        """Returns the records that REST clients have posted. Raises ConfigurationError."""
+        try:
+            return [from_json(PostedRecord, json.loads(record)) for record, in
+                    self._database.execute('SELECT record FROM posted ORDER BY number')]
+        except (sqlite3.Error, ValueError, TypeError, RecursionError) as error:
+            raise self._unusable(str(error)) from None
+
+    def write(self, jobs: Sequence[QueuedJob], forgotten: Sequence[int], counters: JobCounters,
+              posted: Optional[PostedRecord] = None) -> None:
         """Stores jobs and counters, forced to the disk: all or nothing. Raises OSError."""
         try:
             self._database.execute('BEGIN IMMEDIATE')
@@ -71,6 +86,13 @@ class JobFile:
                                            [(id,) for id in forgotten])
                 self._database.execute('INSERT OR REPLACE INTO counters VALUES (1, ?)',
                                        (json.dumps(to_json(counters)),))
+                if posted is not None:
+                    self._database.execute(
+                        'INSERT INTO posted VALUES (?, ?, ?)',
+                        (posted.kind, posted.number, json.dumps(to_json(posted))))
+                    self._database.execute(
+                        'DELETE FROM posted WHERE kind = ? AND number <= ?',
+                        (posted.kind, posted.number - MOST_POSTED))
                 self._database.execute('COMMIT')
             except sqlite3.Error:
                 if self._database.in_transaction:

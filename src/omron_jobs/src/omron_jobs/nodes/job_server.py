@@ -106,7 +106,8 @@ class JobServerNode:
         self._site = JobSite()
         self._server = JobServer(JobCommands(self._book, self._site), password)
         self._port = JobPort(self._server, peers(), self._work_soon)
-        self._records = RestRecords(self._book, self._site, lambda: int(time.time() * 1000))
+        self._records = RestRecords(self._book, self._site, lambda: int(time.time() * 1000),
+                                    self._jobs_file.read_posted())
         self._server.on_changes = self._records.announce
         self._problem = self._work_problem = ''
         self._works_soon = False
