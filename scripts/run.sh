@@ -59,7 +59,7 @@ start_fleet() {
   refuse_what_runs "$launch"
   keep_private
   say "Starting: roslaunch $(printf '%q' "$launch")"
-  exec roslaunch "$launch"
+  exec rosrun fleet_bringup start_output "$launch"
 }
 
 # limit_files: sets the limit of open files. It is high enough for every fleet, and low enough for roscpp, which reserves memory
@@ -152,4 +152,4 @@ unset OMRON_LD90_PASSWORD
 
 keep_private
 say "Starting: roslaunch omron_ld90 full_stack.launch$([ ${#args[@]} = 0 ] || printf ' %q' "${args[@]}")"
-exec roslaunch omron_ld90 full_stack.launch ${args[@]+"${args[@]}"}
+exec rosrun fleet_bringup start_output omron_ld90 full_stack.launch ${args[@]+"${args[@]}"}

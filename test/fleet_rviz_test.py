@@ -119,11 +119,11 @@ class FleetByMouse(unittest.TestCase):
         self.choose(lambda: middle, EDGE_MENU, MenuAct.CLOSE,
                     lambda: edge in self.closed.messages[-1].edges)
         self.window.wait_for_picture('fleet_rviz_closed', lambda picture: (
-            [] if self.painted(picture, middle, CLOSED) > 20 else [f'red at edge {edge}']))
+            [] if self.painted(picture, middle, CLOSED) > 20 else [f'a closed edge {edge}']))
         self.choose(lambda: middle, EDGE_MENU, MenuAct.OPEN_ALL,
                     lambda: not self.closed.messages[-1].edges)
         self.window.wait_for_picture('fleet_rviz_opened', lambda picture: (
-            [f'no red at edge {edge}'] if self.painted(picture, middle, CLOSED) else []))
+            [f'an open edge {edge}'] if self.painted(picture, middle, CLOSED) else []))
 
     @long_only
     def test_5_a_mission_is_paused_goes_on_and_is_cancelled(self) -> None:

@@ -206,7 +206,7 @@ function drawSite() {
       if (edge) lines([edge], 3 + 9 * seconds / most, `hsl(${60 - 60 * seconds / most} 95% 50% / .8)`);
     }
   }
-  lines(site.edges.filter(edge => closed.has(edge[0])), 5, colour('danger'));
+  lines(site.edges.filter(edge => closed.has(edge[0])), 5, colour('shut'));
   const radius = Math.max(2, Math.min(8, view.scale * 0.16));
   for (const [kind, fill] of [['cut', 'edge'], ['vertex', 'edge'], ['parking', 'parking'], ['dock', 'dock']]) {
     paint.beginPath();
@@ -258,7 +258,7 @@ function outlineAreas(paint, ratio, closed, colour) {
     const there = edgesOf(edges), isShut = there.length && there.every(edge => closed.has(edge[0]));
     const draw = (width, alpha) => { own.globalAlpha = alpha; own.lineWidth = width; own.stroke(); };
     own.clearRect(0, 0, size.width, size.height);
-    own.strokeStyle = colour(isShut ? 'danger' : 'main');
+    own.strokeStyle = colour(isShut ? 'shut' : 'main');
     own.beginPath();
     for (const [, , , points] of there) {
       own.moveTo(...pixel(points[0], points[1]));

@@ -72,6 +72,11 @@ def _simulators(root: ET.Element, entries: Sequence[RobotEntry], site: StartedSi
                 options: Options, files: Dict[str, str]) -> None:
     if any(entry.robot.driver == LD90 and entry.is_simulated for entry in entries):
         _ld90_simulator(root, site, options, files)
+        for entry in entries:
+            if entry.robot.driver == LD90 and entry.is_simulated:
+                # the controllers remember nothing of the robots of an older run
+                ET.SubElement(root, 'param', name=f'{entry.name}/omron_controller/robot_id',
+                              type='str', value='$(anon simulator)')
     if any(entry.robot.driver == AGV for entry in entries):
         _node(root, 'agv_sim', 'graph_fleet_manager', 'agv_sim', {
             'fleet_file': files['fleet'], 'graph_file': site.graph_file,

@@ -66,6 +66,15 @@ def test_every_ld90_has_its_stack_and_its_place(made):
         assert row['start'][:2] == pytest.approx(graph.vertices[robot.vertex].position, abs=0.001)
 
 
+def test_no_controller_remembers_what_a_simulated_robot_did_at_an_earlier_start(made):
+    def ids():
+        config = ROSLaunchConfig()
+        XmlLoader().load(made['launch'], config, argv=[], verbose=False)
+        return [config.params[f'/{name}/omron_controller/robot_id'].value
+                for name in ('ld90_1', 'ld90_2')]
+    assert not set(ids()) & set(ids())
+
+
 def test_every_line_on_the_screen_tells_which_robot_says_it(made, monkeypatch):
     monkeypatch.delenv('ROSCONSOLE_FORMAT', raising=False)
     config = ROSLaunchConfig()

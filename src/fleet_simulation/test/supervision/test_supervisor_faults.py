@@ -613,6 +613,18 @@ def test_two_locations_elsewhere_in_a_row_leave_a_robot_to_a_person(fleet):
     assert fleet.supervisor.robots['a'].outage is Outage.TAKEN_OVER
 
 
+def test_a_robot_that_does_not_know_its_place_yet_is_not_off_the_graph():
+    """A bridge reports from its start on, but the robot tells its place some seconds later."""
+    fleet = SupervisedFleet(corridor(6), {'a': (AGV, 1)})
+    fleet.network.silent['a'] = 3.0
+    for later in (0.1, 0.2, 0.3):
+        hear(fleet, replace(fleet.agvs['a'].report(fleet.now + later), stamp=0, pose=SymbolicPose(),
+                            location=None))
+    assert fleet.supervisor.robots['a'].outage is None
+    fleet.request(1, 6)
+    fleet.run_until_done(1)
+
+
 def test_a_robot_off_the_graph_gets_nothing_to_drive_and_its_missions_wait():
     fleet = SupervisedFleet(corridor(6), {'a': (AGV, 1)})
     fleet.run(1.0)

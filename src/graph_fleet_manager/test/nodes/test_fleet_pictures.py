@@ -2,6 +2,8 @@
 from __future__ import annotations
 
 import math
+from itertools import combinations
+from pathlib import Path
 
 import pytest
 from fleet_builders import corridor
@@ -11,7 +13,7 @@ from fleet_core.supervision.fleet_stop import NOT_STOPPED, FleetStop, StopCause
 from fleet_core.supervision.looks import ResourceLook
 from fleet_core.supervision.waits import WaitCode
 from graph_fleet_manager.nodes.rviz import stop_picture
-from graph_fleet_manager.nodes.rviz.graph_picture import graph_markers
+from graph_fleet_manager.nodes.rviz.graph_picture import graph_markers, place_texts
 from graph_fleet_manager.nodes.rviz.menus import BUTTON, BUTTON_ABOVE
 from graph_fleet_manager.nodes.rviz.paints import LOAD, PAINTS
 from graph_fleet_manager.nodes.rviz.picture import PictureChanges
@@ -36,8 +38,12 @@ from itrci_nav_msgs.msg import (
     SymbolicPose,
 )
 from rviz_drawing import drawing
+from rviz_drawing.label_places import Label, LabelPlaces
+from trajectory_graph import load_graph
+from trajectory_graph.placing import Covered, shared
 
 GRAPH = corridor(4)  # 2 m apart, on the x axis
+TEXTS = place_texts(GRAPH)
 HERE = DrawnPose(1.0, 0.0, 0.0)
 
 
@@ -54,16 +60,42 @@ def drawn(one, side=0):
     return robot_markers(one, 3, HERE, label_of(one, HERE, 0.4, 0.0), side, False)
 
 
-def test_closed_edges_are_red_and_no_longer_grey():
-    markers = graph_markers(GRAPH, {2}, [], [])
-    grey, red = named(markers, 'edges')[0], named(markers, 'closed')[0]
+def laboratory():
+    return load_graph(str(Path(__file__).resolve().parents[4] / 'maps' / 'lab_graph.yaml'))
+
+
+def test_no_id_of_a_vertex_covers_an_edge_or_another_id():
+    graph = laboratory()
+    texts = place_texts(graph)
+    assert len(texts.names) == len(graph.vertices)
+    for one, other in combinations(texts.names.values(), 2):
+        assert not shared(one, other)
+    points = [point for edge in graph.edges for point in graph.curve(edge).sample(0.05)]
+    for left, lower, right, upper in texts.names.values():
+        assert not [1 for x, y in points if left < x < right and lower < y < upper]
+
+
+def test_a_robots_label_keeps_clear_of_the_edges_if_it_can():
+    graph = laboratory()
+    places = LabelPlaces()
+    driving = {'a': Label(*graph.curve(1).point_at(graph.curve(1).length / 2.0), 0.4,
+                          'agv_1  100 %', 0.42)}
+    places.choose(driving, beneath=place_texts(graph).edges)
+    box = driving['a'].boxes()[places.side('a')]
+    assert place_texts(graph).edges.covered(box) == Covered()
+
+
+def test_closed_edges_have_the_colour_of_shut_doors_because_red_is_for_trouble():
+    markers = graph_markers(GRAPH, TEXTS, {2}, [], [])
+    grey, shut = named(markers, 'edges')[0], named(markers, 'closed')[0]
+    assert shut.color == PAINTS[ResourceLook.SHUT]
     assert all(not 2.0 < point.x < 4.0 for point in grey.points)
-    xs = [point.x for point in red.points]
+    xs = [point.x for point in shut.points]
     assert (min(xs), max(xs)) == (2.0, 4.0)
 
 
 def test_parking_and_docks_are_squares_on_their_vertices():
-    markers = graph_markers(GRAPH, (), [1, 99], [4])
+    markers = graph_markers(GRAPH, TEXTS, (), [1, 99], [4])
     assert [one.pose.position.x for one in named(markers, 'parking')] == [0.0]
     assert [one.pose.position.x for one in named(markers, 'docks')] == [6.0]
 
@@ -136,6 +168,12 @@ def test_its_label_stands_beside_it_in_its_hue():
     assert above.color == below.color == drawing.own_colour(3, WORDS_SATURATION)
 
 
+def test_the_frame_of_a_stop_says_what_all_robots_wait_for():
+    stopped = robot(state=FleetRobot.IDLE, waits_for='the fleet is stopped',
+                    waits_for_code=WaitCode.RESUME_FLEET)
+    assert words_of(stopped, 0.0) == 'agv_1  50 %\nidle'
+
+
 def test_a_stop_is_a_red_frame_and_words_that_stay_above_the_buttons():
     stop = FleetStop(StopCause.PERSON, 'anna (page)', 1e9)
     frame, words = stop_markers(GRAPH, stop, 1e9 + 60.0)
@@ -190,21 +228,21 @@ def deleted(markers):
 
 def test_what_stays_is_changed_in_place():
     changes = PictureChanges()
-    first = changes.to(graph_markers(GRAPH, {2}, [1], [4]))
+    first = changes.to(graph_markers(GRAPH, TEXTS, {2}, [1], [4]))
     assert [one.action for one in first].count(Marker.DELETEALL) == 1
     assert first[0].action == Marker.DELETEALL  # deletes the markers of an earlier node
-    second = changes.to(graph_markers(GRAPH, {2}, [1], [4]))
+    second = changes.to(graph_markers(GRAPH, TEXTS, {2}, [1], [4]))
     assert {one.action for one in second} == {Marker.ADD}
     assert second == first[1:]
 
 
 def test_nothing_is_left_behind_when_an_edge_opens():
     changes = PictureChanges()
-    changes.to(graph_markers(GRAPH, {2}, [], []))
-    opened = changes.to(graph_markers(GRAPH, (), [], []))
+    changes.to(graph_markers(GRAPH, TEXTS, {2}, [], []))
+    opened = changes.to(graph_markers(GRAPH, TEXTS, (), [], []))
     assert deleted(opened) == {('closed', 0), ('closed_names', 2)}
     assert not {(one.ns, one.id) for one in opened if one.action == Marker.ADD} & deleted(opened)
-    shut = changes.to(graph_markers(GRAPH, {2}, [], []))
+    shut = changes.to(graph_markers(GRAPH, TEXTS, {2}, [], []))
     assert not deleted(shut)
 
 

@@ -18,7 +18,7 @@ from itrci_nav_msgs.msg import (
     QueuePlace,
     ResourceClaim,
 )
-from trajectory_graph.placing import shared
+from trajectory_graph.placing import Places, shared
 
 GRAPH = corridor(4)  # 2 m apart, on the x axis
 
@@ -49,6 +49,18 @@ def test_a_door_is_a_band_on_its_edges(mode: int, look: ResourceLook, shows: str
 def test_a_door_that_is_not_open_for_a_robot_in_it_is_in_the_colour_of_trouble() -> None:
     band, _ = door(DeviceState.CLOSED, ResourceClaim('agv_1', ResourceClaim.LOST))
     assert band.color == PAINTS[ResourceLook.TROUBLE]
+
+
+def test_words_cover_an_edge_only_if_no_side_is_clear_of_it() -> None:
+    """A station at the lower end of an upward edge has its words below, not on the edge."""
+    station = FleetResource(name='gate', kind=FleetResource.STATION, vertices=[1])
+    above, everywhere = Places(), Places()
+    above.cover((-1.0, 0.0, 1.0, 2.0), is_soft=True)
+    everywhere.cover((-9.0, -9.0, 9.0, 9.0), is_soft=True)
+    _, words = visible(draw_resources(GRAPH, [station], beneath=above).markers)
+    assert words.pose.position.y < 0.0
+    _, words = visible(draw_resources(GRAPH, [station], beneath=everywhere).markers)
+    assert words.text == 'station gate'
 
 
 def test_a_station_is_a_ring_on_each_of_its_places() -> None:

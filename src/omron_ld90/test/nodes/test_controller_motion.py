@@ -1,11 +1,13 @@
 """The state of the motion survives the process, and is published."""
 from __future__ import annotations
 
+import json
 from dataclasses import replace
 
 import pytest
 import rospy
 
+from json_records import to_json
 from omron_arcl.execution import Giver
 from omron_arcl.records import (
     CommandFate,
@@ -49,6 +51,22 @@ def test_without_a_file_nothing_is_kept(tmp_path):
     file.keep(MEMORY)
     assert file.read() is None
     assert MotionFile(str(tmp_path / 'none.json')).read() is None
+
+
+@pytest.mark.parametrize('before, after', [('sim_1', 'sim_2'), ('sim_1', ''), ('', 'sim_2')])
+def test_what_another_robot_did_says_nothing_about_this_one(tmp_path, before, after):
+    """A simulated robot begins anew at each start: else it seems driven by another client."""
+    path = str(tmp_path / 'motion.json')
+    MotionFile(path, before).keep(MEMORY)
+    assert MotionFile(path, before).read() == MEMORY
+    assert MotionFile(path, after).read() is None
+
+
+def test_a_file_of_before_there_were_ids_is_that_of_the_real_robot(tmp_path):
+    path = tmp_path / 'motion.json'
+    path.write_text(json.dumps(to_json(MEMORY)))
+    assert MotionFile(str(path)).read() == MEMORY
+    assert MotionFile(str(path), 'sim_1').read() is None
 
 
 @pytest.mark.parametrize('text', ['', '{', '[]', '7', '{"epoch": 1}', '{"epoch": 1, "records": 3}'])

@@ -71,6 +71,17 @@ def test_a_simulated_robot_begins_anew_whatever_its_ros_master_remembers(name, i
     assert records == [''] * (robots if is_simulated == 'true' else 0)
 
 
+@pytest.mark.parametrize('name, is_simulated', [
+    ('full_stack.launch', 'true'), ('full_stack.launch', 'false'), ('two_robots.launch', 'true')])
+def test_each_start_of_a_simulator_is_a_robot_that_no_controller_remembers(name, is_simulated):
+    given = [f'sim:={is_simulated}'] if name == 'full_stack.launch' else []
+    ids = [tuple(value for key, value in expand(name, *given)[1].items()
+                 if key.endswith('/omron_controller/robot_id')) for _ in range(2)]
+    robots = {'full_stack.launch': 1, 'two_robots.launch': 2}[name]
+    assert len(ids[0]) == (robots if is_simulated == 'true' else 0)
+    assert not set(ids[0]) & set(ids[1])
+
+
 @pytest.mark.parametrize('given, expected', [
     (None, '[${severity}] [${time}] ${node}: ${message}'), ('${message}', '${message}')])
 def test_of_two_robots_every_line_on_the_screen_tells_whose_it_is(monkeypatch, given, expected):

@@ -1,7 +1,7 @@
 """Chooses where the label of each robot is drawn, so that labels stay readable when robots meet.
 
-A label keeps its side while that is free. It may cover the names of vertices and stations if it
-must, but covers other labels and robots least of all (`placing`).
+A label keeps its side while that is free. It may cover edges and the names of vertices and stations
+if it must, but covers other labels and robots least of all (`placing`).
 """
 from __future__ import annotations
 
@@ -59,15 +59,17 @@ class LabelPlaces:
         return self._sides.get(name, 0)
 
     def choose(self, labels: Mapping[str, Label], window: Optional[Box] = None,
-               names: Iterable[Box] = (), buttons: Iterable[Box] = ()) -> None:
+               names: Iterable[Box] = (), buttons: Iterable[Box] = (),
+               beneath: Optional[Places] = None) -> None:
         """Chooses the sides again, for the present positions.
 
         labels  -- by name of the robot; the first ones choose first
         window  -- what people see; None: that is not known
         names   -- of vertices and stations, which a label may cover if it must
         buttons -- which it must not cover
+        beneath -- the edges, as soft boxes
         """
-        places = Places(window)
+        places = Places(window, beneath=beneath)
         for box in names:
             places.cover(box, is_soft=True)
         for box in (*buttons, *(box_around((one.x, one.y), (2.0 * one.radius,) * 2)

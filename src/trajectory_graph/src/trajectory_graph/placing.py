@@ -18,6 +18,9 @@ _Cell = Tuple[int, int]
 ABOVE_FIRST: Tuple[Side, ...] = (
     (0, 1), (0, -1), (1, 0), (-1, 0), (1, 1), (-1, 1), (1, -1), (-1, -1))
 """The sides of a point, the best one first; y upwards."""
+BELOW_RIGHT_FIRST: Tuple[Side, ...] = (
+    (1, -1), (-1, -1), (1, 1), (-1, 1), (0, -1), (0, 1), (1, 0), (-1, 0))
+"""The same for a vertex, at whose sides there are edges: its corners are the best ones."""
 CELL = 1.6  # m of the grid in which neighbours are found
 
 
@@ -46,12 +49,14 @@ class _Cover:
 class Places:
     """The boxes that are covered.
 
-    window -- what lies outside counts as covered and firm; None: there is no outside
-    cell   -- size of the grid in which neighbours are found
+    window  -- what lies outside counts as covered and firm; None: there is no outside
+    cell    -- size of the grid in which neighbours are found
+    beneath -- boxes that are covered, too: those that do not change from picture to picture
     """
 
-    def __init__(self, window: Optional[Box] = None, cell: float = CELL) -> None:
-        self._window, self._cell = window, cell
+    def __init__(self, window: Optional[Box] = None, cell: float = CELL,
+                 beneath: Optional[Places] = None) -> None:
+        self._window, self._cell, self._beneath = window, cell, beneath
         self._cells: Dict[_Cell, List[_Cover]] = {}
 
     def cover(self, box: Box, is_soft: bool = False) -> None:
@@ -89,9 +94,9 @@ class Places:
 
     def covered(self, box: Box) -> Covered:
         """How much of a box is covered."""
-        firm = soft = 0.0
+        firm, soft = self._beneath.covered(box) if self._beneath else Covered()
         if self._window is not None:
-            firm = (box[2] - box[0]) * (box[3] - box[1]) - shared(box, self._window)
+            firm += (box[2] - box[0]) * (box[3] - box[1]) - shared(box, self._window)
         seen = set()
         for cell in self._cells_of(box):
             for one in self._cells.get(cell, ()):

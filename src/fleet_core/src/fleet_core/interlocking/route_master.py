@@ -433,7 +433,8 @@ class RouteMaster:
         is_first = not self.is_heard
         self._told = self._told or (0.0, None)
         record.pose = report.pose
-        self._off_graph = 0 if record.pose.edge else self._off_graph + 1
+        # A report without a location says nothing about the graph.
+        self._off_graph = 0 if record.pose.edge else self._off_graph + bool(report.stamp)
         heard = Heard(news, record.passed(news.passed), news.cause if before.epoch else None,
                       had_route)
         self._follow_news(news, said, before)

@@ -164,12 +164,14 @@ class FleetPageNode:
         self._loop.run_forever()
 
     async def _tick(self) -> None:
-        looked = 0.0
-        await self._look_up(time.time() - HOUR)
+        looked, is_read = 0.0, False
         while not rospy.is_shutdown():
             now = time.time()
             self._page.tick(now)
-            if self._page.model.unknown and abs(now - looked) >= LOOK_UP:
+            if not is_read and self._page.model.robots:  # now the fleet manager has its journal
+                is_read = True
+                await self._look_up(now - HOUR)
+            elif self._page.model.unknown and abs(now - looked) >= LOOK_UP:
                 looked = now
                 await self._look_up(math.inf)
             await asyncio.sleep(TICK)

@@ -30,7 +30,13 @@ from visualization_msgs.msg import Marker, MarkerArray
 from graph_fleet_manager.messages.missions import stop_of
 from graph_fleet_manager.nodes.fleet_acts import FleetActs
 from graph_fleet_manager.nodes.fleet_parameter import fleet_of
-from graph_fleet_manager.nodes.rviz.graph_picture import graph_markers, name_boxes, window_of
+from graph_fleet_manager.nodes.rviz.graph_picture import (
+    GraphTexts,
+    closed_boxes,
+    graph_markers,
+    place_texts,
+    window_of,
+)
 from graph_fleet_manager.nodes.rviz.menus import FleetMenus
 from graph_fleet_manager.nodes.rviz.picture import Picture
 from graph_fleet_manager.nodes.rviz.plan_picture import plan_markers
@@ -58,6 +64,7 @@ from node_lifecycle.periodic import Periodic
 from rviz_drawing import drawing
 from rviz_drawing.label_places import Label, LabelPlaces
 from trajectory_graph import Graph
+from trajectory_graph.placing import Places
 
 PERIOD = 0.1         # s between two pictures of the robots
 SLOW = 3             # periods between two pictures of the plans, and two moves of the handles
@@ -81,6 +88,7 @@ class FleetVisualisation:
             self._radii = {kind.name: kind.radius for kind in fleet_of().types}
         self._lock = threading.RLock()
         self._graph: Optional[Graph] = None
+        self._texts = GraphTexts(Places(), {})
         self._closed: FrozenSet[int] = frozenset()
         self._parking: FrozenSet[int] = frozenset()
         self._docks: FrozenSet[int] = frozenset()
@@ -111,7 +119,7 @@ class FleetVisualisation:
 
     def _on_graph(self, graph: Graph, _stamp: rospy.Time) -> None:
         with self._lock:
-            self._graph = graph
+            self._graph, self._texts = graph, place_texts(graph)
             self._menus.show_graph(graph)
             self._draw_graph()
 
@@ -157,7 +165,7 @@ class FleetVisualisation:
             docks = self._docks or frozenset(
                 vertex.id for vertex in self._graph.vertices.values() if vertex.dock)
             self._pictures['graph'].show(graph_markers(
-                self._graph, self._closed, self._parking - docks, docks))
+                self._graph, self._texts, self._closed, self._parking - docks, docks))
 
     def _tick(self) -> None:
         with self._lock:
@@ -171,8 +179,10 @@ class FleetVisualisation:
             self._menus.show_robots(places, self._acts.asks())
             if self._changed:
                 self._changed = False
+                words = (*self._texts.names.values(),
+                         *closed_boxes(graph, self._texts, self._closed).values())
                 self._drawn = draw_resources(graph, state.resources, state.machines,
-                                             window_of(graph), name_boxes(graph))
+                                             window_of(graph), words, self._texts.edges)
                 self._pictures['plans'].show([
                     *self._drawn.markers,
                     *plan_markers(graph, self._plan, state, self._numbers)])
@@ -192,7 +202,8 @@ class FleetVisualisation:
                                               now)
         if self._ticks % SLOW == 0:
             self._label_places.choose(labels, window_of(graph),
-                                      (*name_boxes(graph), *self._drawn.boxes))
+                                      (*self._texts.names.values(), *self._drawn.boxes),
+                                      beneath=self._texts.edges)
         for robot in state.robots:
             if robot.name in places:
                 markers += robot_markers(

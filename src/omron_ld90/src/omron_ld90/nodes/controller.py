@@ -30,6 +30,8 @@ Parameters:
   ~session_log_size (50.0 MB): a file that has grown to this size becomes the older one
   ~motion_file (omron_ld90/<namespace>_motion.json): file that keeps over a restart which giver
       drives the robot, and an owed stop; relative to ROS_HOME; '': no file
+  ~robot_id (''): of a simulated robot, another one at each start of its simulator: what another
+      robot did is no memory of this one; '': a real robot
   ~allow_takeover (false): true: the two click topics also move a robot that a fleet drives
   ~stop_on_shutdown (false): true: send `stop` when the node ends, e.g. by Ctrl-C; false: the robot
       drives on to its goal
@@ -233,7 +235,8 @@ def start() -> Controller:
     goals = GoalComparison(parameter('~map_file', ''), map_sources())
 
     namespace = rospy.get_namespace().strip('/').replace('/', '_')
-    kept = MotionFile(parameter('~motion_file', f'omron_ld90/{namespace}_motion.json'))
+    kept = MotionFile(parameter('~motion_file', f'omron_ld90/{namespace}_motion.json'),
+                      parameter('~robot_id', ''))
     kept.hold()
     records = Drives(kept.read(), kept.keep)
 

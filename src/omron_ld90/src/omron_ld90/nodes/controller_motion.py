@@ -16,11 +16,18 @@ from omron_arcl.records import DriveMemory, RobotMotion
 from omron_ld90_msgs import msg
 
 
-class MotionFile:
-    """Keeps a `DriveMemory`; a relative path begins in ROS_HOME, an empty one means no file."""
+ROBOT_ID = 'robot_id'
 
-    def __init__(self, path: str) -> None:
-        self._path = in_ros_home(path)
+
+class MotionFile:
+    """Keeps the `DriveMemory` of one robot; a relative path begins in ROS_HOME, an empty one means
+    no file.
+
+    robot_id -- of a simulated robot, another one at each start of its simulator; empty: a real one
+    """
+
+    def __init__(self, path: str, robot_id: str = '') -> None:
+        self._path, self._robot_id = in_ros_home(path), robot_id
         self._kept: Optional[DriveMemory] = None
 
     def hold(self) -> None:
@@ -28,7 +35,7 @@ class MotionFile:
         hold(self._path, '~motion_file')
 
     def read(self) -> Optional[DriveMemory]:
-        """The stored memory; None if there is none, or it cannot be read.
+        """The stored memory; None if there is none, it is of another robot, or it cannot be read.
 
         If the folder is read-only, the stored epoch may be out of date. Then epoch 0 is returned,
         which no program knows, so that no program drives on because of it. An owed stop still
@@ -36,7 +43,9 @@ class MotionFile:
         """
         try:
             with open(self._path, encoding='utf-8') as stream:
-                content = json.load(stream)
+                content = dict(json.load(stream))
+            if content.pop(ROBOT_ID, '') != self._robot_id:
+                return None
             memory = from_json(DriveMemory, content, added=(
                 'last_commands', 'ending', 'acknowledged_by', 'doubt'))
         except FileNotFoundError:
@@ -59,6 +68,8 @@ class MotionFile:
         if not self._path or memory == self._kept:
             return
         content = to_json(memory)
+        if self._robot_id:
+            content[ROBOT_ID] = self._robot_id
         try:
             try:
                 replace_json(self._path, content)

@@ -71,6 +71,7 @@ from omron_ld90.operator.goal_clicks import (
 )
 from omron_ld90.operator.localizing import ASKED_FOR, Judged, LocalizeQuestion, LocalizingWatch
 from omron_ld90.operator.notices import NoticeSeverity, OperatorNotice
+from omron_ld90.operator.ready_notice import ReadyNotice
 from omron_ld90.units import millimetres
 from omron_ld90_msgs.msg import CommandRefused, ExecuteCommandResult, LinkState
 from omron_map import MapDocument
@@ -122,6 +123,7 @@ class GoalSender:
         self._localizing, self._question = LocalizingWatch(), LocalizeQuestion()
         self._count = 0
         self._heading: Optional[float] = None  # degrees
+        self._is_connected, self._ready = False, ReadyNotice(rospy.get_namespace().strip('/'))
 
         self._feedback = UserFeedback(self._map_frame)
         self._handles = InteractiveGoals(
@@ -161,6 +163,7 @@ class GoalSender:
             if document is not None:
                 self._feedback.stay_within(*extent_in_x(document))
             self._handles.show(self._targets or ())
+            self._say_ready()
 
     def _on_pose(self, message: PoseStamped) -> None:
         with self._lock:
@@ -170,7 +173,14 @@ class GoalSender:
     def _on_link(self, message: LinkState) -> None:
         if message.link == LinkState.COMMANDS:
             with self._lock:
-                self._handles.show_robot(message.state == LinkState.CONNECTED)
+                self._is_connected = message.state == LinkState.CONNECTED
+                self._handles.show_robot(self._is_connected)
+                self._say_ready()
+
+    def _say_ready(self) -> None:
+        words = self._ready.words(self._targets, self._is_connected)
+        if words:
+            rospy.loginfo('%s', words)
 
     def _on_response(self, message: String) -> None:
         """Takes the robot's score, which comes with each of its statuses."""

@@ -2,6 +2,7 @@
 from __future__ import annotations
 
 import math
+from itertools import combinations
 
 import numpy as np
 import pytest
@@ -12,6 +13,8 @@ from visualization_msgs.msg import Marker
 
 from omron_ld90.nodes.rviz import map_markers
 from omron_map import MapDocument, MapObject, RotatedRectangle
+from rviz_drawing.text_places import text_size
+from trajectory_graph.placing import box_around, shared
 
 HEADER = Header(stamp=Time(1), frame_id='map')
 SECTORS = b"""2D-Map
@@ -56,14 +59,22 @@ def test_points_and_lines_are_in_metres():
 
 @pytest.mark.parametrize('heading', [None, 0, 90, 180, -120])
 @pytest.mark.parametrize('name', ['A', 'A rather long name'])
-def test_a_name_ends_left_of_its_square_and_clear_of_its_arrow(name, heading):
+def test_a_name_is_at_a_corner_clear_of_its_handle_and_of_the_sides(name, heading):
     text, = drawn(map_markers.goal_names(document(MapObject.goal(name, 1000, 500, heading)), 'map'))
-    right = text.pose.position.x + len(name) * map_markers.CHARACTER_WIDTH * text.scale.z / 2
-    tip = 0.0 if heading is None else math.cos(math.radians(heading)) * map_markers.ARROW[0]
-    assert right < 1.0 - map_markers.SQUARE[0] / 2
-    if heading not in (90, -120):
-        assert right < 1.0 + tip
-    assert text.pose.position.y == 0.5 and colour(text) == (1.0, 1.0, 1.0)
+    width, height = text_size(name, text.scale.z)
+    left, top = text.pose.position.x - width / 2, text.pose.position.y + height / 2
+    assert left >= 1.0 + map_markers.HANDLE / 2 and top <= 0.5 - map_markers.HANDLE / 2
+    assert colour(text) == (1.0, 1.0, 1.0)
+
+
+def test_names_of_goals_beside_each_other_cover_no_goal_and_no_other_name():
+    goals = [MapObject.goal(f'Goal {n}', 900 * n, 0) for n in range(3)]
+    texts = drawn(map_markers.goal_names(document(*goals), 'map'))
+    boxes = [box_around((text.pose.position.x, text.pose.position.y),
+                        text_size(text.text, text.scale.z)) for text in texts]
+    handles = [box_around((0.9 * n, 0.0), (map_markers.HANDLE,) * 2) for n in range(3)]
+    assert not any(shared(*pair) for pair in combinations(boxes, 2))
+    assert not any(shared(box, handle) for box in boxes for handle in handles)
 
 
 def test_only_what_has_a_heading_gets_an_arrow():

@@ -167,11 +167,13 @@ class VehicleNode:
 
     def _on_mqtt_change(self, connected: bool, problem: str) -> None:
         self._mqtt_problem = problem
+        address = f'{self._settings.broker.host}:{self._settings.broker.port}'
         if connected:
-            rospy.loginfo('Connected to the broker at %s.', self._settings.broker)
+            rospy.loginfo('Ready: a VDA 5050 master can drive the robot over the broker at %s; the '
+                          'topics begin with %s/.', address, self._settings.prefix)
             self._put(self._vehicle.connected)
         else:
-            rospy.logwarn('Not connected to the broker at %s: %s', self._settings.broker, problem)
+            rospy.logwarn('Not connected to the broker at %s: %s', address, problem)
 
     def _connection(self, state: str) -> bytes:
         return self._payload('connection', ConnectionMessage(ConnectionState(state)))

@@ -1,27 +1,70 @@
 """The graph of a fleet in RViz: edges, closed edges, vertices, parking and docks."""
 from __future__ import annotations
 
-from typing import Collection, List, Tuple
+from dataclasses import dataclass
+from typing import Collection, Dict, List, Mapping
 
 from visualization_msgs.msg import Marker
 
+from fleet_core.supervision.looks import ResourceLook
+from graph_fleet_manager.nodes.rviz.paints import PAINTS
 from rviz_drawing import drawing
 from rviz_drawing.text_places import text_size
-from trajectory_graph import Graph, Vertex
-from trajectory_graph.placing import Box, box_around
+from trajectory_graph import Graph
+from trajectory_graph.placing import (
+    ABOVE_FIRST,
+    BELOW_RIGHT_FIRST,
+    Box,
+    MayCover,
+    Places,
+    box_around,
+    box_beside,
+    middle_of,
+)
 
-EDGE, CLOSED = drawing.colour(0.55, 0.56, 0.62), drawing.colour(1.0, 0.18, 0.15)
+EDGE, CLOSED = drawing.colour(0.55, 0.56, 0.62), PAINTS[ResourceLook.SHUT]
 PARKING, DOCK = drawing.colour(0.25, 0.45, 0.95, 0.55), drawing.colour(0.2, 0.8, 0.35, 0.7)
 NAME = drawing.colour(0.82, 0.83, 0.88)
 EDGE_WIDTH, CLOSED_WIDTH = 0.05, 0.14
 RING, SQUARE = 0.16, 0.62
-NAME_HEIGHT = 0.32
+NAME_HEIGHT, NAME_AWAY = 0.32, 0.52  # m; beyond the ring of a station
+CLOSED_HEIGHT, CLOSED_AWAY = 0.32, 0.25  # m
+EDGE_BOX, EDGE_STEP = 0.3, 0.4  # m, of the boxes that stand for an edge
+CLOSED_WORD = 'closed'
 SEEN = 2.0  # m around the graph; the buttons are above that
 _Z = 0.02
 
 
-def graph_markers(graph: Graph, closed: Collection[int], parking: Collection[int],
-                  docks: Collection[int]) -> List[Marker]:
+@dataclass(frozen=True)
+class GraphTexts:
+    """What texts of others keep clear of.
+
+    edges -- the edges, as soft boxes
+    names -- the boxes of the vertices' ids, by vertex
+    """
+
+    edges: Places
+    names: Mapping[int, Box]
+
+
+def place_texts(graph: Graph) -> GraphTexts:
+    """Places the ids of the vertices beside them, clear of edges and of each other."""
+    edges = Places()
+    for id in graph.edges:
+        for x, y in graph.curve(id).sample(EDGE_STEP):
+            edges.cover(box_around((x, y), (EDGE_BOX, EDGE_BOX)), is_soft=True)
+    places, names = Places(beneath=edges), {}
+    for vertex in graph.vertices.values():
+        if is_place(graph, vertex.id):
+            boxes = [box_beside(vertex.position, NAME_AWAY,
+                                text_size(str(vertex.id), NAME_HEIGHT), side)
+                     for side in BELOW_RIGHT_FIRST]
+            names[vertex.id] = boxes[places.place(boxes, may=MayCover.ALL)]
+    return GraphTexts(edges, names)
+
+
+def graph_markers(graph: Graph, texts: GraphTexts, closed: Collection[int],
+                  parking: Collection[int], docks: Collection[int]) -> List[Marker]:
     """All markers of the graph. `closed` has ids of edges, `parking` and `docks` of vertices.
 
     A vertex that only divides a drawn edge is drawn without its id.
@@ -42,21 +85,25 @@ def graph_markers(graph: Graph, closed: Collection[int], parking: Collection[int
                 markers.append(drawing.shape(
                     Marker.CUBE, namespace, id, paint, (SQUARE, SQUARE, 0.01),
                     drawing.pose_at(graph.vertices[id].position, z=_Z / 2)))
-    for id in shut:
-        curve = graph.curve(id)
-        x, y = curve.point_at(curve.length / 2.0)
-        markers.append(drawing.text('closed_names', id, 'closed', (x, y + 0.4), 0.32, CLOSED))
-    for vertex in graph.vertices.values():
-        if is_place(graph, vertex.id):
-            markers.append(drawing.text('names', vertex.id, str(vertex.id), _name_place(vertex),
-                                        NAME_HEIGHT, NAME, z=0.1))
+    for id, box in closed_boxes(graph, texts, shut).items():
+        markers.append(drawing.text('closed_names', id, CLOSED_WORD, middle_of(box), CLOSED_HEIGHT,
+                                    CLOSED))
+    for id, box in texts.names.items():
+        markers.append(drawing.text('names', id, str(id), middle_of(box), NAME_HEIGHT, NAME, z=0.1))
     return markers
 
 
-def name_boxes(graph: Graph) -> List[Box]:
-    """The boxes of the vertices' ids."""
-    return [box_around(_name_place(vertex), text_size(str(vertex.id), NAME_HEIGHT))
-            for vertex in graph.vertices.values() if is_place(graph, vertex.id)]
+def closed_boxes(graph: Graph, texts: GraphTexts, closed: Collection[int]) -> Dict[int, Box]:
+    """The boxes of the words beside closed edges, by edge."""
+    places, boxes = Places(beneath=texts.edges), {}
+    for box in texts.names.values():
+        places.cover(box)
+    for id in graph.edges.keys() & closed:
+        curve = graph.curve(id)
+        beside = [box_beside(curve.point_at(curve.length / 2.0), CLOSED_AWAY,
+                             text_size(CLOSED_WORD, CLOSED_HEIGHT), side) for side in ABOVE_FIRST]
+        boxes[id] = beside[places.place(beside, may=MayCover.ALL)]
+    return boxes
 
 
 def window_of(graph: Graph) -> Box:
@@ -65,10 +112,6 @@ def window_of(graph: Graph) -> Box:
     xs = [vertex.x for vertex in graph.vertices.values()]
     ys = [vertex.y for vertex in graph.vertices.values()]
     return min(xs) - SEEN, min(ys) - SEEN, max(xs) + SEEN, max(ys) + SEEN
-
-
-def _name_place(vertex: Vertex) -> Tuple[float, float]:
-    return vertex.x + 0.34, vertex.y - 0.38
 
 
 def is_place(graph: Graph, vertex: int) -> bool:

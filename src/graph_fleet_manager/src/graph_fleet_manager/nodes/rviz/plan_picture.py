@@ -10,7 +10,7 @@ from rviz_drawing import drawing
 from trajectory_graph import Graph
 
 PLAN_WIDTH, RELEASED_WIDTH, BLOCKED_WIDTH = 0.04, 0.13, 0.22
-BLOCKED = drawing.colour(1.0, 0.55, 0.1, 0.8)
+BLOCKED = drawing.colour(1.0, 0.25, 0.2, 0.6)
 LANE = 0.07     # m between the plans of two robots on one edge
 LANES = 4
 _Z = 0.05
@@ -23,7 +23,7 @@ def plan_markers(graph: Graph, plan: FleetPlan, state: FleetState,
                  numbers: Mapping[str, int]) -> List[Marker]:
     """Plans as thin lines, released edges as thick lines, a ring at each destination.
 
-    Edges that a robot blocks because it obeys no order are orange.
+    Edges that a robot blocks because it obeys no order are red.
 
     numbers -- the number of each robot's colour, by its name
     """

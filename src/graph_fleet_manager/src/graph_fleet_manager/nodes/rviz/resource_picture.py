@@ -21,6 +21,7 @@ from trajectory_graph import Graph
 from trajectory_graph.placing import (
     ABOVE_FIRST,
     Box,
+    MayCover,
     Places,
     box_around,
     box_beside,
@@ -51,11 +52,13 @@ class DrawnResources(NamedTuple):
 
 def draw_resources(graph: Graph, resources: Sequence[FleetResource],
                    machines: Sequence[FleetMachine] = (), window: Optional[Box] = None,
-                   covered: Iterable[Box] = ()) -> DrawnResources:
+                   covered: Iterable[Box] = (), beneath: Optional[Places] = None
+                   ) -> DrawnResources:
     """Draws doors and other devices along their edges, and stations and machines at their places.
 
     window  -- what people see; None: that is not known
     covered -- boxes that no words may cover
+    beneath -- the edges, as soft boxes, which words cover only if they must
     """
     markers: List[Marker] = []
     words: List[Words] = []
@@ -68,7 +71,7 @@ def draw_resources(graph: Graph, resources: Sequence[FleetResource],
         markers += _queue(graph, number, one, words)
     bands = [box_around((x, y), (BAND, BAND)) for one in resources for edge in one.edges
              if edge in graph.edges for x, y in graph.curve(edge).sample(BAND)]
-    texts, boxes = _placed(words, window, (*covered, *bands))
+    texts, boxes = _placed(words, Places(window, beneath=beneath), (*covered, *bands))
     return DrawnResources([*markers, *texts], boxes)
 
 
@@ -120,10 +123,9 @@ def _machine(graph: Graph, number: int, message: FleetMachine, words: List[Words
                          [drawing.square(place, MACHINE) for place in places], _Z)
 
 
-def _placed(words: Iterable[Words], window: Optional[Box],
+def _placed(words: Iterable[Words], places: Places,
             covered: Iterable[Box]) -> Tuple[List[Marker], List[Box]]:
     """The texts that find a place, and their boxes. The first ones choose first."""
-    places = Places(window)
     for box in covered:
         places.cover(box)
     markers: List[Marker] = []
@@ -131,7 +133,7 @@ def _placed(words: Iterable[Words], window: Optional[Box],
     for number, one in enumerate(words):
         size = text_size(one.text, TEXT_HEIGHT)
         beside = [box_beside(one.point, one.away + TEXT_AWAY, size, side) for side in ABOVE_FIRST]
-        side = places.place(beside)
+        side = places.place(beside, may=MayCover.SOFT)
         if side >= 0:
             boxes.append(beside[side])
             markers.append(drawing.text('resource_names', number, one.text,

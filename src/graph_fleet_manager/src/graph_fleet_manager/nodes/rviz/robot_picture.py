@@ -102,7 +102,8 @@ def words_of(robot: FleetRobot, now: float) -> str:
     elif robot.state == FleetRobot.OFFLINE and robot.seen.to_sec() > 0.0:
         doing += f' for {_duration(now - robot.seen.to_sec())}'
     lines = [robot.name + charge, doing, *load_words(robot)]
-    if robot.waits_for and robot.state not in _SAID:
+    if (robot.waits_for and robot.state not in _SAID
+            and robot.waits_for_code != WaitCode.RESUME_FLEET):  # the frame of the stop says it
         lines += textwrap.wrap(f'({robot.waits_for})', WAIT_WIDTH, placeholder=' ...',
                                max_lines=ASK_LINES if needs_person(robot) else WAIT_LINES)
     return '\n'.join(lines)

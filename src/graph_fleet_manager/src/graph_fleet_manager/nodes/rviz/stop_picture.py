@@ -13,8 +13,8 @@ from graph_fleet_manager.nodes.rviz.robot_picture import LIFETIME, RED
 from rviz_drawing import drawing
 from trajectory_graph import Graph
 
-MARGIN, WIDTH = 1.0, 0.16  # m, of the frame
-WORDS_ABOVE = 2.1          # m from the frame to the words, which are above the buttons
+MARGIN, WIDTH = 1.6, 0.16  # m, of the frame
+WORDS_ABOVE = 1.5          # m from the frame to the words, which are above the buttons
 TEXT_HEIGHT = 0.6
 LINES = 4                  # most lines of the words
 LETTER = 0.6               # mean width of a letter, as a share of its height

@@ -19,9 +19,18 @@ from omron_ld90.units import MM_PER_M, metres
 from omron_map import MapDocument, MapObject
 from rviz_drawing import drawing
 from rviz_drawing.fast_messages import PointsMarker
+from rviz_drawing.text_places import text_size
+from trajectory_graph.placing import (
+    BELOW_RIGHT_FIRST,
+    MayCover,
+    Places,
+    box_around,
+    box_beside,
+    middle_of,
+)
 
 BLACK = drawing.colour(0.0, 0.0, 0.0)
-SLATE = drawing.colour(0.35, 0.37, 0.42)
+WALL = drawing.colour(0.05, 0.06, 0.08)
 GREEN = drawing.colour(0.0, 0.7, 0.15)
 WHITE = drawing.colour(1.0, 1.0, 1.0)
 ORANGE = drawing.colour(1.0, 0.55, 0.0, 0.4)
@@ -34,8 +43,7 @@ LINE_WIDTH = 0.05
 SQUARE = (0.3, 0.3, 0.02)
 ARROW = (0.5, 0.07, 0.07)
 TEXT_HEIGHT = 0.3
-TEXT_GAP = 0.1
-CHARACTER_WIDTH = 0.6  # of the text height, at most on average
+HANDLE, NAME_AWAY = 0.7, 0.5  # m: width of the handle on a goal, and from its middle to its name
 AREA_HEIGHT = 0.01
 FENCE_WIDTH = 0.06
 LASER_SIZE = 0.04
@@ -54,7 +62,7 @@ def points(document: MapDocument, frame: str) -> Marker:
 
 def lines(document: MapDocument, frame: str) -> Marker:
     """The wall lines, neutral: red is only for trouble."""
-    return _many(frame, 'lines', Marker.LINE_LIST, SLATE, (LINE_WIDTH, 0.0, 0.0),
+    return _many(frame, 'lines', Marker.LINE_LIST, WALL, (LINE_WIDTH, 0.0, 0.0),
                  document.lines.reshape(-1, 2), LINE_Z)
 
 
@@ -71,16 +79,20 @@ def docks(document: MapDocument, frame: str) -> Marker:
 
 
 def goal_names(document: MapDocument, frame: str) -> MarkerArray:
-    """The names of goals and docks, white, each to the left of its square or its arrow."""
+    """The names of goals and docks, white, each at a corner of its handle: edges lead to its sides.
+    """
     names: List[Marker] = []
-    for obj in document.goals + document.docks:
-        if not obj.label:
-            continue
-        half_width = len(obj.label) * CHARACTER_WIDTH * TEXT_HEIGHT / 2.0
-        reach = ARROW[0] if obj.heads_left else SQUARE[0] / 2.0
-        place = (metres(obj.x) - reach - TEXT_GAP - half_width, metres(obj.y))
-        names.append(drawing.text('goal_names', len(names), obj.label, place, TEXT_HEIGHT,
-                                  WHITE, TEXT_Z, frame))
+    places = Places()
+    named = [obj for obj in document.goals + document.docks if obj.label]
+    for obj in named:
+        places.cover(box_around((metres(obj.x), metres(obj.y)), (HANDLE, HANDLE)))
+    for obj in named:
+        boxes = [box_beside((metres(obj.x), metres(obj.y)), NAME_AWAY,
+                            text_size(obj.label, TEXT_HEIGHT), side) for side in BELOW_RIGHT_FIRST]
+        names.append(drawing.text(
+            'goal_names', len(names), obj.label,
+            middle_of(boxes[places.place(boxes, may=MayCover.ALL)]), TEXT_HEIGHT, WHITE, TEXT_Z,
+            frame))
     return drawing.complete(names)
 
 

@@ -1,0 +1,121 @@
+"""What a person sees of a start: one line for each stage, warnings, and what is ready."""
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+from pathlib import Path
+from typing import List
+
+import pytest
+
+from fleet_bringup.start_output import PATIENCE, StartOutput
+
+START = """... logging to /home/anna/.ros/log/0ad8b654/roslaunch-vm-19581.log
+Checking log directory for disk usage. This may take a while.
+Press Ctrl-C to interrupt
+Done checking log file disk usage. Usage is <1GB.
+
+\x1b[1mstarted roslaunch server http://127.0.0.1:39275/\x1b[0m
+
+SUMMARY
+========
+
+CLEAR PARAMETERS
+ * /ld90_1/
+
+PARAMETERS
+ * /ld90_1/omron_controller/base_map:\x20
+
+NODES
+  /
+    ld90_sim (omron_ld90_sim/ld90_sim)
+    path_supervisor (graph_fleet_manager/path_supervisor)
+  /ld90_1/
+    omron_controller (omron_ld90/omron_controller)
+
+auto-starting new master
+\x1b[1mprocess[master]: started with pid [24689]\x1b[0m
+\x1b[1mROS_MASTER_URI=http://127.0.0.1:11311/\x1b[0m
+\x1b[1msetting /run_id to 7aa66a60\x1b[0m
+started core service [/rosout]
+\x1b[1mprocess[ld90_1/omron_controller-5]: started with pid [24783]\x1b[0m
+[rospack] Error: no such package media_export
+[librospack]: error while executing command
+ready: ARCL on 127.0.0.1:24500 (ld90_1)
+[INFO] [1795766631.227239] /ld90_1/omron_controller: Link "commands" to 127.0.0.1:24350 is up.
+\x1b[31m[ERROR] [1795766632.159213074]: rviz/glsl120/indexed_8bit_image.vert
+rviz/glsl120/indexed_8bit_image.frag
+ GLSL link result :\x20
+active samplers with a different type refer to the same texture image unit\x1b[0m
+""".splitlines()
+READY = '[INFO] [1795766641.3] /fleet_page: Ready: 8 robots. Open http://localhost:8080.'
+WARNING = '[WARN] [1795766640.0] /ld90_1/omron_controller: Link "commands" is down: refused.'
+NEWS = '[INFO] [1795766650.0] /path_supervisor: anna requests mission 4 to 18.'
+END = ['[ld90_sim-2] killing on exit', 'shutting down processing monitor...',
+       '... shutting down processing monitor complete', '\x1b[1mdone\x1b[0m']
+
+
+def seen(output: StartOutput, *lines: str, seconds: float = 1.0) -> List[str]:
+    return [shown for shown in (output.shown(f'{line}\n', seconds) for line in lines) if shown]
+
+
+def test_a_normal_start_is_one_line_and_the_line_that_says_what_is_ready() -> None:
+    assert seen(StartOutput(), *START, READY) == [
+        '3 nodes start under the ROS master at http://127.0.0.1:11311/',
+        'Ready: 8 robots. Open http://localhost:8080.']
+
+
+@pytest.mark.parametrize('line', [
+    WARNING, WARNING.replace('WARN', 'ERROR'), 'Traceback (most recent call last):',
+    '  File "/a.py", line 3, in <module>', "ValueError: no map",
+    'RLException: [x.launch] requires the \'map\' arg to be set',
+    '[ld90_sim-2] process has died [pid 9, exit code 1, cmd /a __name:=ld90_sim].'])
+def test_trouble_is_seen_at_once(line: str) -> None:
+    assert seen(StartOutput(), *START, line)[1:] == [line]
+
+
+def test_what_nodes_say_is_seen_when_the_fleet_is_ready() -> None:
+    output = StartOutput()
+    assert seen(output, NEWS) == []
+    assert seen(output, READY, NEWS)[1:] == [NEWS]
+
+
+def test_a_start_that_nothing_calls_ready_shows_all_after_a_while() -> None:
+    output = StartOutput()
+    assert seen(output, NEWS, seconds=PATIENCE) == []
+    assert seen(output, NEWS, seconds=PATIENCE + 1.0) == [NEWS]
+
+
+def test_after_ctrl_c_only_errors_are_seen() -> None:
+    output = StartOutput()
+    seen(output, READY)
+    output.end()
+    error = WARNING.replace('WARN', 'ERROR')
+    assert seen(output, WARNING, NEWS, *END, error) == [error]
+
+
+@pytest.mark.parametrize('sign', [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
+def test_a_signal_reaches_roslaunch_whose_exit_status_is_returned(tmp_path: Path,
+                                                                  sign: signal.Signals) -> None:
+    """A stand-in for roslaunch says which signal it got."""
+    program = tmp_path / 'roslaunch'
+    program.write_text(f"""#!{sys.executable}
+import signal, sys
+for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+    signal.signal(number, lambda sign, _: (print('ERROR: got', sign), sys.exit(40 + sign)))
+print('works with', sys.argv[1:])
+signal.pause()
+""")
+    program.chmod(0o755)
+    shown = subprocess.Popen(
+        [sys.executable, '-c', 'import sys; from fleet_bringup.start_output import main; '
+         'sys.exit(main(["a.launch"]))'], stdout=subprocess.PIPE, text=True,
+        env={**os.environ, 'PATH': f'{tmp_path}:{os.environ["PATH"]}'})
+    assert shown.stdout is not None
+    assert shown.stdout.readline() == "works with ['--disable-title', 'a.launch']\n"
+    shown.send_signal(sign)
+    assert shown.stdout.read() == f'ERROR: got {int(sign)}\n'
+    assert shown.wait(10) == 40 + sign
+    shown.stdout.close()
