@@ -133,6 +133,14 @@ def test_there_is_one_version():
     assert len(set(versions.values())) == 1, versions
 
 
+def test_the_changelog_tells_each_release_in_150_lines_of_at_most_240_letters():
+    releases = re.split(r'(?m)^## ', (ROOT / 'CHANGELOG.md').read_text(encoding='utf-8'))[1:]
+    assert len(releases) >= 3
+    assert {release.split('\n', 1)[0]: len(release.splitlines()) for release in releases
+            if len(release.splitlines()) > 150} == {}, 'commits have the details'
+    assert [line for release in releases for line in release.splitlines() if len(line) > 240] == []
+
+
 def test_the_repository_holds_what_was_written_for_it_and_nothing_that_a_run_leaves():
     if shutil.which('git') is None:
         pytest.skip('git is not installed')
