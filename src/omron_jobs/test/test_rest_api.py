@@ -169,6 +169,20 @@ def test_each_request_makes_a_job_of_its_type(path, record, kind, goals, priorit
     assert site.book.jobs[0].robot == record.get('robot', '')
 
 
+def test_a_pickup_and_dropoff_where_a_robot_brings_its_load_is_linked_and_stays_so():
+    site = Site()
+    site.made('/PickupDropoff', {'pickupGoal': 'x', 'dropoffGoal': 'y', 'jobId': 'one'})
+    site.exchange()
+    site.drive()
+    site.drive(reach=True)
+    site.made('/PickupDropoff', {'pickupGoal': 'y', 'dropoffGoal': 'z', 'jobId': 'two'})
+    again = Site(site.disk, site.fleet, site.now + 5)
+    for one in (site, again):
+        assert [job['linkedJob'] for job in one.ask('/Job/UpdatedSince')] == [None, 'JOB1']
+        assert {segment['robot'] for segment in one.ask('/JobSegment/ByJob/JOB3')} == {'r1'}
+        assert one.book.jobs[1].robot == 'r1'
+
+
 def test_every_path_of_the_facts_is_answered():
     site = Site()
     for kind, ways in PATHS.items():

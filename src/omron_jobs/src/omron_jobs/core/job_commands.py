@@ -107,8 +107,7 @@ class JobCommands:
         pickup = self._goal(command, SegmentKind.PICKUP, 0, 2)
         swap = self._book.swap_at(pickup.vertex)
         job = self._book.queue([pickup, self._goal(command, SegmentKind.DROPOFF, 1, 3)],
-                               command.text(4, 'job_id'),
-                               '' if swap is None else swap.segments[-1].told.robot)
+                               command.text(4, 'job_id'), swap=swap)
         one, two = job.segments
         line = words.PICKUP_DROPOFF_QUEUED.format(
             one.goal, two.goal, one.priority, two.priority, one.id, two.id, job.id)

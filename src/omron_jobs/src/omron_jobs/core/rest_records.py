@@ -44,7 +44,11 @@ def moment(milliseconds: int) -> Optional[Dict[str, int]]:
 
 def job_key(job: QueuedJob) -> str:
     """Returns the namekey of a job. No other one ever has it; a job id may be used again."""
-    return f'JOB{job.segments[0].number}'
+    return _key(job.segments[0].number)
+
+
+def _key(number: int) -> str:
+    return f'JOB{number}'
 
 
 def request_key(job: QueuedJob) -> str:
@@ -77,7 +81,8 @@ def job_record(job: QueuedJob) -> Record:
         'jobType': JOB_TYPE.get(tuple(one.kind for one in job.segments), MULTI),
         'queuedTimestamp': moment(job.queued),
         'completedTimestamp': moment(job.segments[-1].ended), 'status': status_of(job).value,
-        'linkedJob': None, 'failCount': 0, 'lastAssignedRobot': robots[-1] if robots else '',
+        'linkedJob': _key(job.swap) if job.swap else None, 'failCount': 0,
+        'lastAssignedRobot': robots[-1] if robots else '',
         'cancelReason': FAILED if SegmentStatus.FAILED in statuses else _reason(job.segments[-1])
         or job.cancel or None}
 
