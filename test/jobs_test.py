@@ -133,6 +133,38 @@ class JobsTest(unittest.TestCase):
         stream.close()
         program.close()
 
+    def test_the_steps_at_the_goals_of_a_job_are_told_before_and_after(self) -> None:
+        program = connected(PORT)
+        program.say('queuePickupDropoff 10 24 default default seven')
+        reply = program.until('successfully queued')
+        waits = {reply[11]: 'None', reply[13]: f'ID_{reply[11]}'}
+        for segment, kind in ((reply[11], 'Pickup'), (reply[13], 'Dropoff')):
+            served = ['UnAllocated', 'Allocated', 'Driving', f'Before{kind}', f'After{kind}']
+            course = [] if kind == 'Pickup' else [f'Pending {waits[segment]}']
+            while course[-1:] != ['Completed None']:
+                line = program.until('QueueUpdate: ', 'seven')
+                if line[1] == segment:
+                    course.append(' '.join(line[4:6]))
+            self.assertEqual([f'Pending {waits[segment]}', *(f'InProgress {one}' for one in served),
+                              'Completed None'], course)
+        program.close()
+
+    def test_a_swap_is_served_by_the_robot_that_brings_its_load(self) -> None:
+        program = connected(PORT)
+        program.say('queuePickupDropoff 18 26 default default eight')
+        dropoff = program.until('successfully queued')[13]
+        robot = program.until('QueueUpdate: ', dropoff, 'Allocated')[8]
+        program.say('queuePickupDropoff 26 14 default default nine')
+        reply = program.until('successfully queued')
+        self.assertEqual('and linked to job_id eight', ' '.join(reply[18:]))
+        lines: List[List[str]] = []
+        while not lines or lines[-1][1] != reply[13] or lines[-1][4] != 'Completed':
+            lines.append(program.until('QueueUpdate: '))
+        self.assertEqual({robot}, {line[8] for line in lines if line[2] == 'nine'})
+        self.assertEqual([dropoff, reply[11], reply[13]],
+                         [line[1] for line in lines if line[4] == 'Completed'])
+        program.close()
+
     def test_a_wrong_goal_makes_no_mission(self) -> None:
         program, before = connected(PORT), len(self.missions())
         program.say('queuePickup nowhere')

@@ -20,8 +20,11 @@ from omron_jobs.day.judge import GoalPlace, Judge
 
 ROOT = Path(__file__).resolve().parents[3]
 EXAMPLE = ROOT / 'examples' / 'day_of_jobs'
-BEGIN, END = (('00:00', '24:00') if LONG else
-              ('08:30', '09:30') if is_whole(__file__) else ('08:58', '09:02'))
+WHOLE = is_whole(__file__)
+BEGIN, END = ('00:00', '24:00') if LONG else ('08:30', '09:30') if WHOLE else ('09:01', '09:04')
+# In the example the job server restarts between two jobs; in the short slice, both sides restart
+# while its only job is served.
+RESTARTS = () if WHOLE else ('09:01:34 restart job_server', '09:02:04 restart fleet_manager')
 GOALS = ('press', 'shelf', 'gate')
 
 # -- the example -----------------------------------------------------------------------------------
@@ -31,7 +34,8 @@ def test_in_the_example_no_job_is_lost_or_done_twice_and_all_that_is_told_is_tru
         tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     lines = [line for line in (EXAMPLE / 'day.txt').read_text().splitlines()
              if BEGIN <= line < END]
-    assert '09:00:00 restart job_server' in lines
+    lines = sorted([*lines, *RESTARTS])
+    assert any(line.endswith('restart job_server') for line in lines)
     (tmp_path / 'day.txt').write_text('\n'.join(lines))
     assert main([str(tmp_path / 'day.txt'), f'--graph={ROOT}/maps/lab_graph.yaml',
                  f'--fleet={EXAMPLE}/fleet.yaml', f'--work={EXAMPLE}/work.yaml',

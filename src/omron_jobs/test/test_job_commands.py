@@ -1,103 +1,16 @@
-"""Command lines of clients, and all that follows from them, byte for byte."""
+"""Command lines of clients, and all that follows. OMRON's own lines are in test_job_lines."""
 from __future__ import annotations
 
-import calendar
-import time
-from typing import Iterator, List, Optional, Tuple
+from typing import List, Tuple
 
 import pytest
-from job_fleet import Disk, FakeFleet, Key, tell
+from job_fleet import tell
+from job_line import ACTIVE, AT, Line
 
-from omron_jobs.core.client_session import ClientSession, JobServer
-from omron_jobs.core.job_book import FleetAct, JobBook
-from omron_jobs.core.job_commands import JobCommands, JobSite, RobotNews
+from omron_jobs.core.job_book import FleetAct
 from omron_jobs.core.job_words import RobotStatus
 from omron_jobs.core.jobs import DriveAct, JobDrive, JobMissionState
-
-BEGIN = calendar.timegm((2011, 12, 19, 6, 54, 18)) * 1000
-AT, LATER = '12/19/2011 06:54:18', '12/19/2011 06:54:34'
-LOGIN = b'secret\n'
-ACTIVE = JobMissionState.ACTIVE
-
-
-class Line:
-    """A job server with two clients, its disk and its fleet manager."""
-
-    def __init__(self, disk: Optional[Disk] = None, fleet: Optional[FakeFleet] = None) -> None:
-        self.disk, self.fleet = disk or Disk(), fleet or FakeFleet()
-        self.now_ms, self.now = BEGIN, 0.0
-        ids = iter(range(1000 + self.disk.counters.number, 10 ** 6))
-        self.book = JobBook(self.disk.jobs.values(), self.disk.counters, self.disk,
-                            lambda: self.now_ms, lambda: next(ids))
-        self.site = JobSite()
-        self.site.goals = {'x': 1, 'y': 2, 'z': 3, 'goal 4': 4}
-        self.server = JobServer(JobCommands(self.book, self.site, lambda: time.gmtime(
-            self.now_ms / 1000)), b'secret')
-        self.client, self.other = self.log_in(), self.log_in()
-
-    def log_in(self) -> ClientSession:
-        client = self.server.connect()
-        client.receive(LOGIN)
-        self.heard(client)
-        return client
-
-    def heard(self, client: Optional[ClientSession] = None) -> List[str]:
-        """The lines for a client since the last call."""
-        client = client or self.client
-        lines = client.output.decode().split('\r\n')
-        client.output.clear()
-        assert lines.pop() == ''
-        return lines
-
-    def say(self, line: str) -> List[str]:
-        """The lines that answer a line."""
-        self.client.receive(line.encode() + b'\r\n')
-        return self.heard()
-
-    def exchange(self) -> List[str]:
-        """Lets the fleet manager handle what is due; the lines that follow."""
-        for message in self.book.due(self.now):
-            for key, shown in self.fleet.handle(message):
-                self.server.announce(tell(self.book, key, shown, self.now))
-        return self.heard()
-
-    def key(self, number: int = -1) -> Key:
-        job = self.book.jobs[number]
-        return job.mission, job.queued
-
-    def show(self, key: Key) -> List[str]:
-        """The fleet manager shows a mission; the lines that follow."""
-        self.server.announce(tell(self.book, key, self.fleet.missions[key].shown, self.now))
-        return self.heard()
-
-    def set(self, state: JobMissionState, robot: Optional[str] = None, number: int = -1,
-            ) -> List[str]:
-        """A mission gets a state. Its robot, if it has one, drives."""
-        self.fleet.set(self.key(number), state, robot)
-        return [*self.show(self.key(number)), *self.drive()]
-
-    def drive(self, act: DriveAct = DriveAct.DRIVES) -> List[str]:
-        """The fleet manager shows robots on the way to their next stops; the lines that follow."""
-        drives = {key: drive._replace(act=act) for key, drive in self.fleet.drives().items()}
-        self.server.announce(self.book.hear_drives(drives))
-        return self.heard()
-
-    def reach(self, number: int = -1) -> List[str]:
-        self.fleet.reach(self.key(number))
-        return [*self.show(self.key(number)), *self.drive()]
-
-    def wait(self, seconds: float) -> None:
-        self.now_ms += int(1000 * seconds)
-        self.now += seconds
-
-
-@pytest.fixture
-def line(monkeypatch: pytest.MonkeyPatch) -> Iterator[Line]:
-    monkeypatch.setenv('TZ', 'UTC')
-    time.tzset()
-    yield Line()
-    monkeypatch.undo()
-    time.tzset()
+from omron_jobs.core.robots import RobotNews
 
 
 def updates(lines: List[str]) -> List[Tuple[str, ...]]:
@@ -107,28 +20,6 @@ def updates(lines: List[str]) -> List[Tuple[str, ...]]:
 
 
 # -- a pickup from its line to its end -------------------------------------------------------------
-
-
-def test_a_pickup_is_queued_served_and_completed(line):
-    line.disk.counters = line.book.counters = line.book.counters._replace(number=13)
-    assert line.say('queuePickup z 11 xyz') == [
-        'queuepickup goal "z" with priority 11 id PICKUP13 and job_id xyz successfully queued',
-        f'QueueUpdate: PICKUP13 xyz 11 Pending None Goal "z" "None" {AT} None None 0 ']
-    assert line.exchange() == []
-    assert line.set(ACTIVE, 'Lynx1') == [
-        f'QueueUpdate: PICKUP13 xyz 11 InProgress {sub} Goal "z" "Lynx1" {AT} None None 0 '
-        for sub in ('UnAllocated', 'Allocated', 'Driving')]
-    line.wait(16)
-    assert line.reach() == [
-        f'QueueUpdate: PICKUP13 xyz 11 Completed None Goal "z" "Lynx1" {AT} {LATER} 0 ']
-    assert line.say('queueQuery jobId XYZ') == [
-        f'QueueQuery: PICKUP13 xyz 11 Completed None Goal "z" "Lynx1" {AT} {LATER} "" 0',
-        'EndQueueQuery']
-
-
-def test_the_other_client_hears_the_changes_and_no_reply(line):
-    mine = line.say('queuepickup z')
-    assert line.heard(line.other) == mine[1:] and len(mine) == 2
 
 
 @pytest.mark.parametrize('goals', ['x y', 'x y 10 20', 'x y default 20', 'x y default default'])
@@ -198,16 +89,6 @@ def test_the_number_of_segments_grows_over_restarts(line):
 
 
 # -- cancel and modify -----------------------------------------------------------------------------
-
-
-def test_a_pending_job_is_cancelled(line):
-    line.say('queuePickup x 10 j')
-    line.exchange()
-    assert line.say('queueCancel id pickup1 default reason') == [
-        'queuecancel cancelling "id" "pickup1" "" "reason" from queue']
-    line.wait(16)
-    assert line.exchange() == [
-        f'QueueUpdate: PICKUP1 j 10 Cancelled reason Goal "x" "None" {AT} {LATER} 0 ']
 
 
 def test_a_job_in_progress_is_cancelled_with_all_that_follows(line):
@@ -473,14 +354,6 @@ def test_jobs_and_robots_are_listed(line):
         'EndQueueShowCompleted']
 
 
-def test_a_query_lists_the_higher_priority_first(line):
-    for priority in (1, 30, 2):
-        line.say(f'queuePickup x {priority}')
-    assert [told.split()[1] for told in line.say('queueQuery status pending')[:-1]] == [
-        'PICKUP2', 'PICKUP3', 'PICKUP1']
-    assert line.say('queueQuery id pickup9') == ['EndQueueQuery']
-
-
 def test_the_list_has_all_open_segments_and_the_last_ones_that_have_ended(line):
     for k in range(15):
         line.say(f'queuePickup x 10 j{k}')
@@ -490,29 +363,6 @@ def test_the_list_has_all_open_segments_and_the_last_ones_that_have_ended(line):
             line.reach()
     assert [told.split()[2] for told in line.say('queueShow')[:-1]] == [
         'j0', *(f'j{k}' for k in range(4, 15))]
-
-
-def test_no_list_of_faults_says_that_there_is_none(line):
-    assert line.say('queryFaults')[0].startswith('CommandError: ')
-
-
-def test_what_clients_ask_beside(line):
-    assert line.say('getGoals') == ['Goal: x', 'Goal: y', 'Goal: z', 'Goal: goal 4', 'End of goals']
-    assert line.say('getDateTime') == [f'DateTime: {AT}']
-    assert line.say('payloadQuery') == ['EndPayloadQuery']
-    assert line.say('payloadSlotCount') == ['EndPayloadSlotCount']
-    assert line.say('getConfigSectionList') == ['GetConfigSectionList: Queuing Manager',
-                                                'EndOfGetConfigSectionList']
-    assert line.say('getConfigSectionValues Queuing Manager')[:2] == [
-        'GetConfigSectionValue: DefaultPickupPriority 10',
-        'GetConfigSectionValue: DefaultDropoffPriority 20']
-    line.say('queuePickup x')
-    assert line.say('getDataStoreGroupValues QueueInformation') == [
-        'GetDataStoreGroupValues: QueueSizePending 1', 'EndOfGetDataStoreGroupValues']
-    assert line.say('getDataStoreGroupValues JobCounts') == [
-        'GetDataStoreGroupValues: CompletedJobs 0', 'GetDataStoreGroupValues: CancelledJobs 0',
-        'EndOfGetDataStoreGroupValues']
-    assert line.say('') == []
 
 
 # -- bad input -------------------------------------------------------------------------------------

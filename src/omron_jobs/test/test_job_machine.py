@@ -299,11 +299,10 @@ TestJobsInAnyOrder = JobsOfBothInterfaces.TestCase
 class StoresLate(JobBook):
     """Says that a job is queued before it is on the disk."""
 
-    def queue(self, goals: Sequence[JobGoal], id: str = '', robot: str = ''
-              ) -> QueuedJob:
+    def queue(self, goals: Sequence[JobGoal], *others: Any, **named: Any) -> QueuedJob:
         disk, self._store = self._store, Disk()
         try:
-            return super().queue(goals, id, robot)
+            return super().queue(goals, *others, **named)
         finally:
             self._store = disk
 

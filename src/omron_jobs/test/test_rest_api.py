@@ -14,12 +14,13 @@ from job_fleet import Disk, FakeFleet, tell
 
 from omron_jobs.core.client_session import JobServer
 from omron_jobs.core.job_book import JobBook
-from omron_jobs.core.job_commands import JobCommands, JobSite, RobotNews
+from omron_jobs.core.job_commands import JobCommands, JobSite
 from omron_jobs.core.job_words import RobotStatus
 from omron_jobs.core.jobs import JobMissionState
 from omron_jobs.core.rest_api import RestAnswer, RestApi, stream_of
 from omron_jobs.core.rest_records import RestRecords
 from omron_jobs.core.rest_words import RestType
+from omron_jobs.core.robots import RobotNews
 
 State = JobMissionState
 PATHS = {
@@ -168,6 +169,20 @@ def test_each_request_makes_a_job_of_its_type(path, record, kind, goals, priorit
     assert site.book.jobs[0].robot == record.get('robot', '')
 
 
+def test_a_pickup_and_dropoff_where_a_robot_brings_its_load_is_linked_and_stays_so():
+    site = Site()
+    site.made('/PickupDropoff', {'pickupGoal': 'x', 'dropoffGoal': 'y', 'jobId': 'one'})
+    site.exchange()
+    site.drive()
+    site.drive(reach=True)
+    site.made('/PickupDropoff', {'pickupGoal': 'y', 'dropoffGoal': 'z', 'jobId': 'two'})
+    again = Site(site.disk, site.fleet, site.now + 5)
+    for one in (site, again):
+        assert [job['linkedJob'] for job in one.ask('/Job/UpdatedSince')] == [None, 'JOB1']
+        assert {segment['robot'] for segment in one.ask('/JobSegment/ByJob/JOB3')} == {'r1'}
+        assert one.book.jobs[1].robot == 'r1'
+
+
 def test_every_path_of_the_facts_is_answered():
     site = Site()
     for kind, ways in PATHS.items():
@@ -186,6 +201,49 @@ def test_every_path_of_the_facts_is_answered():
     assert site.ask('/DataStoreItem/ByGroupName/JobCounts')[0]['itemName'] == 'CompletedJobs'
 
 
+REQUEST = ('namekey', 'jobId', 'status', 'assignedJobId', 'audit')
+FIELDS = {  # of each record, beside the bodies that make some
+    'JobRequest': (*REQUEST, 'defaultPriority', 'details'),
+    'Pickup': (*REQUEST, 'goal', 'priority'),
+    'Dropoff': (*REQUEST, 'robot', 'goal', 'priority'),
+    'PickupDropoff': (*REQUEST, 'pickupGoal', 'pickupPriority', 'dropoffGoal', 'dropoffPriority'),
+    'JobCancel': ('namekey', 'cancelType', 'cancelValue', 'cancelReason', 'status', 'audit'),
+    'JobSegmentModify': ('namekey', 'segmentId', 'segmentNamekey', 'priority', 'goal', 'status',
+                         'audit'),
+    'Job': ('namekey', 'upd', 'jobId', 'jobType', 'queuedTimestamp', 'completedTimestamp', 'status',
+            'linkedJob', 'failCount', 'lastAssignedRobot', 'cancelReason'),
+    'JobSegment': ('namekey', 'upd', 'seq', 'segmentId', 'segmentType', 'status', 'subStatus',
+                   'job', 'robot', 'linkedJobSegment', 'goalName', 'priority',
+                   'completedTimestamp', 'cancelReason'),
+    'Robot': ('namekey', 'upd', 'status', 'subStatus'),
+    'RobotFault': ('namekey', 'upd', 'robot', 'active', 'driving', 'critical', 'clearedOnGo',
+                   'clearedOnAck', 'application', 'name', 'type', 'shortDescription',
+                   'longDescription'),
+    'Goal': ('namekey', 'upd'),
+    'DataStoreItem': ('namekey', 'upd', 'groupName', 'itemName', 'displayName'),
+    'DataStoreValue': ('namekey', 'upd', 'value'),
+}
+
+
+def test_each_record_has_the_fields_of_the_sources_and_no_others():
+    site = Site()
+    for path, record in (
+            ('JobRequest', {'details': [{'pickupGoal': 'x'}]}), ('Pickup', {'goal': 'x'}),
+            ('Dropoff', {'goal': 'x', 'robot': 'r1'}),
+            ('PickupDropoff', {'pickupGoal': 'x', 'dropoffGoal': 'y'}),
+            ('JobCancel', {'robot': 'r1'}),
+            ('JobSegmentModify', {'segmentId': 'PICKUP1', 'priority': 2})):
+        site.made(f'/{path}', record)
+    site.site.robots = {'r1': RobotNews(RobotStatus.UNAVAILABLE, 'EStopPressed')}
+    site.records.refresh()
+    assert set(FIELDS) == set(PATHS)
+    for path, names in FIELDS.items():
+        records = site.ask(f'/{path}/UpdatedSince?sinceTime=0')
+        assert records, path
+        for record in records:
+            assert sorted(record) == sorted(names), path
+
+
 def test_robots_their_faults_and_the_goals_are_records():
     site = Site()
     assert site.ask('/Robot/UpdatedSince?sinceTime=0') == [
@@ -196,9 +254,11 @@ def test_robots_their_faults_and_the_goals_are_records():
     site.site.robots = {'r1': RobotNews(RobotStatus.UNAVAILABLE, 'EStopPressed')}
     site.records.refresh()
     fault, = site.ask('/RobotFault/ByActive/true')
-    assert set(fault) == {
-        'namekey', 'upd', 'robot', 'active', 'driving', 'critical', 'clearedOnGo', 'clearedOnAck',
-        'application', 'name', 'type', 'shortDescription', 'longDescription'}
+    assert fault == {
+        'namekey': 'r1:EStopPressed', 'upd': {'millis': 1005000}, 'robot': 'r1', 'active': True,
+        'driving': True, 'critical': False, 'clearedOnGo': False, 'clearedOnAck': False,
+        'application': False, 'name': 'EStopPressed', 'type': 'Fault_Driving',
+        'shortDescription': 'EStopPressed', 'longDescription': 'r1 serves no jobs (EStopPressed)'}
     site.site.robots = {'r1': RobotNews(RobotStatus.AVAILABLE, 'Available')}
     site.records.refresh()
     assert site.ask('/RobotFault/ByActive/true') == []

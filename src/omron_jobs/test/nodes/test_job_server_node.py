@@ -13,7 +13,6 @@ from itrci_nav_msgs.msg import FleetRobot, FleetState, MissionCommand, MissionSt
 from itrci_nav_msgs.srv import ExplainMissionResponse
 from node_lifecycle import ConfigurationError
 from omron_jobs.core.job_book import JobCounters
-from omron_jobs.core.job_commands import RobotNews
 from omron_jobs.core.job_words import RobotStatus, SegmentKind, SegmentStatus
 from omron_jobs.core.jobs import (
     DriveAct,
@@ -26,6 +25,7 @@ from omron_jobs.core.jobs import (
     Told,
 )
 from omron_jobs.core.posted_records import PostedRecord
+from omron_jobs.core.robots import RobotNews
 from omron_jobs.nodes.fleet_news import (
     WrongStatus,
     drives_of,

@@ -3,6 +3,8 @@
     job_words       the words and lines of OMRON's Fleet Manager
     jobs            a job, and what the state of its mission says about its segments
     job_book        all jobs: accepts, changes and cancels them, follows their missions
+    posted_records  what REST clients posted and the server carried out at once
+    robots          the states of robots, and why a robot serves no jobs
     command_line    the arguments of a command
     job_commands    carries out commands of clients
     client_session  one client: login, lines in and out

@@ -160,13 +160,16 @@ class JobBook:
         return next((job for job in running if carrier_to(job, vertex) not in taken), None)
 
     def queue(self, goals: Sequence[JobGoal], id: str = '', robot: str = '',
-              origin: Optional[JobOrigin] = None) -> QueuedJob:
+              origin: Optional[JobOrigin] = None, swap: Optional[QueuedJob] = None) -> QueuedJob:
         """Accepts a job. Raises JobRefused, and OSError if it cannot be stored.
 
         id     -- given by the client; empty: the job gets that of OMRON
         robot  -- must serve it; empty: any
         origin -- its record of the REST interface
+        swap   -- the job whose robot must serve it
         """
+        if swap is not None:
+            robot = swap.segments[-1].told.robot
         active = self.shelf.open_ids
         if id.lower() in active:
             raise JobRefused(f'job_id "{id}" is the id of an active job')
@@ -179,7 +182,8 @@ class JobBook:
             id or f'JOB{number}',
             queued_segments(tuple(JobSegment(number + k, *goal) for k, goal in enumerate(goals)),
                             robot),
-            self._clock(), self._free_mission(), robot=robot, origin=origin)
+            self._clock(), self._free_mission(), robot=robot, origin=origin,
+            swap=0 if swap is None else swap.segments[0].number)
         counters = self.counters._replace(number=number + len(goals))
         self._store.write([job], (), counters)
         self.shelf.put(job)

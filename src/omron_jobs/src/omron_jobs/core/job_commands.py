@@ -17,8 +17,9 @@ from omron_jobs.core.job_book import (
     JobGoal,
     JobRefused,
 )
-from omron_jobs.core.job_words import RobotStatus, SegmentKind, SegmentStatus
+from omron_jobs.core.job_words import SegmentKind, SegmentStatus
 from omron_jobs.core.jobs import JobSegment, Place, QueuedJob, SegmentChange
+from omron_jobs.core.robots import RobotNews, faults_of
 
 MOST_GOALS = 50         # of one job
 SHOWN_ENDED = 11        # segments that have ended in the list of queueShow
@@ -29,13 +30,6 @@ DEFAULT_PRIORITIES = {SegmentKind.PICKUP: PICKUP_PRIORITY, SegmentKind.DROPOFF: 
 CANCELLABLE = (SegmentStatus.PENDING, SegmentStatus.IN_PROGRESS, SegmentStatus.INTERRUPTED)
 _QUERIED = (*CANCELLABLE, SegmentStatus.COMPLETED, SegmentStatus.CANCELLED, SegmentStatus.FAILED)
 QUEUING_MANAGER = 'Queuing Manager'
-
-
-class RobotNews(NamedTuple):
-    """What is shown of a robot."""
-
-    status: RobotStatus
-    substatus: str
 
 
 class JobSite:
@@ -113,8 +107,7 @@ class JobCommands:
         pickup = self._goal(command, SegmentKind.PICKUP, 0, 2)
         swap = self._book.swap_at(pickup.vertex)
         job = self._book.queue([pickup, self._goal(command, SegmentKind.DROPOFF, 1, 3)],
-                               command.text(4, 'job_id'),
-                               '' if swap is None else swap.segments[-1].told.robot)
+                               command.text(4, 'job_id'), swap=swap)
         one, two = job.segments
         line = words.PICKUP_DROPOFF_QUEUED.format(
             one.goal, two.goal, one.priority, two.priority, one.id, two.id, job.id)
@@ -163,8 +156,8 @@ class JobCommands:
             raise JobRefused(f'failed: there is no active job with {kind} "{value}"')
         changes = self._book.cancel(jobs, reason)
         return JobReply((words.CANCELLING.format(
-            words.printed(command.words[0]), words.printed(value), echo or words.NO_ECHO,
-            reason or words.NONE),), tuple(changes))
+            words.printed(command.words[0]), words.printed(value), echo, reason or words.NONE),),
+            tuple(changes))
 
     def queue_modify(self, command: CommandLine) -> JobReply:
         """Changes the priority of a segment that waits, or the goal of one until it is reached."""
@@ -219,17 +212,21 @@ class JobCommands:
 
     def queue_show_robot(self, command: CommandLine) -> JobReply:
         """Lists one robot, or all."""
-        name = command.word(0)
-        if name and not self._robot_lines(name, ''):
-            raise JobRefused(f'no such robot "{name}"')
-        return JobReply((*self._robot_lines(name, command.text(1, 'echo')),
+        return JobReply((*self._robot_lines(self._robot(command), command.text(1, 'echo')),
                          words.END_OF_SHOW_ROBOT))
+
+    def _robot(self, command: CommandLine) -> str:
+        """The robot that the first argument names, in lower case; empty: all. Raises JobRefused."""
+        name = command.word(0)
+        if name and name.lower() not in map(str.lower, self._site.robots):
+            raise JobRefused(f'no such robot "{name}"')
+        return name.lower()
 
     def _robot_lines(self, only: str, echo: str) -> List[str]:
         return [words.ROBOT.format(name, robot.status.value, robot.substatus,
                                    echo or words.NO_ECHO)
                 for name, robot in sorted(self._site.robots.items())
-                if only.lower() in ('', name.lower())]
+                if only in ('', name.lower())]
 
     # -- the site --------------------------------------------------------------------------------
 
@@ -243,11 +240,14 @@ class JobCommands:
         return JobReply((words.DATE_TIME.format(now),))
 
     def query_faults(self, command: CommandLine) -> JobReply:
-        """Refuses: an empty list would say that no robot has a fault.
-
-        OMRON's form of a fault is not known.
-        """
-        raise JobRefused("faults of robots are not told in OMRON's form; see 'fleet list'")
+        """Lists why robots serve no jobs: one robot, or all."""
+        only, echo = self._robot(command), command.text(1, 'echo')
+        return JobReply((*(
+            words.ROBOT_FAULT.format(
+                one.robot, one.type, one.name, one.name, one.text,
+                str(one.is_application).lower(), echo or words.NO_ECHO)
+            for one in faults_of(self._site.robots) if only in ('', one.robot.lower())),
+            words.END_OF_FAULTS))
 
     def payload_query(self, command: CommandLine) -> JobReply:
         """Lists the payload slots: the robots of this fleet have none."""

@@ -32,7 +32,7 @@ MULTI_QUEUED = 'QueueMulti: goal "{}"' + QUEUED
 LINKED = ' and linked to {}'
 LINKED_TO_JOB = ' and linked to job_id {}'
 END_OF_MULTI = 'EndQueueMulti'
-CANCELLING = 'queuecancel cancelling "{}" "{}" {} "{}" from queue'
+CANCELLING = 'queuecancel cancelling "{}" "{}" "{}" "{}" from queue'
 MODIFYING_PRIORITY = 'queuemodify modifying id {} priority {}'
 MODIFYING_GOAL = 'queuemodify modifying id {} goal "{}"'
 
@@ -41,6 +41,10 @@ UPDATE = 'QueueUpdate: {segment} {job} {priority} {state} Goal "{goal}" {robot} 
 LISTED = ': {segment} {job} {priority} {state} Goal "{goal}" {robot} {dates} {echo} {fails}'
 SHOW, QUERY = 'QueueShow' + LISTED, 'QueueQuery' + LISTED
 ROBOT = 'QueueRobot: "{}" {} {} {}'
+# Name of the robot as above, then the fields of a robot's own list: type, name, short and long
+# text, whether it keeps the robot from driving, is critical, is of an application. Then the echo.
+ROBOT_FAULT = 'RobotFaultQuery: "{}" {} {} "{}" "{}" true false {} {}'
+END_OF_FAULTS = 'EndQueryFaults'
 END_OF_SHOW, END_OF_SHOW_COMPLETED = 'EndQueueShow', 'EndQueueShowCompleted'
 END_OF_QUERY, END_OF_SHOW_ROBOT = 'EndQueueQuery', 'EndQueueShowRobot'
 
@@ -93,6 +97,10 @@ BEFORE = {SegmentKind.PICKUP: 'BeforePickup', SegmentKind.DROPOFF: 'BeforeDropof
 AFTER = {SegmentKind.PICKUP: 'AfterPickup', SegmentKind.DROPOFF: 'AfterDropoff'}
 WAITS_FOR = 'ID_{}'
 REFUSED_BY_FLEET = 'RefusedByFleet'
+
+
+APPLICATION_FAULT = 'Fault_Driving_Application_'
+"""Begins the substatus of a robot that has a fault; the name of the fault follows."""
 
 
 class RobotStatus(Enum):

@@ -168,6 +168,7 @@ class QueuedJob:
     cancel   -- why it is to be cancelled; None: it is not. Empty: no reason was given
     robot    -- the one that must serve it, as its client said or because of a swap; empty: any
     origin   -- its record of the REST interface; None: it came over ARCL
+    swap     -- number of the first segment of the job whose robot serves it, too; 0: no swap
     """
 
     id: str
@@ -178,6 +179,7 @@ class QueuedJob:
     cancel: Optional[str] = None
     robot: str = ''
     origin: Optional[JobOrigin] = None
+    swap: int = 0
 
     @property
     def is_open(self) -> bool:

@@ -166,6 +166,7 @@ class RestApi:
         fields = Fields(found, 'namekey', 'jobId', *_FIELDS[kind], *_SERVER_FIELDS)
         key, job_id = self._new_key(kind, fields), fields.word('jobId')
         robot, uses_defaults = '', False
+        swap: Optional[QueuedJob] = None
         if kind is RestType.JOB_REQUEST:
             uses_defaults = fields.flag('defaultPriority')
             goals = [goal for one in fields.items('details')
@@ -173,6 +174,7 @@ class RestApi:
         elif kind is RestType.PICKUP_DROPOFF:
             goals = [self._goal(SegmentKind.PICKUP, fields, 'pickupGoal', 'pickupPriority'),
                      self._goal(SegmentKind.DROPOFF, fields, 'dropoffGoal', 'dropoffPriority')]
+            swap = self._book.swap_at(goals[0].vertex)
         elif kind is RestType.PICKUP:
             goals = [self._goal(SegmentKind.PICKUP, fields, 'goal', 'priority')]
         else:
@@ -183,7 +185,7 @@ class RestApi:
         if len(goals) > MOST_GOALS:
             raise WrongRequest(f'A job has at most {MOST_GOALS} goals.')
         job = self._book.queue(goals, job_id, robot,
-                               JobOrigin(kind.value, key, job_id, uses_defaults))
+                               JobOrigin(kind.value, key, job_id, uses_defaults), swap)
         self._announce(changes_of(job))
         record = self._records.by_key(kind, key or f'~{job.segments[0].number}')
         assert record is not None  # since it was announced

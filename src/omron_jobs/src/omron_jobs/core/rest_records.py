@@ -12,8 +12,8 @@ from dataclasses import replace
 from typing import Any, Callable, Deque, Dict, Iterable, List, Mapping, Optional, Sequence, Tuple
 
 from omron_jobs.core.job_book import JobBook
-from omron_jobs.core.job_commands import JobSite, RobotNews
-from omron_jobs.core.job_words import NONE, RobotStatus, SegmentStatus
+from omron_jobs.core.job_commands import JobSite
+from omron_jobs.core.job_words import NONE, SegmentStatus
 from omron_jobs.core.jobs import JobSegment, QueuedJob, SegmentChange
 from omron_jobs.core.posted_records import MOST_POSTED, PostedRecord
 from omron_jobs.core.rest_words import (
@@ -29,6 +29,7 @@ from omron_jobs.core.rest_words import (
     JobStatus,
     RestType,
 )
+from omron_jobs.core.robots import RobotFault, RobotNews, faults_of
 
 LONGEST_HISTORY = 5000  # records of each type
 Record = Dict[str, Any]
@@ -43,7 +44,11 @@ def moment(milliseconds: int) -> Optional[Dict[str, int]]:
 
 def job_key(job: QueuedJob) -> str:
     """Returns the namekey of a job. No other one ever has it; a job id may be used again."""
-    return f'JOB{job.segments[0].number}'
+    return _key(job.segments[0].number)
+
+
+def _key(number: int) -> str:
+    return f'JOB{number}'
 
 
 def request_key(job: QueuedJob) -> str:
@@ -76,7 +81,8 @@ def job_record(job: QueuedJob) -> Record:
         'jobType': JOB_TYPE.get(tuple(one.kind for one in job.segments), MULTI),
         'queuedTimestamp': moment(job.queued),
         'completedTimestamp': moment(job.segments[-1].ended), 'status': status_of(job).value,
-        'linkedJob': None, 'failCount': 0, 'lastAssignedRobot': robots[-1] if robots else '',
+        'linkedJob': _key(job.swap) if job.swap else None, 'failCount': 0,
+        'lastAssignedRobot': robots[-1] if robots else '',
         'cancelReason': FAILED if SegmentStatus.FAILED in statuses else _reason(job.segments[-1])
         or job.cancel or None}
 
@@ -125,13 +131,13 @@ def robot_record(name: str, robot: RobotNews) -> Record:
     return {'namekey': name, 'status': ROBOT_STATUS[robot.status], 'subStatus': robot.substatus}
 
 
-def fault_record(name: str, fault: str, is_active: bool) -> Record:
-    """Returns the record of a fault of a robot, without its time: why it serves no job."""
+def fault_record(fault: RobotFault) -> Record:
+    """Returns the record of a fault that a robot has, without its time."""
     return {
-        'namekey': f'{name}:{fault}', 'robot': name, 'active': is_active, 'driving': True,
-        'critical': False, 'clearedOnGo': False, 'clearedOnAck': False, 'application': False,
-        'name': fault, 'type': 'Fault', 'shortDescription': fault,
-        'longDescription': f'{name} serves no jobs ({fault})'}
+        'namekey': f'{fault.robot}:{fault.name}', 'robot': fault.robot, 'active': True,
+        'driving': True, 'critical': False, 'clearedOnGo': False, 'clearedOnAck': False,
+        'application': fault.is_application, 'name': fault.name, 'type': fault.type,
+        'shortDescription': fault.name, 'longDescription': fault.text}
 
 
 def updated(kind: RestType, record: Mapping[str, Any]) -> int:
@@ -278,16 +284,15 @@ class RestRecords:
         self._robots = robots
         for name in [one for one in self._tables[RestType.ROBOT] if one not in robots]:
             del self._tables[RestType.ROBOT][name]
-        active = set()
         for name, robot in robots.items():
             self._put(RestType.ROBOT, robot_record(name, robot))
-            if robot.status is RobotStatus.UNAVAILABLE:
-                active.add((name, robot.substatus))
-                self._put(RestType.ROBOT_FAULT, fault_record(name, robot.substatus, True))
+        active = {one['namekey']: one for one in map(fault_record, faults_of(robots))}
+        for record in active.values():
+            self._put(RestType.ROBOT_FAULT, record)
         for record in self.of(RestType.ROBOT_FAULT):
-            if record['active'] and (record['robot'], record['name']) not in active:
-                self._put(RestType.ROBOT_FAULT,
-                          fault_record(record['robot'], record['name'], False))
+            if record['active'] and record['namekey'] not in active:
+                ended = {name: value for name, value in record.items() if name != 'upd'}
+                self._put(RestType.ROBOT_FAULT, {**ended, 'active': False})
 
     def _now(self) -> int:
         """Times of changes never go back, or `UpdatedSince` would miss some."""

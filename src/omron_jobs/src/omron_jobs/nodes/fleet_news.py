@@ -4,9 +4,9 @@ from __future__ import annotations
 from typing import Callable, Dict, Mapping, Optional
 
 from itrci_nav_msgs import msg
-from omron_jobs.core.job_commands import RobotNews
 from omron_jobs.core.job_words import DRIVING, RobotStatus
 from omron_jobs.core.jobs import JobDrive, JobMission, JobMissionState
+from omron_jobs.core.robots import RobotNews
 from omron_jobs.fleet.missions import act_of
 
 _ROBOT = msg.FleetRobot

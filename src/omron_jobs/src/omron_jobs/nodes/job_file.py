@@ -14,7 +14,7 @@ from omron_jobs.core.jobs import QueuedJob
 from omron_jobs.core.posted_records import MOST_POSTED, PostedRecord
 
 VERSION = 1
-_ADDED = ('robot', 'origin')  # fields of jobs that older files do not have
+_ADDED = ('robot', 'origin', 'swap')  # fields of jobs that older files do not have
 _LAYOUT = '''
 CREATE TABLE job (mission INTEGER PRIMARY KEY, record TEXT NOT NULL);
 CREATE TABLE counters (one INTEGER PRIMARY KEY CHECK (one = 1), record TEXT NOT NULL);
