@@ -3,7 +3,8 @@ Fleet Manager in memory: no job is done twice, none is lost, and each ends in it
 """
 from __future__ import annotations
 
-from typing import Dict, List, Tuple, Type
+from dataclasses import replace
+from typing import Dict, List, Optional, Tuple, Type
 
 import pytest
 from hypothesis import HealthCheck, Phase, settings
@@ -14,25 +15,29 @@ from hypothesis.stateful import (
     rule,
     run_state_machine_as_test,
 )
+from simulated_manager import Robot
 
+from omron_jobs.client.fleet_manager_lines import AnswerEnd, WrongJob, read_line
 from omron_jobs.client.handed_jobs import (
     HandedEvent,
     HandedJob,
     HandedState,
     HandedStop,
     HandedStopKind,
+    Modification,
 )
 from omron_jobs.client.job_client import ASKED_EVERY, RESENT_WITHIN, JobClient
 from omron_ld90_sim.clock import SimClock
 from omron_ld90_sim.interface.fleet_manager import SimFleetManager
+from omron_ld90_sim.interface.job_queue import QueueSegment
 from omron_ld90_sim.interface.session import SimSession
-from simulated_manager import Robot
 
 P, D = HandedStopKind.PICKUP, HandedStopKind.DROPOFF
 JOBS: Tuple[Tuple[HandedStop, ...], ...] = (
     (HandedStop('x', P),), (HandedStop('x', P, 5), HandedStop('y z', D)),
     (HandedStop('x', P), HandedStop('y z', D, 3), HandedStop('x', D)),
-    (HandedStop('x', P), HandedStop('nowhere', D)))
+    (HandedStop('x', P), HandedStop('nowhere', D)), (HandedStop('y z', P), HandedStop('x', D)))
+GOALS = ('x', 'y z', 'nowhere')
 STATES = {'Completed': HandedState.COMPLETED, 'Cancelled': HandedState.CANCELLED}
 PICK = st.integers(0, 30)
 
@@ -45,6 +50,7 @@ class HandedJobsInAnyOrder(RuleBasedStateMachine):
         self.clock = SimClock()
         self.robots = [Robot('r1'), Robot('r2')]
         self.manager = SimFleetManager(self.clock, self.robots, lambda: ['x', 'y z'], 'p')
+        self.carry_out, self.manager.queue.modify = self.manager.queue.modify, self.modified
         self.disk: Dict[str, HandedJob] = {}
         self.is_full = False
         self.count, self.slept = 0, 0.0
@@ -81,6 +87,12 @@ class HandedJobsInAnyOrder(RuleBasedStateMachine):
         self.client.hear_login()
 
     @rule()
+    def lose_an_answer(self) -> None:
+        """What is due is carried out, and the link is lost before the answer."""
+        self.carry_to_server(10_000)
+        self.connect()
+
+    @rule()
     def restart_manager(self) -> None:
         self.manager.shut_down()
         self.connect()
@@ -108,6 +120,26 @@ class HandedJobsInAnyOrder(RuleBasedStateMachine):
                 self.client.cancel(job.id)
             except OSError:
                 assert self.is_full
+
+    @rule(which=PICK, goal=st.integers(0, 2), other=st.integers(0, 2),
+          priority=st.sampled_from([None, 7, 30]))
+    def modify(self, which: int, goal: int, other: int, priority: Optional[int]) -> None:
+        jobs = [job for job in self.client.jobs if job.is_open] or self.client.jobs
+        for job in jobs[which % len(jobs):][:1] if jobs else ():
+            goals = [GOALS[goal], *[GOALS[other]] * len(job.stops)]
+            stops = tuple(replace(stop, goal=name, priority=priority)
+                          for stop, name in zip(job.stops, goals))
+            try:
+                assert self.client.modify(job.request, stops).id == job.id
+            except OSError:
+                assert self.is_full
+            except WrongJob:
+                assert not job.is_open or job.is_unwanted or job.wanted
+
+    def modified(self, segment: QueueSegment, goal: str, priority: int) -> None:
+        """The Fleet Manager modifies a segment, and ends its drive."""
+        assert (goal, priority) != (segment.goal, segment.priority), 'a drive ends for nothing'
+        self.carry_out(segment, goal, priority)
 
     @rule()
     def fill_or_clear_disk(self) -> None:
@@ -167,10 +199,14 @@ class HandedJobsInAnyOrder(RuleBasedStateMachine):
     def now(self) -> float:
         return self.clock.now + self.slept
 
-    @rule()
-    def wait(self) -> None:
+    @rule(drives=st.integers(0, 3))
+    def wait(self, drives: int = 0) -> None:
         """So long that the Fleet Manager distributes jobs, and the client asks again."""
         self.clock.advance(self.clock.now + 0.2)
+        for _ in range(drives):
+            for robot in range(2):
+                self.end_drive(robot, True)
+            self.clock.advance(self.clock.now + 0.2)
         self.slept += ASKED_EVERY
 
     @rule(end=st.booleans())
@@ -221,7 +257,13 @@ class HandedJobsInAnyOrder(RuleBasedStateMachine):
             self.check_end(job)
 
     def check_end(self, job: HandedJob) -> None:
-        found = [one.status for one in self.manager.queue.segments if one.job == job.id]
+        segments = [one for one in self.manager.queue.segments if one.job == job.id]
+        found = [one.status for one in segments]
+        assert not job.wanted and job.modification is not Modification.UNDER_WAY
+        if len(segments) == len(job.stops):
+            for one, stop in zip(segments, job.stops):
+                assert one.goal == stop.goal and stop.priority in (None, one.priority), \
+                    f'{job} is told, and not what the Fleet Manager does'
         assert not job.is_open, f'{job} does not end'
         if job.state is HandedState.REFUSED:
             assert job.id not in self.seen and 'nowhere' in job.reason
@@ -295,8 +337,28 @@ class SendsAgainLater(JobClient):
         self._put(job.after(HandedEvent.NOT_KNOWN))
 
 
+class ModifiesWithoutAsking(JobClient):
+    """After a login it takes what it heard before for what the Fleet Manager has now."""
+
+    def _is_to_be_asked(self, job: HandedJob, now: float) -> bool:
+        return not job.wanted and super()._is_to_be_asked(job, now)
+
+
+class BelievesAnswersToModifications(JobClient):
+    """A modification of one value that was answered ends all of it."""
+
+    def hear_line(self, text: str, now: float) -> None:
+        question, line = self._question, read_line(text)
+        super().hear_line(text, now)
+        if isinstance(line, AnswerEnd) and line.command == 'queuemodify' and question:
+            job = self._jobs[question.job]
+            self._put(replace(job, stops=job.wanted or job.stops, wanted=(),
+                              modification=Modification.DONE))
+
+
 @pytest.mark.parametrize('fault', [SendsAgainWithoutAsking, SendsBeforeItStores, NeverAsks,
-                                   BelievesErrors, SendsAgainLater])
+                                   BelievesErrors, SendsAgainLater, ModifiesWithoutAsking,
+                                   BelievesAnswersToModifications])
 def test_a_planted_fault_is_found(fault: Type[JobClient]) -> None:
     class Faulty(HandedJobsInAnyOrder):
         Client = fault

@@ -2,17 +2,28 @@
 from __future__ import annotations
 
 import time
+from dataclasses import replace
 from typing import Callable, Dict, List, Optional, Sequence, Tuple
 
 import pytest
+from simulated_manager import Cut, ManagerPort
 
 from omron_arcl import Backoff, LinkPhase
+from omron_arcl.errors import ConnectionLost
+from omron_arcl.help_list import HelpList
+from omron_arcl.session import LoggedIn
 from omron_jobs.client import job_client
-from omron_jobs.client.handed_jobs import HandedJob, HandedState, HandedStop, HandedStopKind
+from omron_jobs.client.fleet_manager_lines import WrongJob
+from omron_jobs.client.handed_jobs import (
+    HandedJob,
+    HandedState,
+    HandedStop,
+    HandedStopKind,
+    Modification,
+)
 from omron_jobs.client.job_client import JobClient
 from omron_jobs.network import job_handover
 from omron_jobs.network.job_handover import JobHandover
-from simulated_manager import Cut, ManagerPort
 
 STOPS = (HandedStop('x', HandedStopKind.PICKUP), HandedStop('y', HandedStopKind.DROPOFF))
 CUTS = (
@@ -127,8 +138,8 @@ def test_lines_that_come_byte_by_byte_are_whole_lines() -> None:
         port.chunk = 1
         with Site(port.port) as site:
             job = site.handover.request(STOPS, '')
-            assert site.wait_end(job.id).segments == (
-                ('PICKUP1', 'Completed'), ('DROPOFF2', 'Completed'))
+            assert [(one.id, one.status) for one in site.wait_end(job.id).segments] == [
+                ('PICKUP1', 'Completed'), ('DROPOFF2', 'Completed')]
             assert port.logins == 1
 
 
@@ -139,7 +150,7 @@ def test_half_a_line_before_a_loss_is_no_part_of_the_next_link() -> None:
         with Site(port.port) as site:
             job = site.handover.request(STOPS, '')
             wait_for(lambda: port.logins == 2 and bool(site.job(job.id).segments), 'the answer')
-            assert [id for id, _ in site.job(job.id).segments] == ['DROPOFF2', 'PICKUP1']
+            assert [one.id for one in site.job(job.id).segments] == ['PICKUP1', 'DROPOFF2']
 
 
 def test_a_burst_of_lines_about_others_jobs_delays_nothing_else() -> None:
@@ -225,3 +236,93 @@ def test_a_cancelled_job_ends_as_cancelled_and_one_that_was_not_sent_at_once() -
             assert late is not None
             site.handover.cancel(late.id)
             assert site.job(late.id).state is HandedState.CANCELLED
+
+
+def test_a_swap_is_told_with_the_job_that_it_follows() -> None:
+    with ManagerPort() as port:
+        port.drives = False
+        with Site(port.port) as site:
+            first = site.handover.request(STOPS, '')
+            wait_for(lambda: site.job(first.id).state is HandedState.IN_PROGRESS, 'a drive')
+            swap = site.handover.request((replace(STOPS[0], goal='y'), replace(STOPS[1], goal='x')),
+                                         '')
+            wait_for(lambda: site.job(swap.id).linked == first.id, 'the link')
+            assert site.job(first.id).linked == ''
+            port.drives = True
+            assert site.wait_end(swap.id).state is HandedState.COMPLETED
+            assert site.job(first.id).state is HandedState.COMPLETED
+
+
+MODIFIED = (replace(STOPS[0], priority=30), replace(STOPS[1], goal='x', priority=5))
+
+
+@pytest.mark.parametrize('cut', [
+    Cut(b'queuemodify', is_heard=True), Cut(b'queuemodify', is_heard=True, is_delivered=True),
+    Cut(b'queuemodify modi'), Cut(b'BeforeModify'), Cut(b'AfterModify'), Cut(b'5 Pending'), None],
+    ids=str)
+def test_a_modification_is_carried_out_once_wherever_the_link_is_lost(cut: Optional[Cut]) -> None:
+    with ManagerPort() as port:
+        port.drives = False
+        with Site(port.port) as site:
+            job = site.handover.request(STOPS, 'pallet 7')
+            wait_for(lambda: site.job(job.id).state is HandedState.IN_PROGRESS, 'a drive')
+            port.cut = cut
+            site.handover.modify('pallet 7', MODIFIED)
+            wait_for(lambda: not site.job(job.id).wanted, 'the end of the modification')
+            assert site.job(job.id).modification is Modification.DONE
+            assert port.cut is None
+            segments = port.manager.queue.segments
+            assert [(one.goal, one.priority) for one in segments] == [('x', 30), ('x', 5)]
+            assert len(port.commands('queueModify')) == 3
+            port.drives = True
+            assert site.wait_end(job.id).stops == MODIFIED
+
+
+def test_a_modification_that_is_refused_leaves_the_job_and_tells_why() -> None:
+    with ManagerPort() as port:
+        port.drives = False
+        with Site(port.port) as site:
+            job = site.handover.request(STOPS, 'pallet 7')
+            wait_for(lambda: site.job(job.id).state is HandedState.IN_PROGRESS, 'a drive')
+            site.handover.modify('pallet 7', (STOPS[0], replace(STOPS[1], goal='nowhere')))
+            wait_for(lambda: not site.job(job.id).wanted, 'the end of the modification')
+            found = site.job(job.id)
+            assert found.modification is Modification.REFUSED and found.stops == STOPS
+            assert 'no such goal "nowhere"' in found.reason
+            port.drives = True
+            assert site.wait_end(job.id).state is HandedState.COMPLETED
+
+
+def test_a_job_that_was_not_sent_is_modified_at_once() -> None:
+    with ManagerPort('right') as port, Site(port.port, b'wrong') as site:
+        site.handover.request(STOPS, 'pallet 7')
+        job = site.handover.modify('pallet 7', MODIFIED)
+        assert (job.stops, job.modification) == (MODIFIED, Modification.DONE)
+        assert not port.commands('queue')
+
+
+@pytest.mark.parametrize('request_id, stops, words', [
+    ('', MODIFIED, 'no job'), ('other', MODIFIED, 'no job'),
+    ('pallet 7', MODIFIED[:1], 'other pickups and drop-offs'),
+    ('pallet 7', (MODIFIED[0], replace(MODIFIED[1], goal='x" y')), 'no name of a goal')])
+def test_a_wrong_modification_changes_nothing(
+        request_id: str, stops: Tuple[HandedStop, ...], words: str) -> None:
+    client = JobClient([HandedJob('ROS1', STOPS, 'pallet 7')], lambda jobs: None, lambda: 0,
+                       lambda: 'ROS2')
+    with pytest.raises(WrongJob, match=words):
+        client.modify(request_id, stops)
+    assert client.jobs == [HandedJob('ROS1', STOPS, 'pallet 7')]
+
+
+def test_what_was_not_sent_over_a_lost_link_is_not_sent_over_the_next_one() -> None:
+    client = JobClient([replace(HandedJob('ROS1', STOPS), state=HandedState.ACCEPTED)],
+                       lambda jobs: None, lambda: 0, lambda: 'ROS2')
+    handover = JobHandover(client, '127.0.0.1', 1, b'p', lambda job: None)
+    login = LoggedIn(HelpList({}, complete=False))
+    handover.hear_login(login, 0.0)
+    handover.cancel('ROS1')
+    for _ in range(2):
+        assert handover.next_to_send(0.0) == b'queueCancel jobId ROS1'
+        handover.hear_loss(ConnectionLost('cut'))
+        handover.hear_login(login, 0.0)
+    handover.close()

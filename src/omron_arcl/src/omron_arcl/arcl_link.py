@@ -1,7 +1,7 @@
 """The link to an ARCL server: connects, logs in, and connects again after each loss.
 
-It serves a user, who says what is sent and hears what comes: `Client` for a robot, a program that
-hands jobs over for a Fleet Manager. One thread owns the socket, and calls the user.
+It serves a user: `Client` for a robot, `JobHandover` of omron_jobs for a Fleet Manager. The user
+says what is sent and hears what comes. One thread owns the socket, and calls the user.
 """
 from __future__ import annotations
 

@@ -2,6 +2,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from typing import Any, Callable, Dict, Iterator, List
 
 import actionlib
@@ -13,10 +14,16 @@ from diagnostic_updater import DiagnosticStatusWrapper
 from node_lifecycle import ConfigurationError
 from omron_arcl import Link, LinkPhase
 from omron_jobs.client.fleet_manager_lines import WrongJob
-from omron_jobs.client.handed_jobs import HandedEvent, HandedJob, HandedStop, HandedStopKind
+from omron_jobs.client.handed_jobs import (
+    HandedEvent,
+    HandedJob,
+    HandedSegment,
+    HandedStop,
+    HandedStopKind,
+)
 from omron_jobs.nodes import job_client
 from omron_jobs.nodes.handed_jobs_file import HandedJobsFile
-from omron_jobs.nodes.job_client import JobClientNode, stops_of
+from omron_jobs.nodes.job_client import JobClientNode, status_of, stops_of
 from omron_ld90_msgs.msg import JobStatus, JobStop, QueueJobGoal
 
 STOPS = (HandedStop('x', HandedStopKind.PICKUP), HandedStop('y', HandedStopKind.DROPOFF, 7))
@@ -52,6 +59,11 @@ class Handover:
             raise OSError(28, 'No space left on device')
         return self._jobs.request(stops, request)
 
+    def modify(self, request: str, stops: Any) -> HandedJob:
+        if self.fails:
+            raise OSError(28, 'No space left on device')
+        return self._jobs.modify(request, stops)
+
     def cancel(self, id: str) -> None:
         if self.fails:
             raise OSError(28, 'No space left on device')
@@ -70,10 +82,11 @@ class Handover:
 class Goal:
     """A goal of the action, with what its caller is told."""
 
-    def __init__(self, stops: List[JobStop], request: str = '') -> None:
-        self._goal = QueueJobGoal(request_id=request, stops=stops)
+    def __init__(self, stops: List[JobStop], request: str = '', modifies: bool = False) -> None:
+        self._goal = QueueJobGoal(request_id=request, stops=stops, modifies=modifies)
         self.told: List[str] = []
         self.states: List[int] = []
+        self.statuses: List[JobStatus] = []
         self.text = ''
 
     def get_goal(self) -> QueueJobGoal:
@@ -81,6 +94,7 @@ class Goal:
 
     def publish_feedback(self, feedback: Any) -> None:
         self.states.append(feedback.status.state)
+        self.statuses.append(feedback.status)
 
     def set_accepted(self) -> None:
         self.told.append('accepted')
@@ -142,8 +156,9 @@ def parameters(monkeypatch: pytest.MonkeyPatch, tmp_path: Any) -> Iterator[Dict[
     yield found
 
 
-def ask(node: JobClientNode, stops: List[JobStop], request: str = '') -> Goal:
-    goal = Goal(stops, request)
+def ask(node: JobClientNode, stops: List[JobStop], request: str = '',
+        modifies: bool = False) -> Goal:
+    goal = Goal(stops, request, modifies)
     node._server.on_goal(goal)
     return goal
 
@@ -209,6 +224,36 @@ def test_a_job_that_cannot_be_stored_is_rejected(parameters):
     node._handover.fails = True
     goal = ask(node, MESSAGE)
     assert goal.told == ['rejected'] and 'No space left' in goal.text
+
+
+def test_a_goal_that_modifies_is_about_the_job_of_its_request(parameters):
+    node = JobClientNode()
+    first = ask(node, MESSAGE, 'pallet 7')
+    id = node._handover.jobs[0].id
+    node._handover.change(id, HandedEvent.SENDING, HandedEvent.ACCEPTED)
+    other = [JobStop(goal='z', kind=JobStop.PICKUP), MESSAGE[1]]
+    goal = ask(node, other, 'pallet 7', modifies=True)
+    assert goal.told == ['accepted'] and goal.statuses[0].job_id == id
+    assert goal.statuses[0].modification == JobStatus.MODIFYING
+    node._handover.change(id, HandedEvent.COMPLETED)
+    for one in (first, goal):
+        assert one.told == ['accepted', 'succeeded']
+        assert one.statuses[-1].modification == JobStatus.MODIFICATION_REFUSED
+    late = ask(node, MESSAGE, 'pallet 7', modifies=True)
+    assert late.told == ['accepted', 'succeeded']       # it has these goals already
+    late = ask(node, other, 'pallet 7', modifies=True)
+    assert late.told == ['rejected'] and late.text == (
+        'The job is not modified: its job has ended, or is cancelled.')
+    node._handover.fails = True
+    assert 'cannot be stored' in ask(node, MESSAGE, 'pallet 8', modifies=True).text
+
+
+def test_a_status_says_what_the_fleet_manager_shows(parameters):
+    segments = (HandedSegment('PICKUP1', 'Completed', 'x', 10),
+                HandedSegment('DROPOFF2', 'InProgress', 'z', 5))
+    status = status_of(replace(HandedJob('ROS1', STOPS), segments=segments, linked='JOB7'))
+    assert status.segment_goals == ['x', 'z'] and status.segment_priorities == [10, 5]
+    assert status.segment_states == ['Completed', 'InProgress'] and status.linked_job_id == 'JOB7'
 
 
 def test_a_start_tells_the_open_jobs_of_the_last_one(parameters, tmp_path):

@@ -86,3 +86,57 @@ def test_a_drive_that_is_cancelled_ends(program: Program) -> None:
     lines = program.until('DROPOFF2 abc 20 Cancelled')
     assert [' '.join(line.split()[4:6]) for line in lines if ' PICKUP1 ' in line] == [
         'Cancelling late', 'Interrupted None', 'Cancelled late']
+
+
+def states_of(lines: List[str], segment: str) -> List[str]:
+    return [' '.join(line.split()[4:6]) for line in lines
+            if line.startswith(f'QueueUpdate: {segment} ')]
+
+
+def test_a_pickup_where_a_running_job_drops_off_is_a_swap(program: Program) -> None:
+    program.say('queuePickupDropoff 18 20 default default first')
+    program.until('PICKUP1 first 10 InProgress Driving')
+    program.say('queuePickupDropoff 20 18 default default second')
+    lines = program.until('DROPOFF4 second 20 Completed')
+    assert next(line for line in lines if line.startswith('queuepickupdropoff')) == (
+        'queuepickupdropoff goals "20" and "18" with priorities 10 and 20 ids PICKUP3 and DROPOFF4 '
+        'job_id second successfully queued and linked to job_id first')
+    assert states_of(lines, 'PICKUP3') == ['Pending ID_DROPOFF2', *STATES[1:]]
+    first, second = [line for line in lines if 'DROPOFF2 first 20 Completed' in line
+                     or 'PICKUP3 second 10 Completed' in line]
+    assert first.split()[-3:-1] == second.split()[-3:-1], 'not in the same second'
+    robots = {line.split()[8] for line in lines if line.startswith('QueueUpdate: PICKUP3')}
+    assert len(robots) == 1 and '"None"' not in robots
+
+
+def test_another_goal_of_a_drop_off_parts_a_swap(program: Program) -> None:
+    program.say('queuePickupDropoff 18 20 default default first')
+    program.until('PICKUP1 first 10 InProgress Driving')
+    program.say('queuePickupDropoff 20 18 default default second')
+    program.until('successfully queued and linked to job_id first')
+    program.say('queueModify DROPOFF2 goal 18')
+    lines = program.until('DROPOFF4 second 20 Completed')
+    assert states_of(lines, 'DROPOFF2')[-3:] == list(STATES[2:])
+    assert any('QueueUpdate: PICKUP3 second 10 Pending None Goal "20" "None"' in line
+               for line in lines)
+
+
+def test_a_pending_segment_gets_another_priority_and_a_driven_one_another_goal(
+        program: Program) -> None:
+    program.say('queuePickupDropoff 18 20 default default abc')
+    program.until('PICKUP1 abc 10 InProgress Driving')
+    program.say('queueModify dropoff2 priority 6')
+    lines = program.until('DROPOFF2 abc 6 Pending')
+    assert 'queuemodify modifying id dropoff2 priority 6' in lines
+    assert states_of(lines, 'DROPOFF2')[-3:] == [
+        'BeforeModify None', 'AfterModify None', 'Pending ID_PICKUP1']
+    program.say('queueModify PICKUP1 goal 20')
+    lines = program.until('PICKUP1 abc 10 Completed')
+    assert 'queuemodify modifying id PICKUP1 goal "20"' in lines
+    assert states_of(lines, 'PICKUP1') == [
+        'BeforeModify Driving', 'InterruptedByModify None', 'AfterModify None', *STATES]
+    program.until('DROPOFF2 abc 6 Completed')
+    program.say('queueModify PICKUP1 goal 18')
+    assert program.until('CommandErrorDescription')[-2:] == [
+        'CommandError: queueModify PICKUP1 goal 18',
+        'CommandErrorDescription: queueModify no segment "PICKUP1" that can be modified']

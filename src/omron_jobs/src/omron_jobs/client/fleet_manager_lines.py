@@ -9,12 +9,15 @@ import re
 from dataclasses import dataclass
 from typing import List, Optional, Union
 
-from omron_jobs.client.handed_jobs import HandedJob, HandedStopKind
+from omron_jobs.client.handed_jobs import Change, HandedJob, HandedSegment, HandedStopKind
 
 QUERY = 'queuequery'
+MODIFY = 'queuemodify'
 MOST_STOPS = 50
 _LONGEST_NAME = 127
 _WORD = re.compile(r'"[^"]*"|\S+')
+_LINKED = re.compile(r'and linked to job_id (\S+)')
+_MODIFYING = ('modifying', 'modiying')  # a public client waits for the second spelling
 _SEGMENT_LINES = ('queueupdate:', 'queuequery:', 'queueshow:')
 
 
@@ -26,18 +29,21 @@ class WrongJob(ValueError):
 class SegmentLine:
     """A line about a segment of a job. `is_listed`: it is part of the answer to a question."""
 
-    segment: str
+    segment: HandedSegment
     job: str
-    status: str
     robot: str
     is_listed: bool
 
 
 @dataclass(frozen=True)
 class AnswerEnd:
-    """The last line of the answer to a command; `command` in lower case."""
+    """The last line of the answer to a command; `command` in lower case.
+
+    linked -- the job after whose drop-off the new one picks up (a swap)
+    """
 
     command: str
+    linked: str = ''
 
 
 @dataclass(frozen=True)
@@ -82,6 +88,11 @@ def cancellation_of(job: HandedJob) -> str:
     return f'queueCancel jobId {job.id}'
 
 
+def modification_of(change: Change) -> str:
+    """The command that changes one value of a segment."""
+    return f'queueModify {change.segment.id} {change.field} {_quoted(change.value)}'
+
+
 def check(job: HandedJob) -> None:
     """Raises WrongJob if the Fleet Manager takes no such job."""
     if not 0 < len(job.stops) <= MOST_STOPS:
@@ -105,6 +116,9 @@ def read_line(text: str) -> Optional[FleetManagerLine]:
     if first in ('endqueuequery', 'endqueuemulti'):
         return AnswerEnd(first[3:])
     if first in ('queuepickup', 'queuepickupdropoff') and 'successfully queued' in text:
+        linked = _LINKED.search(text)
+        return AnswerEnd(first, linked.group(1) if linked else '')
+    if first == MODIFY and len(words) > 1 and words[1].lower() in _MODIFYING:
         return AnswerEnd(first)
     if first == 'commanderror:':
         return ErrorBegin(words[1].lower() if len(words) > 1 else '')
@@ -118,8 +132,13 @@ def read_line(text: str) -> Optional[FleetManagerLine]:
 def _read_segment(words: List[str]) -> Optional[SegmentLine]:
     if len(words) < 9:
         return None
+    try:
+        priority = int(words[3])
+    except ValueError:
+        return None
     robot = words[8].strip('"')
-    return SegmentLine(words[1], words[2], words[4], '' if robot.lower() == 'none' else robot,
+    segment = HandedSegment(words[1], words[4], words[7].strip('"'), priority)
+    return SegmentLine(segment, words[2], '' if robot.lower() == 'none' else robot,
                        words[0].lower() == 'queuequery:')
 
 

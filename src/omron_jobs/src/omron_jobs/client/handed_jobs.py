@@ -17,12 +17,15 @@
 
 Each other pair changes nothing. Invariants: the last five states are final; only STORED leads to
 SENT, and nothing but NOT_KNOWN leads back to STORED.
+
+A modification gives a job other goals or priorities. It is UNDER_WAY until the Fleet Manager shows
+all of them (DONE), or refuses one (REFUSED). A job that was not sent has them at once.
 """
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from enum import Enum, IntEnum
-from typing import Dict, Mapping, Optional, Tuple
+from typing import Mapping, NamedTuple, Optional, Tuple
 
 
 class HandedState(IntEnum):
@@ -37,6 +40,15 @@ class HandedState(IntEnum):
     FAILED = 6
     REFUSED = 7
     UNKNOWN = 8
+
+
+class Modification(IntEnum):
+    """What became of the last modification, with the numbers of the message JobStatus."""
+
+    NONE = 0
+    UNDER_WAY = 1
+    DONE = 2
+    REFUSED = 3
 
 
 class HandedEvent(Enum):
@@ -91,15 +103,46 @@ class HandedStop:
 
 
 @dataclass(frozen=True)
+class HandedSegment:
+    """A goal of a job as the Fleet Manager showed it last."""
+
+    id: str
+    status: str
+    goal: str
+    priority: int
+
+    @property
+    def is_final(self) -> bool:
+        """Whether it has ended."""
+        return self.status in FINAL_STATUSES
+
+    @property
+    def number(self) -> int:
+        """The number in its id: one counter numbers all segments in their order."""
+        digits = self.id[len(self.id.rstrip('0123456789')):]
+        return int(digits) if digits else 0
+
+
+class Change(NamedTuple):
+    """A part of a modification: a value that a segment does not show yet."""
+
+    segment: HandedSegment
+    field: str      # goal or priority
+    value: str
+
+
+@dataclass(frozen=True)
 class HandedJob:
     """A job.
 
     id        -- of the job at the Fleet Manager; never used twice
     request   -- the caller's id of the job, or empty
     sent      -- when its command was sent last; ms, wall clock
-    segments  -- by its id, the last status of each segment
+    segments  -- its goals as the Fleet Manager showed them, in their order
     is_unwanted -- whether it is to be cancelled
-    reason    -- the Fleet Manager's words for a refusal
+    reason    -- the Fleet Manager's words for a refusal, of the job or of its modification
+    wanted    -- the stops that a modification under way gives it, else empty
+    linked    -- the job after whose drop-off, at the same goal, its robot picks up (a swap)
     """
 
     id: str
@@ -107,10 +150,13 @@ class HandedJob:
     request: str = ''
     state: HandedState = HandedState.STORED
     sent: int = 0
-    segments: Tuple[Tuple[str, str], ...] = ()
+    segments: Tuple[HandedSegment, ...] = ()
     robot: str = ''
     is_unwanted: bool = False
     reason: str = ''
+    wanted: Tuple[HandedStop, ...] = ()
+    modification: Modification = Modification.NONE
+    linked: str = ''
 
     @property
     def is_open(self) -> bool:
@@ -126,16 +172,17 @@ class HandedJob:
         """The job after an event."""
         return replace(self, state=TRANSITIONS.get((self.state, event), self.state))
 
-    def with_segment(self, id: str, status: str, robot: str) -> HandedJob:
+    def with_segment(self, segment: HandedSegment, robot: str) -> HandedJob:
         """The job after a line about one of its segments; an ended job does not change.
 
         A line about one segment more than the job has is ignored.
         """
-        segments: Dict[str, str] = {**dict(self.segments), id: status}
+        segments = {**{one.id: one for one in self.segments}, segment.id: segment}
         if not self.is_open or len(segments) > len(self.stops):
             return self
-        changed = replace(self, segments=tuple(segments.items()), robot=robot or self.robot)
-        return changed.after(_event_of(tuple(segments.values()), len(self.stops)))
+        found = tuple(sorted(segments.values(), key=lambda one: one.number))
+        changed = replace(self, segments=found, robot=robot or self.robot)
+        return changed.after(_event_of(found, len(self.stops)))
 
     def after_listing(self, listed: Tuple[str, ...]) -> HandedJob:
         """The job after a listing of the segments that the Fleet Manager still knows.
@@ -143,23 +190,66 @@ class HandedJob:
         It forgets segments in the order in which they ended, and a segment begins when the one
         before it is completed. So if no open one is listed, the job has ended as those that are.
         """
-        known = tuple((id, status) for id, status in self.segments
-                      if id in listed or status in FINAL_STATUSES)
-        if not self.is_open or any(status not in FINAL_STATUSES for _, status in known):
+        known = tuple(one for one in self.segments if one.id in listed or one.is_final)
+        if not self.is_open or any(not one.is_final for one in known):
             return self
-        return replace(self, segments=known).after(
-            _event_of(tuple(status for _, status in known), len(known)))
+        return replace(self, segments=known).after(_event_of(known, len(known)))
+
+    # -- modifications -----------------------------------------------------------------------------
+
+    def modified(self, stops: Tuple[HandedStop, ...]) -> HandedJob:
+        """The job with a modification under way."""
+        return replace(self, wanted=stops, modification=Modification.UNDER_WAY, reason='')
+
+    @property
+    def changes(self) -> Tuple[Change, ...]:
+        """What the Fleet Manager does not show yet, as far as it has shown the segments."""
+        if len(self.segments) < len(self.stops):
+            return ()
+        return tuple(change for stop, segment in zip(self.wanted, self.segments)
+                     for change in _changes_of(stop, segment))
+
+    def settled(self) -> HandedJob:
+        """The job after its modification, if that is over; a job that has ended keeps none."""
+        if not self.wanted:
+            return self
+        if self.state is HandedState.STORED or (
+                len(self.segments) == len(self.stops) and not self.changes):
+            return replace(self, stops=self.wanted, wanted=(), modification=Modification.DONE)
+        return self if self.is_open else self.refused(self.reason or 'the job has ended')
+
+    def refused(self, reason: str) -> HandedJob:
+        """The job after the refusal of its modification; what is shown already stays."""
+        missing = {(change.segment.id, change.field) for change in self.changes}
+        stops = self.stops
+        if len(self.segments) == len(stops):
+            stops = tuple(replace(
+                old, goal=old.goal if (one.id, 'goal') in missing else new.goal,
+                priority=old.priority if (one.id, 'priority') in missing else new.priority)
+                for old, new, one in zip(stops, self.wanted, self.segments))
+        return replace(self, stops=stops, wanted=(), modification=Modification.REFUSED,
+                       reason=reason)
+
+
+def _changes_of(stop: HandedStop, segment: HandedSegment) -> Tuple[Change, ...]:
+    goal = () if stop.goal.lower() == segment.goal.lower() else (
+        Change(segment, 'goal', stop.goal),)
+    if stop.priority is None or stop.priority == segment.priority:
+        return goal
+    return (*goal, Change(segment, 'priority', str(stop.priority)))
 
 
 FINAL_STATUSES = ('Completed', 'Cancelled', 'Cancelled_by_MobilePlanner', 'Failed')
+MODIFYING_STATUSES = ('BeforeModify', 'InterruptedByModify', 'AfterModify')
 
 
-def _event_of(statuses: Tuple[str, ...], count: int) -> HandedEvent:
-    """What the statuses of the segments say of their job."""
-    if len(statuses) >= count and all(status in FINAL_STATUSES for status in statuses):
+def _event_of(segments: Tuple[HandedSegment, ...], count: int) -> HandedEvent:
+    """What the segments say of their job."""
+    statuses = [one.status for one in segments]
+    if len(segments) >= count and all(one.is_final for one in segments):
         if 'Failed' in statuses:
             return HandedEvent.FAILED
         return (HandedEvent.COMPLETED if all(status == 'Completed' for status in statuses)
                 else HandedEvent.CANCELLED)
-    begun = any(status not in ('Pending', 'BeforeModify', 'AfterModify') for status in statuses)
+    begun = any(status not in ('Pending', *MODIFYING_STATUSES) for status in statuses)
     return HandedEvent.STARTED if begun else HandedEvent.ACCEPTED

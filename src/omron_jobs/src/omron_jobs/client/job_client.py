@@ -7,32 +7,45 @@ One command or question waits for its answer at a time, because answers have no 
     login         each job that the Fleet Manager may have is asked for, before anything is sent
     answer ends   what it says of the job counts; the next command is due
     error         the job is asked for: only if the Fleet Manager does not know it, it was refused
+    modification  it is stored; then each value that the Fleet Manager does not show is sent once
+                  over a link, and the job is asked for: what it then shows counts
     loss          the open question is dropped: its job is in doubt, and is asked for after a login
     restart       as after a loss, with what the disk has
 
 Invariants: a job is on the disk as SENT before its command is sent. A job is sent again only after
 the Fleet Manager said that it does not know it, at most RESENT_WITHIN after it was sent: a Fleet
 Manager forgets the jobs that have ended (by default after 60 minutes, or 100 later ones), so a
-later "not known" is no proof. Such a job ends as UNKNOWN, and a person decides.
+later "not known" is no proof. Such a job ends as UNKNOWN, and a person decides. A value is sent
+only if the Fleet Manager showed another one over this link: twice would end a drive twice.
 """
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Callable, Dict, Iterable, List, Optional, Sequence, Tuple
+from typing import Callable, Dict, Iterable, List, Optional, Sequence, Set, Tuple
 
 from omron_jobs.client.fleet_manager_lines import (
+    MODIFY,
     QUERY,
     AnswerEnd,
     ErrorBegin,
     ErrorText,
     SegmentLine,
+    WrongJob,
     cancellation_of,
     check,
     command_of,
+    modification_of,
     query_of,
     read_line,
 )
-from omron_jobs.client.handed_jobs import HandedEvent, HandedJob, HandedState, HandedStop
+from omron_jobs.client.handed_jobs import (
+    FINAL_STATUSES,
+    MODIFYING_STATUSES,
+    HandedEvent,
+    HandedJob,
+    HandedState,
+    HandedStop,
+)
 
 RESENT_WITHIN = 300.0   # s after it was sent, within which a job that is not known is sent again
 ANSWERED_WITHIN = 10.0  # s after which a link without the answer is given up
@@ -74,6 +87,8 @@ class JobClient:
         self._heard: Dict[str, float] = {}      # when each job was heard of over this link
         self._asked: Dict[str, float] = {}      # when each job was asked for over this link
         self._errors: Dict[str, str] = {}       # the words that refused a job, until it is asked
+        self._unsure: Set[str] = set()          # jobs whose modification was answered
+        self._tried: Set[str] = set()           # modifications that were sent over this link
         self._changed: Dict[str, HandedJob] = {}
         self._is_stored = True
         self.problem = ''                       # why the Fleet Manager answers no question
@@ -102,6 +117,29 @@ class JobClient:
         self._keep(job)
         return job
 
+    def modify(self, request: str, stops: Tuple[HandedStop, ...]) -> HandedJob:
+        """Gives the job of a request other goals or priorities, and returns it.
+
+        Raises WrongJob or OSError: then nothing has changed.
+        """
+        job = next((job for job in self._jobs.values() if request and job.request == request),
+                   None)
+        if job is None:
+            raise WrongJob(f'there is no job {request!r}')
+        if stops == (job.wanted or job.stops):
+            return job
+        if [stop.kind for stop in stops] != [stop.kind for stop in job.stops]:
+            raise WrongJob('it has other pickups and drop-offs than its job')
+        check(replace(job, stops=stops))
+        if not job.is_open or job.is_unwanted:
+            raise WrongJob('its job has ended, or is cancelled')
+        if job.wanted:
+            raise WrongJob('another modification of its job is under way')
+        job = job.modified(stops)
+        self._keep(job.settled())
+        self._tried -= {modification_of(change) for change in job.changes}
+        return self._jobs[job.id]
+
     def cancel(self, id: str) -> None:
         """Cancels a job; it ends when the Fleet Manager says so, or at once if it was not sent.
 
@@ -122,6 +160,8 @@ class JobClient:
         self._is_linked, self._question = False, None
         self._heard.clear()
         self._asked.clear()
+        self._unsure.clear()
+        self._tried.clear()
 
     def hear_line(self, text: str, now: float) -> None:
         """Reads a line of the Fleet Manager."""
@@ -131,13 +171,15 @@ class JobClient:
         elif question is None:
             return
         elif isinstance(line, AnswerEnd) and line.command == question.command:
-            self._end_question(question, now)
+            self._end_question(question, line.linked, now)
         elif isinstance(line, ErrorBegin) and line.command == question.command:
             self._question = replace(question, is_error=True)
         elif isinstance(line, ErrorText) and (line.is_whole or question.is_error):
             self._question = None
             if question.command == QUERY:
                 self.problem = f'the Fleet Manager answers no queueQuery: {line.text}'
+            elif question.command == MODIFY:
+                self._end_modification(question.job, line.text)
             else:
                 self._errors[question.job] = line.text
 
@@ -149,7 +191,14 @@ class JobClient:
         if asked is not None:
             self._question = _Question(QUERY, asked.id, now)
             self._asked[asked.id] = now
+            self._unsure.discard(asked.id)
             return [*([cancellation_of(asked)] if asked.is_unwanted else []), query_of(asked)]
+        modification = self._next_modification()
+        if modification is not None:
+            id, line = modification
+            self._question = _Question(MODIFY, id, now)
+            self._tried.add(line)
+            return [line]
         job = next((job for job in self._jobs.values() if job.state is HandedState.STORED), None)
         if job is None:
             return []
@@ -182,21 +231,24 @@ class JobClient:
         self._heard[job.id] = now
         question = self._question
         if line.is_listed and question is not None and question.job == job.id:
-            self._question = replace(question, listed=(*question.listed, line.segment))
+            self._question = replace(question, listed=(*question.listed, line.segment.id))
         self._errors.pop(job.id, None)
-        self._put(job.with_segment(line.segment, line.status, line.robot))
+        self._put(job.with_segment(line.segment, line.robot))
 
-    def _end_question(self, question: _Question, now: float) -> None:
+    def _end_question(self, question: _Question, linked: str, now: float) -> None:
         self._question = None
         job = self._jobs.get(question.job)
         self._heard[question.job] = now
         if job is None:
             return
-        if question.command != QUERY:
-            if job.state is HandedState.SENT:
-                self._put(job.after(HandedEvent.ACCEPTED))
+        if question.command == MODIFY:
+            self._unsure.add(job.id)
+        elif question.command != QUERY:
+            job = replace(job, linked=linked or job.linked)
+            self._put(job.after(HandedEvent.ACCEPTED) if job.state is HandedState.SENT else job)
         elif question.listed:
             self._put(job.after_listing(question.listed))
+            self._judge_modification(self._jobs[job.id])
         else:
             self._hear_not_known(job)
 
@@ -211,6 +263,32 @@ class JobClient:
             job = job.after(HandedEvent.NOT_KNOWN)
             self._put(job.after(HandedEvent.WITHDRAWN) if job.is_unwanted else job)
 
+    def _judge_modification(self, job: HandedJob) -> None:
+        """Ends a modification that a listing after its answer does not show."""
+        for change in job.changes:
+            if change.segment.status in FINAL_STATUSES:
+                self._end_modification(job.id, f'{change.segment.id} has ended')
+                return
+            if change.segment.status not in MODIFYING_STATUSES \
+                    and modification_of(change) in self._tried:
+                self._end_modification(job.id, f'{change.segment.id} keeps its {change.field}')
+                return
+
+    def _end_modification(self, id: str, reason: str) -> None:
+        job = self._jobs.get(id)
+        if job is not None and job.wanted:
+            self._put(job.refused(reason))
+
+    def _next_modification(self) -> Optional[Tuple[str, str]]:
+        """The job and the command of a modification that is due."""
+        for job in self._jobs.values():
+            for change in job.changes if job.is_in_hand and not job.is_unwanted else ():
+                line = modification_of(change)
+                if line not in self._tried \
+                        and change.segment.status not in (*FINAL_STATUSES, *MODIFYING_STATUSES):
+                    return job.id, line
+        return None
+
     def _next_to_ask(self, now: float) -> Optional[HandedJob]:
         return next((job for job in self._jobs.values()
                      if job.is_in_hand and self._is_to_be_asked(job, now)), None)
@@ -218,7 +296,7 @@ class JobClient:
     def _is_to_be_asked(self, job: HandedJob, now: float) -> bool:
         """Whether nothing was heard of a job; a cancellation is repeated until it has its end."""
         times = self._asked if job.is_unwanted else self._heard
-        return (job.id in self._errors or job.id not in times
+        return (job.id in self._errors or job.id in self._unsure or job.id not in times
                 or now - times[job.id] >= ASKED_EVERY)
 
     # -- the disk ----------------------------------------------------------------------------------
@@ -235,6 +313,7 @@ class JobClient:
 
     def _put(self, job: HandedJob) -> None:
         """Changes a job by what was heard; it is stored later: it can be asked for again."""
+        job = job.settled()
         if job != self._jobs[job.id]:
             self._jobs[job.id] = self._changed[job.id] = job
             self._is_stored = False

@@ -72,6 +72,14 @@ class JobHandover:
         self._link.wake()
         return job
 
+    def modify(self, request: str, stops: Tuple[HandedStop, ...]) -> HandedJob:
+        """Gives a job other goals or priorities. Raises as `JobClient.modify`."""
+        with self._lock:
+            job = self._jobs.modify(request, stops)
+            self._tell()
+        self._link.wake()
+        return job
+
     def cancel(self, id: str) -> None:
         """Cancels a job. Raises OSError."""
         with self._lock:

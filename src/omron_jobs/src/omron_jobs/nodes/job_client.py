@@ -1,7 +1,7 @@
 """job_client: hands jobs of this workspace to an OMRON Fleet Manager, over ARCL.
 
 Actions
-    ~queue_job (omron_ld90_msgs/QueueJob): a job, from its acceptance to its end
+    ~queue_job (omron_ld90_msgs/QueueJob): a job, or other goals or priorities for one; to its end
 Publishes
     ~job_status (omron_ld90_msgs/JobStatus): each change of a job; those of all open jobs at a start
     /diagnostics
@@ -31,14 +31,21 @@ from omron_jobs.client.handed_jobs import HandedJob, HandedState, HandedStop, Ha
 from omron_jobs.client.job_client import JobClient, TooManyJobs
 from omron_jobs.network.job_handover import JobHandover
 from omron_jobs.nodes.handed_jobs_file import HandedJobsFile
-from omron_ld90_msgs.msg import JobStatus, JobStop, QueueJobAction, QueueJobFeedback, QueueJobResult
+from omron_ld90_msgs.msg import (
+    JobStatus,
+    JobStop,
+    QueueJobAction,
+    QueueJobFeedback,
+    QueueJobGoal,
+    QueueJobResult,
+)
 
 _NAME = 'job_client'
 _KINDS = {JobStop.PICKUP: HandedStopKind.PICKUP, JobStop.DROPOFF: HandedStopKind.DROPOFF}
 
 
 class JobClientNode:
-    """The node: see the module's text. One lock guards the jobs and the goals that wait for them."""
+    """The node: see the module's text. One lock guards the jobs and the goals that wait."""
 
     def __init__(self) -> None:
         host, port = parameter('~fleet_manager_ip'), parameter('~port', 7171, int)
@@ -65,12 +72,14 @@ class JobClientNode:
         with self._lock:
             try:
                 wanted = goal.get_goal()
-                job = self._handover.request(stops_of(wanted.stops), wanted.request_id)
+                stops = stops_of(wanted.stops)
+                job = (self._handover.modify(wanted.request_id, stops) if wanted.modifies
+                       else self._handover.request(stops, wanted.request_id))
             except (WrongJob, TooManyJobs) as problem:
-                goal.set_rejected(text=f'The job is not queued: {problem}.')
+                goal.set_rejected(text=f'{_refusal(wanted)}: {problem}.')
                 return
             except OSError as problem:
-                goal.set_rejected(text=f'The job is not queued, it cannot be stored: {problem}.')
+                goal.set_rejected(text=f'{_refusal(wanted)}, this cannot be stored: {problem}.')
                 return
             goal.set_accepted()
             self._goals.setdefault(job.id, []).append(goal)
@@ -119,6 +128,10 @@ class JobClientNode:
         return status
 
 
+def _refusal(wanted: QueueJobGoal) -> str:
+    return f'The job is not {"modified" if wanted.modifies else "queued"}'
+
+
 def stops_of(stops: Iterable[JobStop]) -> Tuple[HandedStop, ...]:
     """The stops of a message. Raises WrongJob."""
     found: List[HandedStop] = []
@@ -133,9 +146,12 @@ def stops_of(stops: Iterable[JobStop]) -> Tuple[HandedStop, ...]:
 def status_of(job: HandedJob) -> JobStatus:
     """The message about a job."""
     status = JobStatus(job_id=job.id, request_id=job.request, state=int(job.state),
-                       segment_ids=[id for id, _ in job.segments],
-                       segment_states=[state for _, state in job.segments], robot=job.robot,
-                       reason=job.reason)
+                       segment_ids=[one.id for one in job.segments],
+                       segment_states=[one.status for one in job.segments],
+                       segment_goals=[one.goal for one in job.segments],
+                       segment_priorities=[one.priority for one in job.segments], robot=job.robot,
+                       reason=job.reason, modification=int(job.modification),
+                       linked_job_id=job.linked)
     status.header.stamp = rospy.Time.now()
     return status
 

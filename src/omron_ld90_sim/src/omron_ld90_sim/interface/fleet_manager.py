@@ -21,6 +21,7 @@ from omron_ld90_sim.interface.job_queue import (
     DoubleJob,
     JobQueue,
     NewSegment,
+    NotModifiable,
     QueueRobot,
     QueueSegment,
     line_of,
@@ -111,10 +112,11 @@ class SimFleetManager:
             raise BadJob(f'{command} no such goal "{name}"')
         return found
 
-    def add(self, wanted: Sequence[NewSegment], job: str) -> List[QueueSegment]:
-        """Queues a job. Raises BadJob."""
+    def add(self, wanted: Sequence[NewSegment], job: str,
+            swap: Optional[QueueSegment] = None) -> List[QueueSegment]:
+        """Queues a job, after a drop-off if it is a swap. Raises BadJob."""
         try:
-            return self.queue.add(wanted, job)
+            return self.queue.add(wanted, job, swap)
         except DoubleJob as problem:
             raise BadJob(str(problem)) from None
 
@@ -199,11 +201,13 @@ def _pickup_dropoff(manager: SimFleetManager, session: SimSession, words: List[s
     goals = [manager.goal(word, 'queuePickupDropoff') for word in words[:2]]
     first = _priority(_at(words, 2, 'default'), PICKUP)
     second = _priority(_at(words, 3, 'default'), DROPOFF)
+    swap = manager.queue.swap_at(goals[0])
     added = manager.add([NewSegment(goals[0], 'PICKUP', first),
-                         NewSegment(goals[1], 'DROPOFF', second)], _at(words, 4))
+                         NewSegment(goals[1], 'DROPOFF', second)], _at(words, 4), swap)
+    linked = f' and linked to job_id {swap.job}' if swap is not None else ''
     session.send(f'queuepickupdropoff goals "{goals[0]}" and "{goals[1]}" with priorities {first} '
                  f'and {second} ids {added[0].id} and {added[1].id} job_id {added[0].job} '
-                 'successfully queued')
+                 f'successfully queued{linked}')
     manager.queue.announce(added)
 
 
@@ -246,6 +250,23 @@ def _cancel(manager: SimFleetManager, session: SimSession, words: List[str]) -> 
     session.send(f'queuecancel cancelling "{words[0]}" "{words[1]}" '
                  f'"{"" if echo == "default" else echo}" "{reason}" from queue')
     manager.queue.cancel(found, reason)
+
+
+def _modify(manager: SimFleetManager, session: SimSession, words: List[str]) -> None:
+    id, field, value = words[:3]
+    try:
+        segment = manager.queue.check_modifiable(id)
+    except NotModifiable:
+        raise BadJob(f'queueModify no segment "{id}" that can be modified') from None
+    if field.lower() == 'goal':
+        goal, priority = manager.goal(value, 'queueModify'), segment.priority
+        session.send(f'queuemodify modifying id {id} goal "{goal}"')
+    elif field.lower() == 'priority':
+        goal, priority = segment.goal, _priority(value, segment.priority)
+        session.send(f'queuemodify modifying id {id} priority {priority}')
+    else:
+        raise BadJob(f'queueModify bad type "{field}"')
+    manager.queue.modify(segment, goal, priority)
 
 
 def _query(manager: SimFleetManager, session: SimSession, words: List[str]) -> None:
@@ -314,6 +335,7 @@ _ROWS: Tuple[Tuple[str, int, str, _Handler], ...] = (
     ('queueMulti', 5, '<number of goals> 2 <goal> <pickup or dropoff> <priority or default> ... '
                       '[jobId]', _multi),
     ('queueCancel', 2, '<type> <value> [echo] [reason]', _cancel),
+    ('queueModify', 3, '<id> <goal or priority> <value>', _modify),
     ('queueQuery', 2, '<type> <value> [echo]', _query),
     ('queueShow', 0, '[echo]', _show),
     ('queueShowRobot', 0, '[robot or default] [echo]', _show_robot),

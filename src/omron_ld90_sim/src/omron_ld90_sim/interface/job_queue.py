@@ -3,12 +3,19 @@
     status      event                                     next status
     Pending     its turn, and a robot is free             InProgress
                 cancelled                                 Cancelled
+                modified                                  BeforeModify, AfterModify, Pending
     InProgress  its robot has reached the goal            Completed
                 its robot gave up                         Interrupted, then Pending again
                 cancelled                                 Cancelling, Interrupted, Cancelled
+                modified                                  BeforeModify, InterruptedByModify,
+                                                          AfterModify, Pending
 
-Invariants: a robot serves one job at a time; the segments of a job are served in their order, by
-one robot. Words, ids and lines: OMRON's manual I617-E-01 p. 44-49 and 188-236.
+A pickup at the goal where a running job drops off is a swap: it waits for that drop-off, and the
+same robot serves it, in the same second. The two are parted if the drop-off ends otherwise, or if
+one of them gets another goal.
+
+Invariants: a robot serves one job at a time, but for a swap; the segments of a job are served in
+their order, by one robot. Words, ids and lines: OMRON's manual I617-E-01 p. 44-49 and 188-236.
 """
 from __future__ import annotations
 
@@ -50,6 +57,7 @@ class QueueSegment:
     robot: str = NO_ROBOT
     completed: str = 'None None'
     fails: int = 0
+    drives: int = 0
 
     @property
     def is_open(self) -> bool:
@@ -66,6 +74,10 @@ class NewSegment:
     priority: int
 
 
+class NotModifiable(ValueError):
+    """A segment that has ended, or ends."""
+
+
 class DoubleJob(ValueError):
     """The id of an active job."""
 
@@ -80,7 +92,16 @@ class JobQueue:
     segments: List[QueueSegment] = field(default_factory=list)
     _count: int = 0
 
-    def add(self, wanted: Sequence[NewSegment], job: str) -> List[QueueSegment]:
+    def swap_at(self, goal: str) -> Optional[QueueSegment]:
+        """The drop-off of a running job at that goal after which no job is linked yet."""
+        taken = {one.after for one in self.segments if one.is_open}
+        running = {one.job for one in self.segments if one.status == 'InProgress'}
+        return next((one for one in self.segments if one.is_open and one.job in running
+                     and one.goal == goal and one.id.startswith('DROPOFF')
+                     and one.id not in taken), None)
+
+    def add(self, wanted: Sequence[NewSegment], job: str,
+            swap: Optional[QueueSegment] = None) -> List[QueueSegment]:
         """Queues a job; its changes are told from the next `advance` on. Raises DoubleJob."""
         if any(one.is_open and one.job.lower() == job.lower() for one in self.segments):
             raise DoubleJob(f'job id "{job}" is that of an active job')
@@ -92,8 +113,39 @@ class JobQueue:
             added.append(QueueSegment(f'{new.kind}{self._count}', job, new.goal, new.priority,
                                       self.date(), before,
                                       substatus=f'ID_{before}' if before else 'None'))
+        if swap is not None:
+            robot = next(one.robot for one in self.segments
+                         if one.job == swap.job and one.status == 'InProgress')
+            added[0].after, added[0].substatus = swap.id, f'ID_{swap.id}'
+            for one in added:
+                one.robot = robot
         self.segments += added
         return added
+
+    def check_modifiable(self, id: str) -> QueueSegment:
+        """The segment with that id, in any case. Raises NotModifiable."""
+        found = next((one for one in self.segments if one.id.lower() == id.lower()), None)
+        if found is None or found.status not in ('Pending', 'InProgress'):
+            raise NotModifiable(id)
+        return found
+
+    def modify(self, segment: QueueSegment, goal: str, priority: int) -> None:
+        """Gives a segment that is modifiable another goal or priority; a drive begins anew."""
+        was_driven, waited = segment.status == 'InProgress', segment.substatus
+        self._enter(segment, 'BeforeModify', 'Driving' if was_driven else 'None')
+        if was_driven:
+            self._robot(segment.robot).stop()
+            self._enter(segment, 'InterruptedByModify', 'None')
+            segment.robot, waited = NO_ROBOT, 'None'
+        is_elsewhere = goal != segment.goal
+        segment.goal, segment.priority = goal, priority
+        self._enter(segment, 'AfterModify', 'None')
+        self._enter(segment, 'Pending', waited)
+        if is_elsewhere:
+            self._part(segment)
+            for following in self.segments:
+                if following.after == segment.id:
+                    self._part(following)
 
     def announce(self, added: Sequence[QueueSegment]) -> None:
         """Tells segments that were added, after their client has its reply."""
@@ -117,44 +169,77 @@ class JobQueue:
                     self._enter(one, 'Interrupted', 'None')
                 one.completed = self.date()
                 self._enter(one, 'Cancelled', reason)
+        for one in self.segments:
+            if one.after in {ended.id for ended in self.segments if ended.status == 'Cancelled'}:
+                self._part(one)
 
     def advance(self) -> None:
         """Gives free robots what is due."""
-        busy = {one.robot for one in self.segments if one.is_open}
+        busy = {one.robot for one in self.segments if one.is_open and one.status != 'Pending'}
         for robot in self.robots:
             if robot.is_free and robot.name not in busy:
-                due = self._next()
-                if due is None:
-                    return
-                self._begin(due, robot)
+                due = self._next(robot.name)
+                if due is not None:
+                    self._begin(due, robot)
 
-    def _next(self) -> Optional[QueueSegment]:
+    def _next(self, robot: str) -> Optional[QueueSegment]:
         waiting = [one for one in self.segments
-                   if (one.status, one.substatus) == ('Pending', 'None')]
+                   if (one.status, one.substatus) == ('Pending', 'None')
+                   and self._owner(one) in (NO_ROBOT, robot)]
         return max(waiting, key=lambda one: one.priority) if waiting else None
 
-    def _begin(self, segment: QueueSegment, robot: QueueRobot) -> None:
+    def _owner(self, segment: QueueSegment) -> str:
+        """The robot that has served the segment before, which serves this one, too."""
+        return next((one.robot for one in self.segments if one.id == segment.after), NO_ROBOT)
+
+    def _linked(self, job: str) -> List[QueueSegment]:
+        """The open segments of the job that is linked to this one."""
+        ids = {one.id for one in self.segments if one.job == job and one.is_open}
+        jobs = {one.job for one in self.segments if one.after in ids and one.job != job}
+        return [one for one in self.segments if one.is_open and one.job in jobs]
+
+    def _part(self, segment: QueueSegment) -> None:
+        """Ends a swap: the job waits for a robot as any other."""
+        before = next((one for one in self.segments if one.id == segment.after), None)
+        if segment.is_open and before is not None and before.job != segment.job:
+            segment.after, segment.substatus = '', 'None'
+            for one in self.segments:
+                if one.is_open and one.job == segment.job:
+                    one.robot = NO_ROBOT
+            self.tell(segment)
+
+    def _begin(self, segment: QueueSegment, robot: QueueRobot, is_there: bool = False) -> None:
         self._enter(segment, 'InProgress', 'UnAllocated')
         segment.robot = robot.name
+        for one in self._linked(segment.job):
+            one.robot = robot.name
         self._enter(segment, 'InProgress', 'Allocated')
         self._enter(segment, 'InProgress', 'Driving')
+        segment.drives += 1
+        drive = segment.drives
 
         def ended(is_there: bool) -> None:
-            if segment.status == 'InProgress':
+            if segment.status == 'InProgress' and segment.drives == drive:
                 self._end(segment, robot, is_there)
-        robot.drive(segment.goal, ended)
+        if is_there:
+            self._end(segment, robot, True)
+        else:
+            robot.drive(segment.goal, ended)
 
     def _end(self, segment: QueueSegment, robot: QueueRobot, is_there: bool) -> None:
         if not is_there:
             self._enter(segment, 'Interrupted', 'None')
             segment.robot, segment.fails = NO_ROBOT, segment.fails + 1
             self._enter(segment, 'Pending', 'None')
+            for following in self.segments:
+                if following.after == segment.id:
+                    self._part(following)
             return
         segment.completed = self.date()
         self._enter(segment, 'Completed', 'None')
         for following in self.segments:
             if following.after == segment.id and following.is_open:
-                self._begin(following, robot)
+                self._begin(following, robot, is_there=following.job != segment.job)
 
     def _enter(self, segment: QueueSegment, status: str, substatus: str) -> None:
         segment.status, segment.substatus = status, substatus
