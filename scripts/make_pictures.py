@@ -305,6 +305,7 @@ def stack_pictures(screen: Screen) -> None:
          f'arcl_port:={free_port()}', f'outgoing_port:={free_port()}'], stdout=subprocess.DEVNULL)
     window = None
     try:
+        wait_until(rosgraph.Master('/make_pictures').is_online, 120.0, 'the ROS master')
         rospy.init_node('make_pictures', disable_signals=True)
         window = RvizWindow(screen, str(IMAGES), SCALE)
         film(window)
