@@ -5,7 +5,8 @@
 roslaunch and the nodes of a fleet print some hundred lines at a start. This shows one line for each
 stage, all warnings and errors, and the line that says what is ready; from then on all that nodes
 say. After Ctrl-C it shows errors only. It decides only what is shown: ROS keeps all lines in its
-log files. It passes SIGINT, SIGTERM and SIGHUP on to roslaunch, and ends with its exit status.
+log files. It passes SIGINT, SIGTERM and SIGHUP on to roslaunch, and ends with its exit status. If
+nothing reads its output any more, it ends roslaunch.
 
 States:  STARTING  until a node says that it is ready, or PATIENCE is over
          RUNNING   until a signal comes
@@ -121,6 +122,11 @@ def main(arguments: Optional[Sequence[str]] = None) -> int:
     assert launch.stdout is not None
     for line in launch.stdout:
         shown = output.shown(line, time.monotonic() - begun)
-        if shown:
+        if not shown:
+            continue
+        try:
             print(shown, flush=True)
+        except BrokenPipeError:  # the reader has gone, as with `| head`
+            os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
+            pass_on(signal.SIGINT, None)
     return launch.wait()
