@@ -59,10 +59,12 @@ class RunScript(unittest.TestCase):
 
         wait_until(lambda: not file.exists(), 10, f'the end of {file}')
         self.assertNotIn(PASSWORD, self.told())
-        *_, starting, nodes, ready = self.told().splitlines()
-        self.assertRegex(starting, '^== Starting: ')
-        self.assertRegex(nodes, '^[0-9]+ nodes start under the ROS master at http://')
-        self.assertRegex(ready, '^Ready: omron_ld90. Click a goal in RViz, or ')
+        # This robot opens no outgoing connection: a slow start warns of it.
+        lines = [line for line in self.told().splitlines() if not line.startswith('[WARN]')]
+        for line, pattern in zip(lines[-3:], (
+                '^== Starting: ', '^[0-9]+ nodes start under the ROS master at http://',
+                '^Ready: omron_ld90. Click a goal in RViz, or ')):
+            self.assertRegex(line, pattern, self.told())
         logs = [log for log in self.logs.rglob('*.log') if log.is_file()]
         self.assertTrue(any('roslaunch' in log.name for log in logs), logs)
         self.assertEqual([log.name for log in logs
