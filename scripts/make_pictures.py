@@ -299,12 +299,14 @@ def main() -> int:
 def stack_pictures(screen: Screen) -> None:
     """Pictures of the stack with a simulated robot, on ports of its own."""
     port = free_port()
-    os.environ['ROS_MASTER_URI'] = f'http://127.0.0.1:{port}'
+    os.environ['ROS_MASTER_URI'] = screen.environment['ROS_MASTER_URI'] = (
+        f'http://127.0.0.1:{port}')
     stack = subprocess.Popen(
         ['roslaunch', '-p', str(port), 'omron_ld90', 'full_stack.launch', 'rviz:=false',
          f'arcl_port:={free_port()}', f'outgoing_port:={free_port()}'], stdout=subprocess.DEVNULL)
     window = None
     try:
+        wait_until(rosgraph.Master('/make_pictures').is_online, 120.0, 'the ROS master')
         rospy.init_node('make_pictures', disable_signals=True)
         window = RvizWindow(screen, str(IMAGES), SCALE)
         film(window)

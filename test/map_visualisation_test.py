@@ -105,7 +105,7 @@ class MapVisualisationTest(unittest.TestCase):
             MapObject.forbidden_line(0, 0, 300, 400)))
         expected = {
             'points': (Marker.POINTS, 5, (0.0, 0.0, 0.0)),
-            'lines': (Marker.LINE_LIST, 2, (0.35, 0.37, 0.42)),
+            'lines': (Marker.LINE_LIST, 2, (0.05, 0.06, 0.08)),
             'goals': (Marker.CUBE_LIST, 2, (0.0, 0.7, 0.15)),
             'docks': (Marker.CUBE_LIST, 1, (0.0, 0.7, 0.15))}
         for topic, (kind, count, colour) in expected.items():
@@ -120,7 +120,7 @@ class MapVisualisationTest(unittest.TestCase):
         names = {marker.text: marker for marker in
                  drawn(latched('map_markers/goal_names', MarkerArray))}
         self.assertEqual({'Shelf', 'Door', 'Station'}, set(names))
-        self.assertLess(names['Shelf'].pose.position.x, 0.5, 'the name is left of its goal')
+        self.assertGreater(names['Shelf'].pose.position.x, 0.5, 'the name is right of its goal')
         self.assertEqual(1.0, names['Shelf'].color.r)
 
         arrows = drawn(latched('map_markers/goal_headings', MarkerArray))

@@ -29,7 +29,8 @@ GOAL_MENU, DOCK_MENU = MENUS[TargetKind.GOAL], MENUS[TargetKind.DOCK]
 ROUTE = (-13, 8, 9, 3)  # from the dock to vertex 14
 START = (-8000.0, 0.0, 0.0)  # at goal 10
 
-GREEN, RED, YELLOW = (20, 175, 50), (215, 20, 20), (245, 208, 40)
+GREEN, YELLOW = (20, 175, 50), (245, 208, 40)
+ARROW = (67, 88, 210)  # as BODY, under the red of the stop handle
 VIOLET, LIGHT_BLUE, WHITE, BLUE = (185, 170, 250), (90, 190, 255), (255, 255, 255), (75, 150, 250)
 # colours of one area, and of two overlapping areas
 ORANGE, DEEP_ORANGE = (146, 108, 52), (190, 121, 31)
@@ -133,8 +134,9 @@ class RvizTest(RvizTestCase):
         self.assertGreaterEqual(len(self.lab.forbidden_areas), 3)
         for name in self.names.messages[-1].markers:
             if name.text:
-                self.assertLess(name.pose.position.x, self.place(name.text)[0],
-                                f'{name.text} stands at the left')
+                x, y = self.place(name.text)
+                away = abs(name.pose.position.x - x), abs(name.pose.position.y - y)
+                self.assertGreater(min(away), 0.35, f'{name.text} stands at a corner')
         self.window.wait_for_picture('rviz_map', self.missing_of_the_map, timeout=60.0)
 
     def missing_of_the_map(self, picture) -> list:
@@ -144,7 +146,7 @@ class RvizTest(RvizTestCase):
 
         robot = self.poses.messages[-1].pose.position  # the robot faces east, on goal 10
         seen = {
-            'the red arrow of the robot': colour_at(robot.x + 0.4, robot.y, RED, 8) > 10,
+            'the blue arrow of the robot': colour_at(robot.x + 0.4, robot.y, ARROW, 8) > 10,
             'the body of the robot': colour_at(robot.x - 0.2, robot.y + 0.1, BODY, 3, 15.0) > 10,
         }
         for goal in self.lab.goals:
@@ -285,7 +287,7 @@ class RvizTest(RvizTestCase):
         def missing(picture) -> list:
             banner = sum(count_near(picture, (x, 98), FAILURE, 20) for x in range(200, 1100, 41))
             seen = {'the banner in red': banner > 50,
-                    'a place without the arrow': count_near(picture, pixel, RED, 20) == 0,
+                    'a place without the arrow': count_near(picture, pixel, ARROW, 20) == 0,
                     'a place without the body': count_near(picture, pixel, BODY, 12, 15.0) == 0}
             return [what for what, is_seen in seen.items() if not is_seen]
         self.window.wait_for_picture('rviz_dead_link', missing)

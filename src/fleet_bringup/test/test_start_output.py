@@ -6,7 +6,7 @@ import signal
 import subprocess
 import sys
 from pathlib import Path
-from typing import List
+from typing import Iterator, List
 
 import pytest
 
@@ -96,26 +96,43 @@ def test_after_ctrl_c_only_errors_are_seen() -> None:
     assert seen(output, WARNING, NEWS, *END, error) == [error]
 
 
-@pytest.mark.parametrize('sign', [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
-def test_a_signal_reaches_roslaunch_whose_exit_status_is_returned(tmp_path: Path,
-                                                                  sign: signal.Signals) -> None:
-    """A stand-in for roslaunch says which signal it got."""
+@pytest.fixture
+def shown(tmp_path: Path) -> Iterator[subprocess.Popen]:
+    """The program with a stand-in for roslaunch, which says which signal it got."""
     program = tmp_path / 'roslaunch'
     program.write_text(f"""#!{sys.executable}
 import signal, sys
+def end(sign, _):
+    print('ERROR: got', sign)
+    sys.exit(40 + sign)
 for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
-    signal.signal(number, lambda sign, _: (print('ERROR: got', sign), sys.exit(40 + sign)))
+    signal.signal(number, end)
 print('works with', sys.argv[1:])
-signal.pause()
+while True:
+    signal.sigtimedwait([], 0.1)
+    print('more')
 """)
     program.chmod(0o755)
-    shown = subprocess.Popen(
-        [sys.executable, '-c', 'import sys; from fleet_bringup.start_output import main; '
-         'sys.exit(main(["a.launch"]))'], stdout=subprocess.PIPE, text=True,
-        env={**os.environ, 'PATH': f'{tmp_path}:{os.environ["PATH"]}'})
+    with subprocess.Popen(
+            [sys.executable, '-c', 'import sys; from fleet_bringup.start_output import main; '
+             'sys.exit(main(["a.launch"]))'], stdout=subprocess.PIPE, text=True,
+            env={**os.environ, 'PATH': f'{tmp_path}:{os.environ["PATH"]}'}) as process:
+        yield process
+        process.kill()
+
+
+@pytest.mark.parametrize('sign', [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
+def test_a_signal_reaches_roslaunch_whose_exit_status_is_returned(
+        shown: subprocess.Popen, sign: signal.Signals) -> None:
     assert shown.stdout is not None
     assert shown.stdout.readline() == "works with ['--disable-title', 'a.launch']\n"
     shown.send_signal(sign)
-    assert shown.stdout.read() == f'ERROR: got {int(sign)}\n'
+    assert shown.stdout.read().endswith(f'ERROR: got {int(sign)}\n')
     assert shown.wait(10) == 40 + sign
+
+
+def test_roslaunch_ends_if_nothing_reads_the_output_any_more(shown: subprocess.Popen) -> None:
+    assert shown.stdout is not None
+    shown.stdout.readline()
     shown.stdout.close()
+    assert shown.wait(10) == 40 + signal.SIGINT

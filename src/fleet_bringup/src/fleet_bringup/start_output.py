@@ -5,7 +5,8 @@
 roslaunch and the nodes of a fleet print some hundred lines at a start. This shows one line for each
 stage, all warnings and errors, and the line that says what is ready; from then on all that nodes
 say. After Ctrl-C it shows errors only. It decides only what is shown: ROS keeps all lines in its
-log files. It passes SIGINT, SIGTERM and SIGHUP on to roslaunch, and ends with its exit status.
+log files. It passes SIGINT, SIGTERM and SIGHUP on to roslaunch, and ends with its exit status. If
+nothing reads its output any more, it ends roslaunch.
 
 States:  STARTING  until a node says that it is ready, or PATIENCE is over
          RUNNING   until a signal comes
@@ -39,13 +40,13 @@ _NOISE: Tuple[Pattern[str], ...] = tuple(map(re.compile, (
     r'\[\S+\] killing on exit', r'shutting down processing monitor',
     r'\.\.\. shutting down processing monitor complete$', r'done$',
     r'(faults|ready: ARCL) on ',  # of a simulator
-    r'\d+: Note: It is recommended to replace `message_size_limit`',  # of some versions of mosquitto
+    r'\d+: Note: It is recommended to replace `message_size_limit`',  # of some mosquittos
     # RViz prints these with some graphics drivers, and draws right
     r'QStandardPaths: ', r'\[(rospack|librospack)\].*(media_export|executing command)',
     r'rviz/glsl120/', r' GLSL link result', r'active samplers with a different type')))
 
 
-class Stage(Enum):
+class StartState(Enum):
     """A state of the start; see the docstring of the module."""
 
     STARTING = 'starting'
@@ -57,20 +58,20 @@ class StartOutput:
     """Decides which lines are shown, and how."""
 
     def __init__(self) -> None:
-        self.stage = Stage.STARTING
+        self.state = StartState.STARTING
         self._nodes = 0
 
     def end(self) -> None:
         """A person ends the launch."""
-        self.stage = Stage.ENDING
+        self.state = StartState.ENDING
 
     def shown(self, line: str, seconds: float) -> str:
         """What a person sees of a line; empty: nothing.
 
         seconds -- since the start
         """
-        if self.stage is Stage.STARTING and seconds > PATIENCE:
-            self.stage = Stage.RUNNING
+        if self.state is StartState.STARTING and seconds > PATIENCE:
+            self.state = StartState.RUNNING
         line = _ESCAPE.sub('', line).rstrip()
         told = _OF_A_NODE.match(line)
         if told and not any(noise.match(told.group(3)) for noise in _NOISE):
@@ -82,16 +83,16 @@ class StartOutput:
     def _of_node(self, line: str, severity: str, words: str) -> str:
         if severity in ('ERROR', 'FATAL'):
             return line
-        if self.stage is Stage.ENDING:
+        if self.state is StartState.ENDING:
             return ''
         if words.startswith(READY):
-            self.stage = Stage.RUNNING
+            self.state = StartState.RUNNING
             return words
-        return line if severity == 'WARN' or self.stage is Stage.RUNNING else ''
+        return line if severity == 'WARN' or self.state is StartState.RUNNING else ''
 
     def _of_roslaunch(self, line: str) -> str:
         """A line of roslaunch, or what a program prints by itself, such as a traceback."""
-        if self.stage is not Stage.STARTING:
+        if self.state is not StartState.STARTING:
             return line
         if _SUMMARY_NODE.match(line):
             self._nodes += 1
@@ -121,6 +122,11 @@ def main(arguments: Optional[Sequence[str]] = None) -> int:
     assert launch.stdout is not None
     for line in launch.stdout:
         shown = output.shown(line, time.monotonic() - begun)
-        if shown:
+        if not shown:
+            continue
+        try:
             print(shown, flush=True)
+        except BrokenPipeError:  # the reader has gone, as with `| head`
+            os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
+            pass_on(signal.SIGINT, None)
     return launch.wait()

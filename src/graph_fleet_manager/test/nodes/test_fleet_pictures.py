@@ -13,7 +13,11 @@ from fleet_core.supervision.fleet_stop import NOT_STOPPED, FleetStop, StopCause
 from fleet_core.supervision.looks import ResourceLook
 from fleet_core.supervision.waits import WaitCode
 from graph_fleet_manager.nodes.rviz import stop_picture
-from graph_fleet_manager.nodes.rviz.graph_picture import graph_markers, place_texts
+from graph_fleet_manager.nodes.rviz.graph_picture import (
+    graph_markers,
+    place_texts,
+    window_of,
+)
 from graph_fleet_manager.nodes.rviz.menus import BUTTON, BUTTON_ABOVE
 from graph_fleet_manager.nodes.rviz.paints import LOAD, PAINTS
 from graph_fleet_manager.nodes.rviz.picture import PictureChanges
@@ -75,14 +79,13 @@ def test_no_id_of_a_vertex_covers_an_edge_or_another_id():
         assert not [1 for x, y in points if left < x < right and lower < y < upper]
 
 
-def test_a_robots_label_keeps_clear_of_the_edges_if_it_can():
+@pytest.mark.parametrize('vertex', [1, 4, 12, 26, 40])
+def test_a_robots_label_keeps_clear_of_the_edges_of_a_crossing(vertex):
     graph = laboratory()
-    places = LabelPlaces()
-    driving = {'a': Label(*graph.curve(1).point_at(graph.curve(1).length / 2.0), 0.4,
-                          'agv_1  100 %', 0.42)}
-    places.choose(driving, beneath=place_texts(graph).edges)
-    box = driving['a'].boxes()[places.side('a')]
-    assert place_texts(graph).edges.covered(box) == Covered()
+    places, edges = LabelPlaces(), place_texts(graph).edges
+    there = Label(*graph.vertices[vertex].position, 0.4, 'agv_1  100 %\nidle', 0.42)
+    places.choose({'a': there}, window_of(graph), beneath=edges)
+    assert edges.covered(there.boxes()[places.side('a')]) == Covered()
 
 
 def test_closed_edges_have_the_colour_of_shut_doors_because_red_is_for_trouble():

@@ -5,6 +5,7 @@ if it must, but covers other labels and robots least of all (`placing`).
 """
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Dict, Iterable, List, Mapping, Optional, Tuple
 
@@ -72,7 +73,8 @@ class LabelPlaces:
         places = Places(window, beneath=beneath)
         for box in names:
             places.cover(box, is_soft=True)
-        for box in (*buttons, *(box_around((one.x, one.y), (2.0 * one.radius,) * 2)
+        # The square within its disc: else no label beside a corner would be clear of its own robot.
+        for box in (*buttons, *(box_around((one.x, one.y), (math.sqrt(2.0) * one.radius,) * 2)
                                 for one in labels.values())):
             places.cover(box)
         self._sides = {name: places.place(one.boxes(), self._sides.get(name, -1), MayCover.ALL)

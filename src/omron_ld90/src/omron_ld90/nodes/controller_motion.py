@@ -15,7 +15,6 @@ from node_lifecycle.kept_files import hold, in_ros_home, replace_json
 from omron_arcl.records import DriveMemory, RobotMotion
 from omron_ld90_msgs import msg
 
-
 ROBOT_ID = 'robot_id'
 
 

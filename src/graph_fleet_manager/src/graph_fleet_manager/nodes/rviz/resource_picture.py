@@ -30,7 +30,7 @@ from trajectory_graph.placing import (
 
 BAND, RING, THIN = 0.22, 0.1, 0.04                      # m, widths of lines
 STATION_RADIUS, QUEUE_RADIUS, MACHINE = 0.45, 0.32, 0.58  # m; of a machine, half of its side
-TEXT_HEIGHT, TEXT_AWAY = 0.36, 0.12                     # m
+TEXT_HEIGHT, TEXT_AWAY = 0.36, 0.2                      # m
 _Z = 0.01
 
 

@@ -1,4 +1,4 @@
-"""The robot's state for RViz: body, red arrow, destination, and a banner above the map.
+"""The robot's state for RViz: body, arrow, destination, and a banner above the map.
 
 All markers have the lifetime `LIFETIME` and are sent again before it ends. So nothing remains when
 the robot, its link or this program is gone. Metres, in the map frame.
@@ -24,7 +24,7 @@ from rviz_drawing import drawing
 from rviz_drawing.fast_messages import FastMarkerArray
 
 LIFETIME = 2.5  # s
-ARROW = drawing.colour(1.0, 0.1, 0.1)
+ARROW = drawing.colour(0.15, 0.4, 1.0)
 DESTINATION = drawing.colour(1.0, 0.85, 0.15)
 GHOST = drawing.colour(0.6, 0.6, 0.65, 0.6)
 WELL = drawing.colour(0.92, 0.94, 0.97)
