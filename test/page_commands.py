@@ -24,7 +24,9 @@ from pathlib import Path
 from typing import List, Optional
 
 ROOT = Path(__file__).resolve().parents[1]
-PAGES = (ROOT / 'README.md', *sorted((ROOT / 'docs' / 'tutorials').glob('*.md')))
+HOW_TO = ('from_opentcs', 'from_one_robot')  # how-to pages whose commands need no real robot
+PAGES = (ROOT / 'README.md', *sorted((ROOT / 'docs' / 'tutorials').glob('*.md')),
+         *(ROOT / 'docs' / 'how-to' / f'{name}.md' for name in HOW_TO))
 SHELLS = ('bash', 'sh', 'shell', 'console')
 # s, after the start of a command that goes on, in which the next command must succeed
 START = 180.0

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Follows README and each tutorial from the first command to the last, as a reader does."""
+"""Follows README, tutorials and some how-to pages from the first command to the last."""
 from __future__ import annotations
 
 import subprocess

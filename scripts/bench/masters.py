@@ -146,7 +146,7 @@ def measure(count: int, folder: Path) -> List[Tuple[str, str, str]]:
          f'{together:.1f} s', ''),
         (f'robot {count} started: from its own first report until the fleet manager has it',
          f'{late:.1f} s', '< 5 s'),
-        ('bytes between and on all computers, for one robot that stands; by itself',
+        ('network traffic for each robot that stands: masters joined; not joined',
          f'{joined / count / 1000:.1f}; {floor / 1000:.1f} kB/s', '')]
     for name, use in (("the fleet manager's", hub), ("each robot's", robots)):
         rows.append((f'what joins masters, on {name} computer: memory, cores',

@@ -1,4 +1,4 @@
-"""A test runs each command of README and the tutorials, or a comment says why not."""
+"""A test runs each command of README, tutorials and some how-to pages, or says why not."""
 from __future__ import annotations
 
 import re

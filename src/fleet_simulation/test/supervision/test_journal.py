@@ -25,6 +25,7 @@ from fleet_core.supervision.journal import Journal, RobotMemory
 from fleet_core.supervision.journal_database import (
     JournalError,
     JournalUnavailable,
+    NoJournal,
     UnknownLayout,
 )
 from fleet_core.supervision.mission_book import MissionBook
@@ -128,7 +129,7 @@ def test_files_that_are_no_journals_are_named(tmp_path):
     for use in (Journal, lambda path: list(history(path))):
         with pytest.raises(JournalError, match='notes.txt'):
             use(str(path))
-    with pytest.raises(JournalError, match='There is no journal'):
+    with pytest.raises(NoJournal, match='There is no journal'):
         list(history(str(tmp_path / 'none.sqlite')))
 
 

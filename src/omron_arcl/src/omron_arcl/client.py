@@ -218,7 +218,7 @@ class Client(ArclLink):
             self._pulse = None
         if self._pulse is None and now - self._pulsed_at >= period:
             self._pulsed_at = now
-            with contextlib.suppress(Busy):  # a full queue brings enough signs of life
+            with contextlib.suppress(Busy):  # answers to what is queued show that the robot lives
                 self._pulse = self.execute(self._heartbeats[0])
 
     def _call_back(self) -> None:

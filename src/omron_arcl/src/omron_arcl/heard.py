@@ -125,7 +125,10 @@ class RobotWords:
         self.replacing = False
 
     def _docking_said(self, reply: replies.DockingStatus) -> None:
-        """A docking state is also an answer, so that only a change says what the robot does."""
+        """Takes up a change of the docking state.
+
+        The same state again says nothing: it is also sent as an answer.
+        """
         before, self._docking = self._docking, reply.docking
         if before is reply.docking:
             return

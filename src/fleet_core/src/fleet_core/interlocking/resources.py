@@ -48,7 +48,11 @@ class Resource:
 
     @property
     def orders_plans(self) -> bool:
-        """Is it for one robot, and has places that would not exclude each other without it?"""
+        """Does the order of plans depend on it?
+
+        So it does if it is for one robot, and has several places. Without it, two robots could be
+        at these places at once.
+        """
         return self.capacity == 1 and (bool(self.edges) or len(self.vertices) > 1)
 
 

@@ -106,7 +106,10 @@ class PathQuery:
         return leg, served, leaves
 
     def may_rest(self, vertex: int, until: float) -> bool:
-        """May the robot, when all is served, end at this vertex, which is free `until` then?"""
+        """May the robot stay at this vertex after its last destination?
+
+        until -- time until which the vertex is free
+        """
         return self.rests is None or (until == inf and vertex in self.rests)
 
     def cost(self, plan: Sequence[Drive]) -> float:

@@ -46,7 +46,7 @@ class RemainingDrives(NamedTuple):
 
 
 class Switched(NamedTuple):
-    """Another order.
+    """An order of the drives that differs from the order of the plan.
 
     reversed -- numbers of the groups whose order is reversed
     starts   -- when each robot is to begin each drive of its course

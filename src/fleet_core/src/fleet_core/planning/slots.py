@@ -96,7 +96,7 @@ class Slots:
         """When `slot` is blocked. At the very ends of these times it is free."""
         busy = self.merged[slot]
         if busy is None:
-            row = self._rows[slot]  # it is mostly there, and searches ask for very many slots
+            row = self._rows[slot]  # most slots have one: no call for these
             busy = self.merged[slot] = merge(self.row(slot) if row is None else row)
         return busy
 

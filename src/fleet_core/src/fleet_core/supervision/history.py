@@ -8,7 +8,7 @@ from typing import Callable, Iterator, List, NamedTuple, Optional, Tuple
 from urllib.parse import quote
 
 from fleet_core.supervision.journal import OPEN_STATES, read_request
-from fleet_core.supervision.journal_database import JournalError
+from fleet_core.supervision.journal_database import JournalError, NoJournal
 from fleet_core.supervision.missions import MissionState, short_name
 
 _PAGE = 1000  # number of missions that are read at a time
@@ -69,13 +69,13 @@ def row_of(line: HistoryLine, moment: Callable[[float], str]) -> List[str]:
 def history(path: str, since: float = -math.inf) -> Iterator[HistoryLine]:
     """All missions in the history, read page by page. The supervisor may write meanwhile.
 
-    Raises JournalError if there is no such file, or it is no journal.
+    Raises NoJournal if there is no such file, and JournalError if it is no journal.
 
     since -- s since 1970: ended missions that have not changed since then are omitted
     """
     wanted = '' if since == -math.inf else f'AND (changed >= :since OR state IN {OPEN_STATES})'
     if not os.path.isfile(path):
-        raise JournalError(f'There is no journal {path}: no mission was ever accepted on this '
+        raise NoJournal(f'There is no journal {path}: no mission was ever accepted on this '
                            'computer, or it is kept elsewhere.')
     try:
         db, unchanged = _opened(path)

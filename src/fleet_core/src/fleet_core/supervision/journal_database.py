@@ -65,6 +65,10 @@ class JournalError(Exception):
     """The journal cannot be used. The text is one sentence that says what to do."""
 
 
+class NoJournal(JournalError):
+    """There is no file: no mission was ever accepted, or the file is kept elsewhere."""
+
+
 class UnknownLayout(JournalError):
     """The file is a database, but no journal that this version can read."""
 

@@ -83,5 +83,5 @@ def foreseen_edges(goals: Mapping[str, GrantGoal], plan: PlanInForce,
 
 
 def _ends_certainly(record: RouteRecord) -> bool:
-    """Is it certain that the record ends at a vertex, and at which one?"""
+    """Is it certain at which vertex the record ends?"""
     return record.last_vertex is not None and (bool(record.ahead) or not record.protocol.held)

@@ -86,7 +86,7 @@ class Work:
 
     @property
     def is_ending(self) -> bool:
-        """Does the mission end, and what it has begun has not ended yet?"""
+        """Is the mission to end, while something that it has begun has not ended yet?"""
         return self.ending is not Ending.NONE and not self.is_cut
 
     @cached_property

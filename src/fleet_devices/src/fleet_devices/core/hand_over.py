@@ -238,7 +238,7 @@ class HandOverMachine:
             HandOverPhase.BREAKING, now)
 
     def _judge(self, now: float) -> HandOverMachine:
-        """The device after a reading: has the step ended?"""
+        """Returns the device after a reading, which may have ended the step."""
         if self.phase not in (HandOverPhase.WORKING, HandOverPhase.BREAKING) or (
                 not self._is_steady()):
             return self

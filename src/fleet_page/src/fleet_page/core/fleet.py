@@ -70,7 +70,7 @@ class ShownRobot:
 
     @property
     def is_waiting(self) -> bool:
-        """Has it a mission, and waits?"""
+        """Does it have a mission, and wait for something?"""
         return self.mission is not None and not self.is_working and (
             self.wait != WaitCode.NOTHING.name)
 

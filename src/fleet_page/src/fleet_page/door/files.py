@@ -10,7 +10,7 @@ from typing import Dict, Optional
 from aiohttp import web
 
 CHART = '/usr/share/javascript/chart.js/chart.min.js'
-_CHART_MARK = b'Chart.js v3'  # older versions have another interface
+_CHART_MARK = b'Chart.js v3'  # Chart.js 2 needs other calls
 _LOOKED_AT = 300              # bytes at the beginning of the file, which contain its version
 _KINDS = {'.html': 'text/html', '.css': 'text/css', '.js': 'text/javascript',
           '.json': 'application/json', '.svg': 'image/svg+xml'}

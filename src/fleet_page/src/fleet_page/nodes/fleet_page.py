@@ -50,7 +50,7 @@ from rospy.numpy_msg import numpy_msg
 from visualization_msgs.msg import MarkerArray
 
 from fleet_core.supervision.history import HistoryLine, history
-from fleet_core.supervision.journal_database import JournalError
+from fleet_core.supervision.journal_database import JournalError, NoJournal
 from fleet_core.work.stations import Destination, Station, UnknownPlace, destination_of
 from fleet_page.core.acts import Act
 from fleet_page.core.fleet_model import HOUR
@@ -184,6 +184,8 @@ class FleetPageNode:
         try:
             lines = await self._loop.run_in_executor(None, self._page.missions, since)
         except JournalError as error:
+            if isinstance(error, NoJournal) and not self._page.model.unknown:
+                return  # a new site: no mission was accepted yet
             rospy.logwarn_throttle(600.0, 'The destinations of missions from before the start are '
                                           f'not shown: {error}')
         else:
