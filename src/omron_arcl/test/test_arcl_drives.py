@@ -1195,6 +1195,17 @@ class TestLastCommands:
                 bench.drive(ROUTE, number=number, known_epoch=bench.epoch)
         bench.drive(PERSON, 'goto 12', number=1)
 
+    def test_one_that_another_command_came_before_is_not_obeyed(self, bench):
+        known = bench.epoch
+        bench.drive(ROUTE, number=1, known_epoch=known)
+        bench.robot('Going to 12')
+        bench.stop(PERSON)
+        for number in (3, 2):  # the second one is late
+            with pytest.raises(Overruled):
+                bench.drive(ROUTE, 'goto 14', number=number, known_epoch=known)
+            assert self.told(bench) == (3, CommandFate.NOT_OBEYED)
+            assert bench.kept[-1].last_commands == bench.memory.last_commands
+
     def test_a_stop_is_never_late(self, bench):
         bench.drive(ROUTE, number=8)
         bench.stop(ROUTE, number=7)

@@ -21,7 +21,7 @@ from omron_arcl.attribution import Attribution
 from omron_arcl.command_line import parse_command
 from omron_arcl.command_queue import CommandQueue
 from omron_arcl.commands import Command, DriveCourse
-from omron_arcl.drives import Drives
+from omron_arcl.drives import Drives, Overruled
 from omron_arcl.execution import NO_GIVER, Execution, Giver, Outcome, Result
 from omron_arcl.replies import Reply
 
@@ -55,7 +55,7 @@ class Dispatcher:
         default: the command's own. stop_on_timeout: stops a drive that has timed out, unless a
         newer one is under way. number: of the command at its giver; it grows.
         """
-        self.records.check(giver, command, known_epoch, number)
+        self._check(command, giver, known_epoch, number)
         execution = Execution(command, timeout, on_line, on_end, stop_on_timeout, giver,
                               known_epoch, number)
         self._commands.add(execution)
@@ -69,8 +69,15 @@ class Dispatcher:
         Raises Overruled.
         """
         if command.spec.stops:
-            self.records.check(giver, command, known_epoch, number)
+            self._check(command, giver, known_epoch, number)
             self.records.stopped_without_link(giver, number)
+
+    def _check(self, command: Command, giver: Giver, known_epoch: int, number: int) -> None:
+        try:
+            self.records.check(giver, command, known_epoch, number)
+        except Overruled:
+            self.records.overruled(giver, number)
+            raise
 
     def on_connected(self, now: float) -> None:
         """The link is up: commands can be sent from now on."""

@@ -288,9 +288,7 @@ class Drives:
         number -- of the command at its giver; a drive that a newer command has overtaken is late
         """
         spec = command.spec
-        if number and not spec.stops and any(
-                last.giver == giver.name and number <= last.number
-                for last in self._memory.last_commands):
+        if number and not spec.stops and number <= self._last_number(giver):
             raise Overruled(f'it is not newer than the last one of {giver.name}')
         if known_epoch and spec.stops:
             others = self._others_since(giver, known_epoch)
@@ -353,6 +351,12 @@ class Drives:
             self._owe(giver, MotionCause.STOP, f'"stop" of {giver.name}', execution,
                       execution.number)
         execution.progress.epoch = self._memory.epoch
+
+    def overruled(self, giver: Giver, number: int) -> None:
+        """A command was refused because its giver does not know of another one. A command that is
+        late is not told."""
+        if number > self._last_number(giver):
+            self._keep(replace(_NOTHING, giver=giver, command=number))
 
     def cancelled(self, execution: Execution, canceller: Giver) -> None:
         """A giver cancels a drive. If it cancels a drive of its own that it has replaced, or that
@@ -821,7 +825,7 @@ class Drives:
         self._keep(given)
 
     def _keep(self, given: Optional[DriveRecord] = None) -> None:
-        """Stores the memory. `given`: a command that was given just now."""
+        """Stores the memory. `given`: a command that was given, or overruled, just now."""
         last = self._memory.last_commands
         if given and given.command:
             last = (*(one for one in last if one.giver != given.giver.name),
@@ -838,6 +842,10 @@ class Drives:
         if record is not None:
             return record.command_fate
         return last.fate if last.fate in _ENDINGS.values() else CommandFate.NOT_OBEYED
+
+    def _last_number(self, giver: Giver) -> int:
+        return max((last.number for last in self._memory.last_commands
+                    if last.giver == giver.name), default=0)
 
     def _others_since(self, giver: Giver, epoch: int) -> Optional[Tuple[_Change, ...]]:
         """What other givers did since `epoch`; None if that epoch is not remembered any more."""

@@ -349,6 +349,8 @@ class Bench:
         """Sends a command to the robot, which receives it at once."""
         if give.known_epoch not in (0, self.epoch):
             self.tell(p.CommandEnded(give.number, Outcome.OVERRULED, 'another giver came first'))
+            self.robot.last = (give.number, CommandFate.NOT_OBEYED)
+            self.hear_motion('')
             return
         self.tell(*self.robot.obey(give.number, give.command))
 

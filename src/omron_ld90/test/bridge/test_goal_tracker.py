@@ -36,22 +36,21 @@ def test_a_failure_in_its_own_words():
         'Failed going to goal')
 
 
-@pytest.mark.parametrize('ending, again', [
-    (Outcome.INTERRUPTED, False), (Outcome.CANCELLED, False), (Outcome.OVERRULED, True)])
+@pytest.mark.parametrize('ending', [
+    Outcome.INTERRUPTED, Outcome.CANCELLED, Outcome.OVERRULED, Outcome.LOST])
+@pytest.mark.parametrize('told_before', [False, True])
 @pytest.mark.parametrize('fate', CommandFate)
-def test_a_drive_that_others_ended_waits_for_the_next_epoch_and_only_one_never_sent_is_given_again(
-        ending, again, fate):
-    tracker = ended(ending, 'replaced by "goto 3"')
+def test_the_controller_tells_what_became_of_a_drive_that_did_not_end_by_itself(
+        ending, told_before, fate):
+    tracker = sent() if told_before else ended(ending, 'replaced by "goto 3"')
     tracker.told(1, fate, 5.1)
-    assert (tracker.reached, tracker.failure, tracker.awaits_motion) == (False, None, True)
-    tracker.goes_on(5.2)
-    assert (tracker.word.due(True, 5.2), tracker.awaits_motion) == (again, not again)
-
-
-def test_an_overruled_one_is_given_again_if_a_newer_command_of_this_program_came_before_it():
-    tracker = ended(Outcome.OVERRULED, 'it is not newer than the last one of /bridge')
-    tracker.told(2, CommandFate.GIVEN, 5.1)
-    assert tracker.word.due(True, 5.1)
+    if told_before:
+        tracker.ended(CommandEnded(1, ending), 5.2)
+    assert tracker.reached is (fate is CommandFate.COMPLETED)
+    assert (tracker.failure is not None) is (fate is CommandFate.FAILED)
+    assert tracker.word.due(True, 5.3) is (fate is CommandFate.NOT_OBEYED)
+    assert tracker.awaits_motion is (
+        fate in (CommandFate.GIVEN, CommandFate.OBEYED, CommandFate.UNKNOWN))
 
 
 def test_only_the_last_command_counts():

@@ -60,6 +60,9 @@ def test_a_command_carries_the_epoch_that_is_known():
     robot = monitor()
     overrule(robot)
     robot.tracker.send('12', 'goto 12')
+    assert robot.due_commands(0.0) == [], 'the route has still to learn of it'
+    robot.begin()
+    robot.tracker.send('12', 'goto 12')
     assert [give.known_epoch for give in robot.due_commands(0.0)] == [2]
 
 
@@ -249,7 +252,7 @@ def test_the_epoch_tells_why_a_drive_ended_before_and_after_its_result(
 
 @pytest.mark.parametrize('cause, again', [(EpochCause.RESTART, True), (EpochCause.STOP, False)])
 def test_a_drive_for_an_epoch_that_ended_with_the_controller_is_given_again(cause, again):
-    """Its refusal may come after the news of the new epoch."""
+    """The controller tells it as not obeyed."""
     robot = monitor()
     robot.update(MotionTold(5), 0.0)
     robot.tracker.send('12', 'goto 12')
@@ -258,6 +261,9 @@ def test_a_drive_for_an_epoch_that_ended_with_the_controller_is_given_again(caus
     robot.update(MotionTold(give.known_epoch + 1, give.known_epoch, goes_on=goes_on,
                             cause=cause), 1.0)
     robot.update(CommandEnded(give.number, Outcome.OVERRULED, 'the controller was started'), 1.1)
+    assert robot.due_commands(1.1) == []
+    robot.update(MotionTold(give.known_epoch + 1, give.known_epoch, goes_on=goes_on, cause=cause,
+                            number=give.number, fate=CommandFate.NOT_OBEYED), 1.2)
     commands = [(one.command, one.known_epoch) for one in robot.due_commands(1.2)]
     assert commands == ([('goto 12', give.known_epoch + 1)] if again else [])
     if again:

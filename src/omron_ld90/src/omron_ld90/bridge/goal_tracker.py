@@ -1,19 +1,13 @@
 """The goal that we last sent the robot to, and how the drive to it ends.
 
-    event                                   under way      interrupted     overruled
-    SUCCEEDED, COMPLETED                    reached        -               -
-    INTERRUPTED, CANCELLED                  interrupted    -               -
-    OVERRULED                               overruled      -               -
-    EMERGENCY_STOPPED, FAILED               failed         -               -
-    a new epoch that is not another giver's -              -               under way, given again
-
-Another giver's epoch ends the route, in each state (`RobotMonitor`). It always comes: the
-controller begins one for each event that interrupts, cancels or overrules the last drive of a
-giver.
+    event                                                under way
+    SUCCEEDED, COMPLETED                                 reached
+    EMERGENCY_STOPPED, FAILED                            failed
+    LOST, INTERRUPTED, CANCELLED, OVERRULED              `motion` tells what became of it (lost)
+    lost: COMPLETED, FAILED, NOT_OBEYED                  reached, failed, given again
 
 Invariants: only the last command counts; a new one forgets how the one before ended. A drive is
-given again only if the controller did not send it, or the robot does not carry it out; see
-`last_word`.
+given again only if the robot does not carry it out; see `last_word`.
 """
 from __future__ import annotations
 
@@ -55,9 +49,6 @@ class TakenOver(RouteFailed):
 class GoalTracker:
     """Tracks the last goal from the command to the arrival.
 
-    The end of a drive that another giver ended, or came before, does not tell which one it was. The
-    next epoch does, and until then nothing is sent.
-
     It has one method for each event of a command, and one for each of ours.
     """
 
@@ -75,8 +66,6 @@ class GoalTracker:
         # number and fate of our last command
         self._told: Tuple[int, Optional[CommandFate]] = (0, None)
         self._place: Optional[Tuple[float, float]] = None
-        # how the last drive ended, if the next epoch tells why
-        self._unexplained: Optional[Outcome] = None
 
     @property
     def has_docked(self) -> bool:
@@ -85,8 +74,8 @@ class GoalTracker:
 
     @property
     def awaits_motion(self) -> bool:
-        """Whether `motion` has still to tell what became of the last command, and why."""
-        return self.word.is_lost or self._unexplained is not None
+        """Whether `motion` has still to tell what became of the last command."""
+        return self.word.is_lost
 
     # --- our commands ----------------------------------------------------------------------------
 
@@ -107,7 +96,7 @@ class GoalTracker:
 
     def forget(self) -> None:
         """Forgets why the last route ended, and its stop."""
-        self.failure = self._unexplained = None
+        self.failure = None
         if self.word.is_stop:
             self.word = LastWord()
 
@@ -118,7 +107,7 @@ class GoalTracker:
     def _begin(self, goal: Optional[str], word: LastWord) -> None:
         self.goal, self.word = goal, word
         self.reached = False
-        self.failure = self._unexplained = None
+        self.failure = None
 
     # --- how the command goes on -----------------------------------------------------------------
 
@@ -131,8 +120,6 @@ class GoalTracker:
             return
         if event.ending is Outcome.SUCCEEDED:
             self._arrive()
-        elif event.ending in (Outcome.INTERRUPTED, Outcome.CANCELLED, Outcome.OVERRULED):
-            self._unexplained = event.ending
         elif event.ending is Outcome.EMERGENCY_STOPPED:
             self.failure = RouteFailed(EMERGENCY_STOP)
         elif event.ending is Outcome.FAILED:
@@ -146,10 +133,8 @@ class GoalTracker:
         self._judge(now)
 
     def _judge(self, now: float) -> None:
-        if self._told[0] > self.word.number:
-            self.goes_on(now)
-            if self.word.is_lost:
-                self.end()
+        if self._told[0] > self.word.number and self.word.is_lost:
+            self.end()
         fate = self.word.told(self._told, now)
         if fate is CommandFate.COMPLETED:
             self._arrive()
@@ -164,18 +149,6 @@ class GoalTracker:
         self._place = place
         if self.reached:
             self.rested_at_goal = self.rested_at_goal + 1 if stands else 0
-
-    def interrupted(self) -> None:
-        """The robot broke off its drive, and the next epoch tells why."""
-        if self.goal is not None:
-            self._unexplained, self.word.must_be_given = Outcome.INTERRUPTED, False
-
-    def goes_on(self, now: float) -> None:
-        """No other giver did anything, so a drive that was refused because of its epoch may be
-        given again."""
-        if self._unexplained is Outcome.OVERRULED:
-            self._unexplained = None
-            self.word.give_again(now)
 
     def _arrive(self) -> None:
         self.reached = True

@@ -1,8 +1,8 @@
 """The last command for the robot, a drive or a stop, until its fate is known.
 
 A command is given to the controller, which says how it ends. If that answer is lost, with a link,
-the controller or a restart of this program, `motion` says what became of it: the controller tells
-the number and the fate of our last command.
+the controller or a restart of this program, or if a drive was interrupted, cancelled or overruled,
+`motion` says what became of it: the controller tells the number and the fate of our last command.
 
     | the answer                        | what follows                                             |
     |-----------------------------------|----------------------------------------------------------|
@@ -12,7 +12,11 @@ the number and the fate of our last command.
     | lost; NOT_OBEYED                  | a drive is given again: the robot does not carry it out  |
     | lost; COMPLETED, FAILED           | a drive has ended so                                     |
     | lost; any other                   | `motion` will say it                                     |
+    | others ended a drive              | as if the answer was lost                                |
     | a stop that `motion` tells        | the controller has it, and sees to it                    |
+
+If another giver did something, its epoch ends the route before anything is given again
+(`RobotMonitor`).
 
 A command that is given again gets a new number, so that the controller refuses the one before if it
 still comes. Each command carries the epoch in which it is valid, so that a stop ends no newer drive
@@ -28,6 +32,7 @@ from omron_arcl.records import CommandFate
 from omron_ld90.bridge.events import CommandEnded, Give
 
 STOP = 'stop'
+_TOLD_BY_MOTION = (Outcome.LOST, Outcome.INTERRUPTED, Outcome.CANCELLED, Outcome.OVERRULED)
 RETRY = 1.0  # s between two attempts
 
 
@@ -39,14 +44,12 @@ class LastWord:
         self.number = number
         """Number under which it was given; 0: it was not given yet."""
         self.is_lost = bool(number)
-        """Whether the controller's answer was lost, so that `motion` says what became of it."""
+        """Whether `motion` says what became of it, not the controller's answer."""
         self.must_be_given = bool(command) and not number
         self.is_taken = False
         """Whether the controller has it, for certain."""
         self.problem = ''
         """Why the last attempt failed."""
-        self.given_epoch = 0
-        """The epoch with which it was given."""
         self._was_tried = False
         self._not_before = -math.inf
 
@@ -64,15 +67,14 @@ class LastWord:
         """Gives it under this number; `epoch`: the present one."""
         self.number, self.must_be_given, self.is_lost = number, False, False
         self._was_tried = True
-        self.given_epoch = epoch if self.epoch is None else self.epoch
-        return Give(number, self.command, self.given_epoch)
+        return Give(number, self.command, epoch if self.epoch is None else self.epoch)
 
     def ended(self, event: CommandEnded, now: float) -> None:
         """The controller's answer came, or was lost."""
         if event.ending is Outcome.NEVER_SENT or self.is_stop and event.ending is Outcome.LOST:
             self.give_again(now + RETRY)
             self.problem = event.text or event.ending.value
-        elif event.ending is Outcome.LOST:
+        elif not self.is_stop and event.ending in _TOLD_BY_MOTION:
             self.is_lost = True
         else:
             self.is_taken = True

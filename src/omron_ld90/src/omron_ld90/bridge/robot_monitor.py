@@ -70,9 +70,11 @@ class RobotMonitor:
         self._taken_over = None
 
     def due_commands(self, now: float) -> List[p.Give]:
-        """The commands to give now; they count as given."""
+        """The commands to give now; they count as given. No drive is given after another giver's
+        epoch, nor while it is unknown why the robot broke off a drive."""
         word = self.tracker.word
-        if not word.due(self.links.stands(p.RobotLink.COMMANDS, now), now):
+        if (self._taken_over or self._is_unexplained) and not word.is_stop or not word.due(
+                self.links.stands(p.RobotLink.COMMANDS, now), now):
             return []
         self._number += 1
         return [word.give(self._number, self.epoch)]
@@ -154,12 +156,7 @@ class RobotMonitor:
             self.tracker.located(status.place, status.activity)
 
     def _on_ended(self, event: p.CommandEnded, now: float) -> None:
-        # each other giver's epoch would have been noticed
-        epoch_went_on = (self.tracker.word.given_epoch not in (0, self.epoch)
-                         and self._taken_over is None)
         self.tracker.ended(event, now)
-        if epoch_went_on:
-            self.tracker.goes_on(now)
         self._note_docked(now)
 
     def _note_docked(self, now: float) -> None:
@@ -175,11 +172,7 @@ class RobotMonitor:
             return
         self.drives_for_us, self._is_unexplained = event.obeys_us, event.is_unexplained
         goes_on = event.is_ours or event.goes_on and event.previous_epoch == self.epoch
-        if goes_on:
-            self.tracker.goes_on(now)
-        elif event.is_unexplained:
-            self.tracker.interrupted()
-        elif self.epoch:
+        if self.epoch and not goes_on and not event.is_unexplained:
             self._taken_over = TakenOver(f'Another giver came first: {event.reason}.')
         if self.epoch and not event.is_unexplained and (
                 not goes_on or event.cause is EpochCause.EMERGENCY_STOP):
