@@ -185,6 +185,7 @@ function drawSite() {
   }
   const paint = canvas.getContext('2d'), style = getComputedStyle(document.documentElement);
   const colour = name => style.getPropertyValue(`--${name}`).trim();
+  rem = parseFloat(style.fontSize);
   paint.setTransform(ratio, 0, 0, ratio, 0, 0);
   paint.clearRect(0, 0, box.width, box.height);
   if (walls) walls.draw(paint, pixel, view.scale, ratio);
@@ -197,7 +198,7 @@ function drawSite() {
       paint.moveTo(...pixel(points[0], points[1]));
       for (let k = 2; k < points.length; k += 2) paint.lineTo(...pixel(points[k], points[k + 1]));
     }
-    paint.lineWidth = width; paint.strokeStyle = stroke; paint.stroke();
+    paint.lineWidth = width * rem / 16; paint.strokeStyle = stroke; paint.stroke();
   };
   lines(site.edges.filter(edge => !closed.has(edge[0])), 1.5, colour('edge'));
   const warm = heat || layerValues('heat');
@@ -209,7 +210,7 @@ function drawSite() {
     }
   }
   lines(site.edges.filter(edge => closed.has(edge[0])), 5, colour('danger'));
-  const radius = Math.max(2, Math.min(8, view.scale * 0.16));
+  const radius = Math.max(2, Math.min(rem / 2, view.scale * 0.16));
   for (const [kind, fill] of [['cut', 'edge'], ['vertex', 'edge'], ['parking', 'parking'], ['dock', 'dock']]) {
     paint.beginPath();
     for (const [, x, y, own] of site.vertices) {
@@ -220,7 +221,6 @@ function drawSite() {
     }
     paint.fillStyle = colour(fill); paint.fill();
   }
-  rem = parseFloat(style.fontSize);
   paint.font = `${0.75 * rem}px system-ui, sans-serif`; paint.fillStyle = colour('soft'); paint.textBaseline = 'middle';
   drawNames(paint, radius);
   paint.textBaseline = 'alphabetic';

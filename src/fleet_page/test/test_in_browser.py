@@ -1036,6 +1036,18 @@ def test_layers_are_kept_in_the_browser_and_their_entries_come_only_while_they_a
     window.script('localStorage.clear()')
 
 
+def test_on_a_phone_the_menu_of_layers_takes_the_place_of_the_panel_until_a_tab_is_chosen(
+        window, served):
+    window.resize(390, 844)
+    window.click('#layers_button')
+    box, around = window.one('#layers').rect, window.one('#map').rect
+    assert box['y'] >= around['y'] + around['height'] - 1
+    window.click('[data-layer=heat]')
+    window.click('#tab_button_robots')
+    assert window.one('#robots').is_displayed() and not window.one('#layers').is_displayed()
+    window.script('localStorage.clear()')
+
+
 def test_the_heat_and_the_fences_are_asked_for_while_their_layers_are_shown(window, served):
     served.do(lambda: (
         served.page.records.add(time.time(), {}, {3: 60.0, 4: 20.0}),
