@@ -1,5 +1,5 @@
 // Alarms: each robot and mission that needs a person, until the cause is gone, with the remedy.
-import { $, make, showRows, withCode } from './dom.js';
+import { $, make, narrow, showRows, withCode } from './dom.js';
 import { all, entries } from './server.js';
 import { language, momentOf, store, stored, t } from './texts.js';
 import { outageWords } from './map.js';
@@ -11,15 +11,16 @@ let me = { role: null }, act = null, unseen = 0, audio = null;
 
 export function startAlarms(given) {
   act = given;
-  $('fold_alarms').onclick = () => { store('alarms', isFolded() ? 'open' : 'folded'); showFold(); };
+  $('fold_alarms').onclick = () => { store(foldKey(), isFolded() ? 'open' : 'folded'); showFold(); };
   $('sound').onclick = () => { store('sound', hasSound() ? 'off' : 'on'); showFold(); };
   narrow.addEventListener('change', showFold);
   setInterval(sound, PERIOD);
 }
 
-// On a narrow screen the open list takes the place of the panel.
-const narrow = matchMedia('(max-width: 1000px)');
-const isFolded = () => (stored('alarms') || (narrow.matches ? 'folded' : 'open')) === 'folded';
+// On a narrow screen the open list takes the place of the panel, and without the panel it covers a part of the map.
+const isOnMap = () => $('fleet').dataset.panel === 'folded';
+const foldKey = () => isOnMap() ? 'alarms_on_map' : 'alarms';
+const isFolded = () => (stored(foldKey()) || (narrow.matches || isOnMap() ? 'folded' : 'open')) === 'folded';
 const hasSound = () => stored('sound') !== 'off';
 
 export function uncoverPanel() {
@@ -60,7 +61,7 @@ function alarmRow(alarm) {
   return row;
 }
 
-function showFold() {
+export function showFold() {
   $('alarm_list').hidden = isFolded();
   $('fold_alarms').setAttribute('aria-expanded', String(!isFolded()));
   $('sound').setAttribute('aria-pressed', String(hasSound()));

@@ -3,6 +3,9 @@ const SVG = 'http://www.w3.org/2000/svg';
 
 export const $ = id => document.getElementById(id);
 
+// On a narrow screen, as in page.css, the map is above the panel.
+export const narrow = matchMedia('(max-width: 1000px)');
+
 export function make(tag, attributes = {}, ...children) {
   const element = document.createElement(tag);
   for (const [name, value] of Object.entries(attributes)) {

@@ -1,6 +1,6 @@
 // The layers of the map: a menu, which is also the key of the colours, kept in this browser. The server sends the
 // entries of a layer, and answers of layers are asked for, only while the layer is shown.
-import { $, make } from './dom.js';
+import { $, make, narrow } from './dom.js';
 import { entries, get } from './server.js';
 import { store, stored, t } from './texts.js';
 
@@ -33,6 +33,11 @@ export function startLayers(given) {
   $('layers_button').onclick = () => showMenu($('layers').hidden);
   $('layers').addEventListener('keydown', event => { if (event.key === 'Escape') { showMenu(false); $('layers_button').focus(); } });
   setInterval(refresh, 5000);
+}
+
+// On a narrow screen the menu covers the panel.
+export function leaveLayers() {
+  if (narrow.matches) showMenu(false);
 }
 
 function showMenu(isOpen) {

@@ -2,16 +2,17 @@
 import { $, make, openMenu, showRows } from './dom.js';
 import { entries, follow, get, heardAt, loadSite, makeWay, post, site, unfollow } from './server.js';
 import { dateOf, duration, language, momentOf, preferred, said, store, stored, t, timeOf, useLanguage } from './texts.js';
-import { refresh, showHint, showLayerNames, startLayers, wantedStreams } from './layers.js';
+import { leaveLayers, refresh, showHint, showLayerNames, startLayers, wantedStreams } from './layers.js';
 import { drawMoving, drawnEdge, knowsEdge, redraw, siteChanged, startMap } from './map.js';
 import { choosePlace, showMissions, showPlaces, startMissions } from './missions.js';
 import { GROUPS, choose, noteFollowed, showGroup, showRobots, startRobots } from './robots.js';
-import { showAlarms, startAlarms, uncoverPanel } from './alarms.js';
+import { showAlarms, showFold, startAlarms, uncoverPanel } from './alarms.js';
 import { leaveHistory, loadHistory, startHistory } from './history.js';
 import { enterReplay, leaveReplay, startReplay } from './replay.js';
 
 const TABS = ['missions', 'robots', 'edges', 'history', 'replay', 'audit'];
 const SILENT = 12000; // ms without a message after which the server counts as lost: it sends one every 5 s
+const BEGAN = Date.now();
 let me = { role: null, login: false }, tab = 'missions', shownSite = null, sayTimer = null, ageShown = 0;
 
 async function act(values) {
@@ -36,7 +37,7 @@ function showLogin() {
   me = { role: null, login: true };
   showStop();
   showCounts();
-  $('fleet').hidden = $('alarms').hidden = $('logout').hidden = true;
+  $('fleet').hidden = $('logout').hidden = true;
   $('stop').disabled = $('resume').disabled = true;
   $('login').hidden = false;
   $('token').focus();
@@ -98,21 +99,22 @@ function drawChanges() {
 
 function showLink() {
   const fleet = entries.get('fleet') || {}, now = Date.now();
-  const isCut = now - heardAt > SILENT, isDead = !fleet.alive;
-  const since = isCut ? heardAt / 1000 : fleet.heard;
-  let words = t('connected');
-  if (isCut) words = t('no_server', { age: duration((now - heardAt) / 1000) });
-  else if (isDead) words = since ? t('dead', { time: timeOf(since), age: duration(now / 1000 - since) }) : t('never_heard');
-  if ($('link').textContent !== words) $('link').textContent = words;
-  $('link').className = isCut || isDead ? 'bad' : '';
+  const isCut = Boolean(me.role) && now - (heardAt || BEGAN) > SILENT, isDead = Boolean(me.role && heardAt) && !fleet.alive;
+  const words = isCut ? t('no_server', { age: duration((now - (heardAt || BEGAN)) / 1000) }) : !isDead ? '' : fleet.heard ? t('dead', { time: timeOf(fleet.heard), age: duration(now / 1000 - fleet.heard) }) : t('never_heard');
+  const state = words ? t('not_connected') : heardAt ? t('connected') : '';
+  if ($('link').textContent !== state) $('link').textContent = state;
+  $('link').className = words ? 'bad' : '';
+  if ($('old_state').textContent !== words) $('old_state').textContent = words;
+  $('old_state').hidden = !words;
   $('moving').classList.toggle('stale', isCut || isDead);
 }
 
 // The title of the window tells of a stop also in a tab behind others.
 function showStop() {
   const stop = me.role && entries.get('stop');
-  const words = stop ? [t('stopped'), stop.since ? t('stopped_since', { time: momentOf(stop.since) }) : '', stop.by ? t('stopped_by', stop) : '', stop.why ? t('stopped_why', { why: said(stop.why) }) : '', t('stopped_until')].join('') : '';
-  if ($('stopped').textContent !== words) $('stopped').textContent = words;
+  const words = stop ? [t('stopped'), stop.since ? t('stopped_since', { time: momentOf(stop.since) }) : '', stop.by ? t('stopped_by', stop) : '', stop.why ? t('stopped_why', { why: said(stop.why) }) : '', '. '].join('') : '';
+  const whole = words && words + t('stopped_until');
+  if ($('stopped').textContent !== whole) $('stopped').replaceChildren(words, make('span', {}, whole && t('stopped_until')));
   $('stopped').hidden = !stop;
   $('resume').classList.toggle('main', Boolean(stop));
   document.title = stop ? t('title_stopped') : t('title');
@@ -195,8 +197,9 @@ function makeTabs() {
 }
 
 function openTab(name) {
-  uncoverPanel();
   showTab(name);
+  uncoverPanel();
+  leaveLayers();
 }
 
 function showTab(name) {
@@ -218,10 +221,11 @@ function showTab(name) {
 function showPanel(state) {
   store('panel', state);
   $('fleet').dataset.panel = state;
-  $('fold').textContent = state === 'folded' ? '⟨' : '⟩';
+  $('fold').firstElementChild.textContent = state === 'folded' ? '⟨' : '⟩';
   $('fold').setAttribute('aria-label', t(state === 'folded' ? 'unfold' : 'fold'));
   $('fold').setAttribute('aria-expanded', String(state !== 'folded'));
   $('widen').setAttribute('aria-pressed', String(state === 'wide'));
+  showFold();
 }
 
 async function loadAudit() {

@@ -9,7 +9,7 @@ import { hasLayer, layerValues, showLaserOf } from './layers.js';
 
 const REACH = 16; // pixels around a vertex within which a click selects it
 const NAMES_FROM = 12, BATTERY_FROM = 20; // px per m from which all vertices have their names, and robots their charge
-const MARGIN = { x: 45, y: 35 }; // px around the site
+const MARGIN = { x: 45, y: 35, rem: 3 }; // px around the site; above it, in rem, for the bar of a stop, and below it for alarms on the map
 const GOLDEN = 0.618034; // as in rviz_drawing: each new hue is far from all earlier ones
 const TROUBLE = ['STOPPED', 'TAKEN_OVER', 'FAILED', 'OFF_GRAPH', 'UNKNOWN'];
 const GONE = ['OFFLINE', 'OUT_OF_SERVICE', 'ABSENT'];
@@ -132,15 +132,17 @@ function fit() {
   if (!xs.length || !box.width) return;
   const [left, right, low, high] = [Math.min(...xs), Math.max(...xs), Math.min(...ys), Math.max(...ys)];
   // The site is beside or above the buttons, wherever there is more room.
+  const news = Math.max(MARGIN.y, MARGIN.rem * parseFloat(getComputedStyle(document.documentElement).fontSize));
+  const least = $('fleet').dataset.panel === 'folded' ? news : MARGIN.y;
   const margins = [
-    { right: Math.max(MARGIN.x, box.right - own.left + 8), low: MARGIN.y },
-    { right: MARGIN.x, low: Math.max(MARGIN.y, box.bottom - own.top + 8) }];
+    { right: Math.max(MARGIN.x, box.right - own.left + 8), low: least },
+    { right: MARGIN.x, low: Math.max(least, box.bottom - own.top + 8) }];
   const [beside, above] = margins.map(margin => Math.min(
-    (box.width - MARGIN.x - margin.right) / (right - left + 1), (box.height - MARGIN.y - margin.low) / (high - low + 1), 200));
+    (box.width - MARGIN.x - margin.right) / (right - left + 1), (box.height - news - margin.low) / (high - low + 1), 200));
   const margin = margins[beside > above ? 0 : 1];
   view.scale = Math.max(beside, above);
   view.x = (left + right) / 2 + (margin.right - MARGIN.x) / 2 / view.scale;
-  view.y = (low + high) / 2 - (margin.low - MARGIN.y) / 2 / view.scale;
+  view.y = (low + high) / 2 - (margin.low - news) / 2 / view.scale;
 }
 
 function zoom(factor, event) {
@@ -183,6 +185,7 @@ function drawSite() {
   }
   const paint = canvas.getContext('2d'), style = getComputedStyle(document.documentElement);
   const colour = name => style.getPropertyValue(`--${name}`).trim();
+  rem = parseFloat(style.fontSize);
   paint.setTransform(ratio, 0, 0, ratio, 0, 0);
   paint.clearRect(0, 0, box.width, box.height);
   if (walls) walls.draw(paint, pixel, view.scale, ratio);
@@ -195,7 +198,7 @@ function drawSite() {
       paint.moveTo(...pixel(points[0], points[1]));
       for (let k = 2; k < points.length; k += 2) paint.lineTo(...pixel(points[k], points[k + 1]));
     }
-    paint.lineWidth = width; paint.strokeStyle = stroke; paint.stroke();
+    paint.lineWidth = width * rem / 16; paint.strokeStyle = stroke; paint.stroke();
   };
   lines(site.edges.filter(edge => !closed.has(edge[0])), 1.5, colour('edge'));
   const warm = heat || layerValues('heat');
@@ -207,7 +210,7 @@ function drawSite() {
     }
   }
   lines(site.edges.filter(edge => closed.has(edge[0])), 5, colour('shut'));
-  const radius = Math.max(2, Math.min(8, view.scale * 0.16));
+  const radius = Math.max(2, Math.min(rem / 2, view.scale * 0.16));
   for (const [kind, fill] of [['cut', 'edge'], ['vertex', 'edge'], ['parking', 'parking'], ['dock', 'dock']]) {
     paint.beginPath();
     for (const [, x, y, own] of site.vertices) {
@@ -218,7 +221,6 @@ function drawSite() {
     }
     paint.fillStyle = colour(fill); paint.fill();
   }
-  rem = parseFloat(style.fontSize);
   paint.font = `${0.75 * rem}px system-ui, sans-serif`; paint.fillStyle = colour('soft'); paint.textBaseline = 'middle';
   drawNames(paint, radius);
   paint.textBaseline = 'alphabetic';

@@ -104,10 +104,10 @@ function details(robot) {
   return [make('p', { class: 'soft' }, [robot.type, robot.mission ? `${t('mission')} ${robot.missionName}` : ''].filter(Boolean).join(' · '), loadOf(robot)),
     robot.alarm ? make('p', { class: 'bad' }, `→ ${t(`todo_${robot.alarm}`)}`) : '',
     make('p', { class: 'row' }, make('button', { 'data-act': 'follow', 'aria-pressed': String(Boolean(robot.isFollowed)), onclick: () => followRobot(followed === robot.name ? '' : robot.name) }, t('follow')), ...acts),
-    ...log.charges.length ? [make('h3', {}, t('battery_curve')), curveOf(log.charges, robot)] : [],
-    robot.missions.length ? make('h3', {}, t('last_missions')) : '',
+    ...log.charges.length ? [make('h2', {}, t('battery_curve')), curveOf(log.charges, robot)] : [],
+    robot.missions.length ? make('h2', {}, t('last_missions')) : '',
     lines(robot.missions, mission => [make('span', { title: String(mission.id) }, shortName(mission)), ` · ${t(`mission_${mission.state}`)}`, ...mission.reason ? withCode(` · ${said(mission.reason)}`) : []]),
-    make('h3', {}, t('latest_events')),
+    make('h2', {}, t('latest_events')),
     log.events.length ? lines(log.events.slice(0, MOST_EVENTS).map(event => ({ ...event, at: event.time, isBad: Boolean(event.alarm) })),
       event => [...withCode(robotWords(event)), event.mission === null ? '' : ` · ${t('mission')} ${nameOf(event.mission)}`]) : make('p', { class: 'soft' }, t('no_events'))];
 }

@@ -137,7 +137,7 @@ class Browser:
     def click_vertex(self, vertex: int) -> None:
         """Clicks as a finger does: on the map, at the drawn vertex, after the map has come to rest.
 
-        The map moves when texts appear or disappear above it.
+        The map moves when the window, the panel or the site changes; news do not move it.
         """
         x, y = self.wait(lambda: self.driver.execute_async_script('''
             const [vertex, done] = arguments;

@@ -33,7 +33,7 @@ from fleet_page.core.records import NamedKind
 from fleet_page.core.robot_events import RobotEvent
 from fleet_page.core.site import WallMap, wall_map
 
-SIZES = {'phone': (390, 844), 'tablet': (820, 1180), 'desktop': (1440, 900), 'wall': (2560, 1440)}
+SIZES = {'phone': (390, 844), 'tablet': (820, 1180), 'desktop': (1440, 900), 'wall': (3840, 2160)}
 FLEETS = {1: (4, 3), 8: (6, 4), 60: (16, 9)}  # columns and rows of the graph, by number of robots
 TROUBLES = {3: ('FAILED', 'FAILED', 'wheel blocked'), 4: ('STOPPED', 'STOPPED', 'emergency stop'),
             5: ('OFFLINE', 'SILENT', 'it does not report'),
