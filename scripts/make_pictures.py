@@ -308,7 +308,7 @@ def stack_pictures(screen: Screen) -> None:
     try:
         wait_until(rosgraph.Master('/make_pictures').is_online, 120.0, 'the ROS master')
         rospy.init_node('make_pictures', disable_signals=True)
-        window = RvizWindow(screen, str(IMAGES), SCALE)
+        window = RvizWindow(screen, str(IMAGES), SCALE, 'omron_ld90', 'rviz.launch', 'tools:=/')
         film(window)
     finally:
         if window is not None:
