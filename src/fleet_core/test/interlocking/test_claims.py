@@ -110,6 +110,13 @@ def test_a_robot_that_may_be_in_an_area_needs_what_is_there(area: Area, needed: 
     assert Needs([resource('door', 5)], GRAPH).of(allocation) == needed
 
 
+@pytest.mark.parametrize(('x', 'needed'), [(7.7, {'press'}), (8.3, {'press'}), (7.5, set())])
+def test_a_robot_that_covers_the_vertex_of_a_resource_with_its_body_needs_it(
+        x: float, needed: set) -> None:
+    allocation = Allocation(AGV, Knowledge.KNOWN, areas=(Area(((x, 0.0),)),))
+    assert Needs([resource('press', vertices=(5,))], GRAPH).of(allocation) == needed
+
+
 # -- who gets what ---------------------------------------------------------------------------------
 
 @pytest.mark.parametrize('capacity', [1, 2, 3])

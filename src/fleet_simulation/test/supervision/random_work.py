@@ -106,6 +106,7 @@ STARTS = {'a': 2, 'b': 12, 'c': 14}
 PARKING = (2, 3, 12, 13, 14, 15)
 GOALS = (2, 3, 12, 13, 14, 15, 16, 16, 18, 18, 18)
 PERIODS = (0.2, 0.4, 0.4, 0.8)  # s from one beat to the next
+UNSEEN = 0.1  # share of the times when the door opens for a robot, and fails before it is let in
 FAULT = (1.0, 3.0, 8.0)         # s that a fault lasts
 MOST_OPEN = 4
 CALM = 900                      # beats within which all missions end when nothing is wrong
@@ -167,7 +168,7 @@ class RandomWork(SupervisedFleet):
     """
 
     def __init__(self, seed: int, reckless: bool = False) -> None:
-        self.reckless = reckless
+        self.reckless, self.is_calm = reckless, False
         self.draw = Random(f'work {seed}')
         self.count = 0
         """Number of steps so far."""
@@ -177,10 +178,15 @@ class RandomWork(SupervisedFleet):
         self.carried: Dict[str, int] = dict.fromkeys(STARTS, 0)
         self.moved: Set[str] = set()
         """Robots that people have moved, until they are brought back."""
+        self._unstored: Set[str] = set()
+        """Robots of which people have told the load, and read that it is not stored yet."""
+        self._forgotten: Set[str] = set()
+        """Robots of which a person has to tell the load again, as that was not stored."""
         self.lies = False
         """Does the door report that it is open although it is not?"""
         self._deceived: Set[str] = set()  # robots on their way into a door that is not open
         self._failed = -math.inf          # when the door closed by itself
+        self._doors = Random(f'doors {seed}')
         self._dead: Set[str] = set()      # machines that report nothing
         self._by_key: Dict[Tuple[str, int], Identity] = {}
         self._known: Dict[int, Work] = {}
@@ -211,10 +217,13 @@ class RandomWork(SupervisedFleet):
         """Performs what follows from one event, and checks what must hold."""
         super().do(actions)
         self.count += 1
+        if not self.supervisor.trouble:
+            self._unstored.clear()
         self.check()
 
     def _begin(self) -> None:
         self._known = {}
+        self._forgotten |= self._unstored
         super()._begin()
 
     def _perform(self, actions: Sequence[Action]) -> None:
@@ -248,6 +257,8 @@ class RandomWork(SupervisedFleet):
         for at, end in [one for one in self._ends if one[0] <= self.now]:
             self._ends.remove((at, end))
             end()
+        if not self.is_calm and self._fails_now():
+            self._fail_unseen()
         messages = [*self._late_messages(), *self._messages()]
         self.draw.shuffle(messages)
         for send in messages:
@@ -462,6 +473,8 @@ class RandomWork(SupervisedFleet):
             self._move_load(body)
         self._command(CommandKind.ANSWER, StepAnswer(answer, self.draw.choice((0, own.key))),
                       mission.request.id)
+        if step.load and self.supervisor.trouble:
+            self._unstored.add(mission.robot)
 
     def unload(self) -> None:
         """A person looks what a robot carries, and says it; or takes it off."""
@@ -470,15 +483,18 @@ class RandomWork(SupervisedFleet):
         if any(one.by and one.robot == name and one.step.load for one in self.bodies.values()):
             return
         load = self.supervisor.desk.load(name)
-        is_needed = load.state is LoadState.UNKNOWN or load.state is LoadState.LOADED and (
-            mission is None or mission.state is MissionState.NEEDS_PERSON)
+        is_needed = name in self._forgotten or load.state is LoadState.UNKNOWN or (
+            load.state is LoadState.LOADED and (
+                mission is None or mission.state is MissionState.NEEDS_PERSON))
         if not is_needed:
             return
         says_loaded = self.carried[name] and mission is not None and self.coin()
         problem, actions = self.supervisor.set_load(
             name, mission.request.id if says_loaded and mission is not None else None, self.now)
-        if not problem and not says_loaded:
-            self.carried[name] = 0
+        if not problem:
+            self.carried[name] = self.carried[name] if says_loaded else 0
+            self._forgotten.discard(name)
+            self._unstored |= {name} if self.supervisor.trouble else set()
         self.log(f'a person says that {name} is {"loaded" if says_loaded else "empty"} {problem}')
         self.do(actions)
 
@@ -522,6 +538,30 @@ class RandomWork(SupervisedFleet):
         gate = self.devices['gate']
         gate.is_silent, gate.request, self._failed = True, None, self.now
         self.later(self._door_works)
+
+    def _fails_now(self) -> bool:
+        """Has the door opened for a robot that is not let in yet, and does it fail this time?
+
+        This is drawn by itself, so all that was drawn before stays as it was.
+        """
+        claims = self.supervisor.interlocking.claims
+        return self.devices['gate'].mode is DeviceMode.OPEN and any(
+            claims.state(name, 'gate') is ClaimState.ASKED for name in self.agvs) and (
+                self._doors.random() < UNSEEN)
+
+    def _fail_unseen(self) -> None:
+        """The door reports that it is open, and fails. The robot waits for longer than that counts.
+
+        The robot waits because the disk is full.
+        """
+        self.log('the door fails unseen')
+        gate, self._failed = self.devices['gate'], self.now
+        self.disk.fails()
+        for one in gate.reports(self.now):
+            self._say_device(one)
+        gate.is_silent, gate.request = True, None
+        self._ends += [(self.now + FRESH + 2.0, lambda: self.disk.fails(False)),
+                       (self.now + 2.0 * FRESH + 2.0, self._door_works)]
 
     def _door_works(self) -> None:
         self.devices['gate'].is_silent = False
@@ -723,6 +763,7 @@ class RandomWork(SupervisedFleet):
     def calm(self) -> None:
         """Ends all faults. People help, until all missions have ended."""
         self.log('calm')
+        self.is_calm = True
         self.crash = None
         for _, end in self._ends:
             end()
@@ -751,7 +792,7 @@ class RandomWork(SupervisedFleet):
         moving = {one.robot for one in self.bodies.values() if one.by and one.step.load}
         for name, carried in self.carried.items():
             load = desk.load(name)
-            if load.state is not LoadState.UNKNOWN:
+            if load.state is not LoadState.UNKNOWN and name not in self._forgotten:
                 assert carried == load.count and name not in moving, (
                     f'(f) {name} counts as {load}, but carries {carried}')
         for mission in book.open:
@@ -777,7 +818,7 @@ class RandomWork(SupervisedFleet):
             was = known.get(place)
             if was is not None and was.state.is_final and was.times_ordered:
                 assert own.state is was.state, f'(j) {step.type} was {was.state}, is {own.state}'
-            if was is None or own.times_ordered == was.times_ordered:
+            if was is None or own.key in (0, was.key):  # a stop may have replaced another one
                 continue
             running = [other for at, other, one in work.steps
                        if one.state is StepState.RUNNING and at != place]

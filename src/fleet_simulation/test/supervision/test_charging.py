@@ -8,10 +8,11 @@ from typing import Mapping, Sequence
 import pytest
 from fleet_builders import AGV, corridor, graph_of, with_docks
 
+from fleet_core.supervision.hindrances import Hindrance
 from fleet_core.supervision.missions import MissionState
 from fleet_core.supervision.settings import RobotSettings
-from fleet_core.supervision.waits import WaitCode
-from fleet_core.supervision.why import robot_wait
+from fleet_core.supervision.waits import Wait, WaitCode
+from fleet_core.supervision.why import mission_reason, robot_wait
 from fleet_core.work.chargers import Charger
 from fleet_core.work.devices import Device, DeviceKind
 from fleet_core.work.site_work import SiteWork
@@ -116,6 +117,46 @@ def test_a_robot_with_enough_charge_does_not_charge_while_it_has_nothing_to_do()
     charge(fleet, a=0.76)
     fleet.run(20.0)
     assert stands_at(fleet, 'a', 4)
+
+
+def test_a_mission_to_a_dock_in_use_gets_no_robot_that_would_only_wait_before_it() -> None:
+    fleet = yard({'a': 5, 'b': 1})
+    charge(fleet, a=0.2, b=0.9)
+    fleet.run_until(lambda: stands_at(fleet, 'a', 6))
+    fleet.request(1, 6, robot='b')
+    fleet.run(5.0)
+    mission = fleet.supervisor.book.find(1)
+    assert mission is not None and fleet.state(1) is MissionState.PENDING
+    reason = mission_reason(mission, fleet.supervisor, fleet.now)
+    assert reason.wait == Wait(WaitCode.RESOURCE, 'charger dock_6 is in use by a, which charges '
+                               'until 80 %')
+    assert {one.robot: one.hindrance for one in reason.robots}['b'] is Hindrance.FULL
+    assert stands_at(fleet, 'b', 1)
+    charge(fleet, a=0.85)
+    fleet.run_until_done(1)
+    assert stands_at(fleet, 'b', 6)
+
+
+def test_a_mission_to_a_dock_waits_for_the_mission_there_and_for_a_robot_out_of_service() -> None:
+    fleet = yard({'a': 5, 'b': 1})
+    fleet.request(1, 6, robot='a', dwells=(30.0,))
+    fleet.run(1.0)
+    fleet.request(2, 6, robot='b')
+    fleet.run(15.0)
+    assert fleet.supervisor.book.find(2).reason == (
+        'charger dock_6 is in use by a, which serves mission 1')
+    fleet.do(fleet.supervisor.take_out('a', fleet.now))
+    fleet.run(2.0)
+    assert fleet.supervisor.book.find(2).reason == (
+        'charger dock_6 is in use by a, which is not in service')
+
+
+def test_a_mission_to_a_dock_where_a_robot_only_tops_up_gets_a_robot() -> None:
+    fleet = yard({'a': 5, 'b': 1}, idle_below=0.75)
+    charge(fleet, a=0.7, b=0.9)
+    fleet.run_until(lambda: stands_at(fleet, 'a', 6))
+    fleet.request(1, 6, robot='b')
+    fleet.run_until_done(1)
 
 
 @pytest.mark.parametrize('seed', range(6))

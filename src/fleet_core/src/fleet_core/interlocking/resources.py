@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import Enum
-from typing import Dict, FrozenSet, Iterable, Mapping, Tuple
+from typing import Dict, FrozenSet, Iterable, Mapping, Set, Tuple
 
 from fleet_core.geometry.site_geometry import SiteGeometry
 from fleet_core.interlocking.allocation import Allocation
@@ -66,11 +66,13 @@ class Needs:
         self.resources: Mapping[str, Resource] = {one.name: one for one in resources}
         self._geometry = geometry
         self._at: Dict[int, FrozenSet[str]] = {}  # by place
+        self._vertices: Set[int] = set()  # places of vertices that need anything
         self._of_edge: Dict[int, FrozenSet[str]] = {}  # kept on demand: each grant asks for it
         for one in self.resources.values():
-            places = [geometry.edge_place(edge) for edge in one.edges & geometry.edge_index.keys()]
-            places += [geometry.index[vertex] for vertex in one.vertices & geometry.index.keys()]
-            for place in places:
+            vertices = [geometry.index[vertex] for vertex in one.vertices & geometry.index.keys()]
+            self._vertices.update(vertices)
+            for place in (*vertices, *(geometry.edge_place(edge) for edge in
+                                       one.edges & geometry.edge_index.keys())):
                 self._at[place] = self._at.get(place, NOTHING) | {one.name}
 
     def of_vertex(self, vertex: int) -> FrozenSet[str]:
@@ -95,7 +97,11 @@ class Needs:
         return self.of_vertex(end) | (NOTHING if is_inside else self._inside(edge))
 
     def of(self, allocation: Allocation) -> FrozenSet[str]:
-        """Names of the resources that all places of an allocation need."""
+        """Names of the resources that all places of an allocation need.
+
+        A robot that may stand between vertices needs what an edge needs if its centre may be
+        there, and what a vertex needs if it covers the vertex with any part.
+        """
         if not self._at:
             return NOTHING
         needs = NOTHING
@@ -104,9 +110,10 @@ class Needs:
         if allocation.vertex is not None:
             needs |= self.of_vertex(allocation.vertex)
         for area in allocation.areas:
-            near = self._geometry.exclusions.near(
-                area.line, area.radius + allocation.kind.nearness)
-            needs = needs.union(*(self._at.get(place, NOTHING) for place in near))
+            near, kind = self._geometry.exclusions.near, allocation.kind
+            met = {*near(area.line, area.radius + kind.nearness),
+                   *(near(area.line, area.radius + kind.reach).keys() & self._vertices)}
+            needs = needs.union(*(self._at.get(place, NOTHING) for place in met))
         return needs
 
     def _inside(self, edge: int) -> FrozenSet[str]:

@@ -88,7 +88,7 @@ def hindrances(mission: Mission, own: Mapping[str, Hindrance], robots: Mapping[s
 
     own -- by robot, what hinders it from serving any mission
     """
-    is_full, leaving = room.full_station(mission) is not None, room.leaving(mission)
+    is_full, leaving = room.full(mission) is not None, room.leaving(mission)
     return {name: own[name] or _on_the_way(mission, robots[name], network) or (
                 Hindrance.FULL if is_full or name in leaving else Hindrance.NONE)
             for name in acceptance.robots_for(mission.request)}
@@ -156,7 +156,7 @@ def why_nobody(mission: Mission, found: Mapping[str, Hindrance],
     free = [robot for robot in serving if found[robot.name].is_free]
     if not free and _must_all_charge(serving):
         return _must_charge(serving, now), ''
-    full = room.full_station(mission)
+    full = room.full(mission)
     if full is not None and Hindrance.FULL in found.values():
         return room.why_full(full), ''
     if free and Hindrance.NONE not in found.values():

@@ -35,6 +35,11 @@ class Battery:
         return self.charge < self._settings.charge_below
 
     @property
+    def full(self) -> float:
+        """The charge, from 0 to 1, with which it may leave the dock."""
+        return self._settings.leave_above
+
+    @property
     def may_leave(self) -> bool:
         """Is the battery charged enough to leave the dock?"""
         return self.charge >= self._settings.leave_above

@@ -41,7 +41,9 @@ from fleet_core.supervision.duties import follows
 from fleet_core.supervision.mission_book import MissionBook
 from fleet_core.supervision.missions import Mission
 from fleet_core.supervision.robots import ManagedRobot
+from fleet_core.supervision.station_room import Occupancy
 from fleet_core.work.chargers import Candidate, Charger, Occupied, turns_of
+from fleet_core.work.queues import Others
 from route_protocol.devices import DeviceMode
 
 _MUTE = f'a report of its battery, which has not come for {MUTE:.0f} s'
@@ -80,7 +82,9 @@ class ChargerDesk:
         self.leaving: FrozenSet[str] = frozenset()
         self._chargers, self._claims, self._book, self._robots = chargers, claims, book, robots
         self._view = view
-        self._at = {place: one for one in chargers.values() for place in one.places}
+        self.at: Mapping[int, Charger] = {
+            place: one for one in chargers.values() for place in one.places}
+        """Charger of each of its places."""
 
     @property
     def reserved(self) -> FrozenSet[int]:
@@ -127,7 +131,7 @@ class ChargerDesk:
         if need is _Need.NONE or not (robot.works or self._has_arrived(robot)):
             return None
         places = self._places(robot, network, now)
-        charger = self._at[places[0]] if places else None
+        charger = self.at[places[0]] if places else None
         return Candidate(robot.name, places, _charge(robot), need is _Need.MUST, robot.dock,
                          charger is not None and charger.name in self._claims.of(robot.name))
 
@@ -184,12 +188,46 @@ class ChargerDesk:
     def _wanted(self, missions: Iterable[Mission]) -> FrozenSet[int]:
         """The places of chargers to which missions go now."""
         return frozenset(mission.left[0] for mission in missions
-                         if mission.left and mission.left[0] in self._at and follows(mission))
+                         if mission.left and mission.left[0] in self.at and follows(mission))
+
+    def occupancies(self) -> Dict[str, Occupancy]:
+        """The robots that take the places of chargers, by the charger's name.
+
+        A robot that only tops up takes none: it yields to missions.
+        """
+        going = {name: mission for name, mission in self._book.serving.items()
+                 if mission.left and mission.left[0] in self.at and follows(mission)}
+        turns = {name: robot.dock for name, robot in self._robots.items()
+                 if robot.dock is not None}
+        staying = [stay for stay in self._stays(turns, self._book.serving)
+                   if stay.robot not in going]
+        staying += [_Stay(name, self.at[dock].name, dock) for name, dock in turns.items()
+                    if dock in self.at and not self._robots[name].tops_up]
+        found: Dict[str, Occupancy] = {}
+        for name in self._chargers:
+            inside = [stay for stay in staying if stay.charger == name]
+            waiters = {robot: mission.left[:1] for robot, mission in going.items()
+                       if self.at[mission.left[0]].name == name}
+            kept = frozenset(stay.place for stay in inside if stay.place is not None)
+            robots = (*waiters, *(stay.robot for stay in inside))
+            found[name] = Occupancy(robots, tuple(waiters.values()),
+                                    Others(len(inside), kept, kept),
+                                    doing=tuple(map(self._doing, robots)))
+        return found
+
+    def _doing(self, name: str) -> str:
+        """What a robot does that takes a place of a charger, in words that follow its name."""
+        robot, mission = self._robots.get(name), self._book.of_robot(name)
+        if robot is None or robot.outage is not None:
+            return 'which is not in service'
+        if mission is not None:
+            return f'which serves mission {mission.request.id}'
+        return f'which charges until {100.0 * (robot.charge_until or robot.battery.full):.0f} %'
 
     def _in_the_way(self, turns: Mapping[str, int], stays: List[_Stay]) -> Iterator[str]:
         """Robots without work that claim a charger which a robot with a turn cannot claim yet."""
         staying = {one.robot for one in stays}
-        for name in {self._at[place].name for place in turns.values()}:
+        for name in {self.at[place].name for place in turns.values()}:
             charger, inside = self._chargers[name], self._claims.holders(name)
             if charger.capacity == len(charger.places) or len(inside) < charger.capacity:
                 continue  # the plan makes room at single places
@@ -212,7 +250,7 @@ class ChargerDesk:
             return 'a charger: it can reach none'
         holders = {place: name for name, place in turns.items()}
         found: List[str] = []
-        for charger in dict.fromkeys(self._at[place] for place in one.places):
+        for charger in dict.fromkeys(self.at[place] for place in one.places):
             names = [*(holders[place] for place in charger.places if place in holders),
                      *(stay.robot for stay in stays if stay.charger == charger.name)]
             found.append(f'{charger.name} ({", ".join(names)})')

@@ -49,4 +49,4 @@ WORDS: Mapping[Hindrance, str] = {
     Hindrance.NO_PLACE: 'its place on the graph is unknown',
     Hindrance.NO_WAY: 'no open edges lead it to all destinations',
     Hindrance.BATTERY: 'its charge is too low for the whole mission',
-    Hindrance.FULL: 'the station of the first stop and its queue have no place for it now'}
+    Hindrance.FULL: 'the station or charger of the first stop has no place for it now'}

@@ -16,6 +16,7 @@ from fleet_core.supervision.missions import Mission
 from fleet_core.supervision.robots import ManagedRobot
 from fleet_core.supervision.station_room import Occupancy, StationRoom, places_for
 from fleet_core.supervision.work_desk import WorkDesk
+from fleet_core.work.chargers import Charger
 from fleet_core.work.queues import EMPTY_QUEUE, Others, Queue, Waiter, advanced
 from fleet_core.work.stations import Station, StationKind
 
@@ -100,11 +101,15 @@ class StationDesk:
         """Names of the robots that claim a station."""
         return self._claims.holders(station)
 
-    def room(self) -> StationRoom:
-        """To which stations a further robot may be sent now."""
+    def room(self, at: Mapping[int, Charger], chargers: Mapping[str, Occupancy]) -> StationRoom:
+        """To which stations and chargers a further robot may be sent now.
+
+        at       -- charger of each of its places
+        chargers -- the robots that take their places, by the charger's name
+        """
         going = self._going()
-        return StationRoom(self._at, self._desk.choices, {
-            name: self._occupancy(station, going) for name, station in self._stations.items()})
+        return StationRoom({**at, **self._at}, self._desk.choices, {**chargers, **{
+            name: self._occupancy(station, going) for name, station in self._stations.items()}})
 
     def _occupancy(self, station: Station, going: Mapping[str, Mission]) -> Occupancy:
         waiters = {name: mission for name, mission in going.items()

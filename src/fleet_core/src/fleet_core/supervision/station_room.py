@@ -1,37 +1,43 @@
-"""The room at stations: to which of them a further robot may be sent."""
+"""The room at stations and chargers: to which of them a further robot may be sent for a mission."""
 from __future__ import annotations
 
-from typing import Callable, Dict, FrozenSet, Mapping, NamedTuple, Optional, Tuple
+from typing import Callable, Dict, FrozenSet, Mapping, NamedTuple, Optional, Tuple, Union
 
 from fleet_core.supervision.missions import Mission
+from fleet_core.work.chargers import Charger
 from fleet_core.work.queues import Others, has_place_for
 from fleet_core.work.stations import Station
 
+Target = Union[Station, Charger]
+"""What has places to which missions go."""
+
 
 class Occupancy(NamedTuple):
-    """The robots that take the places of a station and of its queue.
+    """The robots that take the places of a station and of its queue, or of a charger.
 
     robots  -- names of all of them
-    waiters -- of each robot that goes to the station, the places that would do
+    waiters -- of each robot that goes there for a mission, the places that would do
     others  -- the robots there that do not make room
     leaving -- names of the robots that are to leave the station, because others wait for it
+    doing   -- what each robot at a charger does there, in words that follow its name
     """
 
     robots: Tuple[str, ...]
     waiters: Tuple[Tuple[int, ...], ...]
     others: Others
     leaving: FrozenSet[str] = frozenset()
+    doing: Tuple[str, ...] = ()
 
 
 class StationRoom:
-    """For which missions there is still a place of their station, or a queue place.
+    """For which missions there is still a place of their station, a queue place, or a charger.
 
-    at          -- station of each place
+    at          -- station or charger of each place
     group_of    -- the group of which any place would do for the next stop of a mission; empty: none
-    occupancies -- by the station's name
+    occupancies -- by the name of the station or charger
     """
 
-    def __init__(self, at: Mapping[int, Station], group_of: Callable[[Mission], str],
+    def __init__(self, at: Mapping[int, Target], group_of: Callable[[Mission], str],
                  occupancies: Mapping[str, Occupancy]) -> None:
         self._at, self._group_of = at, group_of
         self._occupancies: Dict[str, Occupancy] = dict(occupancies)
@@ -45,8 +51,8 @@ class StationRoom:
         """The same room, to try what follows from more missions."""
         return StationRoom(self._at, self._group_of, self._occupancies)
 
-    def full_station(self, mission: Mission) -> Optional[Station]:
-        """The station of a mission's next stop if it is full with its queue; None: it is not."""
+    def full(self, mission: Mission) -> Optional[Target]:
+        """The station or charger of a mission's next stop if it has no place; None: it has one."""
         station = self._at.get(mission.left[0])
         if station is None:
             return None
@@ -62,15 +68,19 @@ class StationRoom:
         station = self._at.get(mission.left[0])
         return frozenset() if station is None else self._occupancies[station.name].leaving
 
-    def why_full(self, station: Station) -> str:
-        """What a mission to a full station waits for, in words."""
-        robots = ', '.join(self._occupancies[station.name].robots)
+    def why_full(self, station: Target) -> str:
+        """What a mission to a full station or charger waits for, in words."""
+        taken = self._occupancies[station.name]
+        if isinstance(station, Charger):
+            users = map('{}, {}'.format, taken.robots, taken.doing)
+            return f'charger {station.name} is in use by {"; ".join(users)}'
+        robots = ', '.join(taken.robots)
         return (f'station {station.name} is full with its queue' if not robots else
                 f'station {station.name} is full with its queue: it waits for one of {robots} to '
                 'leave')
 
-    def robots_at(self, station: Station) -> Tuple[str, ...]:
-        """Names of the robots that take the places of a station and of its queue."""
+    def robots_at(self, station: Target) -> Tuple[str, ...]:
+        """Names of the robots that take the places of a station with its queue, or of a charger."""
         return self._occupancies[station.name].robots
 
     def send(self, mission: Mission) -> None:
@@ -81,13 +91,13 @@ class StationRoom:
             self._occupancies[station.name] = taken._replace(
                 waiters=(*taken.waiters, self._places_for(mission, station)))
 
-    def _places_for(self, mission: Mission, station: Station) -> Tuple[int, ...]:
+    def _places_for(self, mission: Mission, station: Target) -> Tuple[int, ...]:
         return places_for(mission, station, self._group_of(mission))
 
 
 NO_STATIONS = StationRoom({}, lambda _: '', {})
 
 
-def places_for(mission: Mission, station: Station, group: str) -> Tuple[int, ...]:
+def places_for(mission: Mission, station: Target, group: str) -> Tuple[int, ...]:
     """The places of a station that would do for the next stop of a mission."""
     return station.places if group == station.name else mission.left[:1]

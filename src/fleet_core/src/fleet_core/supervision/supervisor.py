@@ -65,6 +65,7 @@ from fleet_core.supervision.run_number import RUN_NUMBER, RunNumber
 from fleet_core.supervision.settings import RobotSettings
 from fleet_core.supervision.site_resources import chargers_of, resources_of
 from fleet_core.supervision.station_desk import StationDesk
+from fleet_core.supervision.station_room import StationRoom
 from fleet_core.supervision.switching import OrderSwitching
 from fleet_core.supervision.time_to_go import time_over, time_to_go
 from fleet_core.supervision.timetable_runs import TimetableRuns, stored_name
@@ -221,6 +222,10 @@ class Supervisor:
     def own_hindrances(self) -> Dict[str, Hindrance]:
         """By robot, what hinders it from serving any mission now."""
         return self._waiting.own_hindrances
+
+    def room(self) -> StationRoom:
+        """To which stations and chargers a further robot may be sent now."""
+        return self.stations.room(self.charging.at, self.charging.occupancies())
 
     # -- missions ---------------------------------------------------------------------------------
 
@@ -781,7 +786,7 @@ class Supervisor:
         for name in self.charging.update(self._waiting.short, self.network, now):
             self._out.robot_changed(name)
         for name in self._waiting.assign(self.acceptance, self.networks, now,
-                                         self.stations.room):
+                                         self.room):
             mission_progress.follow(self.book, self.robots[name], now)
         self.stations.advance(self.network, self.charging.leaving)
         self.plan_executor.advance(self._world(), now)

@@ -58,7 +58,7 @@ def mission_reason(mission: Mission, supervisor: Supervisor, now: float) -> Miss
     if mission.state is MissionState.BLOCKED:
         return MissionReason(Wait(WaitCode.MISSIONS, mission.reason))
     acceptance = supervisor.acceptance
-    room = supervisor.stations.room()
+    room = supervisor.room()
     found = hindrances(mission, supervisor.own_hindrances, supervisor.robots, acceptance,
                        supervisor.networks.nominal, room)
     robots = tuple(
@@ -67,7 +67,7 @@ def mission_reason(mission: Mission, supervisor: Supervisor, now: float) -> Miss
     if supervisor.all_wait.code:
         return MissionReason(supervisor.all_wait, robots)
     reason = why_nobody(mission, found, supervisor.robots, now, room)[0]
-    full = room.full_station(mission)
+    full = room.full(mission)
     if full is not None and Hindrance.FULL in found.values():
         return MissionReason(Wait(WaitCode.RESOURCE, reason, _until_free(
             room.robots_at(full), supervisor, now)), robots)

@@ -38,8 +38,20 @@ Invariants, for each state after any events (`test_queues.py`):
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import AbstractSet, Dict, Iterable, List, Mapping, NamedTuple, Optional, Sequence, Tuple
+from typing import (
+    AbstractSet,
+    Dict,
+    Iterable,
+    List,
+    Mapping,
+    NamedTuple,
+    Optional,
+    Sequence,
+    Tuple,
+    Union,
+)
 
+from fleet_core.work.chargers import Charger
 from fleet_core.work.stations import Station
 
 
@@ -150,9 +162,11 @@ def advanced(before: Queue, station: Station, waiters: Iterable[Waiter], others:
                  waits)
 
 
-def has_place_for(places: Sequence[int], waiters: Iterable[Sequence[int]], station: Station,
-                  others: Others) -> bool:
+def has_place_for(places: Sequence[int], waiters: Iterable[Sequence[int]],
+                  station: Union[Station, Charger], others: Others) -> bool:
     """Would one more waiter find a place of the station, or a queue place, beside all waiters?
+
+    The same for a charger, which has no queue.
 
     If not, it could only wait elsewhere, perhaps in the way.
 
@@ -165,7 +179,8 @@ def has_place_for(places: Sequence[int], waiters: Iterable[Sequence[int]], stati
     flexible = sum(len(one) > 1 for one in wishes)
     inside = min(station.capacity - others.inside,
                  len(fixed) + min(flexible, len(free) - len(fixed)))
-    queued = sum(place not in others.kept for place in station.queue)
+    queue = station.queue if isinstance(station, Station) else ()
+    queued = sum(place not in others.kept for place in queue)
     return len(wishes) <= max(inside, 0) + queued
 
 

@@ -176,11 +176,15 @@ def problem_of(step: WorkStep) -> str:
         (not 0 <= step.retries <= MOST_RETRIES or (
             (step.on_failure is Policy.RETRY) is not bool(step.retries)),
          f'needs retries (1 to {MOST_RETRIES}) if on_failure is RETRY, and none otherwise'),
-        (bool(step.load) and step.blocking is not StepBlocking.HARD,
-         'changes the load, so its blocking must be HARD'),
-        (bool(step.load) and step.when is not When.AT,
-         'changes the load, so it must be carried out AT the stop'),
-        (bool(step.load) and step.on_failure is Policy.SKIP,
-         'changes the load, so it cannot be skipped without a person: choose ASK'),
-        (bool(step.load) and step.harmless, 'changes the load, so it is not harmless'))
+        *(_rules_of_load(step) if step.load else ()))
     return next((text for is_wrong, text in rules if is_wrong), '')
+
+
+def _rules_of_load(step: WorkStep) -> Tuple[Tuple[bool, str], ...]:
+    """What may be wrong with a step that changes the load: is it wrong, and in words."""
+    return (
+        (step.blocking is not StepBlocking.HARD, 'changes the load, so its blocking must be HARD'),
+        (step.when is not When.AT, 'changes the load, so it must be carried out AT the stop'),
+        (step.on_failure is Policy.SKIP,
+         'changes the load, so it cannot be skipped without a person: choose ASK'),
+        (step.harmless, 'changes the load, so it is not harmless'))

@@ -275,18 +275,30 @@ def _replaced(segment: JobSegment, place: Place) -> JobSegment:
 def _target(job: QueuedJob, segments: Tuple[JobSegment, ...], index: int, mission: JobMission
             ) -> Told:
     """What a segment that has not ended is to be shown as."""
-    before, state = segments[index].told, mission.state
-    robot = mission.robot or before.robot
-    if index < mission.reached or state is JobMissionState.SUCCEEDED:
-        return Told(SegmentStatus.COMPLETED, NONE, robot)
-    if state is JobMissionState.FAILED:
-        return Told(SegmentStatus.FAILED, NONE, before.robot)
-    if not state.is_open:
-        is_refused = state is not JobMissionState.CANCELLED
-        return Told(SegmentStatus.CANCELLED,
-                    REFUSED_BY_FLEET if is_refused else job.cancel or NONE, before.robot)
+    before = segments[index].told
+    if index < mission.reached or mission.state is JobMissionState.SUCCEEDED:
+        return Told(SegmentStatus.COMPLETED, NONE, mission.robot or before.robot)
+    if not mission.state.is_open:
+        return _unfinished(job, before, mission.state)
     if index > mission.reached:
         return _waiting(segments, index)._replace(robot=job.robot)
+    return _present(job, segments, index, mission)
+
+
+def _unfinished(job: QueuedJob, before: Told, state: JobMissionState) -> Told:
+    """What a segment is shown as that was not completed when its mission ended."""
+    if state is JobMissionState.FAILED:
+        return Told(SegmentStatus.FAILED, NONE, before.robot)
+    is_refused = state is not JobMissionState.CANCELLED
+    return Told(SegmentStatus.CANCELLED, REFUSED_BY_FLEET if is_refused else job.cancel or NONE,
+                before.robot)
+
+
+def _present(job: QueuedJob, segments: Tuple[JobSegment, ...], index: int, mission: JobMission
+             ) -> Told:
+    """What the segment is shown as to which an open mission goes now."""
+    before, state = segments[index].told, mission.state
+    robot = mission.robot or before.robot
     if state is JobMissionState.CANCELLING or job.cancel is not None:
         is_begun = before.status is not SegmentStatus.PENDING
         return Told(SegmentStatus.CANCELLING, job.cancel or NONE, robot) if is_begun else before
