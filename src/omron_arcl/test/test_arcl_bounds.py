@@ -23,6 +23,7 @@ NAMES = sorted(COMMANDS)
 DRIVES = sorted(name for name, spec in COMMANDS.items() if spec.drives)
 # A command may wait for others of the same name, each of which may take this time (s).
 LONGEST_WAIT = 61.0
+LATER = 100  # steps after the end of the last command in which nothing more is sent
 
 STATUS = 'Status: {} StateOfCharge: 79.4 Location: 1 2 3 Temperature: 36'
 ACTIVITIES = (
@@ -140,12 +141,15 @@ def test_every_command_ends_once_and_within_its_bound(script, noise):
     history = History()
     history.play(script)
     history.send()
-    quiet = history.now
+    quiet, ended = history.now, 0
     for seconds in (*[1.0] * 100, *[30.0] * (len(history.given) * 3 + 125)):
         history.wait(seconds)
         if noise is not None:
             history.say(noise)
         history.send()
+        ended = 0 if any(one.result is None for one in history.given) else ended + 1
+        if ended == LATER:
+            break
     for number, execution in enumerate(history.given):
         ends, spec = history.ends[number], execution.command.spec
         assert len(ends) == 1, f'"{execution.command.text}" has {len(ends)} outcomes'

@@ -35,12 +35,15 @@ class Workspace:
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
+
+    def fill(self) -> None:
+        """Writes its files."""
         for name, text in FILES.items():
             self.write(name, text)
         self.write('pytest.ini', '[pytest]\n')
         for name in ('conftest.py', 'test/proofs.py'):
-            (folder / name).parent.mkdir(exist_ok=True)
-            shutil.copy(str(ROOT / name), str(folder / name))
+            (self.folder / name).parent.mkdir(exist_ok=True)
+            shutil.copy(str(ROOT / name), str(self.folder / name))
 
     def write(self, name: str, text: str) -> None:
         (self.folder / name).parent.mkdir(parents=True, exist_ok=True)
@@ -53,20 +56,28 @@ class Workspace:
         path = os.pathsep.join(str(self.folder / 'src' / name / 'src') for name in ('one', 'two'))
         told = subprocess.run(
             [sys.executable, '-m', 'pytest', '-s', '-q', '-p', 'no:cacheprovider',
-             *(options or ('src',))], cwd=str(self.folder), check=False, text=True,
-            stdout=subprocess.PIPE, env={**known, 'PYTHONPATH': path,
-                                         'PYTHONDONTWRITEBYTECODE': '1', **environment}).stdout
+             *(('-p', 'xdist') if '-n' in options else ()), *(options or ('src',))],
+            cwd=str(self.folder), check=False, text=True, stdout=subprocess.PIPE,
+            env={**known, 'PYTHONPATH': path, 'PYTEST_DISABLE_PLUGIN_AUTOLOAD': '1',
+                 'PYTHONDONTWRITEBYTECODE': '1', **environment}).stdout
         is_whole = '1 proofs ran whole' in told
         assert '-n' in options or is_whole == ('whole\n' in told), told  # workers print nothing
         return 'whole' if is_whole else 'default'
 
 
-@pytest.fixture
-def tested(tmp_path: Path) -> Workspace:
-    """A workspace whose proof has passed once."""
-    workspace = Workspace(tmp_path)
+@pytest.fixture(scope='module')
+def passed(tmp_path_factory: pytest.TempPathFactory) -> Workspace:
+    """A workspace whose proof has passed once. Tests change copies of it."""
+    workspace = Workspace(tmp_path_factory.mktemp('passed'))
+    workspace.fill()
     assert workspace.extent() == 'default'
     return workspace
+
+
+@pytest.fixture
+def tested(passed: Workspace, tmp_path: Path) -> Workspace:
+    """A copy of it, of this test alone."""
+    return Workspace(Path(shutil.copytree(str(passed.folder), str(tmp_path / 'workspace'))))
 
 
 def test_a_proof_runs_whole_once_after_a_change_of_a_file_that_it_reads(tested):

@@ -18,7 +18,7 @@ from trajectory_graph import Graph
 WHOLE = is_whole(__file__)
 NEAREST = 400_000 if LONG else 60_000 if WHOLE else 5_000
 """Number of states that a search visits."""
-WALKS = 2000 if LONG else 200 if WHOLE else 20
+WALKS = 2000 if LONG else 200 if WHOLE else 8
 FAULTS: FrozenSet[Any] = frozenset({Fault.RESTART, Fault.DISK, DoorFault.RESTART})
 WIDE = Bounds(grants=40, faults=12, acts=0, of=FAULTS)
 

@@ -167,12 +167,14 @@ class States:
         return names[::-1]
 
 
-def search(bounds: Bounds, live: bool = False) -> Found:
-    """Visits all states. With `live`, it also checks that the mission can end from each."""
+def search(bounds: Bounds, live: bool = False, most: Optional[int] = None) -> Found:
+    """Visits all states, or the `most` nearest ones. With `live`, it also checks that the mission
+    can end from each, if it has visited all.
+    """
     visited, before = States(), []  # type: States, List[List[int]]
     visited.number(bounds.begin, 0, '')
     number = 0
-    while number < len(visited.states):
+    while number < len(visited.states) and number != most:
         state = visited.states[number]
         try:
             for name, after in events(state, bounds):
@@ -184,7 +186,7 @@ def search(bounds: Bounds, live: bool = False) -> Found:
         except Flaw as flaw:
             return Found(len(visited.states), str(flaw), visited.way(number))
         number += 1
-    if live:
+    if live and number == len(visited.states):
         ends = [k for k, state in enumerate(visited.states)
                 if rules.phase_of(state.disk) in FINAL or state.orders == bounds.orders]
         reached = set(ends)
