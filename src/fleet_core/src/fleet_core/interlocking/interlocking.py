@@ -263,6 +263,18 @@ class Interlocking:
                     self._conformance.stored(name, allocation)
         self._to_store.difference_update(names)
 
+    def not_stored(self, trouble: str) -> None:
+        """Nothing can be stored now. What was granted for that commit is taken back.
+
+        Such a grant would leave when the journal can be written again. Until then a door may have
+        closed. So the robot is granted these edges anew, by all gates and conditions.
+
+        trouble -- why nothing can be stored, as a clause
+        """
+        self.trouble = trouble
+        for robot in self._robots.values():
+            robot.master.not_stored()
+
     # -- conformance ------------------------------------------------------------------------------
 
     def violations(self) -> List[Violation]:

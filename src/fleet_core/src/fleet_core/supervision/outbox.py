@@ -144,7 +144,7 @@ class Outbox:
                                 stays, self._stop, works, loads, new_claims)
         except JournalUnavailable as unavailable:
             self.trouble, self._try_at = unavailable.reason, now + AGAIN
-            self._interlocking.trouble = self.trouble
+            self._interlocking.not_stored(self.trouble)
             self.note_state(_JOURNAL, f'{unavailable} Until then no mission is accepted and no '
                             'robot gets anything new to drive; stops are sent.', '')
             return
