@@ -80,9 +80,9 @@ SOON = {
 """By guard, the life that finds within 700 steps that it is left out."""
 LATER = {
     'a key is above all that the robot has taken': 0,
-    'a mission that has become impossible ends its steps first': 11,
+    'a mission that has become impossible ends its steps first': 17,
     'the stop is not entered before its steps': 10, 'a step that may still run is not retried': 2,
-    'claims never exceed the capacity': 5, 'a machine carries out one step': 0,
+    'claims never exceed the capacity': 5, 'a machine carries out one step': 23,
     'a command is sent when its step is stored': 10}
 """By guard, the life that finds that it is left out."""
 LIVES = {**SOON, **(LATER if WHOLE else {})}

@@ -176,7 +176,7 @@ class Interlocking:
         What it claims and does not need for these edges is returned.
 
         The granted edges are added to the robot's allocation and ordered at once. The order is sent
-        only after it is stored on the disk.
+        in the same event, after it is stored on the disk; `not_stored` takes it back.
 
         edges -- signed ids, in driving order; they follow all edges granted before
         renew -- use a new route id, for example for another mission

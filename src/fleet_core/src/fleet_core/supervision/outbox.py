@@ -1,7 +1,8 @@
 """The outbox: actions that follow an event, held back until their data are on the disk.
 
 While the disk cannot be written, only orders that stop robots or shorten their routes go out.
-Everything else waits for the disk.
+What the interlocking has granted is taken back, to be granted anew. Everything else waits for the
+disk.
 """
 from __future__ import annotations
 
