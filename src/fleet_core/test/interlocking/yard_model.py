@@ -18,8 +18,8 @@ Events
     * A report arrives at once, or never. One report of each robot may be kept on its way: it
       arrives at any time, again and again, before or after newer ones.
     * The fleet manager is asked for any edge of the yard, makes a route shorter, stores what
-      reports have changed, and restarts from its journal, or from the first one. Its disk fills, also
-      before a grant is stored, and is freed.
+      reports have changed, and restarts from its journal, or from the first one. Its disk fills,
+      also before a grant is stored, and is freed.
     * A person stops the fleet and resumes it, takes a robot out of service, and brings it back
       where it stands.
 
