@@ -15,6 +15,7 @@ Properties, besides those of the yard
     OPEN      The door is open for each robot that is on its edges, or whose route leads there.
     CLAIMED   Each robot with an edge of the door in its allocation claims it, also by the journal.
     CAPACITY  One robot at most claims the door, by the journal.
+    ENTERED   A robot is sent into the door only while a fresh report tells that it is open for it.
 
 In the yard with a charger, which has no device and two places, ALONE takes the place of OPEN: one
 robot at most is in the charger, or has a route that leads there.
@@ -199,6 +200,26 @@ class DoorYard(Yard):
         claims.stored()
         return site._replace(door=self._door(site.door._replace(written=written), claims)), ids
 
+    def _taken(self, site: Site, ids: Tuple[int, ...]) -> State:
+        number, *after = super()._taken(site, ids)
+        if not self._needs.resources[DOOR].has_device:
+            return (number, *after)
+        return (number, *(self._entering(site.door, name, id, sent)
+                          for name, id, sent in zip(self.names, ids, after)))
+
+    def _entering(self, door: Door, name: str, id: int, sent: int) -> int:
+        """A robot after orders were sent, with the flaw that the door is not ready for a new one.
+        """
+        before, after = self._sides[id], self._sides[sent]
+        known = {edge for order in before.orders for edge in order.edges}
+        new = {edge.label for order in after.orders - before.orders for edge in order.edges
+               if edge not in known}
+        is_ready = 0 < dict(door.asked).get(name, 0) <= door.told
+        if is_ready or self._may_be_inside(id) or not self.edges & set(map(abs, new)):
+            return sent
+        return self._put(after._replace(
+            flaw=f'ENTERED: {name} is sent into the door, which does not report that it is open'))
+
     # -- events -----------------------------------------------------------------------------------
 
     def steps(self, state: State) -> Iterator[Tuple[str, State]]:
@@ -241,9 +262,11 @@ class DoorYard(Yard):
         if belief is not None:
             after = self._put(side._replace(belief=belief, stale=True,
                                             flaw=self._wrong_grant(site, ids, k, edge)))
-            yield f'{name}: is granted {edge}', self._taken(
-                site._replace(grants=site.grants - 1, to_store=site.to_store | to_store,
-                              door=door), (*ids[:k], after, *ids[k + 1:]))
+            there, robots = site._replace(
+                grants=site.grants - 1, to_store=site.to_store | to_store, door=door), (
+                    *ids[:k], after, *ids[k + 1:])
+            yield f'{name}: is granted {edge}', self._taken(there, robots)
+            yield from self._granted_in_vain(f'{name}: is granted {edge}', there, robots)
         elif door != site.door:
             yield f'{name}: asks for {edge}', (self._with(site, door), *ids)
 

@@ -13,6 +13,7 @@ from yard_model import Bounds, Fault, State
 
 from fleet_core.interlocking import interlocking
 from fleet_core.interlocking.claims import Claims
+from fleet_core.interlocking.route_master import RouteMaster
 from trajectory_graph import Graph
 
 WHOLE = is_whole(__file__)
@@ -171,3 +172,9 @@ def test_a_planted_fault_of_claims_is_found(plant: Callable[[pytest.MonkeyPatch]
                                             monkeypatch: pytest.MonkeyPatch) -> None:
     plant(monkeypatch)
     assert any(found.flaw for found in walks(kind, FAR))
+
+
+def test_a_grant_that_waits_for_a_full_disk_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(RouteMaster, 'not_stored', lambda master: None)
+    found = SEARCHES['a full disk'].of()
+    assert found.flaw.startswith('ENTERED'), str(found)

@@ -18,8 +18,8 @@ Events
     * A report arrives at once, or never. One report of each robot may be kept on its way: it
       arrives at any time, again and again, before or after newer ones.
     * The fleet manager is asked for any edge of the yard, makes a route shorter, stores what
-      reports have changed, and restarts from its journal, or from the first one. Its disk fills and
-      is freed.
+      reports have changed, and restarts from its journal, or from the first one. Its disk fills,
+      also before a grant is stored, and is freed.
     * A person stops the fleet and resumes it, takes a robot out of service, and brings it back
       where it stands.
 
@@ -729,6 +729,23 @@ class Yard:
         return (self._site_id(site), *(
             self._sent(id, site.is_stopped, site.trouble) for id in ids))
 
+    def _granted_in_vain(self, what: str, site: Site,
+                         ids: Tuple[int, ...]) -> Iterator[Tuple[str, State]]:
+        """The disk fills before a grant is stored, as in `Outbox`."""
+        if site.faults and not site.trouble and Fault.DISK in self._bounds.of:
+            full = site._replace(faults=site.faults - 1, trouble=True)
+            yield f'{what}, but the disk is full', self._taken(
+                full, tuple(map(self._not_stored, ids)))
+
+    def _not_stored(self, id: int) -> int:
+        side = self._sides[id]
+        key = 'not stored', side.belief
+        if key not in self._known:
+            robot = self._robot(side)
+            Interlocking(self._geometry, CLEARANCE, {robot.name: robot}).not_stored('a full disk')
+            self._known[key] = self._belief_id(robot)
+        return self._put(side._replace(belief=self._known[key]))
+
     def _committed(self, site: Site, ids: Tuple[int, ...]) -> Tuple[Site, Tuple[int, ...]]:
         ids = tuple(self._stored(id) if self._sides[id].stale or k in site.to_store else id
                     for k, id in enumerate(ids))
@@ -772,9 +789,11 @@ class Yard:
                 granted = self._granted(site, ids, k, edge)
                 if granted is not None:
                     after, to_store = granted
-                    yield f'{name}: is granted {edge}', self._taken(
-                        site._replace(grants=site.grants - 1, to_store=site.to_store | to_store),
-                        (*ids[:k], after, *ids[k + 1:]))
+                    there, robots = site._replace(
+                        grants=site.grants - 1, to_store=site.to_store | to_store), (
+                            *ids[:k], after, *ids[k + 1:])
+                    yield f'{name}: is granted {edge}', self._taken(there, robots)
+                    yield from self._granted_in_vain(f'{name}: is granted {edge}', there, robots)
         if robot.master.order is not None:
             sent = self._sent(id, site.is_stopped, site.trouble)
             if sent != id:

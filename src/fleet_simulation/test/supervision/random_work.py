@@ -582,9 +582,14 @@ class RandomWork(SupervisedFleet):
         self._deceived = {name for name in self.agvs if self._is_on_way_into_door(name)}
 
     def _is_on_way_into_door(self, name: str) -> bool:
+        """Is a robot in the door, or was it sent there? A grant that was not sent does not count.
+        """
         gate, agv = WORK.devices['gate'].edges[0], self.agvs[name]
-        edges = (agv.edge, *agv.edges[agv.current:], *self.supervisor.robots[name].record.held, *(
-            edge for order in self.network.under_way(name) for edge in order.edges))
+        master = self.supervisor.robots[name].master
+        edges = (agv.edge, *agv.edges[agv.current:], *(
+            edge for order in self.network.under_way(name) for edge in order.edges), *(
+            step.edge for order in master.protocol.open if order.number <= master.last_sent
+            for step in order.steps(master.record.done)))
         return gate in map(abs, edges)
 
     def manager_restarts(self) -> None:
@@ -857,7 +862,7 @@ class RandomWork(SupervisedFleet):
                 assert resource in claims.stored_of(name), f'(c) {name} does not claim {resource}'
             if not self._is_on_way_into_door(name):
                 self._deceived.discard(name)
-            elif self.now <= self._failed + FRESH + 1.0:
+            elif self.now <= self._failed + FRESH + 1.0:  # it was sent there by a fresh report
                 self._deceived.add(name)
             if 'gate' in needs and name not in self.moved | self._deceived and not self.lies:
                 gate = self.devices['gate']

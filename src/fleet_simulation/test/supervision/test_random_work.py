@@ -1,9 +1,8 @@
 """The random machine over the work of a fleet: what must hold does, and each mission ends.
 
 Lives are drawn from seeds. With a guard left out, the machine finds a flaw: the tables name a life
-that finds it soon. It does not find two guards: `a report of an earlier run is ignored`,
-which the search over all states finds (`test_work_model`), and `a report of a device counts while
-it is fresh` (75 lives), which `test_device_desk` and `test_doors` find.
+that finds it soon. It does not find one guard: `a report of an earlier run is ignored`, which the
+search over all states finds (`test_work_model`).
 """
 from __future__ import annotations
 
@@ -15,6 +14,7 @@ from proofs import LONG, is_whole
 from random_work import lived
 
 from fleet_core.interlocking.claims import Claims
+from fleet_core.interlocking.route_master import RouteMaster
 from fleet_core.supervision import device_desk
 from fleet_core.supervision.work_desk import WorkDesk
 
@@ -56,6 +56,7 @@ AROUND: Mapping[str, Tuple[Any, str, Any]] = {
         Claims, '_is_ready', lambda self, name, resource: resource in self.stored_of(name)),
     'an edge needs its claims': (Claims, 'keeping_out', lambda self, name, edge, is_inside: ''),
     'a claim ends by the place': (Claims, 'follow', _claims_nothing),
+    'what could not be stored is granted anew': (RouteMaster, 'not_stored', lambda self: None),
     'a report of a device counts while it is fresh': (
         device_desk, '_is_fresh', lambda report, now: True),
     'a robot at work stands': (WorkDesk, 'at_work', property(lambda self: frozenset())),
@@ -73,13 +74,15 @@ SOON = {
     'a command of an earlier run is ignored': 1, 'nothing begins while a person is asked': 5,
     'a hard step runs alone': 0, 'the load is unknown while it moves': 0,
     'a claim is ready when its device is open': 0, 'a claim ends by the place': 0,
-    'the gate is closed while a step runs': 14, 'a robot at work stands': 14}
+    'the gate is closed while a step runs': 14, 'a robot at work stands': 14,
+    'what could not be stored is granted anew': 76,
+    'a report of a device counts while it is fresh': 76}
 """By guard, the life that finds within 700 steps that it is left out."""
 LATER = {
     'a key is above all that the robot has taken': 0,
-    'a mission that has become impossible ends its steps first': 11,
+    'a mission that has become impossible ends its steps first': 17,
     'the stop is not entered before its steps': 10, 'a step that may still run is not retried': 2,
-    'claims never exceed the capacity': 5, 'a machine carries out one step': 0,
+    'claims never exceed the capacity': 5, 'a machine carries out one step': 23,
     'a command is sent when its step is stored': 10}
 """By guard, the life that finds that it is left out."""
 LIVES = {**SOON, **(LATER if WHOLE else {})}
@@ -93,5 +96,4 @@ def test_a_guard_that_is_left_out_is_found(name: str, monkeypatch: pytest.Monkey
 
 
 def test_each_guard_is_left_out_by_a_life_or_by_the_search() -> None:
-    assert {*GUARDS, *AROUND} - {*SOON, *LATER} == {
-        'a report of an earlier run is ignored', 'a report of a device counts while it is fresh'}
+    assert {*GUARDS, *AROUND} - {*SOON, *LATER} == {'a report of an earlier run is ignored'}

@@ -530,7 +530,7 @@ def test_a_robot_whose_order_waits_for_the_disk_is_not_deaf_and_waits_for_the_di
     fleet.disk.fails()
     fleet.run(10.0)
     robot = fleet.supervisor.robots['a']
-    assert robot.master.is_new_motion, 'an edge was granted although the grant is not stored'
+    assert robot.master.order is None, 'a grant that cannot be stored is taken back'
     view, = robot_views(fleet.supervisor, fleet.now)
     assert robot.outage is None and view.waits_for.text.startswith('the disk: the journal')
     fleet.disk.fails(False)

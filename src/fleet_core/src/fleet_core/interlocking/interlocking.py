@@ -176,7 +176,7 @@ class Interlocking:
         What it claims and does not need for these edges is returned.
 
         The granted edges are added to the robot's allocation and ordered at once. The order is sent
-        only after it is stored on the disk.
+        in the same event, after it is stored on the disk; `not_stored` takes it back.
 
         edges -- signed ids, in driving order; they follow all edges granted before
         renew -- use a new route id, for example for another mission
@@ -262,6 +262,18 @@ class Interlocking:
                 if self._conformance is not None:
                     self._conformance.stored(name, allocation)
         self._to_store.difference_update(names)
+
+    def not_stored(self, trouble: str) -> None:
+        """Nothing can be stored now. What was granted for that commit is taken back.
+
+        Such a grant would leave when the journal can be written again. Until then a door may have
+        closed. So the robot is granted these edges anew, by all gates and conditions.
+
+        trouble -- why nothing can be stored, as a clause
+        """
+        self.trouble = trouble
+        for robot in self._robots.values():
+            robot.master.not_stored()
 
     # -- conformance ------------------------------------------------------------------------------
 

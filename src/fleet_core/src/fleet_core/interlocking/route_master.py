@@ -387,6 +387,14 @@ class RouteMaster:
         if not self.record.ahead:
             self.record.stand(self.record.position)
 
+    def not_stored(self) -> None:
+        """What was ordered last cannot be stored. It is taken back if it lets the robot drive on.
+
+        A stop or a shorter route stays: it is sent although it is not stored.
+        """
+        if self.is_new_motion:
+            self._take_back_unsent()
+
     def halt(self) -> None:
         """Stops the robot wherever it is. It keeps its allocation until it is seen standing."""
         self._take_back_unsent()

@@ -1,7 +1,8 @@
 """The outbox: actions that follow an event, held back until their data are on the disk.
 
 While the disk cannot be written, only orders that stop robots or shorten their routes go out.
-Everything else waits for the disk.
+What the interlocking has granted is taken back, to be granted anew. Everything else waits for the
+disk.
 """
 from __future__ import annotations
 
@@ -144,7 +145,7 @@ class Outbox:
                                 stays, self._stop, works, loads, new_claims)
         except JournalUnavailable as unavailable:
             self.trouble, self._try_at = unavailable.reason, now + AGAIN
-            self._interlocking.trouble = self.trouble
+            self._interlocking.not_stored(self.trouble)
             self.note_state(_JOURNAL, f'{unavailable} Until then no mission is accepted and no '
                             'robot gets anything new to drive; stops are sent.', '')
             return

@@ -208,7 +208,7 @@ class ManagedRobot:
 
         heard -- time until which all arrived reports were evaluated
         """
-        if self.master.order is None or self.master.is_new_motion:  # a new order waits for the disk
+        if self.master.order is None:
             self.liveness.nothing_to_answer(now)
         if self.liveness.is_silent(heard):
             self.notice(Sign.SILENCE, f'it has not reported for {SILENCE:.0f} s')

@@ -105,8 +105,7 @@ def robot_wait(robot: ManagedRobot, errand: Errand, supervisor: Supervisor, now:
         return Wait(WaitCode.OUTAGE, robot.why or robot.outage.value)
     if supervisor.is_stopped:
         return FLEET_STOPPED
-    if supervisor.all_wait.code and errand.duty is not Duty.IDLE and (
-            robot.record.is_standing or robot.master.is_new_motion):
+    if supervisor.all_wait.code and errand.duty is not Duty.IDLE and robot.record.is_standing:
         return supervisor.all_wait
     if mission is not None and mission.state is MissionState.PAUSED:
         return _PAUSED
