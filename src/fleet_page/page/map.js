@@ -393,7 +393,10 @@ function placeLabels() {
   const places = new Places(size.width, size.height);
   places.cover(buttons);
   for (const box of [...fixed, ...areaSigns, ...words]) places.cover(box, true);
-  for (const { x, y, reach } of robots.values()) places.cover([x - reach, y - reach, x + reach, y + reach]);
+  for (const { x, y, reach } of robots.values()) {
+    const half = reach * Math.SQRT1_2;  // the square within its disc: else no label at a corner would be clear of its own robot
+    places.cover([x - half, y - half, x + half, y + half]);
+  }
   for (const shapes of [...robots.values()].sort((a, b) => b.isFirst - a.isFirst)) {
     const text = { x: shapes.x, y: shapes.y, away: shapes.reach + 1, width: widthOf(shapes.label), height: 0.95 * rem, may: shapes.isFirst ? 'all' : 'soft' };
     shapes.side = places.place(text, ABOVE_FIRST, shapes.side);
