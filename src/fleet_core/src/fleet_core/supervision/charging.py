@@ -22,12 +22,12 @@ from typing import (
     Collection,
     Dict,
     FrozenSet,
-    Iterable,
     Iterator,
     List,
     Mapping,
     NamedTuple,
     Optional,
+    Sequence,
     Set,
     Tuple,
 )
@@ -166,7 +166,7 @@ class ChargerDesk:
         stays = list(self._stays(candidates, serving))
         turns = turns_of(self._chargers.values(), candidates.values(), Occupied(
             {one.place for one in stays if one.place is not None},
-            Counter(one.charger for one in stays), self._wanted(serving.values())))
+            Counter(one.charger for one in stays), frozenset(self._going(serving).values())))
         for name, robot in self._robots.items():
             robot.dock = turns.get(name)
             robot.tops_up = robot.dock is not None and not candidates[name].needs
@@ -185,35 +185,34 @@ class ChargerDesk:
                         serving.get(name), self._chargers[charger])):
                     yield _Stay(name, charger, None if robot is None else robot.record.last_vertex)
 
-    def _wanted(self, missions: Iterable[Mission]) -> FrozenSet[int]:
-        """The places of chargers to which missions go now."""
-        return frozenset(mission.left[0] for mission in missions
-                         if mission.left and mission.left[0] in self.at and follows(mission))
+    def _going(self, serving: Mapping[str, Mission]) -> Dict[str, int]:
+        """The places of chargers to which missions go now, by their robots."""
+        return {name: mission.left[0] for name, mission in serving.items()
+                if mission.left and mission.left[0] in self.at and follows(mission)}
 
     def occupancies(self) -> Dict[str, Occupancy]:
         """The robots that take the places of chargers, by the charger's name.
 
         A robot that only tops up takes none: it yields to missions.
         """
-        going = {name: mission for name, mission in self._book.serving.items()
-                 if mission.left and mission.left[0] in self.at and follows(mission)}
+        going = self._going(self._book.serving)
         turns = {name: robot.dock for name, robot in self._robots.items()
                  if robot.dock is not None}
         staying = [stay for stay in self._stays(turns, self._book.serving)
                    if stay.robot not in going]
         staying += [_Stay(name, self.at[dock].name, dock) for name, dock in turns.items()
                     if dock in self.at and not self._robots[name].tops_up]
-        found: Dict[str, Occupancy] = {}
-        for name in self._chargers:
-            inside = [stay for stay in staying if stay.charger == name]
-            waiters = {robot: mission.left[:1] for robot, mission in going.items()
-                       if self.at[mission.left[0]].name == name}
-            kept = frozenset(stay.place for stay in inside if stay.place is not None)
-            robots = (*waiters, *(stay.robot for stay in inside))
-            found[name] = Occupancy(robots, tuple(waiters.values()),
-                                    Others(len(inside), kept, kept),
-                                    doing=tuple(map(self._doing, robots)))
-        return found
+        return {name: self._occupancy(
+            {robot: (place,) for robot, place in going.items() if self.at[place].name == name},
+            [stay for stay in staying if stay.charger == name]) for name in self._chargers}
+
+    def _occupancy(self, waiters: Mapping[str, Tuple[int, ...]],
+                   inside: Sequence[_Stay]) -> Occupancy:
+        """The robots that go to a charger for a mission, and those that stay in it."""
+        kept = frozenset(stay.place for stay in inside if stay.place is not None)
+        robots = (*waiters, *(stay.robot for stay in inside))
+        return Occupancy(robots, tuple(waiters.values()), Others(len(inside), kept, kept),
+                         doing=tuple(map(self._doing, robots)))
 
     def _doing(self, name: str) -> str:
         """What a robot does that takes a place of a charger, in words that follow its name."""
