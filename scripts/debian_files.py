@@ -119,7 +119,7 @@ def read(file: Path) -> Package:
 
 
 def debian_names(table: str) -> Dict[str, str]:
-    """Debian's package names by rosdep key."""
+    """Returns Debian's package names by rosdep key."""
     names: Dict[str, str] = {}
     for line in table.splitlines():
         debian, other = line.split()
@@ -129,8 +129,8 @@ def debian_names(table: str) -> Dict[str, str]:
 
 
 def needed(keys: Sequence[str], names: Mapping[str, str], own: Mapping[str, str]) -> List[str]:
-    """The run-time dependencies under Debian's names. ROS packages outside the table are Python
-    modules.
+    """Returns the run-time dependencies under Debian's names. ROS packages outside the table are
+    Python modules.
     """
     return sorted({own.get(key) or names.get(key) or (
         key if key.startswith('python3-') else 'python3-' + key.replace('_', '-'))
@@ -138,7 +138,7 @@ def needed(keys: Sequence[str], names: Mapping[str, str], own: Mapping[str, str]
 
 
 def binary(name: str, description: str, depends: Sequence[str], is_compiled: bool = False) -> str:
-    """The paragraph of debian/control about one package."""
+    """Returns the paragraph of debian/control about one package."""
     first, _, rest = description.partition('. ')
     lines = textwrap.wrap(rest or f'{first.rstrip(".")}. A part of the LD-90 workspace.', 75)
     synopsis = first.rstrip('.').split(': ')[0] if len(first) > 78 else first.rstrip('.')

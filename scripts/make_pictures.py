@@ -138,7 +138,7 @@ def film(window: RvizWindow) -> None:
 
 
 def graph_pictures(screen: Screen) -> None:
-    """Pictures of the graph made from the laboratory's bare map: drawn, and in the editor."""
+    """Takes pictures of the graph made from the laboratory's bare map: drawn, and in the editor."""
     lab = str(ROOT / 'maps' / 'lab_base.map')
     with tempfile.TemporaryDirectory() as folder:
         graph = f'{folder}/graph.yaml'
@@ -168,7 +168,9 @@ def graph_pictures(screen: Screen) -> None:
 
 
 def fleet_film(screen: Screen) -> None:
-    """Eight robots at work, as `scripts/run.sh fleet:=4 longest_edge:=1.5 demo:=true` shows."""
+    """Films eight robots at work, as `scripts/run.sh fleet:=4 longest_edge:=1.5 demo:=true`
+    shows.
+    """
     with fleet_in_rviz(screen, 'longest_edge:=1.5', 'demo:=true') as (fleet, window):
         wait_until(lambda: sum(robot.has_mission for robot in fleet.state.messages[-1].robots) == 8,
                    120.0, 'eight missions')
@@ -179,7 +181,9 @@ def fleet_film(screen: Screen) -> None:
 
 
 def work_picture(screen: Screen) -> None:
-    """Doors, and a station with a queue, as `scripts/run.sh fleet:=4 work:=true` shows them."""
+    """Takes a picture of doors, and of a station with a queue,
+    as `scripts/run.sh fleet:=4 work:=true` shows them.
+    """
     with fleet_in_rviz(screen, 'work:=true') as (fleet, window):
         for _ in range(PALLETS):
             subprocess.run(['rosrun', 'graph_fleet_manager', 'mission', 'run', 'pallet',
@@ -197,7 +201,9 @@ def work_picture(screen: Screen) -> None:
 
 
 def page_pictures(_: Screen) -> None:
-    """The fleet page at work: the map with its layers, and the missions in a wide panel."""
+    """Takes pictures of the fleet page at work: the map with its layers,
+    and the missions in a wide panel.
+    """
     ports = free_fleet_ports()
     with running_fleet('work:=true', 'lasers:=true', 'page:=true', f'page_port:={ports + 9}',
                        first_port=ports) as fleet:
@@ -243,7 +249,7 @@ def page_pictures(_: Screen) -> None:
 
 @contextmanager
 def running_fleet(*options: str, **more: int) -> Iterator[Factory]:
-    """Eight robots under a ROS master of their own."""
+    """Yields eight robots under a ROS master of their own."""
     port = free_port()
     os.environ['ROS_MASTER_URI'] = f'http://127.0.0.1:{port}'
     master = subprocess.Popen(['roscore', '-p', str(port)], stdout=subprocess.DEVNULL)
@@ -262,7 +268,7 @@ def running_fleet(*options: str, **more: int) -> Iterator[Factory]:
 
 @contextmanager
 def fleet_in_rviz(screen: Screen, *options: str) -> Iterator[Tuple[Factory, RvizWindow]]:
-    """A running fleet, and an RViz that shows it."""
+    """Yields a running fleet, and an RViz that shows it."""
     with running_fleet(*options) as fleet:
         screen.environment['ROS_MASTER_URI'] = os.environ['ROS_MASTER_URI']
         window = RvizWindow(screen, str(IMAGES), SCALE, 'omron_ld90', 'rviz.launch',
@@ -297,7 +303,7 @@ def main() -> int:
 
 
 def stack_pictures(screen: Screen) -> None:
-    """Pictures of the stack with a simulated robot, on ports of its own."""
+    """Takes pictures of the stack with a simulated robot, on ports of its own."""
     port = free_port()
     os.environ['ROS_MASTER_URI'] = screen.environment['ROS_MASTER_URI'] = (
         f'http://127.0.0.1:{port}')

@@ -36,7 +36,7 @@ def record(folder: Path, verdict: str, name: str, reason: str = '') -> None:
 
 
 def failures(suite: ElementTree.Element) -> List[ElementTree.Element]:
-    """The failed tests below an element of a JUnit file."""
+    """Returns the failed tests below an element of a JUnit file."""
     return [case for case in suite.iter('testcase')
             if case.find('failure') is not None or case.find('error') is not None]
 
@@ -62,8 +62,8 @@ def _name(case: ElementTree.Element) -> str:
 
 
 def seconds_of(file: Path) -> Dict[str, float]:
-    """The duration of each system test in s, from lines with seconds and a name; the last line
-    counts.
+    """Returns the duration of each system test in s, from lines with seconds and a name; the last
+    line counts.
     """
     if not file.exists():
         return {}
@@ -80,7 +80,7 @@ def longest_first(known: Dict[str, float], names: Sequence[str]) -> List[str]:
 
 
 def slowest(folder: Path) -> Iterator[str]:
-    """Lines about the tests that took longest."""
+    """Yields lines about the tests that took longest."""
     unit = folder / 'unit.xml'
     cases = ElementTree.parse(unit).getroot().iter('testcase') if unit.exists() else ()
     kinds = {'unit': [(float(case.get('time', '0')), _name(case)) for case in cases],
@@ -94,7 +94,7 @@ def slowest(folder: Path) -> Iterator[str]:
 
 
 def results(folder: Path) -> Iterator[Result]:
-    """Each test of each JUnit file below `folder`."""
+    """Yields each test of each JUnit file below `folder`."""
     for file in sorted(folder.rglob('*.xml')):
         for case in ElementTree.parse(file).getroot().iter('testcase'):
             name = _name(case)

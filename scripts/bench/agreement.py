@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Does the fleet in virtual time do the same as the fleet in real time?
+"""Compares the fleet in virtual time with the fleet in real time.
 
 The real fleet is the factory, as `scripts/run.sh fleet:=4 longest_edge:=1.5 demo:=true` starts it:
 simulated LD-90s and AGVs, their ROS nodes, the fleet manager, random missions, at real speed. The
@@ -66,7 +66,7 @@ class Seen(NamedTuple):
         return self.name.partition('_')[0]
 
     def has_moved(self, before: Seen) -> bool:
-        """Whether it has driven or turned since the look before."""
+        """Returns whether it has driven or turned since the look before."""
         return (math.dist((before.x, before.y), (self.x, self.y)) > MOVED
                 or abs(math.remainder(self.heading - before.heading, math.tau)) > TURNED)
 
@@ -93,7 +93,7 @@ class RandomFlow(Flow):
     """Missions as `random_missions` draws them: over one or more of the places, each once."""
 
     def draw(self, random: Random, id: int, stamp: float) -> Request:
-        """One mission."""
+        """Returns one mission."""
         count = random.randint(1, MOST)
         return Request(id, tuple(random.sample(self.targets, count)), stamp=stamp)
 
@@ -101,7 +101,7 @@ class RandomFlow(Flow):
 # --- what is observed -----------------------------------------------------------------------------
 
 def figures_of(observations: Iterable[Observation], seconds: float) -> Dict[str, float]:
-    """The figures of so many seconds after the warm-up, by name."""
+    """Returns the figures of so many seconds after the warm-up, by name."""
     missions: Counter[str] = Counter()
     served: Counter[str] = Counter()   # looks at robots with a mission
     moving: Counter[str] = Counter()   # of these the looks at which the robot has moved
@@ -174,7 +174,7 @@ def watch(master: str, count: int, seen: Any) -> None:
 
 
 def real(seconds: float) -> List[Observation]:
-    """What the factory does."""
+    """Returns what the factory does."""
     observed: List[Observation] = []
     with running(factory('rviz:=false', 'demo:=true'), watch, 2 * COUNT) as run:
         while not observed or observed[-1].time < WARM_UP + seconds:
@@ -183,7 +183,7 @@ def real(seconds: float) -> List[Observation]:
 
 
 def kept(file: Path) -> Iterator[Observation]:
-    """The observations in a file of `--keep`."""
+    """Yields the observations in a file of `--keep`."""
     with file.open() as lines:
         for moment, what in map(json.loads, lines):
             yield (Success(moment, what) if isinstance(what, str)
@@ -194,7 +194,7 @@ def kept(file: Path) -> Iterator[Observation]:
 
 @lru_cache(maxsize=1)
 def virtual_site() -> StudiedSite:
-    """The factory's graph, fleet and missions."""
+    """Returns the factory's graph, fleet and missions."""
     whole = load_graph(ROOT / 'maps/lab_graph.yaml')
     graph = split_edges(whole, LONGEST_EDGE)
     fleet = made_fleet(COUNT, whole)
@@ -215,13 +215,13 @@ class ObservedRun(Run):
         self._looked = 0.0
 
     def tells(self, status: Status) -> None:
-        """A mission may have ended."""
+        """Notes that a mission may have ended."""
         if status.state is MissionState.SUCCEEDED:
             self.observed.append(Success(self.world.now, status.robot))
         super().tells(status)
 
     def stepped(self) -> None:
-        """One step of time is over."""
+        """Notes that one step of time is over."""
         super().stepped()
         if self.world.now >= self._looked + LOOK - 1e-6:
             self._looked = self.world.now
@@ -232,7 +232,7 @@ class ObservedRun(Run):
 
 
 def virtual(seconds: float, seed: int) -> Dict[str, float]:
-    """The figures of one virtual run."""
+    """Returns the figures of one virtual run."""
     run = ObservedRun(virtual_site(), seed)
     trouble = run.run((WARM_UP + seconds) / 3600.0).trouble
     assert not trouble, f'seed {seed}: {trouble}'
@@ -242,7 +242,7 @@ def virtual(seconds: float, seed: int) -> Dict[str, float]:
 # --- both -----------------------------------------------------------------------------------------
 
 def print_agreement(real_hour: Dict[str, float], hours: Sequence[Dict[str, float]]) -> None:
-    """The real figures beside mean and range of the virtual ones."""
+    """Prints the real figures beside mean and range of the virtual ones."""
     rows = []
     for name, measured in real_hour.items():
         show: Callable[[float], str] = ('{:.0f}' if measured >= 100.0 else '{:.1f}').format
@@ -259,7 +259,7 @@ def print_agreement(real_hour: Dict[str, float], hours: Sequence[Dict[str, float
 
 
 def half_width(values: Sequence[float]) -> float:
-    """Of the range in which one more hour lies with 95 %."""
+    """Returns half the width of the range in which one more hour lies with 95 %."""
     count = len(values)
     return float(students_t.ppf(0.975, count - 1)) * statistics.stdev(values) * math.sqrt(
         1.0 + 1.0 / count)

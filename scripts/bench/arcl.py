@@ -53,7 +53,7 @@ while not rospy.is_shutdown():
 
 
 def lines_per_second(work: Callable[[], object], lines: int) -> float:
-    """The number of lines per second, median of several runs."""
+    """Returns the number of lines per second, median of several runs."""
     return 1e3 * lines / milliseconds(work, RUNS)
 
 
@@ -81,7 +81,7 @@ def scans() -> Row:
 
 
 def throughput(what: str, data: bytes, lines: int, aim: str) -> Row:
-    """Lines per second through session and replies."""
+    """Measures lines per second through session and replies."""
     chunks = in_chunks(data)
 
     def parse() -> None:
@@ -98,7 +98,7 @@ def throughput(what: str, data: bytes, lines: int, aim: str) -> Row:
 
 
 def burst(stamp: int, points: str) -> Tuple[List[str], str]:
-    """The lines of a status, with a time stamp in their text, and of a scan."""
+    """Returns the lines of a status, with a time stamp in their text, and of a scan."""
     mark = f'{stamp:019d}' if stamp else 'STAMP'
     status = [f'Status: Going to {mark}', f'ExtendedStatusForHumans: {mark}',
               'StateOfCharge: 79.4', 'Location: 3120 -540 -87', 'LocalizationScore: 0.870543',
@@ -211,7 +211,7 @@ def measure(processes: Dict[str, subprocess.Popen], port: int, points: str) -> L
 
 
 def latency_row(what: str, ours: List[float], bare: List[float]) -> Row:
-    """One row: p50 and p99 of the nodes and of the floor."""
+    """Measures one row: p50 and p99 of the nodes and of the floor."""
     (p50, p99), (bare50, bare99) = (np.percentile(values, (50, 99)) for values in (ours, bare))
     return Row(f'socket to subscriber: {what}',
                f'p50 {p50:.2f} ms ({p50 / bare50:.2f} x), p99 {p99:.2f} ms',

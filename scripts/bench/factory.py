@@ -135,7 +135,7 @@ def factory(*options: str) -> Callable[[str], List[str]]:
 
 
 def free_ports_of_a_fleet() -> int:
-    """The first of the free ports that its simulated robots take."""
+    """Returns the first of the free ports that its simulated robots take."""
     from fleet_bringup.ports import is_taken
     return next(first for first in range(22000, 32000, 50)
                 if not any(is_taken(first + number) for number in range(10 * COUNT)))
@@ -143,7 +143,10 @@ def free_ports_of_a_fleet() -> int:
 
 @contextmanager
 def screen_with_frames() -> Iterator[Tuple[Dict[str, str], Callable[[], List[float]]]]:
-    """The environment in which RViz counts its frames, and the counts so far; see rviz.py."""
+    """Yields the environment in which RViz counts its frames, and the counts so far.
+
+    See rviz.py.
+    """
     screen = Screen()
     with tempfile.TemporaryDirectory() as folder:
         try:
@@ -162,7 +165,10 @@ def part_of(pid: int) -> str:
 
 
 def usage_of(pid: int) -> Dict[str, Usage]:
-    """What each part of a launch uses over some time. The script's own shells are ignored."""
+    """Returns what each part of a launch uses over some time.
+
+    The script's own shells are ignored.
+    """
     before = {one: (part_of(one), cpu_seconds(one)) for one in descendants(pid)}
     time.sleep(MEASURE)
     parts: Dict[str, Usage] = {}
@@ -199,7 +205,7 @@ def start() -> None:
 
 
 def nodes_of(pid: int) -> List[int]:
-    """The ROS nodes among the child processes of a process."""
+    """Returns the ROS nodes among the child processes of a process."""
     return [one for one in descendants(pid) if node_name(one)]
 
 

@@ -47,7 +47,7 @@ class Case(NamedTuple):
 
 
 def cases() -> List[Case]:
-    """The cases to measure."""
+    """Returns the cases to measure."""
     lab = load_graph(str(ROOT / 'maps' / 'lab_graph.yaml'))
     lab_base = (ROOT / 'maps' / 'lab_base.map').read_bytes()
     found = [Case('lab_graph.yaml', lab, lab_base, 2.5, 5, 16),
@@ -62,7 +62,7 @@ def cases() -> List[Case]:
 
 
 def measure(case: Case) -> List[str]:
-    """One row of the table."""
+    """Returns one row of the table."""
     rules = CorridorRules()
     dock = None if case.dock is None else dock_pose(case.graph, case.dock)
     walls = obstacle_points(MapDocument.from_bytes(case.base), ignored=is_fence)
@@ -89,7 +89,7 @@ def measure(case: Case) -> List[str]:
 
 
 def seconds(run: Callable[[], object], runs: int) -> float:
-    """Median CPU time of `run`."""
+    """Returns the median CPU time of `run`."""
     times = []
     for _ in range(runs):
         begin = time.process_time()

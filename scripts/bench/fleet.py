@@ -69,7 +69,7 @@ def plan(base: RoadNetwork, instance: Instance, limit: float, search: Search = f
 
 
 def additions() -> float:
-    """Seconds for 300,000 additions in a loop: the machine's speed at the moment."""
+    """Returns the seconds for 300,000 additions in a loop: the machine's speed at the moment."""
     begun = time.process_time()
     total = 0
     for number in range(300_000):
@@ -78,12 +78,12 @@ def additions() -> float:
 
 
 def ratio(outcome: PlanningOutcome) -> float:
-    """The cost divided by the lower bound, over the robots that are served."""
+    """Returns the cost divided by the lower bound, over the robots that are served."""
     return outcome.cost / outcome.lower_bound if outcome.lower_bound else 1.0
 
 
 def summary(planned: Sequence[Planned]) -> str:
-    """Text: the number of solved instances, the planning times, and the costs."""
+    """Returns a text: the number of solved instances, the planning times, and the costs."""
     good = [p for p in planned if p.solved]
     if not good:
         return f'0 of {len(planned)}'
@@ -110,7 +110,9 @@ def stations() -> Iterator[Row]:
 
 def first_plans(base: RoadNetwork, instances: Sequence[Instance], what: str,
                 aim: str) -> Iterator[Row]:
-    """The time to a first plan: the usual time, and the time at the machine's full speed."""
+    """Measures the time to a first plan: the usual time,
+    and the time at the machine's full speed.
+    """
     planned, floors = [], []
     for _ in range(TURNS):
         floors.append(1e3 * additions())
@@ -127,7 +129,7 @@ def first_plans(base: RoadNetwork, instances: Sequence[Instance], what: str,
 
 
 def any_vertex() -> Iterator[Row]:
-    """The same fleets, but any vertex can be a goal."""
+    """Measures the same fleets, but any vertex can be a goal."""
     for vertices, robots in ((500, 50), (2000, 100)):
         graph = aisles(vertices)[0]
         base = RoadNetwork(graph)
@@ -137,7 +139,7 @@ def any_vertex() -> Iterator[Row]:
 
 
 def compared(anywhere: bool) -> Callable[[], Iterator[Row]]:
-    """Our planner and its rivals on the same instances, each judged by the same checker.
+    """Measures our planner and its rivals on the same instances, each judged by the same checker.
 
     Goals are stations, or any vertices.
     """
@@ -165,7 +167,7 @@ def compared(anywhere: bool) -> Callable[[], Iterator[Row]]:
 
 
 def own(base: RoadNetwork, instance: Instance) -> rivals.Judged:
-    """Our first plan within a second, judged by the same checker."""
+    """Returns our first plan within a second, judged by the same checker."""
     planner = FleetPlanner(base.with_closed(()), CLEARANCE, [AGV])
     planner.prepare()
     begun = time.monotonic()
@@ -178,7 +180,7 @@ def own(base: RoadNetwork, instance: Instance) -> rivals.Judged:
 
 
 def judged(found: Sequence[rivals.Judged]) -> str:
-    """Text: the numbers of solved and of safe instances, the times, and the costs."""
+    """Returns a text: the numbers of solved and of safe instances, the times, and the costs."""
     safe = [one.ratio for one in found if one.ratio is not None]
     cost = f', {statistics.mean(safe):.2f} x the lower bound' if safe else ''
     return (f'{sum(one.solved for one in found)} of {len(found)} in 1 s each, {len(safe)} of them '
@@ -187,7 +189,7 @@ def judged(found: Sequence[rivals.Judged]) -> str:
 
 
 def conflict_sets() -> Iterator[Row]:
-    """The time to compute the conflict sets of a graph."""
+    """Measures the time to compute the conflict sets of a graph."""
     for graph, what, aim in ((aisles(500)[0], '500 vertices', '50 ms'),
                              (dense_moves(2500, 7500), '15,000 drives', '1 s')):
         seconds = []
@@ -200,7 +202,7 @@ def conflict_sets() -> Iterator[Row]:
 
 
 def sparse() -> Iterator[Row]:
-    """A roadmap with long edges, uncut and cut."""
+    """Measures a roadmap with long edges, uncut and cut."""
     for robots, longest, aim in ((30, None, '15 of 20 in 2 s, at most 2.2 x'),
                                  (20, 3.0, '20 of 20 in 2 s, at most 1.08 x')):
         planned = []
@@ -241,7 +243,10 @@ def layers() -> Iterator[Row]:
 
 
 def replanning() -> Iterator[Row]:
-    """A large fleet at work with delays and stalls; planning runs again when a mission ends."""
+    """Measures a large fleet at work with delays and stalls.
+
+    Planning runs again when a mission ends.
+    """
     graph, ends = aisles(500)
     figures, _ = operation.at_work(graph, AGV, ends[::2][:50], ends, 0, 300.0, 0)
     times = sorted(figures.planning)
@@ -253,7 +258,7 @@ def replanning() -> Iterator[Row]:
 
 def laboratory(robots: int, longest: float, kind: operation.RobotType, seeds: int,
                aim: str) -> Callable[[], Iterator[Row]]:
-    """A simulated hour on the example laboratory's graph."""
+    """Measures a simulated hour on the example laboratory's graph."""
     def section() -> Iterator[Row]:
         runs = [operation.in_the_laboratory(robots, longest, kind, seed) for seed in range(seeds)]
         edges = 'whole edges' if longest > 100.0 else f'sections of {longest} m'
@@ -267,7 +272,7 @@ def laboratory(robots: int, longest: float, kind: operation.RobotType, seeds: in
 
 
 def station_queues() -> Iterator[Row]:
-    """The missions of robots that wait for each other only at the stations."""
+    """Measures the missions of robots that wait for each other only at the stations."""
     found = [queueing.missions(8, seed) for seed in range(200)]
     yield ('laboratory, 8 robots that meet only at the dead ends of the stations, 200 seeds',
            f'{statistics.mean(found):.0f} missions on average ({min(found)} to {max(found)})',

@@ -111,18 +111,18 @@ def making() -> None:
 
 
 def length(graph: Graph) -> float:
-    """The length of all edges, in m."""
+    """Returns the length of all edges, in m."""
     return sum(graph.curve(id).length for id in graph.edges)
 
 
 def robot_floor(site: MappedSite, graph: Graph) -> np.ndarray:
-    """Mask of the floor with half a robot's width of room, flooded from the graph."""
+    """Returns the mask of the floor with half a robot's width of room, flooded from the graph."""
     return site.floor.reachable(OPTIONS.robot_width / 2.0,
                                 [vertex.position for vertex in graph.vertices.values()])
 
 
 def share_served(site: MappedSite, graph: Graph) -> float:
-    """The share of the reachable floor whose driving distance to an edge is at most 2 m."""
+    """Returns the share of the reachable floor whose driving distance to an edge is at most 2 m."""
     coverage = Coverage(site.floor, robot_floor(site, graph), 2.0)
     served = np.zeros(coverage.mask.size, bool)
     for id in graph.edges:
@@ -131,7 +131,9 @@ def share_served(site: MappedSite, graph: Graph) -> float:
 
 
 def errors(site: MappedSite, graph: Graph) -> int:
-    """The number of errors in check_graph, such as edges in walls or unreachable vertices."""
+    """Returns the number of errors in check_graph, such as edges in walls or unreachable
+    vertices.
+    """
     findings = Checker(CheckRules(), site).all(Draft.of(graph))
     return sum(finding.severity is Severity.ERROR for finding in findings)
 
@@ -160,7 +162,9 @@ def compare_with_hand() -> None:
 
 
 def large_site(folder: str) -> Tuple[str, str, int]:
-    """A hall as a ROS map, a graph with 500 vertices and 1,000 edges, a vertex in its middle."""
+    """Returns a hall as a ROS map, a graph with 500 vertices and 1,000 edges,
+    a vertex in its middle.
+    """
     width, height = (COLUMNS + 1) * PITCH, (ROWS + 1) * PITCH
     grey = np.full((int(height / 0.05), int(width / 0.05)), 254, np.uint8)
     grey[(0, -1), :] = grey[:, (0, -1)] = 0
@@ -194,7 +198,7 @@ class Mouse:
                                             self._on_update, tcp_nodelay=True)
 
     def drag(self, x: float, y: float) -> float:
-        """Seconds from the feedback to the update."""
+        """Returns the seconds from the feedback to the update."""
         self._answered.clear()
         begun = time.perf_counter()
         self._publish_feedback(InteractiveMarkerFeedback.POSE_UPDATE, x, y)
@@ -237,7 +241,9 @@ class Mouse:
 
 
 def drags(mouse: Mouse, count: int) -> List[float]:
-    """The delays, in s, of the given number of drags round a circle, at the rate of a mouse."""
+    """Returns the delays, in s, of the given number of drags round a circle,
+    at the rate of a mouse.
+    """
     seconds = []
     for x, y in circle(count):
         begun = time.monotonic()
@@ -297,7 +303,7 @@ def in_process(command: List[str], vertex: int, more=lambda mouse: None) -> List
 
 
 def frames(mouse: Mouse, map_file: str) -> Dict[str, List[float]]:
-    """RViz's frames per second while a vertex is dragged, at rest, and without displays."""
+    """Returns RViz's frames per second while a vertex is dragged, at rest, and without displays."""
     if missing_programs():
         return {}
     text = (ROOT / 'src/graph_editor/rviz/graph_editor.rviz').read_text()

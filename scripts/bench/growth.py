@@ -48,20 +48,20 @@ class Cost(NamedTuple):
 
 
 def exponent(costs: Sequence[Cost]) -> float:
-    """The slope of log(cost) over log(size)."""
+    """Returns the slope of log(cost) over log(size)."""
     sizes, times = np.log([(cost.size, cost.milliseconds) for cost in costs]).T
     return float(np.polyfit(sizes, times, 1)[0])
 
 
 def row(task: str, costs: Sequence[Cost], aim: str = 'at most 1.2') -> Row:
-    """The line of the table for one task."""
+    """Measures the line of the table for one task."""
     sizes = ', '.join(f'{cost.size:,}' for cost in costs)
     times = ', '.join(f'{cost.milliseconds:,.3g}' for cost in costs)
     return Row(f'{task}: {sizes}', f'{times} ms', f'exponent {exponent(costs):.2f}', aim)
 
 
 def lowest(run: Callable[[], object], runs: int = RUNS) -> float:
-    """The lowest CPU time of several runs, in ms."""
+    """Returns the lowest CPU time of several runs, in ms."""
     found = []
     for _ in range(runs):
         begun = time.process_time()
@@ -73,19 +73,19 @@ def lowest(run: Callable[[], object], runs: int = RUNS) -> float:
 # -- fleet -----------------------------------------------------------------------------------------
 
 def missions() -> Iterator[Row]:
-    """A fleet at work in virtual time, while other missions wait for a robot."""
+    """Measures a fleet at work in virtual time, while other missions wait for a robot."""
     yield row('missions that wait, 8 robots at work in the laboratory: 300 s of virtual time', [
         Cost(waiting, at_work_costs(8, waiting)) for waiting in (500, 1500, 4500)], 'at most 0.5')
 
 
 def robots() -> Iterator[Row]:
-    """A fleet at work in virtual time."""
+    """Measures a fleet at work in virtual time."""
     yield row('robots at work in the laboratory: 300 s of virtual time', [
         Cost(count, at_work_costs(count, 0)) for count in (2, 4, 8)], 'at most 1.5')
 
 
 def at_work_costs(count: int, waiting: int) -> float:
-    """The CPU time, in ms, of a fleet that works for 300 virtual s."""
+    """Returns the CPU time, in ms, of a fleet that works for 300 virtual s."""
     return lowest(lambda: at_work(LABORATORY, AGV, PARKING[:count], STATIONS, 0, 300.0, 20,
                                   waiting), 2)
 
@@ -100,12 +100,12 @@ def vertices() -> Iterator[Row]:
 
 
 def preparation(graph: Graph) -> float:
-    """The CPU time, in ms, until the planner is ready."""
+    """Returns the CPU time, in ms, until the planner is ready."""
     return lowest(lambda: PlanService(graph, FLEET).prepare(), 2)
 
 
 def plan_of_20(graph: Graph) -> float:
-    """The CPU time, in ms, of a plan for robots that drive in one corner of a grid."""
+    """Returns the CPU time, in ms, of a plan for robots that drive in one corner of a grid."""
     service = PlanService(graph, FLEET)
     service.prepare()
     corner = grid(20)
@@ -120,13 +120,13 @@ def plan_of_20(graph: Graph) -> float:
 # -- one robot -------------------------------------------------------------------------------------
 
 def points() -> Iterator[Row]:
-    """Reading and checking a map."""
+    """Measures the reading and checking a map."""
     yield row('points of a map: read and checked', [
         Cost(count, map_reading(count)) for count in (10_000, 100_000, 1_000_000)])
 
 
 def map_reading(count: int) -> float:
-    """The CPU time, in ms, in which a map with this number of points is read."""
+    """Returns the CPU time, in ms, in which a map with this number of points is read."""
     draw = np.random.default_rng(1)
     some = np.unique(draw.integers(-20_000, 20_000, (count + count // 50, 2)) * 20,
                      axis=0)[:count]
@@ -138,13 +138,13 @@ def map_reading(count: int) -> float:
 
 
 def edges() -> Iterator[Row]:
-    """A vehicle drives a route: each edge is completed and reported, as a ROS message."""
+    """Measures a vehicle that drives a route, and reports each completed edge as a ROS message."""
     yield row('edges of a route: one report, as a message', [
         Cost(count, reporting(count)) for count in (10, 100, 1000)], 'at most 1')
 
 
 def reporting(count: int) -> float:
-    """The CPU time, in ms, of one report on a route with this number of edges."""
+    """Returns the CPU time, in ms, of one report on a route with this number of edges."""
     vehicle = Vehicle(lambda: 1, lambda: 0)
     vehicle.take_order(RouteOrder(1, tuple(range(1, count + 1)), order=1, known_epoch=1,
                                   master='bench'), 0)
@@ -161,7 +161,7 @@ def reporting(count: int) -> float:
 # -- page ------------------------------------------------------------------------------------------
 
 def clients() -> Iterator[Row]:
-    """The page's node and its door, per second, with clients that read everything."""
+    """Measures the page's node and its door, per second, with clients that read everything."""
     os.environ.setdefault('ROS_IP', '127.0.0.1')
     with tempfile.TemporaryDirectory() as folder, own_ros_master():
         rospy.init_node('bench', anonymous=True, disable_signals=True)

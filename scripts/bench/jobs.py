@@ -43,7 +43,7 @@ AGVS = '''<launch>
 
 
 def latency() -> Iterator[Row]:
-    """The time from a job line to the first byte of the robot's first motion command."""
+    """Measures the time from a job line to the first byte of the robot's first motion command."""
     with Stack() as stack:
         robot, port = Robot(stack, SPEED), free_port()
         stack.launch(MANAGER, speed=SPEED, **LAB)
@@ -100,7 +100,10 @@ class Polling:
 
 
 def load() -> Iterator[Row]:
-    """CPU and memory of the node with many clients and jobs; the floor is the node without them."""
+    """Measures CPU and memory of the node with many clients and jobs.
+
+    The floor is the node without them.
+    """
     with Stack() as stack:
         files, port = stack.agv_fleet(AGV_COUNT), free_port()
         stack.launch(MANAGER, speed=1.0, **files)
@@ -132,7 +135,7 @@ def load() -> Iterator[Row]:
 
 
 def share(pid: int) -> float:
-    """% of a core that a process uses."""
+    """Returns the share of a core, in %, that a process uses."""
     before, begun = cpu_seconds(pid), time.monotonic()
     time.sleep(LOAD_SECONDS)
     return 100 * (cpu_seconds(pid) - before) / (time.monotonic() - begun)

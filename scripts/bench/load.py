@@ -69,12 +69,12 @@ class Planning:
             self.failed += 1
 
     def overlaps(self, release: Release) -> bool:
-        """True if the planner worked between the report and the release."""
+        """Returns whether the planner worked between the report and the release."""
         begun = release.moment - release.seconds
         return any(start <= release.moment and end >= begun for start, end in self._spans)
 
     def share(self, begun: float, ended: float) -> float:
-        """The share of a time in which the planner worked, from requests and answers."""
+        """Returns the share of a time in which the planner worked, from requests and answers."""
         return sum(max(min(end, ended) - max(start, begun), 0.0)
                    for start, end in self._spans) / (ended - begun)
 
@@ -116,7 +116,7 @@ class Commits:
 
 
 def floors(names: Sequence[str]) -> Tuple[str, str]:
-    """The time of a bare round trip, and the CPU of a bare subscriber to all reports."""
+    """Returns the time of a bare round trip, and the CPU of a bare subscriber to all reports."""
     hops: List[float] = []
     rospy.Subscriber('/bare_answer', TargetRoute, lambda message: hops.append(
         1e3 * (rospy.Time.now() - message.header.stamp).to_sec()), tcp_nodelay=True)
@@ -224,7 +224,7 @@ def in_a_process(count: int, side: int, doors: int) -> Load:
 
 
 def devices(count: int, side: int) -> Iterator[Row]:
-    """The same fleet with 50 simulated doors and without, one after the other."""
+    """Measures the same fleet with 50 simulated doors and without, one after the other."""
     plain, doors = (in_a_process(count, side, doors) for doors in (0, DOORS))
     what = f'{count} robots with {DOORS} doors'
     cpu = doors.share, plain.share
@@ -241,13 +241,15 @@ def devices(count: int, side: int) -> Iterator[Row]:
 
 
 def ended(one: Measured) -> str:
-    """The missions that have ended by their state, in words."""
+    """Returns the missions that have ended by their state, in words."""
     states = {state: number for state, number in one.ended.items() if number}
     return f'by state {states} {one.reasons or ""}'
 
 
 def robots(count: int, side: int) -> Iterator[Row]:
-    """The given number of robots at 10 Hz, all on missions, on a grid of side x side vertices."""
+    """Measures the given number of robots at 10 Hz, all on missions,
+    on a grid of side x side vertices.
+    """
     one = measured(count, side)
     plans, found, hop = one.planning, one.releases, one.hop
     what = f'{count} robots, {one.edges} edges'

@@ -123,7 +123,9 @@ def markers() -> Row:
 
 
 def memory(path: Path) -> Row:
-    """The memory that a loaded document adds to a process that has imported the library."""
+    """Measures the memory that a loaded document adds to a process
+    that has imported the library.
+    """
     grown = [int(subprocess.run([sys.executable, '-c', MEMORY, str(path)], check=True,
                                 stdout=subprocess.PIPE).stdout) for _ in range(RUNS)]
     size = path.stat().st_size
@@ -133,7 +135,10 @@ def memory(path: Path) -> Row:
 
 
 def node(path: Path) -> List[Row]:
-    """Time from the node's start to all topics, and its memory; the floor is a bare publisher."""
+    """Measures the time from the node's start to all topics, and its memory.
+
+    The floor is a bare publisher.
+    """
     import rospy
     with own_ros_master():
         rospy.init_node('bench', anonymous=True, disable_signals=True)
@@ -159,7 +164,9 @@ def node(path: Path) -> List[Row]:
 
 
 def start_node(command: List[str], topics: List[str]) -> tuple:
-    """Seconds from the start of a process to a message on each topic, and its memory then."""
+    """Returns the seconds from the start of a process to a message on each topic,
+    and its memory then.
+    """
     import rospy
     missing, everything = set(topics), threading.Event()
 

@@ -79,13 +79,13 @@ class Site:
 
 
 def heard_robots(states: Recorder) -> Set[str]:
-    """The robots that have reported to the fleet manager."""
+    """Returns the robots that have reported to the fleet manager."""
     return {robot.name for state in states.messages[-1:] for robot in state.robots
             if robot.state in (FleetRobot.IDLE, FleetRobot.BUSY)}
 
 
 def joining_nodes(computer: Computer) -> List[int]:
-    """The ids of the processes that join a master with others."""
+    """Returns the ids of the processes that join a master with others."""
     own = f'ROS_IP={computer.address}'
     return [pid for pid in descendants(os.getpid()) if node_name(pid) in JOINING
             and own in Path(f'/proc/{pid}/environ').read_text().split('\0')]
@@ -101,14 +101,14 @@ def use_of(computers: List[Computer]) -> Use:
 
 
 def bytes_a_second() -> float:
-    """Bytes per second at present, for all computers together."""
+    """Returns the bytes per second at present, for all computers together."""
     before, begun = transmitted('lo'), time.monotonic()
     time.sleep(COUNTED)
     return (transmitted('lo') - before) / (time.monotonic() - begun)
 
 
 def measure(count: int, folder: Path) -> List[Tuple[str, str, str]]:
-    """The rows for the given number of robots."""
+    """Returns the rows for the given number of robots."""
     site = Site(folder, count)
     try:
         apart = Site(folder, count).robots[0]  # not joined: the bytes that one robot sends alone

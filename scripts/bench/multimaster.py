@@ -54,12 +54,13 @@ class Listener:
         self._process.wait(10)
 
     def first_after(self, moment: float) -> float:
-        """The time at which the next message arrived."""
+        """Returns the time at which the next message arrived."""
         return wait_until(lambda: next((at for at, _ in self.heard if at > moment), None), 60,
                           'a message across the link')
 
     def lost_since(self, moment: float) -> int:
-        """The number of messages of one publisher that were lost, from the gaps in their numbers.
+        """Returns the number of messages of one publisher that were lost, from the gaps in their
+        numbers.
 
         The first gap that counts is the gap after the last message before the given time.
         """
@@ -71,7 +72,7 @@ class Listener:
 
 @contextlib.contextmanager
 def listening(computer: Computer, namespace: str, topic: Tuple[str, str]) -> Iterator[Listener]:
-    """A listener that has received a message."""
+    """Yields a listener that has received a message."""
     wait_until(lambda: inside(namespace, lambda: computer.publishes(topic[0])), 120,
                f'{topic[0]} at the master of {computer.name}')
     listener = Listener(computer, namespace, topic)
@@ -84,7 +85,7 @@ def listening(computer: Computer, namespace: str, topic: Tuple[str, str]) -> Ite
 
 def without_link(broken: Callable[[], ContextManager[None]], listener: Listener
                  ) -> List[Tuple[float, float, int]]:
-    """For each break: its length, s from its end to the next report, and the number of lost
+    """Returns for each break: its length, s from its end to the next report, and the number of lost
     reports.
     """
     found = []
@@ -101,8 +102,8 @@ def without_link(broken: Callable[[], ContextManager[None]], listener: Listener
 
 def died(side: Computer, namespace: str, topic: str, listener: Listener
          ) -> List[Tuple[float, float]]:
-    """For each death of a side: s until the side runs again, and s from then until its first
-    message.
+    """Returns for each death of a side: s until the side runs again, and s from then until its
+    first message.
     """
     found = []
     for _ in range(DEATHS):
@@ -117,7 +118,7 @@ def died(side: Computer, namespace: str, topic: str, listener: Listener
 
 
 def rate(cable: Cable) -> Tuple[float, float]:
-    """Bytes per second on the link at present, from the robot and to the robot."""
+    """Returns the bytes per second on the link at present, from the robot and to the robot."""
     before, begun = cable.bytes_sent(), time.monotonic()
     time.sleep(COUNTED)
     passed = time.monotonic() - begun
@@ -126,7 +127,7 @@ def rate(cable: Cable) -> Tuple[float, float]:
 
 
 def seconds(values: List[float]) -> str:
-    """The least, the median and the largest."""
+    """Returns the least, the median and the largest."""
     return ' / '.join(f'{value:.2f}' for value in (
         min(values), statistics.median(values), max(values))) + ' s'
 

@@ -142,7 +142,7 @@ class Reader(threading.Thread):
 
 
 def connection(port: int, buffer: int = 0) -> socket.socket:
-    """A connection that has requested the events."""
+    """Returns a connection that has requested the events."""
     stream = socket.socket()
     if buffer:
         stream.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, buffer)
@@ -170,7 +170,7 @@ def node(port: int, folder: str) -> Iterator[subprocess.Popen]:
 
 
 def answers(port: int) -> bool:
-    """True if the page is served."""
+    """Returns whether the page is served."""
     try:
         return urllib.request.urlopen(f'http://127.0.0.1:{port}/api/me', timeout=1).status == 200
     except OSError:
@@ -178,19 +178,19 @@ def answers(port: int) -> bool:
 
 
 def used_by(program: subprocess.Popen) -> float:
-    """The CPU time of the node and its door, in s."""
+    """Returns the CPU time of the node and its door, in s."""
     return sum(map(cpu_seconds, (program.pid, *descendants(program.pid))))
 
 
 def cost(program: subprocess.Popen, seconds: float) -> float:
-    """The CPU use over some time, in % of a core."""
+    """Returns the CPU use over some time, in % of a core."""
     begun, used = time.monotonic(), used_by(program)
     time.sleep(seconds)
     return 100.0 * (used_by(program) - used) / (time.monotonic() - begun)
 
 
 def changes(window: Browser, fleet: Fleet) -> Tuple[float, float]:
-    """Median and p95, in ms, from a change in /fleet_poses to its frame."""
+    """Returns the median and p95, in ms, from a change in /fleet_poses to its frame."""
     window.wait(lambda: window.driver.find_elements('css selector', '.robot[data-name=probe]'))
     window.script(WATCH)
     delays: List[float] = []
@@ -205,7 +205,7 @@ def changes(window: Browser, fleet: Fleet) -> Tuple[float, float]:
 
 
 def first_paint(window: Browser, port: int) -> float:
-    """Median, in ms, from the request of the page to its first paint with content."""
+    """Returns the median, in ms, from the request of the page to its first paint with content."""
     found = []
     for _ in range(5):
         window.open(f'http://127.0.0.1:{port}/')
@@ -215,7 +215,7 @@ def first_paint(window: Browser, port: int) -> float:
 
 
 def page_bytes(port: int) -> int:
-    """The size of all files of the page as sent, Chart.js included."""
+    """Returns the size of all files of the page as sent, Chart.js included."""
     total = 0
     names = [f'/page/{path.name}' for path in (ROOT / 'src/fleet_page/page').iterdir()]
     for path in ('/', '/chart.js', *(name for name in names if not name.endswith('.html'))):
@@ -226,7 +226,7 @@ def page_bytes(port: int) -> int:
 
 
 def figures(port: int, program: subprocess.Popen, fleet: Fleet) -> Iterator[Row]:
-    """All figures."""
+    """Measures all figures."""
     floor = cost(program, SECONDS / 3)
     readers = [Reader(port) for _ in range(GOOD_CLIENTS)]
     stalled = connection(port, 4096)

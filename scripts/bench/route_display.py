@@ -43,7 +43,7 @@ def advancing(edges: int) -> Reports:
 
 
 def with_forged(edges: int) -> Reports:
-    """The same reports, but every twentieth is a forged one with a million edges."""
+    """Yields the same reports, but every twentieth is a forged one with a million edges."""
     forged = ExecutionRouteStates(route_id=2, edge_states=[EdgeState(3, 1)] * FORGED)
     for number, report in enumerate(advancing(edges)):
         yield forged if number % 20 == 19 else report
@@ -77,7 +77,7 @@ def measure(reports: Callable[[], Reports]) -> Load:
 
 
 def median(reports: Callable[[], Reports]) -> Load:
-    """The median of several runs."""
+    """Returns the median of several runs."""
     growths, shares = zip(*(measure(reports) for _ in range(RUNS)))
     return Load(statistics.median(growths), statistics.median(shares))
 

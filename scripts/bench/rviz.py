@@ -64,7 +64,7 @@ def measure(screen: Screen, stack: int, configuration: str, frame_rate: int) -> 
 
 
 def frames_in(folder: str) -> List[float]:
-    """The frame rates that Mesa has written so far."""
+    """Returns the frame rates that Mesa has written so far."""
     file = Path(folder) / 'fps'
     return [float(line) for line in file.read_text().split()] if file.exists() else []
 

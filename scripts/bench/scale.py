@@ -122,7 +122,7 @@ def measure(robots: int, hosted: bool, speed: float) -> None:
 
 
 def show_standing(parts: Dict[str, Part]) -> None:
-    """Rows: memory, threads and sockets, and the CPU of robots that stand."""
+    """Shows rows: memory, threads and sockets, and the CPU of robots that stand."""
     before, begun = used(parts), time.monotonic()
     for name in PARTS:
         part = parts[name]
@@ -137,7 +137,7 @@ def show_standing(parts: Dict[str, Part]) -> None:
 
 
 def show_driving(parts: Dict[str, Part], robots: int, fleet: Fleet, port: int) -> None:
-    """Rows: the CPU of robots that drive missions, delays, and losses."""
+    """Shows rows: the CPU of robots that drive missions, delays, and losses."""
     with launched(['rosrun', 'graph_fleet_manager', 'random_missions', '_seed:=1']):
         time.sleep(START_DRIVING)
         probe = Probe(PROBE, port)
@@ -158,7 +158,7 @@ def show_driving(parts: Dict[str, Part], robots: int, fleet: Fleet, port: int) -
 
 
 def show_cpu(when: str, parts: Dict[str, Part], before: Dict[str, float], seconds: float) -> None:
-    """One row, with the stacks (and their host) first."""
+    """Shows one row, with the stacks (and their host) first."""
     shares = cpu_shares(parts, before, seconds)
     own = shares['stacks'] + shares[HOST]
     others = ', '.join(f'{name} {share:.2f}' for name, share in shares.items()
@@ -198,7 +198,7 @@ def measure_floor(nodes: int, hosted: bool) -> None:
 
 
 def registered() -> int:
-    """The number of bare publishers that the master knows."""
+    """Returns the number of bare publishers that the master knows."""
     try:
         publishers, _, _ = rosgraph.Master('/bench').getSystemState()
     except (OSError, rosgraph.MasterException):

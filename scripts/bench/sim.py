@@ -77,13 +77,13 @@ class Listener:
                     self._selector.unregister(key.fileobj)
 
     def pace(self, since: float) -> float:
-        """Simulated seconds per real second since then."""
+        """Returns the simulated seconds per real second since then."""
         recent = [sum(at >= since for at in list(times)) for times in list(self._statuses.values())]
         return max(recent) * STATUS_PERIOD / (time.monotonic() - since)
 
     def lateness(self, since: float) -> np.ndarray:
-        """The delay, in s, of each status since then, relative to the most punctual one of its
-        link.
+        """Returns the delay, in s, of each status since then, relative to the most punctual one of
+        its link.
         """
         late = []
         for times in list(self._statuses.values()):
@@ -96,7 +96,10 @@ class Listener:
 
 def share_of_a_core(command: List[str], ready: int, work: Callable[[List[int]], None]
                     ) -> Tuple[float, float]:
-    """Percent of a core that a program uses, median of several periods; and when they began."""
+    """Returns the percent of a core that a program uses, median of several periods.
+
+    And when they began.
+    """
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as program:
         try:
             ports = [int(program.stdout.readline().split('127.0.0.1:')[1].split()[0])
@@ -134,7 +137,7 @@ def drive(port: int, number: int) -> None:
 
 
 def hall(folder: str) -> Path:
-    """A hall of 50 x 40 m with pillars and 99 goals, wide enough for a fleet."""
+    """Returns a hall of 50 x 40 m with pillars and 99 goals, wide enough for a fleet."""
     path = Path(folder) / 'hall.map'
     walls = [(0, 0, 50000, 0), (0, 40000, 50000, 40000), (0, 0, 0, 40000),
              (50000, 0, 50000, 40000)]
@@ -151,7 +154,7 @@ def hall(folder: str) -> Path:
 
 
 def fleet_file(folder: str, link: int) -> Path:
-    """A fleet with status and laser at 2 Hz each."""
+    """Returns a fleet with status and laser at 2 Hz each."""
     path = Path(folder) / 'fleet.yaml'
     rows = [f'- {{name: r{n}, port: 0, outgoing: "127.0.0.1:{link}"}}' for n in range(FLEET)]
     path.write_text('robots:\n' + '\n'.join(rows) + '\n')
@@ -159,7 +162,7 @@ def fleet_file(folder: str, link: int) -> Path:
 
 
 def processes(lab: Path) -> List[Row]:
-    """Rows: shares of a core."""
+    """Measures rows: shares of a core."""
     listener = Listener()
     floor, _ = share_of_a_core(FLOOR_PROGRAM, 0, lambda ports: None)
     base = [*PROGRAM, '--port', '0']
@@ -181,14 +184,16 @@ def processes(lab: Path) -> List[Row]:
 
 
 def punctuality(listener: Listener, since: float) -> str:
-    """Text: did the simulated clock keep up with the real one, as a listener saw it?"""
+    """Returns a text: whether the simulated clock kept up with the real one,
+    as a listener saw it.
+    """
     late = listener.lateness(since) * 1000.0
     return (f'clock at {100.0 * listener.pace(since):.0f} %, statuses late by '
             f'{np.median(late):.0f} ms, at most {late.max():.0f} ms')
 
 
 def ready(lab: Path) -> Row:
-    """Seconds from the start of the program to the line that says that it listens."""
+    """Measures the seconds from the start of the program to the line that says that it listens."""
     def start(command: List[str]) -> None:
         with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as program:
             program.stdout.readline()
@@ -200,7 +205,7 @@ def ready(lab: Path) -> Row:
 
 
 def scans(document: MapDocument, floor: SimFloor, start: SimPose) -> Row:
-    """One scan; the floor is one numpy operation over the same number of rays."""
+    """Measures one scan; the floor is one numpy operation over the same number of rays."""
     robot = SimRobot(SimClock(), document, floor, start)
     rays = np.linspace(0.0, 1.0, laser.RAYS)
     ours = milliseconds(robot.scan, 200)

@@ -66,7 +66,7 @@ class Page:
         self.origin = f'{"https" if trust else "http"}://127.0.0.1:{port}'
 
     def open(self, address: str = OWN) -> http.client.HTTPConnection:
-        """A new connection from an address of this computer."""
+        """Returns a new connection from an address of this computer."""
         more: Dict[str, Any] = {'timeout': 10.0, 'source_address': (address, 0)}
         if self.trust is not None:
             return http.client.HTTPSConnection('127.0.0.1', self.port, context=self.trust, **more)
@@ -85,14 +85,14 @@ class Page:
             connection.close()
 
     def login(self, role: str) -> str:
-        """The cookie of a new session."""
+        """Returns the cookie of a new session."""
         status, cookie, answer = self.post('/api/login', {'token': TOKENS[role]})
         assert status == 200, answer
         return cookie
 
 
 def stop_times(page: Page, cookie: str) -> List[float]:
-    """The times, in ms, of all stops."""
+    """Returns the times, in ms, of all stops."""
     times = []
     for _ in range(STOPS):
         begun = time.monotonic()
@@ -203,7 +203,7 @@ def clients(makers: Sequence[Callable[[], Callable[[], None]]]) -> Iterator[Call
 
 
 def seer(page: Page, cookie: str, number: int) -> Callable[[], None]:
-    """A client that follows the fleet, and asks for site and history all the time."""
+    """Returns a client that follows the fleet, and asks for site and history all the time."""
     address = f'127.0.4.{number + 1}'
     stream = page.open(address)
     stream.request('GET', '/api/events', headers={'Cookie': cookie})
@@ -221,7 +221,7 @@ def seer(page: Page, cookie: str, number: int) -> Callable[[], None]:
 
 
 def bomber(page: Page, number: int) -> Callable[[], None]:
-    """A client without a login that sends compressed bodies."""
+    """Returns a client without a login that sends compressed bodies."""
     body = zlib.compress(bytes(BOMB))
 
     def work() -> None:
@@ -260,7 +260,7 @@ def hanging(program: int) -> Iterator[Callable[[], str]]:
 
 @contextmanager
 def nothing() -> Iterator[Callable[[], str]]:
-    """Nothing is in the way."""
+    """Puts nothing in the way."""
     yield str
 
 
@@ -292,7 +292,7 @@ def node(port: int, folder: Path, pair: Tuple[str, ...]) -> Iterator[subprocess.
 
 
 def certificate(folder: Path) -> Tuple[str, str]:
-    """A certificate for this computer and its key."""
+    """Returns a certificate for this computer and its key."""
     files = str(folder / 'page.pem'), str(folder / 'page.key')
     subprocess.run(
         ['openssl', 'req', '-x509', '-newkey', 'ec', '-pkeyopt', 'ec_paramgen_curve:prime256v1',
@@ -303,7 +303,7 @@ def certificate(folder: Path) -> Tuple[str, str]:
 
 
 def figures(page: Page, program: int, map_topic: rospy.Publisher) -> Iterator[Row]:
-    """All figures of one way to serve the page."""
+    """Measures all figures of one way to serve the page."""
     operator, see = page.login('operate'), page.login('see')
     many = [f'127.0.3.{number + 1}' for number in range(200)]
     scheme = page.origin.partition(':')[0]

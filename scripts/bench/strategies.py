@@ -58,7 +58,7 @@ def drive(strategy: str, route: Sequence[int], delay: float) -> Drive:
 
 
 def drive_freely(mission: Sequence[int], delay: float) -> Drive:
-    """The floor: the robot is sent to each destination and chooses its own path."""
+    """Returns the floor: the robot is sent to each destination and chooses its own path."""
     robot = SimulatedDrive()
     robot.wait(delay)
     start = robot.now
@@ -68,12 +68,12 @@ def drive_freely(mission: Sequence[int], delay: float) -> Drive:
 
 
 def median(drives: List[Drive]) -> Drive:
-    """The median of each figure."""
+    """Returns the median of each figure."""
     return Drive(*(statistics.median(figures) for figures in zip(*drives)))
 
 
 def table_of(mission: Sequence[int], route: Sequence[int]) -> List[Tuple[str, ...]]:
-    """One row per strategy, and one for the floor."""
+    """Returns one row per strategy, and one for the floor."""
     delays = [STATUS_PERIOD * run / RUNS for run in range(RUNS)]
     found = {name: median([drive(name, route, delay) for delay in delays]) for name in STRATEGIES}
     found['floor: no route'] = median([drive_freely(mission, delay) for delay in delays])

@@ -85,7 +85,7 @@ class Robot:
 
 
 def driven_edges(report: ExecutionRouteStates) -> Iterator[Tuple[int, int]]:
-    """The COMPLETE edges of a report, with their numbers in the route record."""
+    """Yields the COMPLETE edges of a report, with their numbers in the route record."""
     for number, edge in enumerate(report.edge_states, report.first):
         if edge.state == EdgeState.COMPLETE:
             yield number, edge.edge_id
@@ -117,13 +117,16 @@ class Missions:
 
 
 def is_complete(report: ExecutionRouteStates) -> bool:
-    """True if the whole route is driven and the robot is docked."""
+    """Returns whether the whole route is driven and the robot is docked."""
     return bool(report.edge_states) and report.edge_states[-1].edge_id == 13 and all(
         edge.state == EdgeState.COMPLETE for edge in report.edge_states)
 
 
 def headline() -> Iterator[Row]:
-    """The dissertation's mission by the fleet; the floor is the same edges sent by hand at once."""
+    """Measures the dissertation's mission by the fleet.
+
+    The floor is the same edges sent by hand at once.
+    """
     with Stack() as stack:
         robot = Robot(stack, SPEED)
         manager = stack.launch(MANAGER, speed=SPEED, **LAB)
@@ -147,7 +150,9 @@ def headline() -> Iterator[Row]:
 
 
 def latency() -> Iterator[Row]:
-    """The time from /mission_request to the first byte of the robot's first motion command."""
+    """Measures the time from /mission_request to the first byte of the robot's first motion
+    command.
+    """
     with Stack() as stack:
         robot = Robot(stack, SPEED)
         stack.launch(MANAGER, speed=SPEED, **LAB)
@@ -166,7 +171,7 @@ def latency() -> Iterator[Row]:
 
 
 def step() -> Iterator[Row]:
-    """The time from a step command to the first byte of the robot's command, one LD-90.
+    """Measures the time from a step command to the first byte of the robot's command, one LD-90.
 
     The floor is a bare node that sends one byte for each such command.
     """
@@ -213,7 +218,10 @@ def bare_steps() -> List[float]:
 
 
 def acceptance() -> Iterator[Row]:
-    """The time from a request to its first status; the floor is a bare commit on the same disk."""
+    """Measures the time from a request to its first status.
+
+    The floor is a bare commit on the same disk.
+    """
     with Stack() as stack:
         stack.launch(MANAGER, speed=1.0, **LAB)
         rospy.init_node('bench', anonymous=True, disable_signals=True)
@@ -247,7 +255,7 @@ def bare_commits(folder: Path) -> List[float]:
 
 
 def load() -> Iterator[Row]:
-    """CPU and memory of the three nodes while fifty AGVs drive random missions."""
+    """Measures CPU and memory of the three nodes while fifty AGVs drive random missions."""
     with Stack() as stack:
         files = stack.agv_fleet(AGV_COUNT)
         manager = stack.launch(MANAGER, speed=1.0, **files)
@@ -280,7 +288,9 @@ def load() -> Iterator[Row]:
 
 
 def flood(count: int) -> Iterator[Row]:
-    """The given number of requests at once, beside a driving fleet, and a cancel among them."""
+    """Measures the given number of requests at once, beside a driving fleet,
+    and a cancel among them.
+    """
     with Stack() as stack:
         files = stack.agv_fleet(FLOODED_AGVS)
         stack.launch(MANAGER, speed=1.0, **files)
@@ -329,7 +339,7 @@ class Flooding:
             self._vertices[id % len(self._vertices)]])
 
     def run(self) -> Tuple[float, float]:
-        """Seconds until all are answered, and until an earlier mission is cancelled."""
+        """Returns the seconds until all are answered, and until an earlier mission is cancelled."""
         self._send(1)
         wait_until(lambda: 1 in self._answered, 30, 'the first mission')
         begun = asked = time.monotonic()

@@ -50,7 +50,7 @@ AHEAD = 8.0  # m: the base ends at least this far ahead of the vehicle
 
 @contextmanager
 def stack(broker: Broker, sim_speed: float, folder: Path) -> Iterator[Tuple[ArclTap, int]]:
-    """The stack under its own ROS master; yields the tap and the process id of roslaunch."""
+    """Yields the stack under its own ROS master; yields the tap and the process id of roslaunch."""
     robot_port, outgoing = free_port(), free_port()
     tap = ArclTap(free_port(), robot_port)
     launch, vehicle = folder / 'bench.launch', folder / 'vehicle.yaml'
@@ -99,7 +99,7 @@ def ready(master: BenchMaster) -> None:
 
 
 def bare_mqtt(broker: Broker, payload: bytes) -> List[float]:
-    """The floor: a message of the same size from one client to another."""
+    """Returns the floor: a message of the same size from one client to another."""
     arrived: List[float] = []
     event = threading.Event()
     clients = [make_client(f'bare_{uuid.uuid4().hex[:8]}') for _ in range(2)]
@@ -124,7 +124,7 @@ def bare_mqtt(broker: Broker, payload: bytes) -> List[float]:
 
 
 def ros_to_mqtt(master: BenchMaster) -> List[float]:
-    """The time from a field violation on ROS to the state at an MQTT subscriber."""
+    """Returns the time from a field violation on ROS to the state at an MQTT subscriber."""
     publisher = rospy.Publisher('/omron_ld90/bench', Bool, queue_size=1, tcp_nodelay=True)
     deadline = time.monotonic() + 30.0
     while not any(info[1].endswith('vda5050_vehicle')
@@ -147,7 +147,7 @@ def ros_to_mqtt(master: BenchMaster) -> List[float]:
 
 
 def first_with(master: BenchMaster, heard: int, pressed: bool) -> float:
-    """The time of the first state with this field violation."""
+    """Returns the time of the first state with this field violation."""
     for state, moment in zip(master.messages['state'][heard:], master.arrivals['state'][heard:]):
         if state['safetyState']['fieldViolation'] == pressed:
             return moment
@@ -155,7 +155,7 @@ def first_with(master: BenchMaster, heard: int, pressed: bool) -> float:
 
 
 def drive(master: BenchMaster, track: Track, send: Callable[[str], int]) -> float:
-    """Seconds from an order, sent by `send`, to its end."""
+    """Returns the seconds from an order, sent by `send`, to its end."""
     order_id = uuid.uuid4().hex[:8]
     begun = time.monotonic()
     heard = send(order_id)
@@ -192,7 +192,7 @@ def by_single_edges(master: BenchMaster, track: Track, lengths: Sequence[float],
 
 
 def order_to_arcl(master: BenchMaster, tap: ArclTap, graph) -> List[float]:
-    """The time from sending an order to the first byte of its command on the ARCL line."""
+    """Returns the time from sending an order to the first byte of its command on the ARCL line."""
     latencies = []
     there = track_on(graph, (8, 10), 'map')
     for track in (there, there.reversed()) * (ORDERS // 2 + 1):
@@ -204,7 +204,9 @@ def order_to_arcl(master: BenchMaster, tap: ArclTap, graph) -> List[float]:
 
 
 def many_vehicles(broker: Broker, payload: Dict[str, object]) -> Tuple[int, int, List[float]]:
-    """Many vehicles on one broker: messages sent, messages received, latencies of their states."""
+    """Returns many vehicles on one broker: messages sent, messages received,
+    latencies of their states.
+    """
     arrived: List[float] = []
     subscriber = make_client('many')
     subscriber.on_message = lambda _c, _u, message: arrived.append(
@@ -235,7 +237,7 @@ def many_vehicles(broker: Broker, payload: Dict[str, object]) -> Tuple[int, int,
 
 
 def returns(master: BenchMaster, own_broker: OwnBroker) -> List[float]:
-    """Seconds from the broker's return to the state ONLINE."""
+    """Returns the seconds from the broker's return to the state ONLINE."""
     found = []
     for _ in range(RUNS):
         heard = master.count('connection')
@@ -250,7 +252,7 @@ def returns(master: BenchMaster, own_broker: OwnBroker) -> List[float]:
 
 
 def share_of_core(pid: int, seconds: float) -> float:
-    """The CPU of the adapter, as a share of one core."""
+    """Returns the CPU of the adapter, as a share of one core."""
     adapter = next(child for child in descendants(pid)
                    if node_name(child) == 'vda5050_vehicle')
     before = cpu_seconds(adapter)
@@ -259,7 +261,10 @@ def share_of_core(pid: int, seconds: float) -> float:
 
 
 def part_latency(broker: Broker, own_broker: OwnBroker, folder: Path) -> None:
-    """Rows: latencies, many vehicles, return of the broker, CPU; the robot runs in real time."""
+    """Shows rows: latencies, many vehicles, return of the broker, CPU.
+
+    The robot runs in real time.
+    """
     graph = load_graph(ROOT / 'maps' / 'lab_graph.yaml')
     master = BenchMaster(broker, PREFIX)
     with stack(broker, 1.0, folder) as (_, pid):
@@ -287,7 +292,10 @@ def part_latency(broker: Broker, own_broker: OwnBroker, folder: Path) -> None:
 
 
 def part_mission(broker: Broker, folder: Path) -> None:
-    """Rows: order to ARCL line; the mission of the laboratory in one message, and edge by edge."""
+    """Shows rows: order to ARCL line.
+
+    The mission of the laboratory in one message, and edge by edge.
+    """
     graph = load_graph(ROOT / 'maps' / 'lab_graph.yaml')
     track = track_on(graph, MISSION, 'map')
     lengths = [graph.curve(int(edge)).length for edge in track.edges]
@@ -313,7 +321,7 @@ def part_mission(broker: Broker, folder: Path) -> None:
 
 
 def row(figure: str, value: str, floor: str, goal: str) -> None:
-    """A line of the table."""
+    """Prints a line of the table."""
     print_row((figure, value, floor, goal))
 
 

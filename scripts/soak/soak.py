@@ -149,7 +149,7 @@ class Soak:
             self.fleet.repeat_unanswered()
 
     def _with_steps(self, stations: List[int]) -> Dict[str, Any]:
-        """What a request for a mission with steps has besides its destinations."""
+        """Returns what a request for a mission with steps has besides its destinations."""
         self._worked += 1
         press = MissionStep(type='handshake', actor=MissionStep.DEVICE, device=PRESS, timeout=40.0,
                             on_failure=MissionStep.RETRY, retries=1)
@@ -161,7 +161,7 @@ class Soak:
         return {'stops': stops, **({'robot_type': 'agv'} if len(steps) > 1 else {})}
 
     def _answer(self) -> None:
-        """A person looks at the press, and answers for each step that asks."""
+        """Lets a person look at the press, and answers for each step that asks."""
         while not self._over.wait(1.0):
             with self._lock:
                 asking = dict(self.fleet.asking)
@@ -198,7 +198,9 @@ class Soak:
             self.witness.broken.append(f'the journal has {size} bytes after {self._sent} missions')
 
     def _judge_press(self) -> None:
-        """The press was started once at most with each key, also over all deaths and restarts."""
+        """Checks that the press was started once at most with each key, also over all deaths
+        and restarts.
+        """
         self.witness.broken += [f'the press was started again with the key {key}'
                                 for key in sorted(self.site.repeated)]
 

@@ -22,7 +22,7 @@ class Instance(NamedTuple):
     goals: Dict[str, int]
 
     def tasks(self, kind: RobotType = AGV) -> List[Task]:
-        """The same as tasks for the planner."""
+        """Returns the same as tasks for the planner."""
         return [Task(name, kind, start, destinations=(self.goals[name],), stays=True)
                 for name, start in self.starts.items()]
 
@@ -102,7 +102,10 @@ def sparse_roadmap(seed: int, vertices: int = 170, spacing: float = 6.0) -> Grap
 
 
 def dense_moves(vertices: int, edges: int, seed: int = 0) -> Graph:
-    """The given number of edges between near vertices on a jittered grid; half are splines."""
+    """Returns the given number of edges between near vertices on a jittered grid.
+
+    Half are splines.
+    """
     random = Random(seed)
     columns = math.ceil(math.sqrt(vertices))
     drawing = _Drawing()
@@ -121,7 +124,7 @@ def dense_moves(vertices: int, edges: int, seed: int = 0) -> Graph:
 
 
 def draw(pool: Sequence[int], robots: int, seed: int) -> Instance:
-    """Robots with different starts and different goals, drawn from `pool`."""
+    """Returns robots with different starts and different goals, drawn from `pool`."""
     random = Random(seed)
     starts, goals = random.sample(pool, robots), random.sample(pool, robots)
     names = [f'r{k}' for k in range(robots)]

@@ -72,7 +72,7 @@ class Operation(Run):
             self._ask(Request(self._next_id, (goal,), robot=name, stamp=self.world.now + 0.1))
 
     def tells(self, status: Status) -> None:
-        """A robot whose mission has ended needs another one."""
+        """Notes that a robot whose mission has ended needs another one."""
         super().tells(status)
         if not status.state.is_open:
             self._missions.pop(status.request_id, None)
@@ -103,6 +103,6 @@ def at_work(graph: Graph, kind: RobotType, starts: Sequence[int], goals: Sequenc
 
 def in_the_laboratory(robots: int, longest: float, kind: RobotType, seed: int,
                       rounds: int = 100) -> Tuple[Figures, Operation]:
-    """An hour on the example laboratory's graph, with its edges cut at `longest` m."""
+    """Returns an hour on the example laboratory's graph, with its edges cut at `longest` m."""
     graph = split_edges(load_graph(ROOT / 'maps/lab_graph.yaml'), longest)
     return at_work(graph, kind, PARKING[:robots], STATIONS, seed, 3600.0, rounds)

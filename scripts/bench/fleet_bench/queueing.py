@@ -24,8 +24,8 @@ class _Spur(NamedTuple):
 
 
 def missions(robots: int, seed: int, seconds: float = 3600.0) -> int:
-    """The missions done in the given number of simulated seconds, with the delays of the runs
-    above.
+    """Returns the missions done in the given number of simulated seconds, with the delays of the
+    runs above.
     """
     network = RoadNetwork(load_graph(operation.ROOT / 'maps/lab_graph.yaml'))
     graph, times = network.graph, network.times(operation.AGV)

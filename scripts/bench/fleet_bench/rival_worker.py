@@ -17,7 +17,7 @@ class TooLong(Exception):
 
 
 def pymapf_solver(name, edges, limit):
-    """LaCAM and PIBT of pymapf, pure Python: one robot per vertex, no two robots swap places."""
+    """Returns LaCAM or PIBT of pymapf, pure Python: one robot per vertex, no two swap places."""
     import pymapf
     graph = pymapf.ExplicitGraph.undirected([tuple(edge) for edge in edges])
 
@@ -29,7 +29,7 @@ def pymapf_solver(name, edges, limit):
 
 
 def w9_solver(name, edges, limit):
-    """HCA* and CBS of w9-pathfinding, C++: one robot per vertex, one per edge."""
+    """Returns HCA* or CBS of w9-pathfinding, C++: one robot per vertex, one per edge."""
     from w9_pathfinding.envs import Graph
     from w9_pathfinding.mapf import CBS, HCAStar
     # in an undirected graph it would let robots swap

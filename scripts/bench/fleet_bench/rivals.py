@@ -42,7 +42,7 @@ class Judged(NamedTuple):
 
 
 def environment(package: str) -> Tuple[Optional[Path], str]:
-    """The Python of a virtual environment with a rival, or the reason why there is none."""
+    """Returns the Python of a virtual environment with a rival, or the reason why there is none."""
     folder = ROOT / 'build/rivals' / package
     python = folder / 'bin/python'
     if sys.version_info < (3, 10):
@@ -76,7 +76,7 @@ def run(solver: str, python: Path, graph: Graph, instances: Sequence[Instance],
 
 
 def driven(graph: Graph, instance: Instance, paths: Sequence[Sequence[int]]) -> Optional[float]:
-    """The cost over the lower bound of these moves, with true sizes, curves and durations.
+    """Returns the cost over the lower bound of these moves, with true sizes, curves and durations.
 
     None if no order makes them safe.
     """
@@ -101,7 +101,7 @@ def driven(graph: Graph, instance: Instance, paths: Sequence[Sequence[int]]) -> 
 
 def _in_order(graph: Graph, instance: Instance,
               paths: Sequence[Sequence[int]]) -> Optional[List[Tuple[str, int]]]:
-    """(robot, drive) step by step; None if robots follow each other in a ring."""
+    """Returns (robot, drive) step by step; None if robots follow each other in a ring."""
     drives: Dict[Tuple[int, int], int] = {}
     for k, edge in enumerate(graph.edges.values()):
         drives[edge.origin, edge.destination] = 2 * k
@@ -122,7 +122,7 @@ def _in_order(graph: Graph, instance: Instance,
 
 
 def world_of(graph: Graph, instance: Instance) -> World:
-    """The checker's view of an instance."""
+    """Returns the checker's view of an instance."""
     return World(*as_files(graph, [AGV], {name: (AGV.name, vertex)
                                           for name, vertex in instance.starts.items()},
                            {name: [goal] for name, goal in instance.goals.items()}, CLEARANCE))

@@ -66,7 +66,7 @@ class _Robot:
                                                 rospy.Time.now().to_nsec()))
 
     def _ahead(self) -> float:
-        """Metres of its route that it has not driven yet."""
+        """Returns the metres of its route that it has not driven yet."""
         agv = self.agv
         left = sum(agv.graph.curve(edge).length for edge in agv.edges[agv.current:])
         return left - (agv.arc if agv.is_driving else 0.0)

@@ -93,7 +93,7 @@ def planning() -> Iterator[Row]:
 
 
 def _all_at_once(doors: int) -> _Answer:
-    """The plan for destinations of all robots, which come at once."""
+    """Returns the plan for destinations of all robots, which come at once."""
     site = _Site(doors)
     site.plan()
     site.send(ROBOTS, True)

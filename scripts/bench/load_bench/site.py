@@ -29,7 +29,10 @@ class Site(NamedTuple):
 
 
 def grid(side: int) -> Graph:
-    """A grid with these numbers of rows and columns; each vertex is joined to its neighbours."""
+    """Returns a grid with these numbers of rows and columns.
+
+    Each vertex is joined to its neighbours.
+    """
     vertices = [Vertex(side * row + column + 1, SPACING * column, SPACING * row, 0.0)
                 for row in range(side) for column in range(side)]
     pairs = [(vertex.id, vertex.id + step) for vertex in vertices for step, is_inside in (
@@ -59,7 +62,7 @@ def _edges(first: int, pairs: Sequence[Tuple[int, int]]) -> List[Edge]:
 
 
 def starts(graph: Graph, robots: int) -> Dict[str, int]:
-    """The start vertex by robot name, spread evenly."""
+    """Returns the start vertex by robot name, spread evenly."""
     vertices: List[int] = list(graph.vertices)
     step = len(vertices) // robots
     return {f'agv_{k}': vertices[k * step] for k in range(robots)}

@@ -6,7 +6,7 @@ from typing import Dict, List
 
 
 def descendants(pid: int) -> List[int]:
-    """The ids of all processes below `pid` in the process tree."""
+    """Returns the ids of all processes below `pid` in the process tree."""
     children: Dict[int, List[int]] = {}
     for folder in Path('/proc').glob('[0-9]*'):
         try:
@@ -23,18 +23,18 @@ def descendants(pid: int) -> List[int]:
 
 
 def arguments(pid: int) -> List[str]:
-    """The command line of a process."""
+    """Returns the command line of a process."""
     return Path(f'/proc/{pid}/cmdline').read_text().split('\0')
 
 
 def node_name(pid: int) -> str:
-    """The name that roslaunch gave a node; empty for other processes."""
+    """Returns the name that roslaunch gave a node; empty for other processes."""
     return next((word[len('__name:='):] for word in arguments(pid)
                  if word.startswith('__name:=')), '')
 
 
 def cpu_seconds(pid: int) -> float:
-    """The CPU time that a process has used so far, in s.
+    """Returns the CPU time that a process has used so far, in s.
 
     Reads the scheduler's own account, because /proc/PID/stat counts whole ticks and misses short
     wake-ups.
@@ -44,12 +44,16 @@ def cpu_seconds(pid: int) -> float:
 
 
 def resident(pid: int) -> int:
-    """Memory of a process in bytes, with all memory that it shares with others (RSS)."""
+    """Returns the memory of a process in bytes, with all memory that it shares
+    with others (RSS).
+    """
     return _kilobytes(Path(f'/proc/{pid}/status'), 'VmRSS:')
 
 
 def proportional(pid: int) -> int:
-    """Memory of a process in bytes: its own, and its part of the shared memory (PSS)."""
+    """Returns the memory of a process in bytes: its own,
+    and its part of the shared memory (PSS).
+    """
     return _kilobytes(Path(f'/proc/{pid}/smaps_rollup'), 'Pss:')
 
 

@@ -38,7 +38,7 @@ def write_hall(folder: Path, robots: int, probe_port: int, password_file: Path) 
 
 
 def map_text(graph: Graph) -> str:
-    """The map of an empty hall."""
+    """Returns the map of an empty hall."""
     xs = [vertex.x for vertex in graph.vertices.values()]
     ys = [vertex.y for vertex in graph.vertices.values()]
     left, right = (round(1000 * x) for x in (min(xs) - MARGIN, max(xs) + MARGIN))

@@ -46,7 +46,7 @@ class Part:
 
 
 def parts_of(launch: int) -> Dict[str, Part]:
-    """The parts of a roslaunch: its child processes and itself."""
+    """Returns the parts of a roslaunch: its child processes and itself."""
     found: Dict[str, List[int]] = {part: [] for part in PARTS}
     for pid in [launch, *descendants(launch)]:
         found[part_of(pid)].append(pid)
@@ -54,7 +54,7 @@ def parts_of(launch: int) -> Dict[str, Part]:
 
 
 def part_of(pid: int) -> str:
-    """The part that a process belongs to."""
+    """Returns the part that a process belongs to."""
     name, words = node_name(pid), arguments(pid)
     programs = {Path(word).name for word in words[:3]}
     if programs & {'hosted', 'node_host'}:
@@ -75,10 +75,10 @@ def _whole_ticks(pid: int) -> float:
 
 def cpu_shares(parts: Dict[str, Part], before: Dict[str, float],
                seconds: float) -> Dict[str, float]:
-    """The cores that each part has used since `before`."""
+    """Returns the cores that each part has used since `before`."""
     return {name: (parts[name].cpu - used) / seconds for name, used in before.items()}
 
 
 def used(parts: Dict[str, Part], names: Iterable[str] = PARTS) -> Dict[str, float]:
-    """CPU seconds used so far."""
+    """Returns the CPU seconds used so far."""
     return {name: parts[name].cpu for name in names}

@@ -86,7 +86,9 @@ class Stack:
             process.wait(40)
 
     def agv_fleet(self, count: int) -> dict:
-        """The files of a warehouse with the given number of AGVs, each at a station of its own."""
+        """Returns the files of a warehouse with the given number of AGVs,
+        each at a station of its own.
+        """
         graph, stations = aisles(500)
         step = len(stations) // count
         save_graph(graph, self.folder / 'graph.yaml')

@@ -420,7 +420,7 @@ class Disturbances:
     # -- the PLC -----------------------------------------------------------------------------------
 
     def _plc(self) -> None:
-        """The PLC dies, if possible in a hand-over; it has lost its memory when it is back."""
+        """Lets the PLC die, if possible in a hand-over; it has lost its memory when it is back."""
         self._until(lambda: self._site.is_working)
         in_work = self._site.is_working
         self._site.kill()
@@ -429,7 +429,7 @@ class Disturbances:
         self.notes.append(f'PLC dead{" in a hand-over" if in_work else ""}')
 
     def _door(self) -> None:
-        """The door closes, if possible on a robot that has claimed it."""
+        """Closes the door, if possible on a robot that has claimed it."""
         self._until(lambda: self._site.is_door_open)
         is_open, self._site.lies = self._site.is_door_open, True
         self._wait(self._chance.uniform(3.0, 12.0))
@@ -437,7 +437,7 @@ class Disturbances:
         self.notes.append(f'door shut{" on a claim" if is_open else ""}')
 
     def _press(self) -> None:
-        """The press breaks: each hand-over fails."""
+        """Breaks the press: each hand-over fails."""
         self._site.breaks = True
         self._until(lambda: self._site.is_working)
         self._wait(self._chance.uniform(4.0, 10.0))

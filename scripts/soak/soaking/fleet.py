@@ -63,7 +63,7 @@ class Fleet:
                     and self._commands.get_num_connections() and self._edges.get_num_connections())
 
     def answer(self, mission: int, key: int, answer: int) -> None:
-        """A person answers a step that asks."""
+        """Lets a person answer a step that asks."""
         message = MissionCommand(request_id=mission, command=MissionCommand.ANSWER,
                                  answer=answer, step_key=key)
         message.header.stamp = rospy.Time.now()

@@ -44,12 +44,12 @@ class SoakPlc(plc.Plc):
 
     @property
     def is_working(self) -> bool:
-        """Does its press hand something over?"""
+        """Whether its press hands something over."""
         return self.coils.get(plc.START, False)
 
     @property
     def is_door_open(self) -> bool:
-        """Is the door open, as its output asks?"""
+        """Whether the door is open, as its output asks."""
         return self.coils.get(plc.COIL, False) and not self.lies
 
     def _set(self, address: int, value: bool) -> None:
@@ -77,7 +77,7 @@ class SoakPlc(plc.Plc):
 
 
 def work_file(edge: int, port: int) -> str:
-    """The work file of the hall: a door on an edge, and a press, both behind the PLC."""
+    """Returns the work file of the hall: a door on an edge, and a press, both behind the PLC."""
     driver = f'driver: modbus, host: 127.0.0.1, port: {port}, unit: {plc.UNIT}'
     return (f'devices:\n- {{name: {DOOR}, kind: door, edges: [{edge}], timeout: 10, {driver}, '
             f'open_coil: {plc.COIL}, is_open: {plc.INPUT}}}\n'

@@ -289,7 +289,7 @@ class Machine:
         return reading, ''
 
     def is_found_closed(self) -> bool:
-        """Has a lost memory just ended, because the device was read closed?"""
+        """Returns whether a lost memory has just ended, because the device was read closed."""
         return self.devices['gate'].alike >= 2
 
     def check(self, report: DeviceReport) -> None:

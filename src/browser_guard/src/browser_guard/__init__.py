@@ -27,19 +27,23 @@ _HOST_OF_URI = re.compile(r'\w+://(?:[^/@]*@)?([^/]*)')
 
 
 def is_http_request(first_line: bytes) -> bool:
-    """Whether the first line of a connection begins an HTTP request."""
+    """Returns whether the first line of a connection begins an HTTP request."""
     return _REQUEST_LINE.match(first_line) is not None
 
 
 def is_from_browser(names: Iterable[str]) -> bool:
-    """Whether these are the names of the headers of a request that a web page makes a browser send.
+    """Returns whether these are the names of the headers of a request
+    that a web page makes a browser send.
     """
     return any(name.lower().startswith(_OF_BROWSERS) for name in names)
 
 
 def reason_to_refuse(method: str, headers: Iterable[Tuple[str, str]],
                      hosts: OwnHosts) -> Optional[str]:
-    """Why an XML-RPC server of ROS refuses an HTTP request; None if it comes from a program."""
+    """Returns why an XML-RPC server of ROS refuses an HTTP request.
+
+    None if it comes from a program.
+    """
     by_name = {name.lower(): value.strip() for name, value in headers}
     if method != 'POST':
         return 'only POST is accepted'
@@ -91,7 +95,7 @@ class OwnHosts:
 
 
 def _host(text: str) -> str:
-    """A host without its port, in the form in which hosts are compared."""
+    """Returns a host without its port, in the form in which hosts are compared."""
     bracketed = re.match(r'\[([^\]]*)\](?::\d*)?\Z', text)
     if bracketed is not None:
         return bracketed.group(1).lower()

@@ -62,7 +62,7 @@ def replace_file(path: Union[str, os.PathLike], content: Union[str, bytes], *,
 
 
 def _has(path: str, mark: bytes) -> bool:
-    """Whether the file has this mark, or does not exist."""
+    """Returns whether the file has this mark, or does not exist."""
     try:
         with open(path, 'rb') as file:
             return mark in file.read(4096)

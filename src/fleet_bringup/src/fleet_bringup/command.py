@@ -113,7 +113,7 @@ def gather(options: Options, folder: str, check: bool = True) -> Gathered:
 
 
 def laboratory_folder(package: str) -> str:
-    """The folder with the map and the graph of the laboratory.
+    """Returns the folder with the map and the graph of the laboratory.
 
     It is in the folder of the installed package omron_ld90, or at the top of the repository.
     """
@@ -122,7 +122,7 @@ def laboratory_folder(package: str) -> str:
 
 
 def _fleet(options: Options, folder: str, graph: Graph) -> Tuple[Fleet, str]:
-    """The fleet and the path of its file.
+    """Returns the fleet and the path of its file.
 
     `graph` is the graph before long edges are divided, because no robot parks where an edge is
     divided.
@@ -147,7 +147,7 @@ def _fleet(options: Options, folder: str, graph: Graph) -> Tuple[Fleet, str]:
 
 def _site(options: Options, folder: str, graph: Graph, entries: List[RobotEntry],
           laboratory: str) -> StartedSite:
-    """The graph and the map as files; raises CannotStart if LD-90s have no map."""
+    """Returns the graph and the map as files; raises CannotStart if LD-90s have no map."""
     base_map, map_file = options.base_map, options.map_file
     if not any(entry.robot.driver == LD90 for entry in entries):
         base_map = ''
@@ -160,7 +160,7 @@ def _site(options: Options, folder: str, graph: Graph, entries: List[RobotEntry]
 
 
 def _with_work(site: StartedSite, options: Options, laboratory: str) -> StartedSite:
-    """The site with its work file. Raises FileError if that is wrong."""
+    """Returns the site with its work file. Raises FileError if that is wrong."""
     path = os.path.join(laboratory, 'lab_work.yaml') if options.work else options.work_file
     if not path:
         return site

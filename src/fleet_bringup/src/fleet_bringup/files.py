@@ -62,7 +62,7 @@ def make_site(folder: str, graph: Graph, base_map: str, map_file: str) -> Starte
 
 
 def simulated_robots(entries: Sequence[RobotEntry], graph: Graph) -> str:
-    """The content of the file for `ld90_sim --robots`."""
+    """Returns the content of the file for `ld90_sim --robots`."""
     rows: List[Dict[str, Any]] = []
     for entry in entries:
         if entry.robot.driver != LD90 or not entry.is_simulated:
@@ -77,7 +77,7 @@ def simulated_robots(entries: Sequence[RobotEntry], graph: Graph) -> str:
 
 
 def _pose_on(graph: Graph, vertex: int) -> Optional[Sequence[float]]:
-    """The pose on a vertex, with the heading of the first edge that leads away from it.
+    """Returns the pose on a vertex, with the heading of the first edge that leads away from it.
 
     None for a dock, because the simulator places a robot into its dock itself.
     """

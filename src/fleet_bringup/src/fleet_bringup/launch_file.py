@@ -44,7 +44,7 @@ class Part(Enum):
 
 
 def parts_of(entries: Sequence[RobotEntry], options: Options) -> Sequence[Part]:
-    """The parts that a fleet has, in the order in which they start."""
+    """Returns the parts that a fleet has, in the order in which they start."""
     has = {Part.SIMULATORS: any(entry.is_simulated for entry in entries),
            Part.ROBOTS: any(entry.robot.driver == LD90 for entry in entries),
            Part.MANAGER: True,
@@ -54,7 +54,10 @@ def parts_of(entries: Sequence[RobotEntry], options: Options) -> Sequence[Part]:
 
 def launch_text(entries: Sequence[RobotEntry], site: StartedSite, options: Options,
                 files: Dict[str, str], parts: Collection[Part] = tuple(Part)) -> str:
-    """The launch file of some parts. `files`: paths by the kind of file, see `command.prepare`."""
+    """Returns the launch file of some parts.
+
+    `files`: paths by the kind of file, see `command.prepare`.
+    """
     root = ET.Element('launch')
     root.append(ET.Comment(f' Made by scripts/run.sh fleet:={options.fleet} '.replace('--', '- -')))
     ET.SubElement(root, 'env', name='ROSCONSOLE_FORMAT', value=SCREEN)
@@ -119,7 +122,10 @@ def _devices(root: ET.Element, site: StartedSite, options: Options, files: Dict[
 
 
 def _memory(files: Dict[str, str]) -> Dict[str, str]:
-    """The persistent files of the fleet manager; empty with real robots: its default files."""
+    """Returns the persistent files of the fleet manager.
+
+    Empty with real robots: its default files.
+    """
     return {name: files[key] for name, key in (
         ('closed_edges_file', 'closed_edges'), ('journal', 'journal')) if key in files}
 
@@ -201,7 +207,8 @@ def _include(parent: ET.Element, package: str, launch: str, arguments: Dict[str,
 
 
 def literal(value: Any) -> str:
-    """A value that roslaunch uses as it is; raises CannotStart for one that it would evaluate.
+    """Returns a value that roslaunch uses as it is; raises CannotStart for one that it would
+    evaluate.
 
     roslaunch replaces `$(...)` everywhere, also by results of Python, and has no way to quote it.
     """

@@ -15,7 +15,7 @@ RELEASE_AHEAD = {'ld90': 8.0, 'agv': 2.0}
 
 
 def made_fleet(count: int, graph: Graph) -> Fleet:
-    """`count` LD-90s and as many AGVs; raises CannotStart if the graph cannot park them."""
+    """Returns `count` LD-90s and as many AGVs; raises CannotStart if the graph cannot park them."""
     docks = frozenset(vertex.id for vertex in graph.vertices.values() if vertex.dock)
     ld90 = RobotType('ld90', 0.43, 1.35, 0.25, False, docks)
     agv = RobotType('agv', 0.35, 1.0, 0.0, False)
@@ -35,7 +35,8 @@ def made_fleet(count: int, graph: Graph) -> Fleet:
 
 def parking_places(graph: Graph, types: Sequence[RobotType], clearance: float,
                    enough: int) -> List[int]:
-    """Vertices, without docks, on which robots of the largest type may all stand for ever.
+    """Returns the vertices, without docks, on which robots of the largest type may all stand for
+    ever.
 
     The search ends when it has found `enough` vertices. It returns fewer if it finds no more.
     """
@@ -47,7 +48,7 @@ def parking_places(graph: Graph, types: Sequence[RobotType], clearance: float,
 
 
 def fleet_text(fleet: Fleet) -> str:
-    """The content of the fleet file."""
+    """Returns the content of the fleet file."""
     lines = [f'clearance: {fleet.clearance}', 'robot_types:']
     for kind in fleet.types:
         docks = f', docks: {sorted(kind.docks)}' if kind.docks else ''

@@ -51,7 +51,7 @@ class Options:
 
 
 def parse(words: Sequence[str], folder: str = '') -> Options:
-    """The options from arguments `name:=value`; raises CannotStart.
+    """Returns the options from arguments `name:=value`; raises CannotStart.
 
     folder -- folder of relative file names; empty: the working directory
     """
@@ -82,7 +82,7 @@ def parse(words: Sequence[str], folder: str = '') -> Options:
 
 
 def help_text() -> str:
-    """The help text: all arguments, one per line."""
+    """Returns the help text: all arguments, one per line."""
     return '\n'.join(f'  {one.name}:=  {one.metadata["doc"]}'
                      + (f' ({one.default})' if one.default not in ('',) else '')
                      for one in fields(Options))

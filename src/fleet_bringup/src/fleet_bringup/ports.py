@@ -10,7 +10,7 @@ from fleet_bringup.robot_entries import AGV, LD90, RobotEntry
 
 
 def needed_ports(entries: Sequence[RobotEntry], options: Options) -> List[Tuple[int, str]]:
-    """Each port of this computer that is needed, and its purpose."""
+    """Returns each port of this computer that is needed, and its purpose."""
     ports: List[Tuple[int, str]] = []
     for entry in entries:
         if entry.robot.driver == LD90:

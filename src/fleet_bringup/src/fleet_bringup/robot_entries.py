@@ -68,7 +68,10 @@ class RobotEntry:
 
 
 def read_entries(path: str, fleet: Fleet, options: Options) -> List[RobotEntry]:
-    """The entries of all robots of a fleet file that `load_fleet` has read; raises FileError."""
+    """Returns the entries of all robots of a fleet file that `load_fleet` has read.
+
+    Raises FileError.
+    """
     try:
         root = strict_yaml.compose(path)
         whole = strict_yaml.mapping(root, 'the file')
@@ -141,7 +144,7 @@ def _check_each_other(entries: Sequence[RobotEntry]) -> None:
 
 
 def tcp_port(one: Field) -> int:
-    """The TCP port in a field; raises WrongYaml."""
+    """Returns the TCP port in a field; raises WrongYaml."""
     port = strict_yaml.whole(one)
     if not 0 < port < 65536:
         raise WrongYaml(f'{one[0]} is {port}, but must be a TCP port from 1 to 65535', one[1])

@@ -13,7 +13,7 @@ from fleet_bringup.robot_entries import LD90, RobotEntry
 
 
 def rviz_text(entries: Sequence[RobotEntry], options: Options) -> str:
-    """The content of the configuration file for RViz."""
+    """Returns the content of the configuration file for RViz."""
     template = os.path.join(rospkg.RosPack().get_path('graph_fleet_manager'), 'rviz', 'fleet.rviz')
     with open(template, encoding='utf-8') as stream:
         configuration = yaml.safe_load(stream)

@@ -62,11 +62,11 @@ class StartOutput:
         self._nodes = 0
 
     def end(self) -> None:
-        """A person ends the launch."""
+        """Notes that a person ends the launch."""
         self.state = StartState.ENDING
 
     def shown(self, line: str, seconds: float) -> str:
-        """What a person sees of a line; empty: nothing.
+        """Returns what a person sees of a line; empty: nothing.
 
         seconds -- since the start
         """
@@ -91,7 +91,7 @@ class StartOutput:
         return line if severity == 'WARN' or self.state is StartState.RUNNING else ''
 
     def _of_roslaunch(self, line: str) -> str:
-        """A line of roslaunch, or what a program prints by itself, such as a traceback."""
+        """Returns a line of roslaunch, or what a program prints by itself, such as a traceback."""
         if self.state is not StartState.STARTING:
             return line
         if _SUMMARY_NODE.match(line):

@@ -47,13 +47,13 @@ class RobotType:
         return min(self.play + AT_VERTEX, NEAR)
 
     def drives_at(self, edge_speed: float) -> float:
-        """Speed (m/s) on an edge with this speed; 0: it may not drive there."""
+        """Returns the speed (m/s) on an edge with this speed; 0: it may not drive there."""
         if edge_speed <= 0.0:
             return 0.0
         return min(self.speed, edge_speed) if self.obeys_edge_speed else self.speed
 
     def may_dock(self, vertex: int) -> bool:
-        """May a robot of this type be sent to this dock?"""
+        """Returns whether a robot of this type may be sent to this dock."""
         return self.docks is None or vertex in self.docks
 
 

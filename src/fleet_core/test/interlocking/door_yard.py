@@ -352,7 +352,7 @@ class DoorYard(Yard):
         return self._wrong_inside(inside, door)
 
     def _may_be_inside(self, id: int) -> bool:
-        """Is a robot on edges of the resource, or does its route lead there?"""
+        """Returns whether a robot is on edges of the resource, or its route leads there."""
         vehicle = self._sides[id].vehicle
         edges = {edge.label for edge in (*vehicle.route, *vehicle.rolling)}
         if vehicle.edge is not None:

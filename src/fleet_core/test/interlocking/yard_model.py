@@ -1041,7 +1041,9 @@ class Yard:
         return 2.0 * self.kind.reach + CLEARANCE
 
     def _exclude(self, one: int, other: int) -> bool:
-        """Are places of two allocations nearer to each other than two robots may be?"""
+        """Returns whether places of two allocations are nearer to each other
+        than two robots may be.
+        """
         key = 'exclude', one, other
         if key not in self._known:
             both = self._allocations[one], self._allocations[other]
@@ -1069,7 +1071,7 @@ class Yard:
     # -- the search -------------------------------------------------------------------------------
 
     def is_live(self, state: State) -> bool:
-        """Is a robot granted an edge, and does it take that order, if all events help?
+        """Returns whether a robot is granted an edge, and takes that order, if all events help.
 
         All clocks are right again.
         """

@@ -204,7 +204,9 @@ class Fleet:
                        for number in range(max(done, base), len(granted)))
 
     def _comes_home(self, state: State) -> bool:
-        """Do all robots come to their goals by the plan in force? The order of steps is no matter.
+        """Returns whether all robots come to their goals by the plan in force.
+
+        The order of steps is no matter.
         """
         moves = True
         while moves:

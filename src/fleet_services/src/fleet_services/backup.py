@@ -79,7 +79,9 @@ def main(arguments: Optional[Sequence[str]] = None) -> int:
 
 
 def ros_home() -> Path:
-    """The folder in which nodes keep their persistent files, or that of a site's services."""
+    """Returns the folder in which nodes keep their persistent files, or
+    that of a site's services.
+    """
     return Path(os.environ.get('ROS_HOME') or Path.home() / '.ros')
 
 
@@ -118,7 +120,7 @@ def save(archive: Path, files: Sequence[Path], home: Path) -> List[str]:
 
 
 def _is_of_this_command(archive: Path) -> bool:
-    """Is a file an archive of secrets of an earlier backup?"""
+    """Returns whether a file is an archive of secrets of an earlier backup."""
     with ExitStack() as stack:
         packed = _new(stack)
         read_as_owner(archive, packed)
@@ -132,18 +134,20 @@ def _is_of_this_command(archive: Path) -> bool:
 
 
 def _new(stack: ExitStack) -> IO[bytes]:
-    """A temporary file without a name, which lasts as long as the stack."""
+    """Returns a temporary file without a name, which lasts as long as the stack."""
     return stack.enter_context(tempfile.TemporaryFile())
 
 
 def _services(home: Path) -> List[int]:
-    """The users, other than root, that own the state."""
+    """Returns the users, other than root, that own the state."""
     return [owner for owner in (_owner(state_folder(home, folder), home) for folder in UNITS)
             if owner]
 
 
 def _owner(folder: Path, home: Path) -> int:
-    """The owner of a folder of state: the owner of ROS_HOME may have put a link in its place."""
+    """Returns the owner of a folder of state: the owner of ROS_HOME may have put a link in its
+    place.
+    """
     return owner_of(home) or owner_of(folder)
 
 
@@ -160,7 +164,7 @@ def _saved_state(home: Path, stack: ExitStack) -> Contents:
 
 
 def _folder_of(name: str, home: Path) -> Path:
-    """The ROS_HOME in which a persistent file is."""
+    """Returns the ROS_HOME in which a persistent file is."""
     folder = PurePosixPath(name).parts[0]
     return state_folder(home, folder) if folder in UNITS else home
 
@@ -227,7 +231,10 @@ def restore(archive: Path, folder: Path, home: Path) -> List[str]:
 
 
 def _place_of(member: tarfile.TarInfo, folder: Path, home: Path) -> Tuple[Path, Path]:
-    """The folder and the path to which a file is restored. Raises NotDone for an unknown file."""
+    """Returns the folder and the path to which a file is restored.
+
+    Raises NotDone for an unknown file.
+    """
     path = PurePosixPath(member.name)
     if member.isfile() and len(path.parts) == 2 and path.parts[0] == _SITE and (
             path.name not in ('.', '..')):

@@ -16,7 +16,10 @@ _WORDS = ('password', 'passwd', 'token', 'secret')
 
 
 def is_secret(content: bytes) -> bool:
-    """Whether a file may be a secret. What is no known kind of file without secrets, is one."""
+    """Returns whether a file may be a secret.
+
+    What is no known kind of file without secrets, is one.
+    """
     if content.startswith(_KNOWN):
         return False
     if content.lstrip().startswith(_CERTIFICATE):

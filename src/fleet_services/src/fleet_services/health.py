@@ -27,5 +27,8 @@ class Health:
         return self.nodes == set(self._well)
 
     def hung(self, now: float) -> FrozenSet[str]:
-        """The nodes without a good report for more than `PATIENCE`; `now` in s, monotonic."""
+        """Returns the nodes without a good report for more than `PATIENCE`.
+
+        `now` in s, monotonic.
+        """
         return frozenset(node for node, heard in self._well.items() if now - heard > PATIENCE)

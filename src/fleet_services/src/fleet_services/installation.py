@@ -65,8 +65,8 @@ class Machine:
         return self.is_this and Path('/run/systemd/system').is_dir()
 
     def ids(self, user: str) -> Tuple[int, int]:
-        """The numbers of a user and the group of the same name; -1, which changes nothing, if the
-        machine does not have them, or only root could use them.
+        """Returns the numbers of a user and the group of the same name; -1, which changes nothing,
+        if the machine does not have them, or only root could use them.
         """
         if os.geteuid() != 0:
             return -1, -1
@@ -81,12 +81,12 @@ class Machine:
         return int(found[1]) if found else -1
 
     def path(self, *parts: str) -> Path:
-        """A path below the root."""
+        """Returns a path below the root."""
         return self.root.joinpath(*parts)
 
 
 def systemd_version() -> int:
-    """The version of systemd on this machine; 0: there is none."""
+    """Returns the version of systemd on this machine; 0: there is none."""
     try:
         said = subprocess.run(['systemctl', '--version'], check=True, text=True,
                               stdout=subprocess.PIPE).stdout
@@ -169,7 +169,7 @@ def remove(name: str, machine: Machine, purge: bool) -> List[str]:
 
 
 def _units_of(target: Path) -> List[Path]:
-    """The existing files of the target and of the services that it names."""
+    """Returns the existing files of the target and of the services that it names."""
     if not target.exists():
         return []
     names = re.findall(r'fleet-[a-z0-9-]+\.service', target.read_text(encoding='utf-8'))
@@ -261,13 +261,13 @@ def _make_files(site: SiteFile, system: System, settings: Path) -> InstallationP
 
 
 def _installed(path: str, settings: Path, system: System) -> str:
-    """The path of a file after the installation. Files of packages keep their path."""
+    """Returns the path of a file after the installation. Files of packages keep their path."""
     name = Path(path).name
     return f'{system.settings}/{name}' if (settings / name).exists() else path
 
 
 def _watched(text: str, name: str, nodes: List[str]) -> str:
-    """The launch file, with a node that reports the state of these nodes to systemd."""
+    """Returns the launch file, with a node that reports the state of these nodes to systemd."""
     root = ET.fromstring(text)
     node = ET.SubElement(root, 'node', {
         'name': f'service_watch_{name.replace("-", "_")}', 'pkg': 'fleet_services',
@@ -277,7 +277,7 @@ def _watched(text: str, name: str, nodes: List[str]) -> str:
 
 
 def _nodes_of(launch: Path) -> List[str]:
-    """The nodes of a launch file that have a watchdog of this project."""
+    """Returns the nodes of a launch file that have a watchdog of this project."""
     try:
         read = load_config_default([str(launch)], None, verbose=False, assign_machines=False)
     except RLException as error:
@@ -293,8 +293,8 @@ def _program(name: str) -> str:
 
 
 def _folder_of_master() -> str:
-    """The folder of this workspace's ROS master, which refuses web browsers. roscore starts the
-    first `rosmaster` in PATH.
+    """Returns the folder of this workspace's ROS master, which refuses web browsers. roscore starts
+    the first `rosmaster` in PATH.
     """
     found = find_node('node_lifecycle', 'rosmaster')
     if not found:
@@ -304,7 +304,7 @@ def _folder_of_master() -> str:
 
 
 def _environment(site: SiteFile, environment: Mapping[str, str]) -> str:
-    """The EnvironmentFile of all units."""
+    """Returns the EnvironmentFile of all units."""
     kept: Dict[str, str] = {name: value for name, value in sorted(environment.items())
                             if _INHERITED.fullmatch(name)}
     for name, value in kept.items():

@@ -24,7 +24,7 @@ class NotDone(Exception):
 
 
 def owner_of(folder: Path) -> int:
-    """The user that owns a folder, or the nearest one above it that exists."""
+    """Returns the user that owns a folder, or the nearest one above it that exists."""
     while not folder.exists() and folder != folder.parent:
         folder = folder.parent
     return folder.stat().st_uid
@@ -55,7 +55,7 @@ def as_user(user: int, work: Callable[[], None], group: int = _NOBODY) -> None:
 
 
 def _work_as(user: int, group: int, work: Callable[[], None], writer: int) -> int:
-    """The life of the child: gives up the rights of root, works, and reports a failure."""
+    """Runs the child: gives up the rights of root, works, and reports a failure."""
     try:
         group, groups = _groups_of(user, group)
         os.setgroups(groups)

@@ -49,7 +49,7 @@ class InstallationPlan:
 def plan_services(site: SiteFile, entries: Sequence[RobotEntry], graph: StartedSite,
                   files: Dict[str, str], system: System,
                   programs: Mapping[str, str]) -> InstallationPlan:
-    """All services of a site, in the order in which they start.
+    """Returns all services of a site, in the order in which they start.
 
     files    -- paths by the kind of file
     programs -- absolute paths of `roscore` and `roslaunch`
@@ -93,7 +93,10 @@ def plan_services(site: SiteFile, entries: Sequence[RobotEntry], graph: StartedS
 def _with_secret_passwords(
         group: Sequence[RobotEntry], service: str,
         system: System) -> Tuple[List[RobotEntry], Dict[str, str]]:
-    """The robots, whose passwords the service reads from its secrets; and these by their names."""
+    """Returns the robots, whose passwords the service reads from its secrets.
+
+    And these by their names.
+    """
     own, secrets = [], {}
     for one in group:
         if one.password_file:
@@ -105,7 +108,10 @@ def _with_secret_passwords(
 
 
 def _networks(site: SiteFile, entries: Sequence[RobotEntry]) -> Optional[Tuple[str, ...]]:
-    """The addresses with which any service may communicate; None: the site file does not tell."""
+    """Returns the addresses with which any service may communicate.
+
+    None: the site file does not tell.
+    """
     if site.networks:
         return _with(tuple(site.networks), [site.address])
     is_alone = _is_loopback(site.address) and not any(entry.computer for entry in entries)
@@ -113,7 +119,10 @@ def _networks(site: SiteFile, entries: Sequence[RobotEntry]) -> Optional[Tuple[s
 
 
 def _with(known: Optional[Tuple[str, ...]], hosts: Sequence[str]) -> Optional[Tuple[str, ...]]:
-    """These addresses and others; None if one of them is a name, which only DNS can tell."""
+    """Returns these addresses and others.
+
+    None if one of them is a name, which only DNS can tell.
+    """
     if known is None:
         return None
     try:

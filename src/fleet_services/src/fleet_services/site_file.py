@@ -90,7 +90,7 @@ def site_name(text: str) -> str:
 
 
 def _words(one: Field) -> List[str]:
-    """The arguments as `name:=value`."""
+    """Returns the arguments as `name:=value`."""
     words = []
     for name, node in strict_yaml.mapping(one[1], 'arguments').items():
         if name in _NOT_HERE:

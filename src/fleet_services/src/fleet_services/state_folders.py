@@ -31,14 +31,14 @@ Moves = List[Tuple[Path, Path]]
 
 
 def state_folder(home: Path, folder: str) -> Path:
-    """The ROS_HOME whose part `folder` is. `home` is ROS_HOME, or the folder of a site."""
+    """Returns the ROS_HOME whose part `folder` is. `home` is ROS_HOME, or the folder of a site."""
     unit = home / UNITS[folder]
     is_site = home.absolute().parts[-4:-1] == tuple(DATA.split('/'))
     return unit if is_site and unit.is_dir() else home
 
 
 def planned_moves(site: Path, units: Mapping[str, str], robots: Mapping[str, str]) -> Moves:
-    """What must move so that each unit finds its state in its own folder; see `move`.
+    """Returns what must move so that each unit finds its state in its own folder; see `move`.
 
     site   -- the folder of the site
     units  -- unit by folder of ROS_HOME (`UNITS`), for the units that the site has
@@ -60,7 +60,7 @@ def planned_moves(site: Path, units: Mapping[str, str], robots: Mapping[str, str
 
 
 def _moves_of_robots(site: Path, robots: Mapping[str, str]) -> Iterator[Tuple[Path, Path]]:
-    """What must move so that each robot's files are in the folder of its unit."""
+    """Yields what must move so that each robot's files are in the folder of its unit."""
     names = {f'{robot}{ending}{lock}': unit for robot, unit in robots.items()
              for ending in _ENDINGS for lock in ('', _LOCK)}
     for home in [site, *sorted(site.glob('robots-*'))] if site.is_dir() else []:

@@ -56,17 +56,17 @@ class System:
         return f'fleet-{self.site}.target'
 
     def unit(self, name: str) -> str:
-        """Name of the unit of a service."""
+        """Returns the name of the unit of a service."""
         return f'fleet-{self.site}-{name}.service'
 
     def secret(self, name: str, secret: str) -> str:
-        """Path from which the service `name` reads a secret."""
+        """Returns the path from which the service `name` reads a secret."""
         if self.has_credentials:
             return f'/run/credentials/{self.unit(name)}/{secret}'
         return self.kept_secret(secret)
 
     def kept_secret(self, secret: str) -> str:
-        """Path of the installed copy of a secret."""
+        """Returns the path of the installed copy of a secret."""
         return f'{self.settings}/secrets/{secret}'
 
 
@@ -91,7 +91,7 @@ class Service:
 
 
 def unit_files(services: Sequence[Service], system: System) -> Dict[str, str]:
-    """The texts of all units, by their names. The services start in the given order."""
+    """Returns the texts of all units, by their names. The services start in the given order."""
     names = [system.unit(one.name) for one in services]
     units = {name: _service(one, names[:number], system)
              for number, (name, one) in enumerate(zip(names, services))}

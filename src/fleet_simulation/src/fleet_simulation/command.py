@@ -132,7 +132,7 @@ def _counts(text: str) -> Tuple[int, ...]:
 
 
 def _moment(text: str) -> int:
-    """Minutes since the beginning of Monday, from `mon 06:00`."""
+    """Returns the minutes since the beginning of Monday, from `mon 06:00`."""
     day, _, time = text.partition(' ')
     try:
         return DAYS.index(day) * DAY + minute_of_day(time)

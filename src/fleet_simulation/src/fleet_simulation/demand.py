@@ -194,5 +194,5 @@ class RequestSource:
                 yield request
 
     def ended(self, id: int) -> None:
-        """Is to be called when a mission has ended; a saturated flow then requests another one."""
+        """Notes that a mission has ended; a saturated flow then requests another one."""
         self._saturating.pop(id, None)

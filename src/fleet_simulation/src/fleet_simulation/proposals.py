@@ -112,7 +112,7 @@ def _one_way(graph: Graph, id: int,
 
 
 def _comes_round(graph: Graph, changed: Edge, begin: int, end: int) -> bool:
-    """Whether a path leads from `begin` to `end` without the changed edge."""
+    """Returns whether a path leads from `begin` to `end` without the changed edge."""
     seen, ahead = {begin}, [begin]
     while ahead:
         vertex = ahead.pop()

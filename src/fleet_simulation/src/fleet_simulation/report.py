@@ -78,7 +78,9 @@ def write(study: Study, folder: Path) -> Path:
 
 
 def is_free(folder: Path) -> bool:
-    """Whether reports may be written here: into a new or empty folder, or over an old report."""
+    """Returns whether reports may be written here: into a new or empty folder,
+    or over an old report.
+    """
     try:
         names = os.listdir(folder)
     except FileNotFoundError:
@@ -381,7 +383,7 @@ def _tables(study: Study) -> Dict[str, Rows]:
 
 
 def _of_each(study: Study, rows: Callable[[Figures], Rows]) -> Rows:
-    """The rows of all runs. Each begins with the size and the seed of its run."""
+    """Returns the rows of all runs. Each begins with the size and the seed of its run."""
     return [(run.robots, run.seed, *row) for run in study.runs for row in rows(run)]
 
 

@@ -34,7 +34,7 @@ class VirtualDevice:
 
     @property
     def is_held(self) -> bool:
-        """Is it to be open?"""
+        """Whether it is to be open."""
         return self.request is not None and self.request.mode is DeviceMode.OPEN
 
     def advance(self, seconds: float) -> None:
@@ -44,7 +44,8 @@ class VirtualDevice:
         self._open = min(max(self._open + step, 0.0), 1.0)
 
     def restart(self) -> None:
-        """It restarts: it does not know which request it obeys, and stays as it is until the next.
+        """Restarts: it does not know then which request it obeys,
+        and stays as it is until the next.
         """
         self._obeyed = ()
 
@@ -56,7 +57,7 @@ class VirtualDevice:
         return DeviceMode.MOVING if self._open > 0.0 else DeviceMode.CLOSED
 
     def reports(self, now: float) -> Tuple[DeviceReport, ...]:
-        """What it reports now: at each change, and once in each period."""
+        """Returns what it reports now: at each change, and once in each period."""
         news = self.mode, self._obeyed
         if self.is_silent or news == self._told and self._since < PERIOD:
             return ()

@@ -69,16 +69,16 @@ class Watcher(Protocol):
     """An observer of a fleet; the world calls it when something happens."""
 
     def sends(self, order: SendRoute) -> None:
-        """The supervisor sends an order now."""
+        """Notes that the supervisor sends an order now."""
 
     def tells(self, status: Status) -> None:
-        """The supervisor publishes a mission status now."""
+        """Notes that the supervisor publishes a mission status now."""
 
     def stepped(self) -> None:
-        """One time step is over."""
+        """Notes that one time step is over."""
 
     def restarted(self) -> None:
-        """The supervisor has restarted."""
+        """Notes that the supervisor has restarted."""
 
 
 class VirtualRobot(Protocol):
@@ -361,7 +361,7 @@ class VirtualFleet(Generic[Body]):
                     self.do(self.supervisor.device_steps(name, steps.report(), self.now))
 
     def _must_report(self, subject: str, steps: SimulatedSteps) -> bool:
-        """Is a report due? It counts as made."""
+        """Returns whether a report is due; then it counts as made."""
         at, news = self._steps_told.get(subject, (-math.inf, None))
         if news == steps.news and self.now < at + 1.0 - _TOGETHER:
             return False

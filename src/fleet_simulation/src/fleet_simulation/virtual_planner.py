@@ -36,7 +36,7 @@ class VirtualPlanner:
         self._planners: Dict[Tuple[frozenset, frozenset], FleetPlanner] = {}
 
     def forget_graph(self) -> None:
-        """Is to be called when another graph is in force."""
+        """Forgets what was computed for a graph, because another one is in force."""
         self._planners.clear()
 
     def plan(self, question: AskPlanner, network: RoadNetwork) -> PlanningOutcome:

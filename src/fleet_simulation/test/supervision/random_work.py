@@ -540,7 +540,8 @@ class RandomWork(SupervisedFleet):
         self.later(self._door_works)
 
     def _fails_now(self) -> bool:
-        """Has the door opened for a robot that is not let in yet, and does it fail this time?
+        """Returns whether the door has opened for a robot that is not let in yet, and fails this
+        time.
 
         This is drawn by itself, so all that was drawn before stays as it was.
         """
@@ -582,7 +583,9 @@ class RandomWork(SupervisedFleet):
         self._deceived = {name for name in self.agvs if self._is_on_way_into_door(name)}
 
     def _is_on_way_into_door(self, name: str) -> bool:
-        """Is a robot in the door, or was it sent there? A grant that was not sent does not count.
+        """Returns whether a robot is in the door, or was sent there.
+
+        A grant that was not sent does not count.
         """
         gate, agv = WORK.devices['gate'].edges[0], self.agvs[name]
         master = self.supervisor.robots[name].master
@@ -923,12 +926,12 @@ def _asks(world: RandomWork) -> bool:
 
 
 def _is_under_way(world: RandomWork) -> bool:
-    """Does a command for a step, or a report of steps, come late?"""
+    """Returns whether a command for a step, or a report of steps, comes late."""
     return any(one.subject for one in world._late)
 
 
 def _has_further_work(world: RandomWork) -> bool:
-    """Does a robot work whose mission leads to the exit?"""
+    """Returns whether a robot works whose mission leads to the exit."""
     serials = {serial for (serial, _), one in world.bodies.items() if one.by}
     return any(one.serial in serials and 16 in one.left[1:] for one in world.supervisor.book.open)
 

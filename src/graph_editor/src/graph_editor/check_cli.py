@@ -26,7 +26,7 @@ from trajectory_graph.editing import Draft
 
 
 def main(arguments: Optional[List[str]] = None, load: LoadMap = load_site) -> int:
-    """Run the command and return its exit status; `load` reads the map of --map."""
+    """Runs the command and returns its exit status; `load` reads the map of --map."""
     chosen = _parser().parse_args(arguments)
     try:
         graph = load_graph(chosen.graph)

@@ -20,7 +20,7 @@ from trajectory_graph import load_graph
 
 
 def main(arguments: List[str]) -> int:
-    """Print the value and return 0; return 1, with one sentence, if a file cannot be used."""
+    """Prints the value and returns 0; return 1, with one sentence, if a file cannot be used."""
     name, graph_file, *rest = arguments
     try:
         if name == 'unedited':

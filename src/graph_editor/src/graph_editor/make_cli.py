@@ -27,7 +27,7 @@ _DEFAULT = MakingOptions()
 
 
 def main(arguments: Optional[List[str]] = None, load: LoadMap = load_site) -> int:
-    """Run the command and return its exit status; `load` reads the map of --map."""
+    """Runs the command and returns its exit status; `load` reads the map of --map."""
     chosen = _parser().parse_args(arguments)
     try:
         options = MakingOptions(

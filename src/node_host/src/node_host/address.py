@@ -5,7 +5,7 @@ import os
 
 
 def host_address() -> bytes:
-    """The address of an abstract socket, which leaves no file behind.
+    """Returns the address of an abstract socket, which leaves no file behind.
 
     The host has the same parent, roslaunch, as its clients; see `host_address` in hosted.c.
     """

@@ -172,7 +172,7 @@ class Host:
         return False
 
     def _started(self, program: _Program) -> None:
-        """The program has closed its end of the pipe, or has ended."""
+        """Notes that the program has closed its end of the pipe, or has ended."""
         if program.start_pipe >= 0:
             self._selector.unregister(program.start_pipe)
             os.close(program.start_pipe)
@@ -242,7 +242,7 @@ class Host:
         program.streams = []
 
     def _close(self) -> None:
-        """In a fork: closes everything that the host has open."""
+        """Closes, in a fork, everything that the host has open."""
         signal.set_wakeup_fd(-1)
         self._selector.close()
         for one in (self._listener, self._wakeup, self._wakeup_end):

@@ -16,7 +16,7 @@ CONFIGURATION = 'ROS_PYTHON_LOG_CONFIG_FILE'
 
 
 def prepare() -> None:
-    """In the host: does once what each node would otherwise do in its own memory.
+    """Does, in the host, once what each node would otherwise do in its own memory.
 
     Without the environment variable each rospy node searches all packages for its logging
     configuration. The other calls import modules or fill Python's caches: 4 MB in each fork.
@@ -33,7 +33,7 @@ def prepare() -> None:
 
 
 def _places() -> Iterator[str]:
-    """The possible paths, in the order of rosgraph.roslogging."""
+    """Yields the possible paths, in the order of rosgraph.roslogging."""
     try:
         import rospkg
     except ImportError:
@@ -47,7 +47,7 @@ def _places() -> Iterator[str]:
 
 
 def take_names() -> None:
-    """In a fork: reads remappings and namespace again, because rospy read them in the host."""
+    """Reads, in a fork, remappings and namespace again, because rospy read them in the host."""
     names = sys.modules.get('rospy.names')
     if names is not None:
         names.reload_mappings(sys.argv)

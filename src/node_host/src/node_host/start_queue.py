@@ -41,7 +41,7 @@ class StartQueue(Generic[Key]):
         return delay
 
     def next(self, now: float) -> Optional[Key]:
-        """The program that starts now, or None."""
+        """Returns the program that starts now, or None."""
         self._starting = {key: until for key, until in self._starting.items() if until > now}
         if len(self._starting) >= self._at_a_time:
             return None
@@ -54,7 +54,10 @@ class StartQueue(Generic[Key]):
         return None
 
     def seconds_to_next(self, now: float) -> Optional[float]:
-        """Seconds until `next` may return a program without another event; None: never."""
+        """Returns the seconds until `next` may return a program without another event.
+
+        None: never.
+        """
         if not self._waiting:
             return None
         times = [one.not_before for one in self._waiting]
@@ -63,11 +66,11 @@ class StartQueue(Generic[Key]):
         return max(0.0, min(times) - now)
 
     def started(self, key: Key) -> None:
-        """The program has registered with the master."""
+        """Notes that the program has registered with the master."""
         self._starting.pop(key, None)
 
     def ended(self, key: Key, failed: bool, now: float) -> None:
-        """The program has ended, or its request was withdrawn."""
+        """Notes that the program has ended, or its request was withdrawn."""
         self._waiting = [one for one in self._waiting if one.key != key]
         self.started(key)
         run = self._running.pop(key, None)
@@ -86,7 +89,9 @@ class _Run:
 
 
 def delay_after(early_ends: int) -> float:
-    """Seconds before the next start of a program after this number of early ends in a row."""
+    """Returns the seconds before the next start of a program
+    after this number of early ends in a row.
+    """
     if early_ends < 2:
         return 0.0
     return min(LONGEST_DELAY, FIRST_DELAY * 2.0 ** min(early_ends - 2, 10))

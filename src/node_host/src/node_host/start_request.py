@@ -28,7 +28,7 @@ class StartRequest:
 
 
 def read_request(packet: bytes) -> StartRequest:
-    """The request in a packet; raises BadRequest."""
+    """Returns the request in a packet; raises BadRequest."""
     if not packet.endswith(b'\0'):
         raise BadRequest('The packet has no end.')
     texts = [os.fsdecode(text) for text in packet[:-1].split(b'\0')]

@@ -129,7 +129,7 @@ class _HeaderSocket:
         self._begun = b''
 
     def recv(self, size: int) -> bytes:
-        """The next bytes."""
+        """Returns the next bytes."""
         data = self._socket.recv(size)
         if len(self._begun) < _LENGTH.size:
             self._begun += data[:_LENGTH.size]
@@ -141,7 +141,7 @@ class _HeaderSocket:
 
 
 def _length(buffer: BytesIO, start: int) -> int:
-    """The length of the message that begins at `start`."""
+    """Returns the length of the message that begins at `start`."""
     length: int = _LENGTH.unpack_from(buffer.getbuffer(), start)[0]
     return length
 

@@ -30,7 +30,7 @@ class ClockWatch:
         self._is_reported = False
 
     def diagnose(self, status: DiagnosticStatusWrapper) -> None:
-        """Task for diagnostic_updater."""
+        """Fills in a status, as a task for diagnostic_updater."""
         before, self._last = self._last, self._ros_time()
         if self._last != before:
             self._since = self._clock()

@@ -8,7 +8,7 @@ MAX_POINTS = 100_000
 
 
 def places_in(cloud: PointCloud2) -> np.ndarray:
-    """(N, 2) x, y in the cloud's frame, m; points that are not finite are omitted.
+    """Returns (N, 2) x, y in the cloud's frame, m; points that are not finite are omitted.
 
     Raises ValueError, with a clause for a person, if the cloud does not have the layout that it
     declares, has no float32 x and y, or has more than MAX_POINTS points.

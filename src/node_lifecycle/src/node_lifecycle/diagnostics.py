@@ -26,7 +26,8 @@ def publish_diagnostics(hardware_id: str, tasks: Mapping[str, Task]) -> None:
 
 
 def guarded(task: Task) -> Callable[[DiagnosticStatusWrapper], DiagnosticStatusWrapper]:
-    """The task, with its failures reported as a status; an exception would end all diagnostics.
+    """Returns the task, with its failures reported as a status; an exception would end all
+    diagnostics.
 
     Text that is not valid Unicode, such as some names in files, is escaped for the same reason. The
     log gets a line when the task begins to fail, when its failure changes, and when it works again.

@@ -16,7 +16,10 @@ PATIENCE = 4.0  # s in which the node that this one replaces must have ended
 
 
 def in_ros_home(path: str) -> str:
-    """The path of a file: a relative path begins in ROS_HOME; an empty one means no file."""
+    """Returns the path of a file: a relative path begins in ROS_HOME.
+
+    An empty one means no file.
+    """
     return os.path.join(rospkg.get_ros_home(), path) if path else ''
 
 

@@ -12,7 +12,7 @@ class ParameterServer(Protocol):
     """The interface of `rosgraph.Master` that is used here."""
 
     def hasParam(self, name: str) -> bool:
-        """Whether the parameter exists."""
+        """Returns whether the parameter exists."""
 
     def setParam(self, name: str, value: Any) -> object:
         """Sets a parameter."""

@@ -69,7 +69,7 @@ class _NoFile(logging.NullHandler):
 
 @contextmanager
 def _possible_log_file() -> Iterator[None]:
-    """A context in which no log file is made if it could not be opened.
+    """Yields a context in which no log file is made if it could not be opened.
 
     Without a folder for the file, rospy would set up no log at all, and the node could not even
     report on its console why it cannot work. So rospy gets a folder that exists; it writes nothing.

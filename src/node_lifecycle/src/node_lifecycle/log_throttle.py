@@ -23,7 +23,7 @@ class LogThrottle:
         self._kinds: Dict[str, _Kind] = {}
 
     def pass_on(self, kind: str, message: str) -> Optional[str]:
-        """The message to log, or None; it says how many like it were omitted before."""
+        """Returns the message to log, or None; it says how many like it were omitted before."""
         with self._lock:
             now = self._clock()
             state = self._kinds.setdefault(kind, _Kind(now))

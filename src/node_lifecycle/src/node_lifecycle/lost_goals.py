@@ -57,7 +57,7 @@ class GoalWatch:
         self._since = server.statuses  # number of statuses when this state began
 
     def loss(self) -> Optional[Loss]:
-        """Why the goal will not end; None if it may end."""
+        """Returns why the goal will not end; None if it may end."""
         if self._server.is_gone:
             return Loss.SERVER
         state = self.handle.get_comm_state()

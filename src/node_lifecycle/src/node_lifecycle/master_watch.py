@@ -30,13 +30,13 @@ class NodeAtMaster(Protocol):
     """The registrations of a node at a ROS master. Each call raises if the master is not there."""
 
     def is_known(self) -> bool:
-        """Whether the master knows a registration of the node; a cheap query."""
+        """Returns whether the master knows a registration of the node; a cheap query."""
 
     def restore(self) -> None:
         """Sets the node's parameters that the master lacks, and registers everything again."""
 
     def is_complete(self) -> bool:
-        """Whether the master knows all registrations of the node."""
+        """Returns whether the master knows all registrations of the node."""
 
 
 class MasterWatch:
@@ -114,7 +114,9 @@ class ThisNode:
 
 
 def _registrations() -> Set[Tuple[str, str, str]]:
-    """Kind, name, and type or URI of each registration that rospy has made for this node."""
+    """Returns kind, name, and type or URI of each registration
+    that rospy has made for this node.
+    """
     topics, services = get_topic_manager(), get_service_manager()
     return {(kind, name, type_or_uri) for kind, entries in (
         (Registration.PUB, topics.get_publications()),

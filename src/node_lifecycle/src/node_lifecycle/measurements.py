@@ -8,7 +8,7 @@ from node_lifecycle.log_throttle import warn
 
 
 def measured(value: float, low: float, high: float, what: str) -> Optional[float]:
-    """The value, or None if it says nothing: NaN, or a number outside `low`..`high`.
+    """Returns the value, or None if it says nothing: NaN, or a number outside `low`..`high`.
 
     A number outside is never moved to a limit: a percentage of 23.0 is a mistake of its program,
     and not a full battery. The log names it; the reader keeps the last valid value.

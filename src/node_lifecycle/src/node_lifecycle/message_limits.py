@@ -106,5 +106,5 @@ LIMITS: Dict[str, int] = {
 
 
 def limit_of(message_type: str) -> int:
-    """The most bytes of a message of this type (`package/Name`) that are read."""
+    """Returns the most bytes of a message of this type (`package/Name`) that are read."""
     return LIMITS.get(message_type, OTHER)

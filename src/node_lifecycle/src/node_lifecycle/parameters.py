@@ -17,7 +17,7 @@ class ConfigurationError(Exception):
 
 
 def parameter(name: str, default: Any = REQUIRED, kind: Type = str) -> Any:
-    """The parameter `name` (e.g. `~robot_ip`) as `kind`; raises ConfigurationError.
+    """Returns the parameter `name` (e.g. `~robot_ip`) as `kind`; raises ConfigurationError.
 
     The type must match, with two exceptions: a whole number is accepted as a float, and a number as
     a text, because roslaunch turns `password:=1234` into a number. A required text must not be
@@ -38,7 +38,7 @@ def parameter(name: str, default: Any = REQUIRED, kind: Type = str) -> Any:
 
 
 def _as_kind(value: Any, kind: Type) -> Any:
-    """The value as `kind`; raises TypeError with what it must be."""
+    """Returns the value as `kind`; raises TypeError with what it must be."""
     is_number = isinstance(value, (int, float)) and not isinstance(value, bool)
     if is_number and kind is str:
         return str(value)
@@ -53,7 +53,7 @@ def _as_kind(value: Any, kind: Type) -> Any:
 
 def number(name: str, default: float, minimum: float = -math.inf,
            maximum: float = math.inf) -> float:
-    """A float parameter within `minimum`..`maximum`; raises ConfigurationError."""
+    """Returns a float parameter within `minimum`..`maximum`; raises ConfigurationError."""
     value: float = parameter(name, default, float)
     if not minimum <= value <= maximum:
         raise ConfigurationError(f'Parameter {rospy.resolve_name(name)} is {value}, but must lie '
@@ -62,7 +62,7 @@ def number(name: str, default: float, minimum: float = -math.inf,
 
 
 def choice(name: str, default: str, allowed: Tuple[str, ...]) -> str:
-    """A text parameter that must be one of `allowed`; raises ConfigurationError."""
+    """Returns a text parameter that must be one of `allowed`; raises ConfigurationError."""
     value: str = parameter(name, default)
     if value not in allowed:
         raise ConfigurationError(f'Parameter {rospy.resolve_name(name)} is {value!r}, but must be '

@@ -32,7 +32,7 @@ def read_password_file(path: str, what: str, is_secret: bool = True) -> bytes:
 
 
 def problem_of_password(password: bytes) -> str:
-    """Why a text can be no password, as the rest of a clause; empty: it can."""
+    """Returns why a text can be no password, as the rest of a clause; empty: it can."""
     if not password:
         return 'is empty or not set'
     is_plain = all(0x20 <= byte < 0x7f for byte in password)
@@ -40,7 +40,7 @@ def problem_of_password(password: bytes) -> str:
 
 
 def _content(path: str) -> bytes:
-    """The beginning of a regular file; reading another kind of file might never end."""
+    """Returns the beginning of a regular file; reading another kind of file might never end."""
     descriptor = os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC)
     with open(descriptor, 'rb') as file:
         if not stat.S_ISREG(os.fstat(descriptor).st_mode):

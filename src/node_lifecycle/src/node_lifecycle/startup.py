@@ -113,7 +113,7 @@ def _wait_for_master() -> None:
 
 
 def _wrong(reason: str) -> Task:
-    """A task that reports the error as long as the node waits for its restart."""
+    """Returns a task that reports the error as long as the node waits for its restart."""
     return lambda status: status.summary(DiagnosticStatus.ERROR, reason)
 
 

@@ -57,7 +57,7 @@ class ThreadWatch:
         self._seen: Dict[int, Tuple[_Look, float]] = {}
 
     def blocked(self, now: float) -> List[Standstill]:
-        """The blocked threads at `now` (s, monotonic)."""
+        """Returns the blocked threads at `now` (s, monotonic)."""
         threads = {thread.ident: thread for thread in threading.enumerate()}
         seen: Dict[int, Tuple[_Look, float]] = {}
         found: List[Standstill] = []
@@ -76,7 +76,10 @@ class ThreadWatch:
         return found
 
     def _place(self, frame: FrameType) -> Optional[str]:
-        """The thread's place in the watched code; None if it is elsewhere or waits for an event."""
+        """Returns the thread's place in the watched code.
+
+        None if it is elsewhere or waits for an event.
+        """
         if _waits(frame):
             return None
         for inner in _frames(frame):
@@ -99,14 +102,14 @@ _EVENTS = ('wait', '_wait_for_tstate_lock')  # functions of threading; waiting f
 
 
 def _waits(frame: FrameType) -> bool:
-    """Whether a thread waits for an event, a queue, the end of a thread, or a socket."""
+    """Returns whether a thread waits for an event, a queue, the end of a thread, or a socket."""
     code = frame.f_code
     return (code.co_filename == _SELECTORS
             or (code.co_filename == _THREADING and code.co_name in _EVENTS))
 
 
 def _run_so_far(native_id: Optional[int]) -> str:
-    """The kernel's counters of a thread, which change whenever the thread runs."""
+    """Returns the kernel's counters of a thread, which change whenever the thread runs."""
     try:
         with open(f'/proc/self/task/{native_id}/status', encoding='ascii') as status:
             switches = [line for line in status if 'ctxt_switches' in line]

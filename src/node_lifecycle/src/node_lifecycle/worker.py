@@ -32,6 +32,8 @@ def start_worker(name: str, work: Callable[[], None],
 
 
 def _is_end_of_node(error: Exception) -> bool:
-    """Whether the error is due to the end of the node: topics close before is_shutdown()."""
+    """Returns whether the error is due to the end of the node: topics close
+    before is_shutdown().
+    """
     return rospy.is_shutdown() or (isinstance(error, rospy.ROSException)
                                    and 'closed topic' in str(error))

@@ -23,7 +23,7 @@ def when_started(then: Callable[[], None]) -> None:
 
 
 def tell_started() -> None:
-    """Called when the node of this process has started and registered with the ROS master."""
+    """Tells that the node of this process has started and registered with the ROS master."""
     while _when_started:
         _when_started.pop()()
 

@@ -20,12 +20,12 @@ _NUMBERS = re.compile(r'[-+]?[\d.][\d.,eE%: -]*\Z')
 
 
 def inert(text: str) -> str:
-    """The text with its control characters escaped, except tabs and line ends."""
+    """Returns the text with its control characters escaped, except tabs and line ends."""
     return _ACTIVE.sub(lambda found: found.group().encode('unicode_escape').decode(), text)
 
 
 def entry(text: str) -> str:
-    """An entry for a log: inert, and at most LONGEST_ENTRY characters."""
+    """Returns an entry for a log: inert, and at most LONGEST_ENTRY characters."""
     left_out = len(text) - LONGEST_ENTRY
     if left_out > 0:
         text = f'{text[:LONGEST_ENTRY]}... ({left_out} more characters)'
@@ -33,7 +33,7 @@ def entry(text: str) -> str:
 
 
 def cell(text: str) -> str:
-    """A cell of a CSV file: inert, and no formula. Numbers stay what they are."""
+    """Returns a cell of a CSV file: inert, and no formula. Numbers stay what they are."""
     text = inert(text)
     is_formula = text.lstrip().startswith(_FORMULA) and not _NUMBERS.match(text)
     return f"'{text}" if is_formula else text

@@ -66,12 +66,12 @@ class Activity(NamedTuple):
 
 @lru_cache(maxsize=256)
 def read_activity(text: str) -> Activity:
-    """The activity that the status text `text` describes. Recent results are cached."""
+    """Returns the activity that the status text `text` describes. Recent results are cached."""
     return activity_of(parse_line(text))
 
 
 def activity_of(reply: Reply) -> Activity:
-    """The activity that a line describes; UNKNOWN if the line describes none."""
+    """Returns the activity that a line describes; UNKNOWN if the line describes none."""
     read = _TABLE.get(type(reply))
     if read is None:
         return Activity(ActivityKind.UNKNOWN, '', reply)

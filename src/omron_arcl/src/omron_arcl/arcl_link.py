@@ -26,19 +26,25 @@ class LinkUser(Protocol):
     """The user of a link; the link's thread calls it, between a login and its loss."""
 
     def hear_login(self, login: LoggedIn, now: float) -> None:
-        """The link is logged in."""
+        """Notes that the link is logged in."""
 
     def hear_line(self, line: Received, now: float) -> None:
-        """A line came after the login."""
+        """Notes a line that came after the login."""
 
     def hear_turn(self, now: float) -> None:
-        """What came is handled, or nothing came for a short time. Raises LinkError to end it."""
+        """Notes that what came is handled, or nothing came for a short time.
+
+        Raises LinkError to end it.
+        """
 
     def next_to_send(self, now: float) -> Optional[bytes]:
-        """The next line to be sent, if all lines before it have been sent; None: nothing."""
+        """Returns the next line to be sent, if all lines before it have been sent.
+
+        None: nothing.
+        """
 
     def hear_loss(self, cause: LinkError) -> None:
-        """The link has ended, or could not be made. Also called without a login."""
+        """Notes that the link has ended, or could not be made. Also called without a login."""
 
 
 class ArclLink(Transport):

@@ -1,4 +1,4 @@
-"""Whose is a line of the robot, and what does it mean? One table answers: `ATTRIBUTIONS`.
+"""Which command a line of the robot is about, and what it means: the table `ATTRIBUTIONS`.
 
 The robot answers in the order of sending, and its lines carry no id. Only their text, and what the
 robot did before, connect them with a command. A line may concern several parts of this program
@@ -123,7 +123,10 @@ class Attribution:
 
     def _decide(self, part: LinePart, reply: Reply, claimed: bool = False
                 ) -> Iterable[Tuple[Row, Sequence[Execution]]]:
-        """The row that decides in this part, and the commands that it is about; or nothing."""
+        """Returns the row that decides in this part, and the commands that it is about.
+
+        Or nothing.
+        """
         for row in ATTRIBUTIONS[part]:
             if row.lines and type(reply) not in row.lines or (
                     claimed and row.meaning is Means.ANSWERED):
@@ -151,7 +154,7 @@ class Attribution:
         self._commands.begin(execution, text)
 
     def _goes_on(self, execution: Execution, reply: Reply, text: str, now: float) -> None:
-        """A line of a drive. A robot that stands gives no sign that its drive goes on.
+        """Handles a line of a drive. A robot that stands gives no sign that its drive goes on.
 
         Some robots name their dock as a goal. The name with which the robot sets out is that of its
         dock; once it docks, no other name can be.
@@ -173,7 +176,8 @@ class Attribution:
         self._commands.add_line(execution, text, now)
 
     def _starts(self, why: Begins, reply: Reply, text: str) -> None:
-        """The robot obeys something else, so the commands of ours that it obeyed are over.
+        """Notes that the robot obeys something else, so the commands of ours that it obeyed are
+        over.
 
         This includes a stop after which the robot has said `Stopping`. Without that line the robot
         may still have to obey the stop.
@@ -190,7 +194,8 @@ class Attribution:
             self._commands.end(execution, Outcome.INTERRUPTED, f'taken over: {text}')
 
     def _activity(self, reply: Reply, text: str, now: float, asked: Sequence[Execution]) -> None:
-        """The line, or the status that answers the question `asked`, may say what the robot does.
+        """Notes that the line, or the status that answers the question `asked`,
+        may say what the robot does.
         """
         if isinstance(reply, (replies.StatusText, replies.OneLineStatus)):
             shown = reply.text if isinstance(reply, replies.StatusText) else reply.status
@@ -218,7 +223,7 @@ _HANDLERS: Mapping[Means, Callable[[Attribution, Execution, Reply, str, float], 
 
 
 def _reason(reply: Reply) -> str:
-    """The robot's reason, if it is not the whole line."""
+    """Returns the robot's reason, if it is not the whole line."""
     if isinstance(reply, (replies.CommandErrorDescription, replies.SetUpError,
                           replies.RobotError)):
         return reply.text
@@ -257,22 +262,22 @@ def _queries(commands: CommandQueue) -> Sequence[Execution]:
 
 
 def _not_begun(commands: CommandQueue) -> List[Execution]:
-    """The commands that the robot has not acknowledged or begun to answer."""
+    """Returns the commands that the robot has not acknowledged or begun to answer."""
     return [e for e in commands.sent if not commands.records.has_begun(e)]
 
 
 def _not_refused(commands: CommandQueue) -> List[Execution]:
-    """The same without those whose refusal was told."""
+    """Returns the same without those whose refusal was told."""
     return [e for e in _not_begun(commands) if e.progress.rejected_at is None]
 
 
 def _fresh(commands: CommandQueue) -> List[Execution]:
-    """The drives that the robot has not acknowledged, the oldest first."""
+    """Returns the drives that the robot has not acknowledged, the oldest first."""
     return [e for e in _not_begun(commands) if e.command.spec.drives]
 
 
 def _began(commands: CommandQueue) -> List[Execution]:
-    """The drives that the robot has acknowledged, the newest first.
+    """Returns the drives that the robot has acknowledged, the newest first.
 
     A drive that was sent before a stop does not set out again, even if the robot has not yet said
     that the drive is over.
@@ -286,7 +291,7 @@ def _began(commands: CommandQueue) -> List[Execution]:
 
 
 def _next(commands: CommandQueue) -> List[Execution]:
-    """The drives that the robot may acknowledge or complete now, the oldest first."""
+    """Returns the drives that the robot may acknowledge or complete now, the oldest first."""
     return [e for e in _fresh(commands) if not commands.records.comes_earlier(e)]
 
 
@@ -299,34 +304,36 @@ def _began_first(commands: CommandQueue) -> List[Execution]:
 
 
 def _present(commands: CommandQueue) -> Sequence[Execution]:
-    """The drive that the robot carries out, or else the first one to come."""
+    """Returns the drive that the robot carries out, or else the first one to come."""
     return commands.begun_drives[-1:] or commands.drives[:1]
 
 
 def _refused(commands: CommandQueue) -> Sequence[Execution]:
-    """The oldest command whose refusal was told without a reason."""
+    """Returns the oldest command whose refusal was told without a reason."""
     return [e for e in commands.sent if e.progress.rejected_at is not None][:1]
 
 
 def _unanswered(commands: CommandQueue) -> Sequence[Execution]:
-    """The newest command without any answer, for a line that names none. A drive is the last
-    choice: if the robot carries it out nevertheless, it must have a giver."""
+    """Returns the newest command without any answer, for a line that names none. A drive is the
+    last choice: if the robot carries it out nevertheless, it must have a giver.
+    """
     unanswered = [e for e in _not_begun(commands) if not e.progress.set_out]
     others = [e for e in unanswered if not (e.command.spec.drives or e.command.spec.stops)]
     return (others or unanswered)[-1:]
 
 
 def _need_motors(commands: CommandQueue) -> Sequence[Execution]:
-    """The robot does not resume a goal by itself after its motors were off."""
+    """Returns the drives that need the motors: the robot resumes none of them by itself."""
     return [e for e in commands.sent
             if e.command.spec.drives or e.command.name == 'enableMotors']
 
 
 def _obeyed_stops(commands: CommandQueue, reply: Reply) -> List[Execution]:
-    """The stops that a `Stopped` ends. A stop behind a drive of which the robot has said nothing is
-    not answered yet, because the robot answers in the order of sending: another client stopped the
-    robot, or a stop before that drive did. If the robot never says a word about that drive,
-    `drives` ends the stop."""
+    """Returns the stops that a `Stopped` ends. A stop behind a drive of which the robot has said
+    nothing is not answered yet, because the robot answers in the order of sending: another client
+    stopped the robot, or a stop before that drive did. If the robot never says a word about that
+    drive, `drives` ends the stop.
+    """
     if not commands.records.heard.stopped_by_us:
         return []
     first = next((e.order for e in _fresh(commands) if not e.has_lines), math.inf)
@@ -335,7 +342,9 @@ def _obeyed_stops(commands: CommandQueue, reply: Reply) -> List[Execution]:
 
 
 def _ended_drive(commands: CommandQueue, reply: Reply) -> Optional[DriveRecord]:
-    """The drive that a refusal names, if its command has ended and the robot answers it next."""
+    """Returns the drive that a refusal names, if its command has ended
+    and the robot answers it next.
+    """
     if not isinstance(reply, replies.CommandError):
         return None
     try:
@@ -363,7 +372,9 @@ def _continues(execution: Execution, reply: Reply) -> bool:
 
 
 def _leads_elsewhere(execution: Execution, reply: Reply) -> bool:
-    """Whether the robot drives to a goal that is not its dock, see `Attribution._goes_on`."""
+    """Returns whether the robot drives to a goal that is not its dock,
+    see `Attribution._goes_on`.
+    """
     activity = activity_of(reply)
     return (execution.command.spec.course is DriveCourse.INTO_THE_DOCK
             and activity.kind is ActivityKind.GOING_TO_GOAL
@@ -371,7 +382,7 @@ def _leads_elsewhere(execution: Execution, reply: Reply) -> bool:
 
 
 def _under_way(commands: CommandQueue, reply: Reply) -> Found:
-    """A robot that docks drives to no goal but its dock."""
+    """Returns the drive under way; a robot that docks drives to no goal but its dock."""
     elsewhere = [e for e in commands.begun_drives if _leads_elsewhere(e, reply)]
     return [e for e in _began_first(commands) if _continues(e, reply) and e not in elsewhere][:1]
 
@@ -391,8 +402,9 @@ def _repeats(is_same: Callable[[str, str], bool]) -> Callable[[Execution, Any], 
 
 
 def _repeats_its_name(execution: Execution, reply: replies.CommandError) -> bool:
-    """Whether a line begins with the name of a command, and names no other goal or point. With
-    another one it is the late answer to a command that has ended for its giver."""
+    """Returns whether a line begins with the name of a command, and names no other goal or point.
+    With another one it is the late answer to a command that has ended for its giver.
+    """
     command, said = execution.command, _plain(reply.command).split()[1:]
     if not _repeats(lambda said, given: said.split()[:1] == given.split()[:1])(execution, reply):
         return False
@@ -470,7 +482,10 @@ def _fails_to_localize(execution: Execution, reply: replies.Failure) -> bool:
 
 
 def _fails_to_begin(commands: CommandQueue, reply: replies.Failure) -> Found:
-    """A drive that has begun goes on: the robot's status decides."""
+    """Returns the drive that fails before it begins.
+
+    One that has begun goes on: the status decides.
+    """
     about = _ABOUT_DRIVING.search(reply.text) and not commands.begun_drives
     return commands.drives[:1] if about else []
 
@@ -478,9 +493,10 @@ def _fails_to_begin(commands: CommandQueue, reply: replies.Failure) -> Found:
 # --- what the robot does --------------------------------------------------------------------------
 
 def _stops_for_us(commands: CommandQueue, reply: Reply) -> Found:
-    """The oldest stop of ours without a `Stopping`; or whether there was one that has ended. A
-    robot with a reason of its own halts for that first, if it has to answer a drive before the
-    stop."""
+    """Returns the oldest stop of ours without a `Stopping`; or whether there was one that has
+    ended. A robot with a reason of its own halts for that first, if it has to answer a drive before
+    the stop.
+    """
     heard = commands.records.heard
     stops = [e for e in _not_begun(commands) if e.command.spec.stops]
     waits = bool(stops) and commands.records.waits_for_a_drive(stops[0])

@@ -160,7 +160,7 @@ class Client(ArclLink):
             self._call(self._on_login, self.help)
 
     def hear_login(self, login: LoggedIn, now: float) -> None:
-        """The link is logged in."""
+        """Notes that the link is logged in."""
         with self._lock:
             self.help = login.help
             self._dispatcher.on_connected(now)
@@ -168,7 +168,7 @@ class Client(ArclLink):
         self._pulsed_at = -math.inf
 
     def hear_line(self, line: Received, now: float) -> None:
-        """A line of the robot."""
+        """Handles a line of the robot."""
         self._learn_name(line)
         self._call(self._on_line, line)
         with self._lock:
@@ -183,12 +183,12 @@ class Client(ArclLink):
         self._call_back()
 
     def next_to_send(self, now: float) -> Optional[bytes]:
-        """The next command."""
+        """Returns the next command."""
         with self._lock:
             return self._dispatcher.next_to_send(now)
 
     def hear_loss(self, cause: LinkError) -> None:
-        """The link has ended: what was sent is lost."""
+        """Notes that the link has ended: what was sent is lost."""
         with self._lock:
             self._names.clear()
             self._dispatcher.on_lost(str(cause))

@@ -42,13 +42,13 @@ def parse_command(text: str, full_name: Callable[[str], Optional[str]] = lambda 
 
 
 def is_stop(text: str) -> bool:
-    """Whether a command line is a stop, with any text after the word."""
+    """Returns whether a command line is a stop, with any text after the word."""
     words = text.split(maxsplit=1)
     return bool(words) and spec_of(words[0]).stops
 
 
 def _reason_against(text: str) -> str:
-    """The reason why `text` is not one command line; empty if it is one."""
+    """Returns the reason why `text` is not one command line; empty if it is one."""
     if not text:
         return 'it is empty'
     if len(text) > LONGEST_COMMAND:
@@ -60,7 +60,7 @@ def _reason_against(text: str) -> str:
 
 
 def _encode(text: str, names: Mapping[str, bytes]) -> bytes:
-    """The bytes of a line; raises InvalidCommand if a character cannot be sent."""
+    """Returns the bytes of a line; raises InvalidCommand if a character cannot be sent."""
     if text.isascii():
         return text.encode('ascii')
     for name in sorted(names, key=len, reverse=True):
@@ -74,7 +74,10 @@ def _encode(text: str, names: Mapping[str, bytes]) -> bytes:
 
 
 def _find(name: str, text: str) -> int:
-    """The index of `name` in `text`, with case ignored if need be; -1 if it is not in it."""
+    """Returns the index of `name` in `text`, with case ignored if need be.
+
+    -1 if it is not in it.
+    """
     at = text.find(name)
     folded, sought = text.casefold(), name.casefold()
     if at < 0 and len(folded) == len(text) and len(sought) == len(name):
@@ -83,7 +86,9 @@ def _find(name: str, text: str) -> int:
 
 
 def printable(text: str, longest: int = 200) -> str:
-    """`text` for logs and terminals: control characters escaped, shortened, without passwords."""
+    """Returns `text` for logs and terminals: control characters escaped, shortened,
+    without passwords.
+    """
     shown = redact_passwords(text.encode('utf-8', 'backslashreplace')).decode('utf-8')
     if not shown.isprintable():
         shown = ''.join(character if character.isprintable()
@@ -93,7 +98,7 @@ def printable(text: str, longest: int = 200) -> str:
 
 
 def quote(name: str) -> str:
-    """`name` of a goal, route, ... as an argument: in double quotes if it contains a blank.
+    """Returns `name` of a goal, route, ... as an argument: in double quotes if it contains a blank.
 
     Raises InvalidCommand for a name that ARCL cannot express.
     """

@@ -69,7 +69,7 @@ class CommandQueue:
             self.waiting.append(execution)
 
     def next_to_send(self, now: float) -> Optional[Execution]:
-        """The next command that may be sent now, or None; it counts as sent."""
+        """Returns the next command that may be sent now, or None; it counts as sent."""
         for execution in list(self.waiting):
             if not self.records.may_send(execution):
                 self.end(execution, Outcome.OVERRULED, 'another command came first')
@@ -84,7 +84,9 @@ class CommandQueue:
         return None
 
     def _must_wait(self, execution: Execution) -> bool:
-        """Whether a query waits: for one of the same name, or if both have undocumented answers."""
+        """Returns whether a query waits: for one of the same name, or
+        if both have undocumented answers.
+        """
         spec = execution.command.spec
         if spec.drives or spec.stops:
             return False
@@ -104,7 +106,9 @@ class CommandQueue:
                 self._callbacks.append(lambda: on_line(text))
 
     def begin(self, execution: Execution, line: str) -> None:
-        """The robot obeys a drive, as a line or status says, which ends the motions before it."""
+        """Notes that the robot obeys a drive, as a line or status says, which ends the motions
+        before it.
+        """
         if not self.records.has_begun(execution):
             self.records.acknowledged(execution, line)
             self.end_before(execution, f'replaced by "{execution.command.text}"')
@@ -134,7 +138,7 @@ class CommandQueue:
                 self.end(other, Outcome.INTERRUPTED, words)
 
     def _give_up_cancelled(self, stop: Execution, outcome: Outcome, words: str) -> None:
-        """A stop failed: ends the cancelled drives that waited for its effect."""
+        """Ends the cancelled drives that waited for the effect of a stop that failed."""
         for drive in self.drives:
             if drive.progress.cancel_requested is not None and drive.order < stop.order:
                 self.end(drive, outcome, f'stop: {words}')

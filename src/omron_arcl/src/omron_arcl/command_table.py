@@ -31,7 +31,10 @@ _TASKS_TIMEOUT = 3600.0  # a task may wait, and its status may show any text
 
 
 def spec_of(name: str) -> CommandSpec:
-    """The row for a command's name or shortcut; an unknown command ends when the robot is quiet."""
+    """Returns the row for a command's name or shortcut.
+
+    An unknown command ends when the robot is quiet.
+    """
     return (COMMANDS.get(name.lower()) or _SHORTCUTS.get(name.lower())
             or CommandSpec(name, Category.UNKNOWN, completed_by=None))
 
@@ -41,7 +44,7 @@ def _drive(syntax: str, acknowledged_by: Predicate, completed_by: Predicate,
            goal_at: Optional[int] = None, aborted_by: Optional[Predicate] = None,
            course: DriveCourse = DriveCourse.TO_A_PLACE, shortcut: str = '',
            adds_job: bool = False) -> CommandSpec:
-    """A row for a command that takes over the wheels."""
+    """Returns a row for a command that takes over the wheels."""
     return CommandSpec(syntax, Category.MOTION, completed_by, acknowledged_by,
                        related or _LEAVING_THE_DOCK, aborted_by, timeout, course, goal_at,
                        shortcut, adds_job=adds_job)
@@ -49,31 +52,33 @@ def _drive(syntax: str, acknowledged_by: Predicate, completed_by: Predicate,
 
 def _tasks(syntax: str, acknowledged_by: Predicate, completed_by: Predicate, related: Predicate,
            goal_at: Optional[int] = None) -> CommandSpec:
-    """A row for a command that takes over the wheels for several drives and other tasks."""
+    """Returns a row for a command that takes over the wheels for several drives and other tasks."""
     return _drive(syntax, acknowledged_by, completed_by, related, _TASKS_TIMEOUT, goal_at,
                   course=DriveCourse.OF_TASKS)
 
 
 def _answer(syntax: str, *kinds: type, category: Category = Category.QUERY,
             shortcut: str = '') -> CommandSpec:
-    """A row for a command whose answer is one reply of one of `kinds`."""
+    """Returns a row for a command whose answer is one reply of one of `kinds`."""
     return CommandSpec(syntax, category, is_one_of(*kinds), shortcut=shortcut)
 
 
 def _listing(syntax: str, end: str, related: Predicate,
              category: Category = Category.QUERY, shortcut: str = '') -> CommandSpec:
-    """A row for a command whose answer is a list of items up to an end line."""
+    """Returns a row for a command whose answer is a list of items up to an end line."""
     return CommandSpec(syntax, category, end_of(end), related=related, shortcut=shortcut)
 
 
 def _done(syntax: str, category: Category, phrase: str, related: Optional[Predicate] = None,
           shortcut: str = '') -> CommandSpec:
-    """A row for a command whose answer is a confirmation that begins with `phrase`."""
+    """Returns a row for a command whose answer is a confirmation that begins with `phrase`."""
     return CommandSpec(syntax, category, says(phrase), related=related, shortcut=shortcut)
 
 
 def _quiet(category: Category, *syntaxes: str, **shortcuts: str) -> Iterable[CommandSpec]:
-    """Rows for commands with undocumented answers: they end when the robot has been quiet."""
+    """Returns rows for commands with undocumented answers: they end
+    when the robot has been quiet.
+    """
     return (CommandSpec(syntax, category, completed_by=None,
                         shortcut=shortcuts.get(syntax.split()[0], '')) for syntax in syntaxes)
 

@@ -141,5 +141,7 @@ class Command:
         return tuple(dict.fromkeys(name for name in readings if name))
 
     def is_for(self, name: str) -> bool:
-        """Whether a reply with the name `name` of a goal, route or macro refers to this command."""
+        """Returns whether a reply with the name `name` of a goal,
+        route or macro refers to this command.
+        """
         return any(same_name(name, goal) for goal in self.goals)

@@ -71,7 +71,10 @@ class ArclConnection:
         self.socket.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, struct.pack('ii', 1, 0))
 
     def receive(self) -> Optional[bytes]:
-        """The received bytes: None if there are none yet, b'' at the end. Raises OSError."""
+        """Returns the received bytes: None if there are none yet, b'' at the end.
+
+        Raises OSError.
+        """
         try:
             return self.socket.recv(_CHUNK)
         except BlockingIOError:
@@ -106,7 +109,7 @@ class LivePeer:
         self._pause: Optional[float] = None  # s, the usual one between two pieces of data
 
     def receive(self, now: float, waited: float) -> Iterator[Union[LoggedIn, Received]]:
-        """The events in the received data, after a wait of `waited` s for it.
+        """Yields the events in the received data, after a wait of `waited` s for it.
 
         Raises LinkError when the connection is over, or OSError.
         """
@@ -138,11 +141,13 @@ class LivePeer:
                                  f'{now - self._sent:.1f} s')
 
     def is_lively(self, now: float, seconds: float) -> bool:
-        """Whether a line has come within the last `seconds`."""
+        """Returns whether a line has come within the last `seconds`."""
         return self._lines > 0 and now - self._heard <= seconds
 
     def _follows_a_gap(self, read: float, waited: float) -> bool:
-        """Whether the peer's data comes after a stall of the network, which has kept it back."""
+        """Returns whether the peer's data comes after a stall of the network,
+        which has kept it back.
+        """
         pause, self._data_at = read - self._data_at, read
         if waited <= _DRAINED:
             return False
@@ -154,7 +159,7 @@ class LivePeer:
 
 
 def resolve(host: str, port: Optional[int] = None) -> List[Tuple[Any, ...]]:
-    """The addresses of a host, as from `getaddrinfo`; raises OSError.
+    """Returns the addresses of a host, as from `getaddrinfo`; raises OSError.
 
     Also raises OSError for a text that cannot be a host name, such as `10.0..5`.
     """
@@ -164,7 +169,7 @@ def resolve(host: str, port: Optional[int] = None) -> List[Tuple[Any, ...]]:
 
 
 def is_host(text: str) -> bool:
-    """Whether a text can be a host's name or address."""
+    """Returns whether a text can be a host's name or address."""
     try:
         return bool(text.encode('idna')) and text.isprintable() and ' ' not in text
     except UnicodeError:
@@ -172,7 +177,7 @@ def is_host(text: str) -> bool:
 
 
 def reason_of(error: OSError) -> str:
-    """The text of an OSError, without its number."""
+    """Returns the text of an OSError, without its number."""
     text = error.strerror or str(error)
     return text if '"' in text else text.lower()
 

@@ -80,7 +80,7 @@ class Dispatcher:
             raise
 
     def on_connected(self, now: float) -> None:
-        """The link is up: commands can be sent from now on."""
+        """Notes that the link is up: commands can be sent from now on."""
         self.records.linked(True, now)
 
     def cancel(self, execution: Execution, now: float, canceller: Giver = NO_GIVER) -> None:
@@ -102,7 +102,7 @@ class Dispatcher:
         self._stop_if_cancelled(now)
 
     def next_to_send(self, now: float) -> Optional[bytes]:
-        """The next line that may be sent now, or None; its command counts as sent."""
+        """Returns the next line that may be sent now, or None; its command counts as sent."""
         self._commands.now = now
         execution = self._commands.next_to_send(now)
         return execution.command.line if execution else None
@@ -162,7 +162,9 @@ class Dispatcher:
             self._stop()
 
     def on_lost(self, reason: str) -> None:
-        """The link broke: every command ends, and nothing is sent again except an owed stop."""
+        """Notes that the link broke: every command ends,
+        and nothing is sent again except an owed stop.
+        """
         self.records.linked(False, self._commands.now)
         for execution in self._commands.sent + self._commands.waiting:
             self._commands.end(execution, Outcome.LOST if execution.sent else Outcome.NEVER_SENT,

@@ -197,13 +197,13 @@ class _Change(NamedTuple):
 
 
 def names_of(command: Command) -> Tuple[str, ...]:
-    """The names by which the robot may confirm a drive; see `DriveRecord`."""
+    """Returns the names by which the robot may confirm a drive; see `DriveRecord`."""
     return tuple(goal.casefold() for goal in command.goals) or (
         (_DOCK,) if command.spec.course is DriveCourse.INTO_THE_DOCK else ('',))
 
 
 def _shortened(values: Tuple[_T, ...], most: int, needless: Sequence[_T]) -> Tuple[_T, ...]:
-    """The values without the oldest needless ones, as far as they are more than `most`."""
+    """Returns the values without the oldest needless ones, as far as they are more than `most`."""
     dropped = needless[:max(len(values) - most, 0)]
     return tuple(value for value in values if value not in dropped)
 
@@ -213,7 +213,7 @@ def _shown(activity: Activity) -> str:
 
 
 def draw_epoch() -> int:
-    """A new random epoch, never 0."""
+    """Returns a new random epoch, never 0."""
     return secrets.randbits(64) or 1
 
 
@@ -269,11 +269,16 @@ class Drives:
         return self._memory.cause is MotionCause.INTERRUPTED
 
     def knows(self, giver: Giver, epoch: int) -> bool:
-        """Whether only `giver`, which knows `epoch`, has given commands since that epoch."""
+        """Returns whether only `giver`, which knows `epoch`, has given commands since
+        that epoch.
+        """
         return epoch == self._memory.epoch or self._others_since(giver, epoch) == ()
 
     def stop_due(self, now: float) -> bool:
-        """Whether the owed stop must be sent now; a later drive under way may make it needless."""
+        """Returns whether the owed stop must be sent now.
+
+        A later drive under way may make it needless.
+        """
         for record in reversed(self._records):
             if record.owed:
                 return (self._connected and record.number not in self._executions
@@ -304,7 +309,7 @@ class Drives:
             raise Busy(MOST_OPEN, 'drives')
 
     def _why_unclear(self, giver: Giver) -> str:
-        """Why `giver` cannot drive, although it knows the present epoch; empty: it can."""
+        """Returns why `giver` cannot drive, although it knows the present epoch; empty: it can."""
         if self._unseen:  # the first status may begin a new epoch
             return 'the robot has not said yet what it does'
         if self.is_unexplained:
@@ -319,13 +324,14 @@ class Drives:
         return ''
 
     def may_send(self, execution: Execution) -> bool:
-        """Whether a drive that was given may still be sent to the robot now."""
+        """Returns whether a drive that was given may still be sent to the robot now."""
         return (not execution.known_epoch or not execution.command.spec.moves
                 or self.knows(execution.giver, execution.progress.epoch))
 
     def has_begun(self, execution: Execution) -> bool:
-        """Whether the robot obeys a command, or has begun to answer it. It answers in the order of
-        sending, and a drive that it acknowledges ends all before it."""
+        """Returns whether the robot obeys a command, or has begun to answer it. It answers in the
+        order of sending, and a drive that it acknowledges ends all before it.
+        """
         if execution.command.spec.drives:
             record = self.record_of(execution)
             return record is not None and bool(record.acknowledged_by)
@@ -337,7 +343,7 @@ class Drives:
     # --- commands ---------------------------------------------------------------------------------
 
     def given(self, execution: Execution) -> None:
-        """A giver gives a command that `check` has accepted; it is not sent yet."""
+        """Notes that a giver gives a command that `check` has accepted; it is not sent yet."""
         command, giver = execution.command, execution.giver
         if self._unseen and (command.spec.drives or command.spec.stops):
             self._unseen = False
@@ -353,14 +359,16 @@ class Drives:
         execution.progress.epoch = self._memory.epoch
 
     def overruled(self, giver: Giver, number: int) -> None:
-        """A command was refused because its giver does not know of another one. A command that is
-        late is not told."""
+        """Notes that a command was refused because its giver does not know of another one. A
+        command that is late is not told.
+        """
         if number > self._last_number(giver):
             self._keep(replace(_NOTHING, giver=giver, command=number))
 
     def cancelled(self, execution: Execution, canceller: Giver) -> None:
-        """A giver cancels a drive. If it cancels a drive of its own that it has replaced, or that
-        was not sent, nothing is stopped."""
+        """Notes that a giver cancels a drive. If it cancels a drive of its own that it has
+        replaced, or that was not sent, nothing is stopped.
+        """
         if not execution.command.spec.drives:
             return
         newest = next((r for r in reversed(self._records) if r.kind is RecordKind.DRIVE), None)
@@ -369,7 +377,9 @@ class Drives:
             self._owe(canceller, MotionCause.CANCEL, f'a cancellation of {canceller.name}')
 
     def all_cancelled(self, canceller: Giver) -> None:
-        """A giver cancels everything before, including drives that have not arrived here yet."""
+        """Notes that a giver cancels everything before, including drives
+        that have not arrived here yet.
+        """
         words = f'a cancellation of {canceller.name}'
         if any(record.may_move for record in self._records) or self._memory.stop_owed:
             self._owe(canceller, MotionCause.CANCEL, words)
@@ -378,7 +388,7 @@ class Drives:
             self._begin_epoch(canceller, MotionCause.CANCEL, words, False)
 
     def own_stop_given(self, stop: Execution) -> None:
-        """A stop is sent that is owed, or that follows a cancellation."""
+        """Notes that a stop is sent that is owed, or that follows a cancellation."""
         owed = next((r for r in reversed(self._records) if r.owed), None)
         if owed is None or owed.number in self._executions:
             self._owe(stop.giver, MotionCause.CANCEL, 'a cancellation', stop)
@@ -386,24 +396,26 @@ class Drives:
             self._executions[owed.number] = stop
 
     def stopped_without_link(self, giver: Giver, number: int = 0) -> None:
-        """A stop is given while the robot cannot be reached: it is sent when it can be."""
+        """Notes that a stop is given while the robot cannot be reached: it is sent
+        when it can be.
+        """
         self._owe(giver, MotionCause.STOP, f'"stop" of {giver.name}', None, number)
 
     def sent(self, execution: Execution) -> None:
-        """A command is sent to the robot."""
+        """Notes that a command is sent to the robot."""
         if execution.command.spec.stops:
             self.heard.unheard_stops += 1
 
     # --- progress of commands ---------------------------------------------------------------------
 
     def acknowledged(self, execution: Execution, line: str) -> None:
-        """The robot obeys a drive; called before older motions end because of it."""
+        """Notes that the robot obeys a drive; called before older motions end because of it."""
         record = self.record_of(execution)
         if record is not None:
             self._obeyed(record.number, line)
 
     def ended(self, execution: Execution, outcome: Outcome, words: str, now: float) -> None:
-        """A command has ended, or could not be sent."""
+        """Notes that a command has ended, or could not be sent."""
         under_way = self.record_of(execution)
         if execution.command.spec.stops and not self.has_begun(execution) and (
                 outcome in UNHEEDED or under_way and under_way.doubt
@@ -461,8 +473,9 @@ class Drives:
         return event
 
     def _owe_for_what_comes(self, words: str) -> None:
-        """A drive on its way reaches the robot after it was stopped, or when its motors are on
-        again. One stop ends all such drives."""
+        """Notes that a drive on its way reaches the robot after it was stopped, or when its motors
+        are on again. One stop ends all such drives.
+        """
         last = self._records[-1]
         if not last.owed or last.number in self._executions:
             self._add(RecordKind.STOP, NO_GIVER, words)
@@ -471,7 +484,7 @@ class Drives:
     # --- doubts -----------------------------------------------------------------------------------
 
     def record_of(self, execution: Execution) -> Optional[DriveRecord]:
-        """The record of a drive or stop under way, also of one that is kept aside."""
+        """Returns the record of a drive or stop under way, also of one that is kept aside."""
         return next((r for r in (*self._records, *self._aside)
                      if self._executions.get(r.number) is execution), None)
 
@@ -481,7 +494,10 @@ class Drives:
         return self.is_unexplained or any(map(self._doubt_of, self._executions.values()))
 
     def observed(self, seen: Observation, now: float) -> List[Execution]:
-        """The robot shows an activity. Returns the drives that it confirms, the oldest first."""
+        """Notes an activity that the robot shows.
+
+        Returns the drives that it confirms, the oldest first.
+        """
         sent = self._sent
         drives = [e for e in sent if e.command.spec.drives]
         return [e for e in sent if self._is_confirmed(e, drives, seen, now) and e in drives]
@@ -502,7 +518,9 @@ class Drives:
         return verdict is DriveSign.CONFIRMED
 
     def settled(self, now: float) -> List[Tuple[Execution, Doubt]]:
-        """The commands whose doubt has lasted so long that it ends them, the oldest first."""
+        """Returns the commands whose doubt has lasted so long that it ends them,
+        the oldest first.
+        """
         doubted = [(execution, self._doubt_of(execution)) for execution in self._sent]
         return [(execution, doubt) for execution, doubt in doubted
                 if doubt and is_settled(doubt, execution.command.spec.course, now)]
@@ -525,20 +543,25 @@ class Drives:
     # --- lines of the robot -----------------------------------------------------------------------
 
     def linked(self, connected: bool, now: float) -> None:
-        """The link to the robot came up, broke, or could not be made."""
+        """Notes that the link to the robot came up, broke, or could not be made."""
         self._unseen = self._unseen or self._connected and not connected
         self._connected = connected
         self.heard = RobotWords(self.heard.emergency_told, self._number)
         self._look_until = now + LOOK if connected and self._memory.stop_owed else -math.inf
 
     def said(self, reply: Reply) -> None:
-        """The robot sends a line that is no status; called before the line ends commands."""
+        """Notes that the robot sends a line that is no status.
+
+        Called before the line ends commands.
+        """
         self.heard.said(reply)
         if isinstance(reply, replies.EStop) and reply.pressed:
             self.note_emergency('emergency stop')
 
     def begins_to_stop(self, whose: StopOf) -> None:
-        """The robot says `Stopping`, or `Stopped` after a `Stopping` that was explained wrongly."""
+        """Notes that the robot says `Stopping`, or `Stopped` after a `Stopping`
+        that was explained wrongly.
+        """
         self.heard.begins_to_stop(whose)
         if whose is not StopOf.OTHERS:
             return
@@ -567,29 +590,35 @@ class Drives:
                    for e in self._executions.values())
 
     def waits_for_a_drive(self, stop: Execution) -> bool:
-        """Whether the robot may still have to answer a drive that was sent before this stop."""
+        """Returns whether the robot may still have to answer a drive that was sent
+        before this stop.
+        """
         return any(record.pending and self._was_sent(record)
                    or record.kind is RecordKind.DRIVE and record.fate is Fate.UNKNOWN
                    for record in self._before(stop))
 
     def _is_open(self, record: DriveRecord) -> bool:
-        """Whether the robot carries out a drive of this connection, or may still do so."""
+        """Returns whether the robot carries out a drive of this connection, or may still do so."""
         return record.may_move and (
             record.fate is not Fate.UNKNOWN or record.number > self.heard.since)
 
     def _has_to_answer(self, record: DriveRecord) -> bool:
-        """Whether the robot has still to answer a drive whose command has ended for its giver."""
+        """Returns whether the robot has still to answer a drive whose command has ended for its
+        giver.
+        """
         return (record.kind is RecordKind.DRIVE and record.fate is Fate.UNKNOWN
                 and record.number > self.heard.since and not record.acknowledged_by)
 
     def answers_a_drive_before(self, stop: Execution) -> bool:
-        """Whether the robot has still to answer a drive that was sent before this stop and whose
-        command has ended."""
+        """Returns whether the robot has still to answer a drive that was sent before this stop and
+        whose command has ended.
+        """
         return any(map(self._has_to_answer, self._before(stop)))
 
     def comes_earlier(self, drive: Execution) -> bool:
-        """Whether a line may be about an earlier drive to the same goal whose command has ended:
-        the robot has not answered it, or not a stop that was sent between the two."""
+        """Returns whether a line may be about an earlier drive to the same goal whose command has
+        ended: the robot has not answered it, or not a stop that was sent between the two.
+        """
         before, names = self._before(drive), set(names_of(drive.command))
         stop = next((r for r in reversed(before) if r.owed and self._was_sent(r)
                      and not self.has_begun(self._executions[r.number])), None)
@@ -598,18 +627,21 @@ class Drives:
             for r in before)
 
     def ended_drive(self, names: Sequence[str]) -> Optional[DriveRecord]:
-        """The drive with one of these names whose command has ended and that the robot has to
-        answer next."""
+        """Returns the drive with one of these names whose command has ended and that the robot has
+        to answer next.
+        """
         record = next((r for r in self._records if set(names).intersection(r.names) and (
             self._has_to_answer(r) or r.pending and self._was_sent(r))), None)
         return None if record is None or record.pending else record
 
     def refused_late(self, record: DriveRecord) -> None:
-        """The robot refuses a drive whose command has ended for its giver."""
+        """Notes that the robot refuses a drive whose command has ended for its giver."""
         self._happens(Event.REFUSED, record)
 
     def begins_late(self, goal: str, line: str) -> None:
-        """The robot sets out for a drive of ours whose command has ended for its giver."""
+        """Notes that the robot sets out for a drive of ours whose command has ended for its
+        giver.
+        """
         record = self.ended_drive((goal.casefold(),)) or next(
             (r for r in reversed(self._records) if r.fate is Fate.UNKNOWN
              and goal.casefold() in r.names), None)
@@ -619,11 +651,11 @@ class Drives:
             self._obeyed(record.number, line)
 
     def driven_by_others(self, cause: MotionCause, activity: Activity, text: str) -> None:
-        """The robot begins a motion that no program here asked for."""
+        """Notes that the robot begins a motion that no program here asked for."""
         self._foreign(cause, True, text, activity)
 
     def showed(self, activity: Activity, text: str) -> None:
-        """The robot sends a status."""
+        """Notes that the robot sends a status."""
         heard, kind = self.heard, activity.kind
         before, heard.shown = heard.shown, activity
         heard.activity = activity
@@ -641,7 +673,7 @@ class Drives:
         self._look_until = -math.inf
 
     def _first_shown(self, activity: Activity, text: str) -> None:
-        """The first status after an outage tells whether the robot still obeys our drive."""
+        """Judges by the first status after an outage whether the robot still obeys our drive."""
         self._unseen = False
         record = self._shown_drive(activity)
         if record is not None:
@@ -664,20 +696,21 @@ class Drives:
                               activity.kind in MOVING, words, activity)
 
     def _is_to_be_stopped(self, activity: Activity) -> bool:
-        """Whether the robot shows the drive of others for which a stop is owed, and no newer one.
+        """Returns whether the robot shows the drive of others for which a stop is owed,
+        and no newer one.
         """
         return any(drive.shown == _shown(activity) and any(
             stop.owed and stop.number > drive.number for stop in self._records)
             for drive in self._records if drive.kind is RecordKind.FOREIGN_DRIVE)
 
     def _stands_as_we_stopped_it(self, activity: Activity) -> bool:
-        """Whether our last command was a stop, and the robot shows nothing else."""
+        """Returns whether our last command was a stop, and the robot shows nothing else."""
         last = self._records[-1] if self._records else None
         return (activity.kind is ActivityKind.STOPPED and last is not None
                 and last.kind is RecordKind.STOP and last.fate is Fate.OVER)
 
     def _idle_shown(self, before: Optional[Activity], activity: Activity, text: str) -> None:
-        """No command of ours is under way: another client caused the robot's motion."""
+        """Notes that no command of ours is under way: another client caused the robot's motion."""
         if before is not None and self._leaves_our_goal(before, activity):
             self._foreign(MotionCause.OTHER_CLIENT, False, text)
         ruling, moves = self._memory.ruling or _NOTHING, activity.kind in MOVING
@@ -690,14 +723,17 @@ class Drives:
         self.heard.strange = strange
 
     def _leaves_our_goal(self, before: Activity, activity: Activity) -> bool:
-        """Whether a robot at our goal shows that it was stopped: it would not do so by itself."""
+        """Returns whether a robot at our goal shows that it was stopped:
+        it would not do so by itself.
+        """
         return (before.kind is ActivityKind.ARRIVED_AT_GOAL and self._memory.drives
                 and before.goal.casefold() in self._memory.names
                 and activity.kind in (ActivityKind.STOPPED, ActivityKind.STOPPING))
 
     def _ends_unlike(self, ruling: DriveRecord, activity: Activity) -> bool:
-        """Whether a drive ends otherwise than at its goal. Its command ended as lost with the link
-        before, so that only statuses show its end."""
+        """Returns whether a drive ends otherwise than at its goal. Its command ended as lost with
+        the link before, so that only statuses show its end.
+        """
         if ruling.kind is not RecordKind.DRIVE or ruling.fate is not Fate.OBEYED:
             return False
         shown = self._shown_drive(activity)
@@ -706,7 +742,7 @@ class Drives:
         return shown is None and activity.kind in STANDING
 
     def _before(self, execution: Execution) -> Tuple[DriveRecord, ...]:
-        """The records of what was given before a command."""
+        """Returns the records of what was given before a command."""
         record = self._record_of(execution)
         return self._records[:self._records.index(record)] if record else ()
 
@@ -736,8 +772,9 @@ class Drives:
                      if self._executions.get(r.number) is execution), None)
 
     def _happens(self, event: Event, record: DriveRecord, doubt: Optional[Doubt] = None) -> None:
-        """A drive gets its next fate and doubt. Does nothing if something else has dropped its
-        record."""
+        """Gives a drive its next fate and doubt. Does nothing if something else has dropped its
+        record.
+        """
         if record.fate is Fate.OVER:
             return
         fate = TRANSITIONS[event][_FROM.index(record.fate)]
@@ -751,8 +788,9 @@ class Drives:
             self._keep()
 
     def _obeyed(self, number: int, line: str) -> None:
-        """The robot carries a drive out, as a line says: what came before it is over, and its giver
-        drives."""
+        """Notes that the robot carries a drive out, as a line says: what came before it is over,
+        and its giver drives.
+        """
         self._mark(number, acknowledged_by=line, doubt=None)
         record = next((r for r in self._records if r.number == number), None)
         if record is None or record.fate is Fate.OBEYED:
@@ -770,8 +808,9 @@ class Drives:
         self._rules(record, ruling)
 
     def _rules(self, record: DriveRecord, ruling: Optional[DriveRecord]) -> None:
-        """A drive becomes the ruling record. A new epoch begins, unless the same giver drives on,
-        or something newer rules."""
+        """Makes a drive the ruling record. A new epoch begins, unless the same giver drives on,
+        or something newer rules.
+        """
         now_ruling = next(r for r in reversed(self._records) if not r.pending)
         if now_ruling.number != record.number or (
                 ruling is not None
@@ -783,8 +822,9 @@ class Drives:
 
     def _owe(self, giver: Giver, cause: MotionCause, words: str,
              execution: Optional[Execution] = None, command: int = 0) -> None:
-        """A stop is owed from now on. A stop that is owed already ends the same drives, unless a
-        drive came after it."""
+        """Notes that a stop is owed from now on. A stop that is owed already ends the same drives,
+        unless a drive came after it.
+        """
         last = next((r for r in reversed(self._records)
                      if r.kind in (RecordKind.DRIVE, RecordKind.STOP)), None)
         self._retry_at = -math.inf  # the stop is new, so it need not wait for a retry
@@ -811,7 +851,7 @@ class Drives:
         self._begin_epoch(None, cause, words, drives)
 
     def note_emergency(self, words: str) -> None:
-        """The emergency stop is pressed."""
+        """Notes that the emergency stop is pressed."""
         if not self.heard.emergency:
             self.heard.emergency = True
             self._foreign(MotionCause.EMERGENCY_STOP, False, words)
@@ -848,7 +888,10 @@ class Drives:
                     if last.giver == giver.name), default=0)
 
     def _others_since(self, giver: Giver, epoch: int) -> Optional[Tuple[_Change, ...]]:
-        """What other givers did since `epoch`; None if that epoch is not remembered any more."""
+        """Returns what other givers did since `epoch`.
+
+        None if that epoch is not remembered any more.
+        """
         if epoch == self._memory.epoch:
             return ()
         others = []
@@ -874,7 +917,7 @@ class Drives:
         return _STATES.get(kind, MotionState.DRIVING)
 
     def _shown_drive(self, activity: Activity) -> Optional[DriveRecord]:
-        """The drive that the robot visibly carries out, or has visibly completed."""
+        """Returns the drive that the robot visibly carries out, or has visibly completed."""
         if activity.kind in MOVING and not self.may_be_ours(activity):
             return None
         goal = activity.goal.casefold()
@@ -889,7 +932,7 @@ class Drives:
         return next(iter(named or (drives if activity.kind in MOVING else [])), None)
 
     def may_be_ours(self, activity: Activity) -> bool:
-        """Whether a command of ours may have caused this motion of the robot.
+        """Returns whether a command of ours may have caused this motion of the robot.
 
         Decides by the motion's goal. A motion without a name may be ours while a drive of ours is
         under way, or while the outcome of our last drive is unknown.

@@ -15,7 +15,7 @@ _STATES = ('on', 'off', 'broken')
 
 
 def digital_input(text: str, output: bool) -> replies.Input:
-    """`<name> on`, or only the name (in the lists of some robots, by the manual)."""
+    """Reads `<name> on`, or only the name (in the lists of some robots, by the manual)."""
     name, _, state = text.rpartition(' ')
     if state.lower() not in _STATES:
         name, state = text, ''
@@ -25,7 +25,8 @@ def digital_input(text: str, output: bool) -> replies.Input:
 
 
 def external_io_update(text: str) -> replies.ExternalIOUpdate:
-    """`input <name> updated with 0x20 from 32`, `output <name> updated with 1 at bit 32 to 0x80`.
+    """Reads `input <name> updated with 0x20 from 32`, `output <name> updated
+    with 1 at bit 32 to 0x80`.
     """
     what, updated, _ = text.partition(' updated with ')
     side, _, name = what.partition(' ')
@@ -35,13 +36,16 @@ def external_io_update(text: str) -> replies.ExternalIOUpdate:
 
 
 def range_device(text: str) -> replies.RangeDevice:
-    """`<name> <kind>`."""
+    """Reads `<name> <kind>`."""
     name, _, kind = text.partition(' ')
     return replies.RangeDevice(name, kind)
 
 
 def range_reading(text: str, cumulative: bool) -> replies.RangeReading:
-    """`<device> x y x y ...`: whole mm in the map frame; an unpaired last number is dropped."""
+    """Reads `<device> x y x y ...`: whole mm in the map frame.
+
+    An unpaired last number is dropped.
+    """
     device, _, numbers = text.partition(' ')
     if not device:
         raise ValueError
@@ -52,7 +56,7 @@ def range_reading(text: str, cumulative: bool) -> replies.RangeReading:
 
 
 def _integers(text: str) -> npt.NDArray[np.int64]:
-    """Blank-separated integers, read by numpy in one call.
+    """Reads blank-separated integers, by numpy in one call.
 
     numpy stops silently at the first word that is no integer. The text is therefore checked before:
     it may contain only digits, blanks and signs, each sign after a blank and before a digit.

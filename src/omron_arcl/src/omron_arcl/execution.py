@@ -72,7 +72,7 @@ class CommandProgress:
     dock_name: str = ''
 
     def begin(self, now: float, shown: Optional[Activity]) -> None:
-        """The command is sent."""
+        """Notes that the command is sent."""
         self.heard = self.sent_at = now
         self.shown_when_sent = shown
 
@@ -165,7 +165,7 @@ class Execution:
             self.on_end(self.result)
 
     def wait(self, timeout: Optional[float] = None) -> Optional[Result]:
-        """The result, or None if the command has not ended within `timeout` seconds.
+        """Returns the result, or None if the command has not ended within `timeout` seconds.
 
         Do not call it from a callback: the thread of the callbacks is the one that ends commands.
         """

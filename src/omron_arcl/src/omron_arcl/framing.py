@@ -11,7 +11,7 @@ _TELNET = re.compile(rb'\xff(?:[\xfb-\xfe].?|[^\xfb-\xfe])?', re.DOTALL)
 
 
 def decode(line: bytes) -> str:
-    """A line as text.
+    """Returns a line as text.
 
     ARCL is ASCII by its manual, but goals have their names from the map. Map files are UTF-8, or
     Latin-1 if an older tool wrote them. Bytes that are not valid UTF-8 are read as Latin-1.
@@ -46,7 +46,7 @@ class LineBuffer:
         return tail
 
     def feed(self, data: bytes) -> List[bytes]:
-        """The lines that `data` completes."""
+        """Returns the lines that `data` completes."""
         if self.overflowed:
             return []
         if b'\n' not in data and b'\r' not in data:

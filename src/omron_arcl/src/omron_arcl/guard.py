@@ -67,7 +67,7 @@ class Guard:
 
 
 def is_unlisted(command: Command, help_list: HelpList) -> bool:
-    """Whether the robot's own help list lacks a command. The robot may still accept it."""
+    """Returns whether the robot's own help list lacks a command. The robot may still accept it."""
     return bool(help_list.descriptions) and not (
         help_list.full_name(command.name)
         or help_list.full_name(command.text.split(' ', 1)[0]))

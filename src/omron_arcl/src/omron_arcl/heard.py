@@ -87,7 +87,7 @@ class RobotWords:
         return self.activity is not None and self.activity.kind not in STANDING
 
     def said(self, reply: Reply) -> None:
-        """The robot sends a line that is no status."""
+        """Notes that the robot sends a line that is no status."""
         self.sets_out = isinstance(reply, _SETTING_OUT)
         if isinstance(reply, replies.DockingStatus):
             self._docking_said(reply)
@@ -106,7 +106,7 @@ class RobotWords:
                 self.stops_itself = None
 
     def begins_to_stop(self, whose: StopOf) -> None:
-        """The robot says `Stopping`."""
+        """Notes that the robot says `Stopping`."""
         self._ours.add(whose in (StopOf.US, StopOf.CLEARED_FAULT))
         self.replacing = whose is StopOf.REPLACEMENT
         if whose is StopOf.US:
@@ -115,7 +115,7 @@ class RobotWords:
             self.stops_itself = None
 
     def forget_stop(self) -> None:
-        """The robot will not answer one of the stops that were sent."""
+        """Notes that the robot will not answer one of the stops that were sent."""
         self.unheard_stops = max(self.unheard_stops - 1, 0)
 
     def _stands(self) -> None:

@@ -26,7 +26,10 @@ class HelpList:
                 self._names.setdefault(shortcut.group(1).lower(), name)
 
     def full_name(self, name: str) -> Optional[str]:
-        """The command that `name`, or the shortcut `name`, stands for; None if there is none."""
+        """Returns the command that `name`, or the shortcut `name`, stands for.
+
+        None if there is none.
+        """
         return self._names.get(name.lower())
 
     def __len__(self) -> int:
@@ -34,7 +37,8 @@ class HelpList:
 
 
 def read_entry(text: str) -> Optional[Tuple[str, str]]:
-    """Name and description in a line of the list, in any layout; None if it is no entry.
+    """Returns the name and description in a line of the list, in any layout; None if it is no
+    entry.
 
     The known robots write a name right-aligned in 15 columns, 10 blanks, and the description.
     """

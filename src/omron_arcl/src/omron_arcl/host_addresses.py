@@ -47,8 +47,9 @@ class HostAddresses:
             self._change.notify()
 
     def belongs(self, address: str, since: float) -> Optional[bool]:
-        """Whether `address` is an address of the host. None: unknown until a look-up that begins
-        after `since` (s, monotonic) has ended; `on_answer` is called then."""
+        """Returns whether `address` is an address of the host. None: unknown until a look-up that
+        begins after `since` (s, monotonic) has ended; `on_answer` is called then.
+        """
         with self._change:
             if self._thread is None or self._answered >= since:
                 return address in self._known

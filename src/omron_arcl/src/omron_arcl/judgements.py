@@ -67,7 +67,7 @@ class Observation(NamedTuple):
         return f'the robot\'s status is "{self.text}"' if self.is_status else self.text
 
     def is_line_of(self, kind: ActivityKind) -> bool:
-        """Whether it is a line, not a status, about this activity."""
+        """Returns whether it is a line, not a status, about this activity."""
         return self.activity.kind is kind and not self.is_status
 
     @property
@@ -120,7 +120,7 @@ class ObservationRule(NamedTuple):
 
 
 def _to_a_point(execution: Execution, seen: Observation, kind: ActivityKind) -> bool:
-    """Whether the robot shows coordinates for a drive to a place.
+    """Returns whether the robot shows coordinates for a drive to a place.
 
     Some robots show those of a goal instead of its name (ARCL manual I617-E-02 p. 243). A command
     that names a point itself is confirmed by no other point.
@@ -158,18 +158,18 @@ JUDGEMENTS: Tuple[ObservationRule, ...] = (
 
 
 def fits(predicate: Optional[Predicate], execution: Execution, reply: Reply) -> bool:
-    """Whether a line is the one that this predicate of a command awaits."""
+    """Returns whether a line is the one that this predicate of a command awaits."""
     return predicate is not None and predicate(execution.command, reply)
 
 
 def acknowledges(execution: Execution, reply: Reply) -> bool:
-    """Whether a line, or a status of this form, shows that the robot obeys a drive."""
+    """Returns whether a line, or a status of this form, shows that the robot obeys a drive."""
     return fits(execution.command.spec.acknowledged_by, execution, reply)
 
 
 def judge(execution: Execution, seen: Observation, begun: bool, drives: Sequence[Execution]
           ) -> Verdict:
-    """What the robot's activity says about a drive or stop that was sent.
+    """Returns what the robot's activity says about a drive or stop that was sent.
 
     drives -- all drives that were sent
     """
@@ -187,7 +187,7 @@ def judge(execution: Execution, seen: Observation, begun: bool, drives: Sequence
 
 
 def _judge_stop(stop: Execution, seen: Observation, drives: Sequence[Execution]) -> Verdict:
-    """A stop is obeyed if the robot stands, and overtaken if the robot drives elsewhere."""
+    """Judges a stop: obeyed if the robot stands, overtaken if the robot drives elsewhere."""
     kind = seen.activity.kind
     if seen.is_status and kind in STANDING:
         return Outcome.SUCCEEDED
@@ -200,7 +200,7 @@ def _judge_stop(stop: Execution, seen: Observation, drives: Sequence[Execution])
 
 def next_doubt(doubt: Optional[Doubt], outcome: Outcome, seen: Observation, now: float,
                begun: bool) -> Doubt:
-    """The doubt after another activity that contradicts a command."""
+    """Returns the doubt after another activity that contradicts a command."""
     broken_off = (seen.is_line_of(ActivityKind.INTERRUPTED)
                   and (not seen.activity.goal or not begun))
     if doubt is None or (outcome is not doubt.outcome
@@ -212,7 +212,10 @@ def next_doubt(doubt: Optional[Doubt], outcome: Outcome, seen: Observation, now:
 
 
 def is_settled(doubt: Doubt, course: Optional[DriveCourse], now: float) -> bool:
-    """Whether a doubt has lasted so long that it ends its command; course: None for a stop."""
+    """Returns whether a doubt has lasted so long that it ends its command.
+
+    Course: None for a stop.
+    """
     certain: Tuple[Outcome, ...] = (Outcome.SUCCEEDED, Outcome.EMERGENCY_STOPPED)
     if course is None:
         settle = SETTLE_STOP if doubt.outcome is Outcome.SUCCEEDED else SETTLE_OVERTAKEN

@@ -62,7 +62,9 @@ class Backoff:
         self._next = first
 
     def after(self, cause: LinkError) -> float:
-        """The waiting time in s after a connection that ended or failed because of `cause`."""
+        """Returns the waiting time in s after a connection that ended or failed
+        because of `cause`.
+        """
         if isinstance(cause, WrongPassword):
             return self.wrong_password
         delay = self._next * random.uniform(1.0 - self.jitter, 1.0 + self.jitter)
@@ -70,6 +72,6 @@ class Backoff:
         return min(delay, self.cap)
 
     def reset(self) -> None:
-        """A connection succeeded: the next waiting time is `first` again."""
+        """Notes that a connection succeeded: the next waiting time is `first` again."""
         self._next = self.first
 

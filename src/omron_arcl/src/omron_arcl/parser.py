@@ -18,7 +18,7 @@ from omron_arcl.replies import Reply, UnknownLine
 
 
 def parse_line(text: str) -> Reply:
-    """The reply that a line (without its end) represents."""
+    """Returns the reply that a line (without its end) represents."""
     line = text.strip()
     head, _, rest = line.partition(' ')
     for tail, length, reader in _RULES.get(head.lower(), ()):
@@ -187,7 +187,7 @@ _TABLE: Tuple[Row, ...] = (
 
 
 def _index(table: Tuple[Row, ...]) -> Dict[str, List[Tuple[str, int, Reader]]]:
-    """The table by first word, so that a line is compared with few rows only."""
+    """Returns the table by first word, so that a line is compared with few rows only."""
     rules: Dict[str, List[Tuple[str, int, Reader]]] = {}
     for phrase, reader in table:
         head, _, tail = phrase.lower().partition(' ')

@@ -1,4 +1,4 @@
-"""Predicates on replies for the table of commands: is this the line that the command awaits?"""
+"""Predicates for the table of commands: whether a reply is the one that a command awaits."""
 from __future__ import annotations
 
 import re
@@ -95,7 +95,9 @@ def _words(task: str) -> List[str]:
 
 
 def _same_task(said: List[str], given: List[str]) -> bool:
-    """Equal, except for the notation of numbers and for variables, which the robot replaces."""
+    """Returns whether both are equal, except for the notation of numbers and for variables,
+    which the robot replaces.
+    """
     return (said == given or any('$' in word for word in given) and said[:1] == given[:1]
             or len(said) == len(given) and all(map(_same_word, said, given)))
 

@@ -25,7 +25,7 @@ def named(kind: Callable[[str], Reply]) -> Reader:
 
 
 def unquoted(text: str) -> str:
-    """`text` without the quotes around all of it that some robots put around names."""
+    """Reads `text` without the quotes around all of it that some robots put around names."""
     inner = text[1:-1]
     return inner if text == f'"{inner}"' and inner and '"' not in inner else text
 
@@ -40,7 +40,7 @@ def exactly(reply: Reply) -> Reader:
 
 
 def number(text: str, minimum: float = -1e15, maximum: float = 1e15) -> float:
-    """A decimal number within `minimum` and `maximum`; raises ValueError otherwise."""
+    """Returns a decimal number within `minimum` and `maximum`; raises ValueError otherwise."""
     value = float(text)
     if not minimum <= value <= maximum or '_' in text:
         raise ValueError
@@ -68,7 +68,7 @@ localization_score = measured(replies.LocalizationScore, _SCORE)
 
 
 def location(text: str) -> replies.Location:
-    """`3120 -540 -87`: mm, mm, degrees."""
+    """Reads `3120 -540 -87`: mm, mm, degrees."""
     words = text.split()
     x, y, heading = map(float, words)
     if (not -_FARTHEST <= x <= _FARTHEST or not -_FARTHEST <= y <= _FARTHEST
@@ -78,7 +78,7 @@ def location(text: str) -> replies.Location:
 
 
 def temperature(text: str) -> replies.Temperature:
-    """Degrees Celsius; -127 and -128 mean that there is no sensor."""
+    """Returns degrees Celsius; -127 and -128 mean that there is no sensor."""
     celsius = number(text, *_CELSIUS)
     return replies.Temperature(None if celsius in (-127.0, -128.0) else celsius)
 
@@ -120,7 +120,7 @@ def one_line_status(first: str) -> Reader:
 
 
 def docking(text: str) -> replies.DockingStatus:
-    """`Docked ForcedState: Unforced ChargeState: Float`."""
+    """Reads `Docked ForcedState: Unforced ChargeState: Float`."""
     words = text.split() or ['']
     state = replies.DockingState(words[0].capitalize())
     fields = dict(zip((word.lower() for word in words[1::2]), words[2::2]))
@@ -129,7 +129,7 @@ def docking(text: str) -> replies.DockingStatus:
 
 
 def estop(text: str) -> replies.EStop:
-    """`pressed`, `relieved but motors still disabled`, `pressed, cannot enable motors`."""
+    """Reads `pressed`, `relieved but motors still disabled`, `pressed, cannot enable motors`."""
     words = text.lower().replace(',', ' ').split()
     if words[:1] == ['button']:
         del words[0]
@@ -139,7 +139,10 @@ def estop(text: str) -> replies.EStop:
 
 
 def to_point(reply: Reply) -> Reader:
-    """`point`, with or without coordinates; a goal may be named `point 7`, but not `point 1 2`."""
+    """Reads `point`, with or without coordinates.
+
+    A goal may be named `point 7`, but not `point 1 2`.
+    """
     def read(text: str) -> Reply:
         if text and not coordinates(text):
             raise ValueError
@@ -148,7 +151,7 @@ def to_point(reply: Reply) -> Reader:
 
 
 def patrolling(text: str) -> replies.Patrolling:
-    """`<route>`, or `<route> once`."""
+    """Reads `<route>`, or `<route> once`."""
     if text.lower().endswith(' once'):
         return replies.Patrolling(unquoted(text[:-len(' once')]), once=True)
     if not text:
@@ -157,7 +160,7 @@ def patrolling(text: str) -> replies.Patrolling:
 
 
 def instant_task(text: str) -> replies.CompletedInstantTask:
-    """The task; some robots put a colon before it."""
+    """Returns the task; some robots put a colon before it."""
     return replies.CompletedInstantTask(text.lstrip(': '))
 
 
@@ -165,7 +168,7 @@ _QUOTED_WORDS = re.compile(r'"([^"]*)"|(\S+)')
 
 
 def split_words(text: str) -> List[str]:
-    """The words of a line; a word in double quotes may contain blanks."""
+    """Returns the words of a line; a word in double quotes may contain blanks."""
     return [quoted or bare for quoted, bare in _QUOTED_WORDS.findall(text)]
 
 
@@ -173,7 +176,7 @@ _TRUTH = {'true': True, 'false': False, '1': True, '0': False}
 
 
 def fault(text: str, cleared: bool = False) -> replies.Fault:
-    """`<kind> <name> "<short>" "<long>" <driving> <critical> <application>`."""
+    """Reads `<kind> <name> "<short>" "<long>" <driving> <critical> <application>`."""
     kind, name, short, long, *flags = split_words(text)
     stops, critical, application = (_TRUTH.get(flag.lower(), False)
                                     for flag in (flags + ['', '', ''])[:3])
@@ -181,31 +184,31 @@ def fault(text: str, cleared: bool = False) -> replies.Fault:
 
 
 def odometer(text: str) -> replies.Odometer:
-    """`8281 mm 210 deg 469 sec`."""
+    """Reads `8281 mm 210 deg 469 sec`."""
     distance, _, rotation, _, seconds, _ = text.split()
     return replies.Odometer(number(distance), number(rotation), number(seconds))
 
 
 def distance_between(text: str) -> replies.DistanceBetween:
-    """`<mm> "<goal>" "<goal>"`."""
+    """Reads `<mm> "<goal>" "<goal>"`."""
     distance, origin, destination = split_words(text)
     return replies.DistanceBetween(number(distance), origin, destination)
 
 
 def distance_from_here(text: str) -> replies.DistanceFromHere:
-    """`12345 "<goal>"`."""
+    """Reads `12345 "<goal>"`."""
     distance, _, goal = text.partition(' ')
     return replies.DistanceFromHere(number(distance), unquoted(goal.strip()))
 
 
 def map_object(text: str) -> replies.MapObjectName:
-    """`"<name>" <type>`."""
+    """Reads `"<name>" <type>`."""
     name, kind, *_ = split_words(text)
     return replies.MapObjectName(name, kind)
 
 
 def map_object_coord(text: str) -> replies.MapObjectCoord:
-    """`"<name>" -3914 1929 -90.000`: mm, mm, degrees."""
+    """Reads `"<name>" -3914 1929 -90.000`: mm, mm, degrees."""
     name, x, y, heading = split_words(text)
     return replies.MapObjectCoord(name, number(x, -_FARTHEST, _FARTHEST),
                               number(y, -_FARTHEST, _FARTHEST),
@@ -226,16 +229,16 @@ def localizing(done: bool, head: str) -> Reader:
 
 
 def said(phrase: str, kind: Callable[[str], Reply] = replies.Done) -> Row:
-    """A row whose reply keeps the whole line."""
+    """Returns a row whose reply keeps the whole line."""
     return phrase, lambda text: kind(f'{phrase} {text}'.strip())
 
 
 def item(prefix: str) -> Row:
-    """A row for list items, which are kept as text."""
+    """Returns a row for list items, which are kept as text."""
     return f'{prefix}:', partial(replies.Item, prefix)
 
 
 def end(phrase: str) -> Row:
-    """A row for the end of a list. The robot writes `End of x`, `EndOfX` and `EndX`."""
+    """Returns a row for the end of a list. The robot writes `End of x`, `EndOfX` and `EndX`."""
     what = re.sub(r'^end ?(of)? ?', '', phrase.lower())
     return phrase, exactly(replies.EndOf(what))

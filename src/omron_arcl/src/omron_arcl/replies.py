@@ -28,7 +28,7 @@ class Reply:
 
 
 def readable(name: str) -> str:
-    """A name as people read it, and as the robot's lines contain it.
+    """Returns a name as people read it, and as the robot's lines contain it.
 
     Names from files may contain bytes that are not valid UTF-8 as surrogates (`surrogateescape`).
     Such a name is read as Latin-1, as in `framing.decode`.
@@ -44,12 +44,14 @@ def readable(name: str) -> str:
 
 
 def same_name(one: str, other: str) -> bool:
-    """Whether two names mean the same object to the robot, which ignores case and outer blanks."""
+    """Returns whether two names mean the same object to the robot, which ignores case
+    and outer blanks.
+    """
     return readable(one).strip().casefold() == readable(other).strip().casefold()
 
 
 def coordinates(name: str) -> Tuple[float, ...]:
-    """The two or three numbers (mm, mm, degrees) that `name` consists of; else empty."""
+    """Returns the two or three numbers (mm, mm, degrees) that `name` consists of; else empty."""
     words = name.replace(',', ' ').split()
     try:
         numbers = tuple(map(float, words)) if len(words) in (2, 3) and '_' not in name else ()

@@ -17,7 +17,9 @@ _READS_OR_WRITES = re.compile(rb'\s*(commanderror:\s*)?'
 
 
 def redact_passwords(line: bytes) -> bytes:
-    """`line`, with the value redacted if it reads or writes a password of the configuration."""
+    """Returns `line`, with the value redacted if it reads or writes a password of the
+    configuration.
+    """
     if not _READS_OR_WRITES.match(line):
         return line
     return _CONFIGURED.sub(rb'\g<1>' + REDACTED + rb'\g<3>', line)

@@ -151,7 +151,7 @@ class Session:
         return printable(said, _MAXIMUM_WORDS)
 
     def read(self, data: bytes) -> Iterator[Event]:
-        """The events in `data` from the socket, one by one; iterate to the end.
+        """Yields the events in `data` from the socket, one by one; iterate to the end.
 
         A line is read only when the caller has processed the line before it. So no line waits for
         the lines behind it.
@@ -172,11 +172,11 @@ class Session:
             yield self._close(LineTooLong(self._lines.limit))
 
     def receive(self, data: bytes) -> List[Event]:
-        """All events in `data` from the socket."""
+        """Returns all events in `data` from the socket."""
         return list(self.read(data))
 
     def receive_eof(self) -> List[Event]:
-        """The events when the peer closes the connection."""
+        """Returns the events when the peer closes the connection."""
         if self.state is SessionState.CLOSED:
             return []
         return [self._close(self._cause_of_eof())]
@@ -210,7 +210,7 @@ class Session:
     # --- the login --------------------------------------------------------------------------------
 
     def _asks_in_the_tail(self) -> bool:
-        """Whether the unfinished line is a prompt: a prompt need not end its line."""
+        """Returns whether the unfinished line is a prompt: a prompt need not end its line."""
         tail = self._lines.tail.rstrip()
         return bool(tail) and tail.endswith(_PROMPT_ENDS) and bool(_ASKS.search(tail))
 

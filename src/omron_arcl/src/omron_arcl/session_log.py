@@ -52,12 +52,12 @@ class SessionLog:
         return open(self.path, 'w', encoding='ascii', buffering=1)
 
     def connection(self) -> Callable[[str, bytes], None]:
-        """The trace function of a new connection to the robot."""
+        """Returns the trace function of a new connection to the robot."""
         self._connections += 1
         return self._trace('' if self._connections == 1 else str(self._connections))
 
     def outgoing(self) -> Callable[[str, bytes], None]:
-        """The trace function of a connection that the robot opened."""
+        """Returns the trace function of a connection that the robot opened."""
         return self._trace(str(OUTGOING))
 
     def close(self) -> None:
@@ -86,7 +86,7 @@ class SessionLog:
 
 
 def _is_session_log(path: str) -> bool:
-    """Whether a program of this class can have written the file. It may be empty."""
+    """Returns whether a program of this class can have written the file. It may be empty."""
     with open(path, 'rb') as file:
         begin = file.readline(100)
     return not begin or _LINE.match(begin) is not None

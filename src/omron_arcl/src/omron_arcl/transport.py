@@ -113,7 +113,10 @@ class Transport:
         self._call(self._on_link, self.link)
 
     def _cause(self, error: Exception) -> LinkError:
-        """Why a connection ended on `error`. An internal error is logged, and ends it, too."""
+        """Returns why a connection ended on `error`.
+
+        An internal error is logged, and ends it, too.
+        """
         if isinstance(error, LinkError):
             return error
         if isinstance(error, OSError):

@@ -28,7 +28,8 @@ class LaserPlace:
 
 
 def ranges_of(hits: np.ndarray, laser: LaserPlace) -> np.ndarray:
-    """(BEAMS,) ranges from right to left: the nearest of the `hits` (N, 2) in each direction.
+    """Returns (BEAMS,) ranges from right to left: the nearest of the `hits` (N, 2) in each
+    direction.
 
     Infinite if there is none. Hits outside the field of view or the range are ignored.
     """

@@ -54,7 +54,7 @@ class MotionMeter:
         self._last: Optional[TimedPose] = None
 
     def add(self, location: TimedPose) -> Optional[MeanMotion]:
-        """The motion since the location before.
+        """Returns the motion since the location before.
 
         None if there was no location within MAX_GAP. None also if the robot cannot have driven
         here from there: it was relocalized.
@@ -90,7 +90,7 @@ def _between(last: TimedPose, location: TimedPose) -> Optional[MeanMotion]:
 
 
 def _uniform(width: float) -> float:
-    """The variance of a uniform distribution over a range of `width`."""
+    """Returns the variance of a uniform distribution over a range of `width`."""
     return width ** 2 / 12.0
 
 

@@ -5,10 +5,10 @@ MM_PER_M = 1000.0
 
 
 def metres(millimetres: float) -> float:
-    """Length in metres."""
+    """Returns the length in metres."""
     return millimetres / MM_PER_M
 
 
 def millimetres(length: float) -> int:
-    """Length in metres as the whole millimetres of ARCL and `.map` files."""
+    """Returns the length in metres as the whole millimetres of ARCL and `.map` files."""
     return int(round(length * MM_PER_M))

@@ -54,27 +54,27 @@ class Canvas:
         return length * self._scale / SUPERSAMPLING
 
     def polyline(self, places: np.ndarray, colour: Colour, width: int) -> None:
-        """Draw a line through `places` (N, 2)."""
+        """Draws a line through `places` (N, 2)."""
         self._pen.line(self._pixels(places), fill=colour, width=width * SUPERSAMPLING)
 
     def outline(self, corners: np.ndarray, colour: Colour, width: int) -> None:
-        """Draw a closed line around `corners` (N, 2)."""
+        """Draws a closed line around `corners` (N, 2)."""
         self.polyline(np.concatenate((corners, corners[:1])), colour, width)
 
     def polygon(self, corners: np.ndarray, colour: Colour, opacity: int = 255) -> None:
-        """Fill the area within `corners` (N, 2); an `opacity` below 255 makes it transparent."""
+        """Fills the area within `corners` (N, 2); an `opacity` below 255 makes it transparent."""
         self._pen.polygon(self._pixels(corners), fill=colour + (opacity,))
 
     def squares(self, centres: np.ndarray, side: float, colour: Colour,
                 least: float = 0.0) -> None:
-        """Draw squares of `side` mm, at least `least` pixels, around `centres` (N, 2)."""
+        """Draws squares of `side` mm, at least `least` pixels, around `centres` (N, 2)."""
         half = max(side * self._scale, least * SUPERSAMPLING) / 2.0
         for x, y in self._pixels(centres):
             self._pen.rectangle((x - half, y - half, x + half, y + half), fill=colour)
 
     def arrow(self, tail: Place, degrees: float, length: float, colour: Colour,
               width: int) -> None:
-        """Draw an arrow from `tail` with the given `length` (mm) and direction (degrees)."""
+        """Draws an arrow from `tail` with the given `length` (mm) and direction (degrees)."""
         along = length * np.array((math.cos(math.radians(degrees)),
                                    math.sin(math.radians(degrees))))
         wing = ARROW_WING * np.array((-along[1], along[0]))
@@ -83,7 +83,7 @@ class Canvas:
         self.polygon(np.stack((tail + along, neck + wing, neck - wing)), colour)
 
     def text(self, place: Place, words: str, colour: Colour, left_share: float) -> None:
-        """Draw text with a white rim, inside the picture.
+        """Draws text with a white rim, inside the picture.
 
         left_share -- the share of the text that is left of `place`, 0..1
         """
@@ -104,7 +104,7 @@ class Canvas:
         return x - self._width(self._drawable(words)) >= EDGE * SUPERSAMPLING
 
     def write(self, path: str, is_named: bool = True) -> Tuple[int, int]:
-        """Write the picture as a PNG file in one step; returns its size in pixels.
+        """Writes the picture as a PNG file in one step; returns its size in pixels.
 
         is_named -- whether the user gave `path`; else only a picture of ld_map is replaced
         Raises MapError if it cannot be written.

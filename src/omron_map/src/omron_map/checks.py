@@ -93,7 +93,9 @@ def _tails(records: Sequence[Record]) -> Iterator[MapWarning]:
 
 
 def _declarations(records: Sequence[Record]) -> Iterator[MapWarning]:
-    """If a file declares goal or dock types, only the declared types exist."""
+    """Yields a warning for each type that is not declared,
+    if a file declares goal or dock types at all.
+    """
     declared = _declared_types(records)
     for number, record in enumerate(records, 1):
         obj = record.object
@@ -107,7 +109,7 @@ def _declarations(records: Sequence[Record]) -> Iterator[MapWarning]:
 
 
 def _declared_types(records: Sequence[Record]) -> Dict[str, Set[str]]:
-    """The names of the declared types of goals and docks."""
+    """Returns the names of the declared types of goals and docks."""
     declared: Dict[str, Set[str]] = {'goaltype': set(), 'docktype': set()}
     for record in records:
         if record.keyword == 'mapinfo:':

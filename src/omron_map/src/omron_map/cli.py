@@ -32,7 +32,7 @@ EPILOGUE = '''exit status:
 
 
 def main(arguments: Optional[List[str]] = None) -> int:
-    """Run the command and return its exit status."""
+    """Runs the command and returns its exit status."""
     options = _parser().parse_args(arguments)
     if isinstance(sys.stdout, io.TextIOWrapper):
         sys.stdout.reconfigure(errors='backslashreplace')  # for letters the terminal cannot show

@@ -61,7 +61,7 @@ class MapDocument:
                         + [section.raw for section in self._sections])
 
     def save(self, path: str, backup: bool = False) -> None:
-        """Write the file `path` in one step; `backup` keeps the old file as `<path>.bak`."""
+        """Writes the file `path` in one step; `backup` keeps the old file as `<path>.bak`."""
         write_file(os.fspath(path), self.to_bytes(), backup)
 
     @property
@@ -144,25 +144,28 @@ class MapDocument:
         return editing.find(self._records, name)
 
     def add(self, obj: MapObject) -> None:
-        """Add `obj` at the position that the vendor's tools use; raises DuplicateName, MapError."""
+        """Adds `obj` at the position that the vendor's tools use.
+
+        Raises DuplicateName, MapError.
+        """
         self.add_all([obj])
 
     def add_all(self, objects: Iterable[MapObject]) -> None:
-        """Add all objects or none; this takes hardly longer than adding one object."""
+        """Adds all objects or none; this takes hardly longer than adding one object."""
         editing.add(self.name, self._records, objects)
         self._end_last_row()
 
     def remove(self, obj: MapObject) -> None:
-        """Remove `obj` and its parameter lines; other lines that name it cause warnings."""
+        """Removes `obj` and its parameter lines; other lines that name it cause warnings."""
         self.remove_all([obj])
 
     def remove_all(self, objects: Iterable[MapObject]) -> None:
-        """Remove all objects or none."""
+        """Removes all objects or none."""
         self._notes += editing.remove(self.name, self._records, objects)
         self._end_last_row()
 
     def move(self, obj: MapObject, x: float, y: float, theta: Optional[float] = None) -> None:
-        """Move `obj` to x, y (mm) and theta (degrees; None keeps it).
+        """Moves `obj` to x, y (mm) and theta (degrees; None keeps it).
 
         - Area: x, y is the new centre.
         - Line: x, y is the new from point; the line is never turned.
@@ -172,7 +175,7 @@ class MapDocument:
         self._end_last_row()
 
     def rename(self, obj: MapObject, new_name: str) -> None:
-        """Rename `obj`, also in routes and parameters that name it.
+        """Renames `obj`, also in routes and parameters that name it.
 
         Lines that perhaps mean another object stay as they are and cause warnings.
         """
@@ -180,11 +183,11 @@ class MapDocument:
         self._end_last_row()
 
     def replace_points(self, points: np.ndarray) -> None:
-        """Replace the points of the scan by `points` (N, 2), whole mm, and update the header."""
+        """Replaces the points of the scan by `points` (N, 2), whole mm, and update the header."""
         self._replace_rows('DATA', points)
 
     def replace_lines(self, lines: np.ndarray) -> None:
-        """Replace the wall lines by `lines` (M, 4), whole mm; the points stay."""
+        """Replaces the wall lines by `lines` (M, 4), whole mm; the points stay."""
         self._replace_rows('LINES', lines)
 
     def _replace_rows(self, kind: str, rows: np.ndarray) -> None:
@@ -205,7 +208,7 @@ class MapDocument:
         self._end_last_row()
 
     def _end_last_row(self) -> None:
-        """Add a line end to the last row; without it the vendor's library ignores the row."""
+        """Adds a line end to the last row; without it the vendor's library ignores the row."""
         if not self._sections[-1].raw.endswith(b'\n'):
             self._sections[-1] = self._sections[-1].with_final(editing.line_end(self._records))
 

@@ -23,7 +23,7 @@ Note = Tuple[Record, str]
 
 
 def add(file: str, records: List[Record], objects: Iterable[MapObject]) -> None:
-    """Insert `objects` in the vendor's order: all of them, or none if one is refused."""
+    """Inserts `objects` in the vendor's order: all of them, or none if one is refused."""
     known = _by_name(records)
     added = []
     for obj in objects:
@@ -34,7 +34,9 @@ def add(file: str, records: List[Record], objects: Iterable[MapObject]) -> None:
 
 
 def remove(file: str, records: List[Record], objects: Iterable[MapObject]) -> List[Note]:
-    """Remove `objects` and their parameters, all or none; returns the lines that still name them.
+    """Removes `objects` and their parameters, all or none.
+
+    Returns the lines that still name them.
     """
     gone = set(_indices(file, records, objects))
     removed = [records[index] for index in sorted(gone)]
@@ -53,13 +55,15 @@ def remove(file: str, records: List[Record], objects: Iterable[MapObject]) -> Li
 
 
 def _is_parameter_of(name: str, record: Record) -> bool:
-    """Does a line belong to the object with this name, so that it goes with the object?"""
+    """Returns whether a line belongs to the object with this name, so that it goes
+    with the object.
+    """
     return any(ref.owned for ref in find_references(record.keyword, record.text, name))
 
 
 def move(file: str, records: List[Record], obj: MapObject, x: float, y: float,
          theta: Optional[float]) -> None:
-    """Move `obj` to x, y (mm) and theta (degrees; None keeps it)."""
+    """Moves `obj` to x, y (mm) and theta (degrees; None keeps it)."""
     index, = _indices(file, records, [obj])
     if obj.tail:
         raise MapError(file, f'{obj} has words after its corners and cannot '
@@ -72,7 +76,7 @@ def move(file: str, records: List[Record], obj: MapObject, x: float, y: float,
 
 
 def _replace(records: List[Record], index: int, record: Record) -> None:
-    """Replace a record; if the objects are sorted, the new record is inserted in order."""
+    """Replaces a record; if the objects are sorted, the new record is inserted in order."""
     if _sorted(records):
         del records[index]
         _insert(records, [record])
@@ -94,7 +98,7 @@ def _moved(obj: MapObject, x: float, y: float, theta: float) -> MapObject:
 
 def rename(file: str, records: List[Record], obj: MapObject,
            new_name: str) -> List[Note]:
-    """Change the name of `obj` and of the references that certainly mean it."""
+    """Changes the name of `obj` and of the references that certainly mean it."""
     index, = _indices(file, records, [obj])
     if not new_name:
         raise MapError(file, f'{obj} cannot lose its name', index + 1)
@@ -186,7 +190,7 @@ def _sorted(records: List[Record]) -> bool:
 
 
 def _insert(records: List[Record], added: List[Record]) -> None:
-    """Insert the records of new objects in order; at the end if the objects are not sorted."""
+    """Inserts the records of new objects in order; at the end if the objects are not sorted."""
     present = [index for index, record in enumerate(records) if record.object is not None]
     if not _sorted(records):
         end = present[-1] + 1

@@ -23,7 +23,7 @@ FORMATS = ('.png', '.pgm')
 
 
 def export_grid(grid: OccupancyGrid, path: str, is_named: bool = True) -> Tuple[str, str]:
-    """Write `grid` to `path` (.png, .pgm, or the .yaml of a .pgm).
+    """Writes `grid` to `path` (.png, .pgm, or the .yaml of a .pgm).
 
     Returns the paths of the image and of the YAML file in the same folder. The YAML file names the
     image relative to itself. Each file is replaced in one step, the one that may be refused first:

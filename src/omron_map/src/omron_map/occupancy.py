@@ -79,27 +79,27 @@ class OccupancyGrid:
         return self.cells.shape[0]
 
     def mark(self, points: np.ndarray) -> None:
-        """Occupy the cells of `points` (N, 2), mm; points outside the grid are ignored."""
+        """Occupies the cells of `points` (N, 2), mm; points outside the grid are ignored."""
         columns, rows = ((points - self.origin) // self.resolution).astype(np.int32).T
         inside = (columns >= 0) & (columns < self.width) & (rows >= 0) & (rows < self.height)
         self.cells[rows[inside], columns[inside]] = OCCUPIED
 
     def mark_lines(self, lines: np.ndarray) -> None:
-        """Occupy the cells along each line, in steps of less than half a cell."""
+        """Occupies the cells along each line, in steps of less than half a cell."""
         for line in lines.astype(float):
             start, end = line[:2], line[2:]
             steps = int(np.abs(end - start).max() * 2 / self.resolution) + 1
             self.mark(start + np.linspace(0.0, 1.0, steps + 1)[:, None] * (end - start))
 
     def mark_forbidden(self, document: MapDocument) -> None:
-        """Occupy the cells of forbidden areas and forbidden lines, clipped to the grid."""
+        """Occupies the cells of forbidden areas and forbidden lines, clipped to the grid."""
         for area in document.forbidden_areas:
             self._mark_area(area)
         for line in document.forbidden_lines:
             self.mark_lines(line.ends.reshape(1, 4))
 
     def _mark_area(self, area: MapObject) -> None:
-        """Occupy the cells with centres in the area's rectangle, including its edges."""
+        """Occupies the cells with centres in the area's rectangle, including its edges."""
         rectangle = area.rectangle
         low = (rectangle.corners.min(axis=0) - self.origin) // self.resolution
         high = (rectangle.corners.max(axis=0) - self.origin) // self.resolution + 1

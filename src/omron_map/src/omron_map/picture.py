@@ -34,7 +34,7 @@ LEAST_METRE = 8  # px; narrower lines of the net are not drawn
 
 def draw_map(document: MapDocument, path: str, long_side: int = LONG_SIDE,
              is_named: bool = True) -> Tuple[int, int]:
-    """Write a PNG picture of `document`; returns its size in pixels.
+    """Writes a PNG picture of `document`; returns its size in pixels.
 
     long_side -- length of its longer side, px
     is_named  -- whether the user gave `path`; else only a picture of ld_map is replaced
@@ -69,7 +69,7 @@ class MapPicture:
         self._document = document
 
     def net(self) -> None:
-        """Draw lines every metre and every five metres, if they are distinguishable."""
+        """Draws lines every metre and every five metres, if they are distinguishable."""
         low, high = self.canvas.low, self.canvas.high
         for step, colour in ((1000, METRE), (5000, FIVE_METRES)):
             if self.canvas.pixels_of(step) < LEAST_METRE:
@@ -82,7 +82,7 @@ class MapPicture:
                     self.canvas.polyline(ends, colour, 1)
 
     def forbidden(self, colour_of: Callable[[MapObject], Colour] = lambda obj: ORANGE) -> None:
-        """Draw the forbidden areas and lines."""
+        """Draws the forbidden areas and lines."""
         for area in self._document.forbidden_areas:
             self.canvas.polygon(area.outline, colour_of(area), AREA_OPACITY)
             self.canvas.outline(area.outline, colour_of(area), 2)
@@ -90,20 +90,22 @@ class MapPicture:
             self.canvas.polyline(line.ends, colour_of(line), 5)
 
     def sectors(self) -> None:
-        """Draw the areas that change the robot's driving, with their names."""
+        """Draws the areas that change the robot's driving, with their names."""
         for sector in self._document.sectors:
             self.canvas.outline(sector.outline, VIOLET, 3)
             self.canvas.text(sector.outline.mean(axis=0), sector.label, VIOLET, 0.5)
 
     def walls(self) -> None:
-        """Draw the points and lines of the laser scan."""
+        """Draws the points and lines of the laser scan."""
         self.canvas.squares(self._document.points, self._document.resolution or PITCH, BLACK,
                             LEAST_POINT)
         for line in self._document.lines.reshape(-1, 2, 2):
             self.canvas.polyline(line, RED, 1)
 
     def places(self) -> None:
-        """Draw goals and docks with their headings, then their names, so that no name is hidden."""
+        """Draws goals and docks with their headings, then their names, so
+        that no name is hidden.
+        """
         places = self._document.docks + self._document.goals
         for obj in places:
             self.canvas.squares(np.array((obj.x, obj.y)), SQUARE, GREEN)

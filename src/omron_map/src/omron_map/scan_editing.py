@@ -55,7 +55,7 @@ def with_rows(sections: List[Section], kind: str, rows: np.ndarray, line_end: by
 
 
 def update_header(records: List[Record], kind: str, rows: np.ndarray, line_end: bytes) -> None:
-    """Update the header lines about `rows` in `records`; a correct line stays as it is."""
+    """Updates the header lines about `rows` in `records`; a correct line stays as it is."""
     values: List[Optional[str]] = [None] * 4
     if len(rows):
         low, high = bounds(rows)

@@ -64,7 +64,7 @@ def _signature(path: str) -> Optional[_Signature]:
 def wait_for_map(path: str, made_from: Iterable[str] = (), timeout: float = 30.0,
                  say: Callable[[str], object] = print,
                  given_up: Callable[[], bool] = lambda: False) -> None:
-    """Wait until `path` exists and is at least as new as every file in `made_from`.
+    """Waits until `path` exists and is at least as new as every file in `made_from`.
 
     Nodes and simulator wait in this way for the converter that creates their map.
     say      -- called once with a text, if the function has to wait

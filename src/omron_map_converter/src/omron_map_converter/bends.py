@@ -19,7 +19,7 @@ PITCH = 0.02  # between the examined places on an edge
 
 
 def bends_of(graph: Graph, stretch: float) -> List[Tuple[float, float]]:
-    """The bends (x, y): vertices, and points PITCH apart on edges; `stretch` is in m."""
+    """Returns the bends (x, y): vertices, and points PITCH apart on edges; `stretch` is in m."""
     ways = _Ways(graph)
     places = [vertex.position for vertex in graph.vertices.values() if ways.is_corner(vertex.id)]
     for edge in graph.edges:
@@ -28,7 +28,9 @@ def bends_of(graph: Graph, stretch: float) -> List[Tuple[float, float]]:
 
 
 def corners_of(graph: Graph, least: float) -> Set[int]:
-    """The vertices through which a path that does not turn back turns by more than `least` rad."""
+    """Returns the vertices through which a path that does not turn back turns by more
+    than `least` rad.
+    """
     ways = _Ways(graph)
     return {id for id in graph.vertices if ways.is_corner(id, least)}
 
@@ -41,13 +43,17 @@ class _Ways:
         self._beyond: Dict[Tuple[int, int], float] = {}
 
     def is_corner(self, vertex_id: int, least: float = BEND) -> bool:
-        """Whether a path through the vertex, without turning back, turns by more than `least`."""
+        """Returns whether a path through the vertex, without turning back, turns by more
+        than `least`.
+        """
         ways_out = self._graph.edges_from(vertex_id)
         return any(self._corner(-way_in, way_out) > least
                    for index, way_out in enumerate(ways_out) for way_in in ways_out[:index])
 
     def bends_on(self, edge: int, reach: float) -> List[Tuple[float, float]]:
-        """The places on an edge at which the turns within `reach` to either side make a bend."""
+        """Returns the places on an edge at which the turns within `reach` to either side make a
+        bend.
+        """
         curve, whole = self._graph.curve(edge), _millimetres(reach)
         if (float(curve.turned(np.array([curve.length]))[0]) + self._turn_beyond(edge, whole)
                 + self._turn_beyond(-edge, whole)) <= BEND:
@@ -57,13 +63,15 @@ class _Ways:
         return [curve.point_at(at) for at in s[turns > BEND]]
 
     def _corner(self, edge: int, following: int) -> float:
-        """The angle by which a robot turns on the vertex between two edges."""
+        """Returns the angle by which a robot turns on the vertex between two edges."""
         before, after = self._graph.curve(edge), self._graph.curve(following)
         return abs(math.remainder(after.heading_at(0.0) - before.heading_at(before.length),
                                   2.0 * math.pi))
 
     def _turn_ahead(self, edge: int, s: np.ndarray, reach: float) -> np.ndarray:
-        """The angle (N,) by which the path turns within `reach` from arc lengths `s` (N,) on."""
+        """Returns the angle (N,) by which the path turns within `reach`
+        from arc lengths `s` (N,) on.
+        """
         curve = self._graph.curve(edge)
         turn = curve.turned(s + reach) - curve.turned(s)
         beyond = s + reach - curve.length
@@ -72,7 +80,7 @@ class _Ways:
         return turn
 
     def _turn_beyond(self, edge: int, reach: int) -> float:
-        """The largest turn of a path within `reach` mm after the end of a signed edge.
+        """Returns the largest turn of a path within `reach` mm after the end of a signed edge.
 
         Whole mm, so that cached results are found again from all paths that lead there.
         """

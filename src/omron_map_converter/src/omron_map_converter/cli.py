@@ -27,7 +27,7 @@ ERRORS = (ConversionError, MapError, TrajectoryGraphError)
 
 
 def main(arguments: Optional[List[str]] = None) -> int:
-    """Run the command and return its exit status."""
+    """Runs the command and returns its exit status."""
     chosen = _parser().parse_args(arguments)
     try:
         options = ConversionOptions(
@@ -85,7 +85,7 @@ def corridor_rules(width: float, edge_widths: str, margin: float) -> CorridorRul
 
 
 def report(conversion: Conversion, output: str) -> List[str]:
-    """The result of a conversion as lines for a person."""
+    """Returns the result of a conversion as lines for a person."""
     goals = [obj for obj in conversion.places if obj.is_goal]
     lines = [f'{output}: {len(goals)} goals, '
              f'{sum(obj.has_heading for obj in goals)} of them with heading; '

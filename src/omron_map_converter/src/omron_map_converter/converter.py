@@ -72,7 +72,7 @@ class Conversion:
 
 
 def convert(graph: Graph, document: MapDocument, options: ConversionOptions) -> Conversion:
-    """Put the graph into the document; raises ConversionError or MapError."""
+    """Puts the graph into the document; raises ConversionError or MapError."""
     wanted = _wanted_places(graph, options)
     corridors = _corridors(graph, options)
     known = {warning.text for warning in document.warnings}
@@ -100,7 +100,7 @@ def convert(graph: Graph, document: MapDocument, options: ConversionOptions) -> 
 
 def convert_file(graph: Graph, base_map: str, output: str,
                  options: ConversionOptions) -> Conversion:
-    """Make the map `output` from the file `base_map`, which may be the same.
+    """Makes the map `output` from the file `base_map`, which may be the same.
 
     The output is written even if nothing changes, so that it is newer than its sources.
     Raises ConversionError or MapError; `output` is replaced only by a complete map.
@@ -188,7 +188,10 @@ def _add_missing(document: MapDocument,
 
 
 def _new_warnings(document: MapDocument, known: Set[str], removed: List[MapObject]) -> List[str]:
-    """The warnings that the base map did not have; without those about objects that came back."""
+    """Returns the warnings that the base map did not have.
+
+    Without those about objects that came back.
+    """
     present = {obj.key for obj in document.objects}
     back = [f'{obj.label!r}, which was removed' for obj in removed if obj.key in present]
     return [f'{warning.text[0].upper()}{warning.text[1:]}.' for warning in document.warnings
@@ -204,13 +207,15 @@ def _other_docks(document: MapDocument, wanted: List[MapObject]) -> List[str]:
 
 
 def _written(obj: MapObject) -> Tuple:
-    """The content of an object in a map file: kind, whole mm, degrees to six digits, texts."""
+    """Returns the content of an object in a map file: kind, whole mm, degrees to six digits,
+    texts.
+    """
     theta = round(obj.theta, 6) + 0.0
     return (obj.kind, round(obj.x), round(obj.y), theta, obj.description, obj.name, obj.extent,
             obj.tail)
 
 
 def _other_bytes(document: MapDocument) -> List[bytes]:
-    """All lines except those of active objects, and the sections."""
+    """Returns all lines except those of active objects, and the sections."""
     return ([record.raw for record in document.records if record.object is None]
             + [section.raw.rstrip(b'\r\n') for section in document.sections])

@@ -45,7 +45,7 @@ class CorridorRules:
     """Distance from the dock pose to the station that it faces."""
 
     def width_of(self, edge_id: int) -> float:
-        """The width of an edge's corridor."""
+        """Returns the width of an edge's corridor."""
         return self.edge_widths.get(edge_id, self.width)
 
 
@@ -61,12 +61,12 @@ class Corridors:
     for turning, and the strip to the station, with slits filled."""
 
     def lanes_widened(self, by: float) -> BaseGeometry:
-        """Only the corridors, each wider by `by` on either side."""
+        """Returns only the corridors, each wider by `by` on either side."""
         return unary_union(_lanes(self.curves, self.rules, by))
 
 
 def corridors_of(graph: Graph, rules: CorridorRules, dock: Optional[MapPose] = None) -> Corridors:
-    """The floor of `graph`; `dock` is the pose from which the robot docks."""
+    """Returns the floor of `graph`; `dock` is the pose from which the robot docks."""
     curves = {id: LineString(graph.curve(id).points * 1000.0).simplify(CURVE_TOLERANCE)
               for id in graph.edges}
     floor = unary_union(_lanes(curves, rules) + _turning_places(graph, rules)

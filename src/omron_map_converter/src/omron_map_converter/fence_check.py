@@ -53,14 +53,14 @@ def check_fences(graph: Graph, corridors: Corridors, fences: Iterable[MapObject]
 
 
 def shape_of(fence: MapObject) -> BaseGeometry:
-    """The polygon of a forbidden area, the line of a forbidden line."""
+    """Returns the polygon of a forbidden area, the line of a forbidden line."""
     if fence.is_area:
         return Polygon(fence.rectangle.corners)
     return LineString(fence.ends)
 
 
 def lost_area(floor: BaseGeometry, shapes: Iterable[BaseGeometry]) -> float:
-    """Area of the floor that `shapes` cover, without INTRUSION along its edge.
+    """Returns the area of the floor that `shapes` cover, without INTRUSION along its edge.
 
     A line counts as 1 mm wide.
     """
@@ -88,7 +88,7 @@ def _leaks(graph: Graph, corridors: Corridors, shapes: List[BaseGeometry],
 
 
 def _thinned(points: np.ndarray) -> np.ndarray:
-    """One of the points in each square with the side POINT_PITCH."""
+    """Returns one of the points in each square with the side POINT_PITCH."""
     if not len(points):
         return points
     _, first = np.unique(np.floor(points / POINT_PITCH).astype(int), axis=0, return_index=True)

@@ -51,12 +51,16 @@ NEARBY = 1.5 * LONGEST + LONGEST_EDGE
 
 
 def fence_areas(floor: BaseGeometry, walls: np.ndarray) -> List[Fence]:
-    """Rectangles around `floor`, which must stay free, at openings between `walls` (N,2)."""
+    """Returns rectangles around `floor`, which must stay free,
+    at openings between `walls` (N,2).
+    """
     return _fences(floor, walls, THICKNESS)
 
 
 def fence_lines(floor: BaseGeometry, walls: np.ndarray) -> List[Fence]:
-    """The same as `fence_areas`, but made to be used as lines: nothing is deeper than a line."""
+    """Returns the same as `fence_areas`, but made to be used as lines: nothing is deeper
+    than a line.
+    """
     return _fences(floor, walls, 0.0)
 
 
@@ -96,7 +100,7 @@ class _Cover:
         return _needed(found, covered)
 
     def _walk(self) -> Iterator[Tuple[np.ndarray, int]]:
-        """The places at which fences are grown, as pairs of a ring and a position on it.
+        """Yields the places at which fences are grown, as pairs of a ring and a position on it.
 
         First from the middle of long straight sides, then all around.
         """
@@ -119,7 +123,7 @@ class _Cover:
 
     def _best(self, ring: np.ndarray, position: int, open_points: np.ndarray,
               edges: np.ndarray) -> Fence:
-        """The fence at a point of a ring that covers the most open points."""
+        """Returns the fence at a point of a ring that covers the most open points."""
         origin = self._region.points[ring[position]]
         directions, straight = self._directions_ahead(ring, position)
         offers = [_Offers(Frame(origin, direction), self._region.points[open_points], edges)
@@ -133,7 +137,7 @@ class _Cover:
         return _post(Frame(origin, directions[0]))
 
     def _directions_ahead(self, ring: np.ndarray, position: int) -> Tuple[np.ndarray, bool]:
-        """The possible directions of a fence, and whether the outline is straight here."""
+        """Returns the possible directions of a fence, and whether the outline is straight here."""
         here = self._region.directions[ring[position]]
         soon = self._region.directions[ring[(position + int(STRAIGHT / STEP)) % len(ring)]]
         if here @ soon > SAME_DIRECTION:
@@ -154,7 +158,7 @@ class _Offers:
         self._edges = frame.of(edges)
 
     def along_the_floor(self, depth: float) -> Iterator[Fence]:
-        """The longest fences at the frame's origin, at several distances from the floor."""
+        """Yields the longest fences at the frame's origin, at several distances from the floor."""
         ahead = first_beyond(self._edges, 0.0, 0.0, 0.0)
         for near in OFFSETS:
             span = free_span(self._edges, near, near + depth) if near + depth < ahead else None
@@ -162,11 +166,13 @@ class _Offers:
                 yield Fence(self._frame, *span, near, near + depth).trimmed(self._points)
 
     def worth(self, fence: Fence) -> float:
-        """The number of points that it covers; reduced for a fence away from the floor."""
+        """Returns the number of points that it covers; reduced for a fence away from the floor."""
         return fence.covers(self._points).sum() - STAND_OFF * fence.near
 
     def deepened(self, fence: Fence) -> Fence:
-        """The fence, or a deeper one up to the other side of the block if that covers enough."""
+        """Returns the fence, or a deeper one up to the other side of the block if
+        that covers enough.
+        """
         best, most = fence, fence.covers(self._points).sum() * WORTH
         span = free_span(self._edges, fence.near, fence.far)
         if span is None:
@@ -180,7 +186,7 @@ class _Offers:
         return best
 
     def _drawn_near(self, fence: Fence) -> Fence:
-        """The fence, extended to the floor in front of it if the space between is free."""
+        """Returns the fence, extended to the floor in front of it if the space between is free."""
         span = free_span(self._edges, OFFSETS[0], fence.far)
         if span is None or span[0] > fence.left or span[1] < fence.right:
             return fence
@@ -188,13 +194,18 @@ class _Offers:
 
 
 def _post(frame: Frame) -> Fence:
-    """A small fence that fits everywhere: its corners do not reach the floor from the outline."""
+    """Returns a small fence that fits everywhere: its corners do not reach the floor
+    from the outline.
+    """
     half = SHORTEST / 2.0
     return Fence(frame, -half, half, -half, half)
 
 
 def _needed(fences: Sequence[Fence], covered: Sequence[np.ndarray]) -> List[Fence]:
-    """The fences without those whose points others also cover; removes the smallest first."""
+    """Returns the fences without those whose points others also cover.
+
+    Removes the smallest first.
+    """
     if not fences:
         return []
     times = np.bincount(np.concatenate(covered))

@@ -40,11 +40,11 @@ class Frame(NamedTuple):
         return float(np.degrees(np.arctan2(self.direction[1], self.direction[0])))
 
     def of(self, points: np.ndarray) -> np.ndarray:
-        """Points (..., 2) of the map frame in this frame."""
+        """Returns points (..., 2) of the map frame in this frame."""
         return (points - self.origin) @ self._axes.T
 
     def to_map(self, points: np.ndarray) -> np.ndarray:
-        """Points (..., 2) of this frame in the map frame."""
+        """Returns points (..., 2) of this frame in the map frame."""
         return points @ self._axes + self.origin
 
 
@@ -58,14 +58,14 @@ class Fence(NamedTuple):
     far: float
 
     def covers(self, points: np.ndarray) -> np.ndarray:
-        """Which of the points (N,2) in the fence's frame are within REACH of it."""
+        """Returns which of the points (N,2) in the fence's frame are within REACH of it."""
         u, v = points[:, 0], points[:, 1]
         beside = np.maximum(np.maximum(self.left - u, u - self.right), 0.0)
         before = np.maximum(np.maximum(self.near - v, v - self.far), 0.0)
         return beside ** 2 + before ** 2 <= REACH ** 2
 
     def trimmed(self, points: np.ndarray) -> Fence:
-        """The fence, as short and shallow as the covered ones of `points` (N,2) allow.
+        """Returns the fence, as short and shallow as the covered ones of `points` (N,2) allow.
 
         It contains the frame's origin, and ends on either side where a long gap begins.
         """
@@ -103,7 +103,7 @@ class Fence(NamedTuple):
 
 
 def free_span(edges: np.ndarray, near: float, far: float) -> Optional[Tuple[float, float]]:
-    """How far (left, right) the strip near..far is free of `edges` (M,2,2) around u = 0.
+    """Returns how far (left, right) the strip near..far is free of `edges` (M,2,2) around u = 0.
 
     At most LONGEST to either side; None if the strip is not free at u = 0.
     """
@@ -116,7 +116,9 @@ def free_span(edges: np.ndarray, near: float, far: float) -> Optional[Tuple[floa
 
 
 def first_beyond(edges: np.ndarray, left: float, right: float, beyond: float) -> float:
-    """The smallest v of those `edges` (M,2,2) in left..right that extend beyond `beyond`."""
+    """Returns the smallest v of those `edges` (M,2,2) in left..right
+    that extend beyond `beyond`.
+    """
     u, v = edges[..., 0], edges[..., 1]
     within = (u.min(axis=1) <= right) & (u.max(axis=1) >= left)
     low, high = _clipped(u[within], v[within], left, right)
@@ -125,7 +127,9 @@ def first_beyond(edges: np.ndarray, left: float, right: float, beyond: float) ->
 
 def _clipped(across: np.ndarray, along: np.ndarray, low: float,
              high: float) -> Tuple[np.ndarray, np.ndarray]:
-    """Range of `along` (M,2) over the part of each segment where `across` is in low..high."""
+    """Returns the range of `along` (M,2) over the part of each segment
+    where `across` is in low..high.
+    """
     run = across[:, 1] - across[:, 0]
     flat = run == 0.0
     run = np.where(flat, 1.0, run)

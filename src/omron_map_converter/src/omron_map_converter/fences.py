@@ -29,7 +29,7 @@ class Fences(Enum):
 
 
 def is_fence(obj: MapObject) -> bool:
-    """Whether a converter made the object to keep the robot in its corridors."""
+    """Returns whether a converter made the object to keep the robot in its corridors."""
     return obj.description == FENCE
 
 
@@ -46,7 +46,7 @@ def fence_objects(floor: BaseGeometry, walls: np.ndarray, kind: Fences) -> List[
 
 def notes_on_fences(graph: Graph, corridors: Corridors, fences: Iterable[MapObject],
                     walls: np.ndarray) -> List[str]:
-    """The faults of the fences, as sentences for a person; empty if there are none."""
+    """Returns the faults of the fences, as sentences for a person; empty if there are none."""
     check = check_fences(graph, corridors, fences, walls)
     notes = [f'The fences leave a gap at {x:.0f} {y:.0f} mm: close it by hand in MobilePlanner.'
              for x, y in check.leaks]

@@ -5,5 +5,5 @@ from trajectory_graph import Vertex
 
 
 def goal_name(vertex: Vertex) -> str:
-    """The name of the vertex in ARCL's `goto`."""
+    """Returns the name of the vertex in ARCL's `goto`."""
     return str(vertex.id)

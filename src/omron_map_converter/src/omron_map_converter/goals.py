@@ -25,12 +25,12 @@ class MapPose(NamedTuple):
 
 
 def millimetres(position: Tuple[float, float]) -> Tuple[int, int]:
-    """A position of the graph (m) in the unit of a map (whole mm)."""
+    """Returns a position of the graph (m) in the unit of a map (whole mm)."""
     return round(position[0] * 1000.0), round(position[1] * 1000.0)
 
 
 def heading_out(graph: Graph, vertex: Vertex) -> float:
-    """The heading (degrees) in which the only edge of an end vertex leads away from it.
+    """Returns the heading (degrees) in which the only edge of an end vertex leads away from it.
 
     It is Theta if the vertex is its edge's origin, so the edge leads out of it. It is Theta + 180
     degrees if the vertex is the destination.
@@ -40,13 +40,13 @@ def heading_out(graph: Graph, vertex: Vertex) -> float:
 
 
 def goal(graph: Graph, vertex: Vertex) -> MapObject:
-    """The vertex as a goal; a goal at an end vertex has the heading for waiting."""
+    """Returns the vertex as a goal; a goal at an end vertex has the heading for waiting."""
     heading = heading_out(graph, vertex) if graph.is_end_vertex(vertex.id) else None
     return MapObject.goal(goal_name(vertex), *millimetres(vertex.position), heading=heading)
 
 
 def dock_pose(graph: Graph, vertex_id: int, heading: Optional[float] = None) -> MapPose:
-    """The pose before docking, facing the station; `heading` (degrees) overrides.
+    """Returns the pose before docking, facing the station; `heading` (degrees) overrides.
 
     Raises UnknownVertex. Raises ValueError if the vertex has several edges, so that its heading is
     not determined.
@@ -61,14 +61,15 @@ def dock_pose(graph: Graph, vertex_id: int, heading: Optional[float] = None) -> 
 
 
 def dock(graph: Graph, vertex_id: int, heading: Optional[float] = None) -> MapObject:
-    """The dock vertex as the robot's dock; arguments and errors as for `dock_pose`."""
+    """Returns the dock vertex as the robot's dock; arguments and errors as for `dock_pose`."""
     return MapObject.dock(goal_name(graph.vertex(vertex_id)),
                           *dock_pose(graph, vertex_id, heading))
 
 
 def places_of(graph: Graph, dock_vertex: Optional[int],
               dock_heading: Optional[float] = None) -> List[MapObject]:
-    """All vertices as map objects, by id: goals, and a dock for `dock_vertex` (None: no dock).
+    """Returns all vertices as map objects, by id: goals, and a dock for `dock_vertex` (None: no
+    dock).
 
     Raises the same errors as `dock_pose`.
     """

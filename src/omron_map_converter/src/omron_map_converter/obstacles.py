@@ -28,7 +28,7 @@ class Obstruction(NamedTuple):
 
 def obstacle_points(document: MapDocument,
                     ignored: Callable[[MapObject], bool] = lambda obj: False) -> np.ndarray:
-    """Points (N,2) on everything that a robot cannot pass, except `ignored` objects.
+    """Returns points (N,2) on everything that a robot cannot pass, except `ignored` objects.
 
     Scan points, wall lines (a point every LINE_PITCH), forbidden lines, and forbidden areas
     (filled, a point every AREA_PITCH).
@@ -43,7 +43,7 @@ def obstacle_points(document: MapDocument,
 
 
 def obstructions(graph: Graph, obstacles: np.ndarray, clearance: float) -> List[Obstruction]:
-    """The edges whose curves have an obstacle nearer than `clearance`, and where."""
+    """Returns the edges whose curves have an obstacle nearer than `clearance`, and where."""
     if not len(obstacles):
         return []
     nearest = cKDTree(obstacles)

@@ -37,7 +37,7 @@ class OuterRegion(NamedTuple):
 
 
 def outer_regions(floor: BaseGeometry) -> Iterator[OuterRegion]:
-    """The outer regions around and inside `floor`.
+    """Yields the outer regions around and inside `floor`.
 
     The result is the same for every version of GEOS. All versions make the same shapes, but begin
     their lists of corners at different corners; here they are put in a fixed order.
@@ -53,7 +53,7 @@ def outer_regions(floor: BaseGeometry) -> Iterator[OuterRegion]:
 
 
 def sides(directions: np.ndarray) -> List[np.ndarray]:
-    """The stretches of a ring without a change of direction, as positions in order."""
+    """Returns the stretches of a ring without a change of direction, as positions in order."""
     turns = (directions * np.roll(directions, 1, axis=0)).sum(axis=1) < SAME_DIRECTION
     corners = np.flatnonzero(turns)
     if not len(corners):
@@ -71,7 +71,8 @@ def _region(piece: Polygon, outlines: List[np.ndarray]) -> OuterRegion:
 
 
 def _outline(ring: LinearRing) -> np.ndarray:
-    """The corners (N,2) of a closed ring, beginning and ending with the lowest of the leftmost.
+    """Returns the corners (N,2) of a closed ring, beginning and ending with the lowest of the
+    leftmost.
 
     Corners that are equal when rounded to micrometres are merged.
     """
@@ -83,7 +84,9 @@ def _outline(ring: LinearRing) -> np.ndarray:
 
 
 def _resampled(outline: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
-    """Points (N,2) at most STEP apart along a closed outline, and the unit direction at each."""
+    """Returns points (N,2) at most STEP apart along a closed outline,
+    and the unit direction at each.
+    """
     steps = np.diff(outline, axis=0)
     lengths = np.hypot(*steps.T)
     arc = np.concatenate(([0.0], np.cumsum(lengths)))

@@ -17,7 +17,7 @@ FENCE, FORBIDDEN = (245, 140, 20), (200, 60, 40)
 
 
 def draw(document: MapDocument, graph: Graph, conversion: Conversion, path: str) -> None:
-    """Draw the converted map into the PNG file `path`; raises MapError when it cannot be written.
+    """Draws the converted map into the PNG file `path`; raises MapError when it cannot be written.
 
     Corridors are light blue, curves blue, fences orange, other forbidden areas and lines red.
     """

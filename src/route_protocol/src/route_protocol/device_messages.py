@@ -80,7 +80,7 @@ def _requested(number: int) -> DeviceMode:
 
 
 def _name(field: str, text: str) -> str:
-    """A name. It is compared and shown, so it must be one that can be read."""
+    """Returns a name. It is compared and shown, so it must be one that can be read."""
     if not text.strip() or not text.isprintable() or len(text) > LONGEST_NAME:
         raise WrongDeviceMessage(f'its {field} is empty, has more than {LONGEST_NAME} letters, or '
                                  'letters that cannot be printed')

@@ -59,7 +59,7 @@ class DeviceUse:
 
     @property
     def holds(self) -> bool:
-        """Does the requester hold the device open?"""
+        """Whether the requester holds the device open."""
         return self.mode is DeviceMode.OPEN
 
 
@@ -85,24 +85,26 @@ class DeviceReport:
     count: int = 0
 
     def is_newer_than(self, other: Optional[DeviceReport]) -> bool:
-        """Was this report made later than the other one of this device?"""
+        """Returns whether this report was made later than the other one of this device."""
         return other is None or (self.run, self.count) > (other.run, other.count)
 
     def at(self, since: float, read_at: Optional[float]) -> DeviceReport:
-        """The same report with times of another clock."""
+        """Returns the same report with times of another clock."""
         return replace(self, since=since, read_at=read_at)
 
     def use_of(self, requester: str) -> Optional[DeviceUse]:
-        """What the device obeys of a requester; None: nothing."""
+        """Returns what the device obeys of a requester; None: nothing."""
         return next((use for use in self.obeyed if use.requester == requester), None)
 
     def shows(self, request: DeviceRequest) -> bool:
-        """Has this request been taken? If not, it must be repeated."""
+        """Returns whether this request has been taken; if not, it must be repeated."""
         use = self.use_of(request.requester)
         return use is not None and use.number >= request.number
 
     def is_open_for(self, requester: str, number: int) -> bool:
-        """Was the device read open after this requester's request with this number was taken?"""
+        """Returns whether the device was read open after this requester's request
+        with this number was taken.
+        """
         use = self.use_of(requester)
         return (self.mode is DeviceMode.OPEN and use is not None and use.holds
                 and use.number == number)

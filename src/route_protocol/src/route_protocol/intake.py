@@ -134,7 +134,7 @@ class Intake:
         return NO_REASON
 
     def take_order(self, due: DueOrder, now: float) -> None:
-        """The vehicle takes a due order."""
+        """Takes a due order."""
         before = self.vehicle.state.epoch
         self.vehicle.take_order(due.order, due.done)
         self._passed(due.given, before, now)
@@ -158,7 +158,7 @@ class Intake:
             self.waiting = None
 
     def _passed(self, order: RouteOrder, before: int, now: float) -> None:
-        """An order was taken. `before`: the epoch before that."""
+        """Notes that an order was taken. `before`: the epoch before that."""
         self.old_masters.passed(order)
         if order.order and self.vehicle.state.epoch != before:
             self.old_masters.epoch_began(now)

@@ -99,7 +99,7 @@ class Order(NamedTuple):
         return self.first + len(self.edges)
 
     def steps(self, begin: int) -> Tuple[Step, ...]:
-        """The edges from record number `begin` on."""
+        """Returns the edges from record number `begin` on."""
         skipped = max(begin - self.first, 0)
         return tuple(Step(self.first + skipped + k, edge)
                      for k, edge in enumerate(self.edges[skipped:]))
@@ -164,23 +164,23 @@ class MasterState:
 
     @property
     def is_stopping(self) -> bool:
-        """Was a stop given that no report shows yet?"""
+        """Whether a stop was given that no report shows yet."""
         return self.pending is not None and not self.pending.edges
 
     @property
     def takes_away(self) -> bool:
-        """Does the pending order stop the vehicle, or shorten its route?"""
+        """Whether the pending order stops the vehicle, or shortens its route."""
         return self.pending is not None and self.pending.end < self.end or self.is_stopping
 
     @property
     def is_ready(self) -> bool:
-        """May a route be given now?"""
+        """Whether a route may be given now."""
         return self.commands and not (self.held or self.is_anywhere or self.unknown
                                       or self.takes_away)
 
     @property
     def may_drive(self) -> bool:
-        """May the vehicle drive now, or later, by an order of this master?"""
+        """Whether the vehicle may drive now, or later, by an order of this master."""
         return bool(self.ahead or self.held)
 
 
@@ -271,7 +271,7 @@ def hear(state: MasterState, said: RouteReport, me: str, clock: int,
 
 
 def _with_unknown_numbers(state: MasterState, said: RouteReport, me: str) -> MasterState:
-    """The state, in which numbers that this master never drew are in the gap."""
+    """Returns the state, in which numbers that this master never drew are in the gap."""
     newest = max(said.order, said.refused)
     if said.master != me or newest <= state.number or _is_in_gap(state, said):
         return state
@@ -279,7 +279,7 @@ def _with_unknown_numbers(state: MasterState, said: RouteReport, me: str) -> Mas
 
 
 def _is_still_open(one: Order, said: RouteReport, read: _Reading) -> bool:
-    """May the vehicle still follow an order that was open before the report?"""
+    """Returns whether the vehicle may still follow an order that was open before the report."""
     if one.edges and one.epoch != said.epoch:
         return False
     return one.number > read.refused if one.number > read.order else (
@@ -287,26 +287,28 @@ def _is_still_open(one: Order, said: RouteReport, read: _Reading) -> bool:
 
 
 def _is_on_open_route(said: RouteReport, read: _Reading, still: Tuple[Order, ...]) -> bool:
-    """Is the vehicle on the route of an open order, in the same epoch?"""
+    """Returns whether the vehicle is on the route of an open order, in the same epoch."""
     return read.shown in still and not read.is_new and said.motion in (
         Motion.ON_ROUTE, Motion.STANDING)
 
 
 def _is_moved_otherwise(said: RouteReport, is_mine: bool) -> bool:
-    """Does anything but an order of this master move the vehicle?"""
+    """Returns whether anything but an order of this master moves the vehicle."""
     return said.motion is Motion.MOVED or not is_mine and said.motion in (
         Motion.ON_ROUTE, Motion.COMING_TO_REST)
 
 
 def _passed(state: MasterState, said: RouteReport, read: _Reading) -> Tuple[Step, ...]:
-    """The edges of the order that the vehicle follows which it has passed since the last report."""
+    """Returns the edges of the order that the vehicle follows
+    which it has passed since the last report.
+    """
     if read.shown is None or not read.order or read.is_new:
         return ()
     return tuple(step for step in read.shown.steps(state.done) if step.number < said.done)
 
 
 def _held(state: MasterState, still: Tuple[Order, ...], is_new: bool) -> Tuple[Step, ...]:
-    """The edges that are held until the vehicle stands."""
+    """Returns the edges that are held until the vehicle stands."""
     gone = state.may_be_on if is_new else tuple(
         step for one in state.open if one not in still for step in one.steps(state.done))
     return tuple(dict.fromkeys((*state.held, *gone)))
@@ -331,7 +333,7 @@ def _news(state: MasterState, said: RouteReport, read: _Reading, passed: Tuple[S
 
 
 def _is_in_gap(state: MasterState, said: RouteReport) -> bool:
-    """Is a number that the journal lacks the newest that counts?
+    """Returns whether a number that the journal lacks is the newest that counts.
 
     If a newer order was taken, the lost ones can do no more harm.
     """

@@ -50,19 +50,21 @@ class OldMasters:
         self._epoch_began = -math.inf
 
     def passed(self, order: RouteOrder) -> None:
-        """An order of any master was taken: older ones are late from now on, also if it was late
-        itself.
+        """Notes that an order of any master was taken: older ones are late from now on, also if it
+        was late itself.
         """
         last = self.last or RouteOrder(0, ())
         stamp = last.stamp if not order.stamp or is_late(order, last) else order.stamp
         self.last = replace(last if order.order else order, stamp=stamp)
 
     def refused(self, order: RouteOrder, reason: Reason) -> None:
-        """A route was refused: if it comes again, it is refused again."""
+        """Notes that a route was refused: if it comes again, it is refused again."""
         self._refused = (order, reason)
 
     def epoch_began(self, now: float) -> None:
-        """The vehicle began a new epoch at `now` (s), for a reason that is not this master's."""
+        """Notes that the vehicle began a new epoch at `now` (s), for a reason
+        that is not this master's.
+        """
         self._epoch_began = now
 
     def answer(self, order: RouteOrder, vehicle: Vehicle, now: float) -> Judgement:
@@ -96,13 +98,15 @@ class OldMasters:
         return TAKEN_OVER if self._is_overruled(order, now) else None
 
     def _is_overruled(self, order: RouteOrder, now: float) -> bool:
-        """Could the sender not yet know of the present epoch when it sent the order?"""
+        """Returns whether the sender could not yet know of the present epoch
+        when it sent the order.
+        """
         age = (order.received - order.stamp) / 1e9 if order.stamp and order.received else 0.0
         return now - age < self._epoch_began and now < self._epoch_began + LATE_ORDER
 
     @staticmethod
     def changes_route(order: RouteOrder, state: VehicleState) -> bool:
-        """Does the order change the route in force, rather than begin another one?"""
+        """Returns whether the order changes the route in force, rather than begins another one."""
         return (order.route_id == state.route_id and bool(state.edges)
                 and state.phase is not Phase.STOPPED and state.master == OLD_MASTER)
 

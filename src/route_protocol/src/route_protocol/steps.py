@@ -53,7 +53,7 @@ class Word(IntEnum):
 
     @property
     def is_final(self) -> bool:
-        """Has the step ended?"""
+        """Whether the step has ended."""
         return self is not Word.RUNNING
 
 
@@ -110,11 +110,11 @@ class StepReport(NamedTuple):
     steps: Tuple[ShownStep, ...] = ()
 
     def find(self, key: int) -> Optional[ShownStep]:
-        """The step with this key; None: the report does not show it."""
+        """Returns the step with this key; None: the report does not show it."""
         return next((step for step in self.steps if step.key == key), None)
 
     def is_newer_than(self, other: Optional[StepReport]) -> bool:
-        """Was this report made later than the other one?"""
+        """Returns whether this report was made later than the other one."""
         return other is None or (self.run, self.number) > (other.run, other.number)
 
 
@@ -136,7 +136,7 @@ class ActorState:
     number: int = 0
 
     def obey(self, command: StepCommand) -> Tuple[ActorState, Reaction]:
-        """The memory after a command, and what the robot has to do."""
+        """Returns the memory after a command, and what the robot has to do."""
         if command.known_run != self.run:
             return self, Reaction.NOTHING
         if command.key > self.last:
@@ -150,18 +150,21 @@ class ActorState:
 
     def end(self, key: int, word: Word, code: StepCode = StepCode.NONE,
             text: str = '') -> ActorState:
-        """The memory after a running step has ended. A step that has ended does not change."""
+        """Returns the memory after a running step has ended.
+
+        A step that has ended does not change.
+        """
         return replace(self, steps=tuple(
             ShownStep(key, word, code, text) if step.key == key and not step.word.is_final
             else step for step in self.steps))
 
     def report(self) -> Tuple[ActorState, StepReport]:
-        """The memory after a report, and the report."""
+        """Returns the memory after a report, and the report."""
         after = replace(self, number=self.number + 1)
         return after, StepReport(self.run, after.number, self.last, self.steps)
 
 
 def _kept(steps: Tuple[ShownStep, ...]) -> Tuple[ShownStep, ...]:
-    """All running steps, and the last ones that have ended."""
+    """Returns all running steps, and the last ones that have ended."""
     ended = [step for step in steps if step.word.is_final][-KEPT:]
     return tuple(step for step in steps if not step.word.is_final or step in ended)

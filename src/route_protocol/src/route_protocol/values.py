@@ -40,7 +40,7 @@ class RouteOrder:
 
     @property
     def is_stop(self) -> bool:
-        """Does the order stop the vehicle?"""
+        """Whether the order stops the vehicle."""
         return not self.edges
 
     @property
@@ -225,7 +225,7 @@ class RouteReport:
 
     @property
     def is_failed(self) -> bool:
-        """Is the route of `order` lost: has it failed, or was that order a stop?"""
+        """Whether the route of `order` is lost: it has failed, or that order was a stop."""
         return not self.edges or EdgeState.FAILED in self.states
 
 

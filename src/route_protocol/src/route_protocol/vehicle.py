@@ -113,7 +113,7 @@ class VehicleState:
 
     @property
     def is_running(self) -> bool:
-        """Is a route being driven?"""
+        """Whether a route is being driven."""
         return self.phase is Phase.RUNNING
 
     @property
@@ -218,7 +218,7 @@ class Vehicle:
                          state.phase in (Phase.RUNNING, Phase.COMPLETE))
 
     def _is_fresh(self, order: RouteOrder) -> bool:
-        """Has the route record no edge of this master yet, in this epoch?"""
+        """Returns whether the route record has no edge of this master yet, in this epoch."""
         return self._takes_over(order) or not self.state.order
 
     def _takes_over(self, order: RouteOrder) -> bool:

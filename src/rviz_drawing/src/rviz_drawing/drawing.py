@@ -29,24 +29,27 @@ _SUBSTITUTES = str.maketrans({
 
 
 def colour(red: float, green: float, blue: float, alpha: float = 1.0) -> ColorRGBA:
-    """A colour from its components, each in 0..1."""
+    """Returns a colour from its components, each in 0..1."""
     return ColorRGBA(red, green, blue, alpha)
 
 
 def own_colour(number: int, saturation: float = 0.65) -> ColorRGBA:
-    """The colour of the robot with this number. Robots with near numbers differ clearly."""
+    """Returns the colour of the robot with this number. Robots with near numbers differ clearly."""
     return colour(*colorsys.hsv_to_rgb((0.55 + number * _GOLDEN) % 1.0, saturation, 1.0))
 
 
 def pose_at(place: XY, yaw: float = 0.0, z: float = 0.0) -> Pose:
-    """A pose from a point on the floor (m), a heading (rad) and a height (m)."""
+    """Returns a pose from a point on the floor (m), a heading (rad) and a height (m)."""
     return Pose(Point(place[0], place[1], z), quaternion_from_yaw(yaw))
 
 
 def shape(kind: int, namespace: str, number: int, paint: ColorRGBA,
           size: Tuple[float, float, float], pose: Optional[Pose] = None,
           frame: str = FRAME) -> Marker:
-    """A marker, at the frame's origin without `pose`. `size` is its `scale`, as for this `kind`."""
+    """Returns a marker, at the frame's origin without `pose`.
+
+    `size` is its `scale`, as for this `kind`.
+    """
     marker = Marker(type=kind, ns=namespace, id=number, color=paint, scale=Vector3(*size),
                     pose=pose or pose_at((0.0, 0.0)))
     marker.header.frame_id = frame
@@ -55,7 +58,7 @@ def shape(kind: int, namespace: str, number: int, paint: ColorRGBA,
 
 def text(namespace: str, number: int, words: str, place: XY, height: float, paint: ColorRGBA,
          z: float = 1.0, frame: str = FRAME) -> Marker:
-    """A text that faces the viewer, centred at `place`; `height` of a capital letter.
+    """Returns a text that faces the viewer, centred at `place`; `height` of a capital letter.
 
     Letters that RViz lacks are replaced, see `drawable`.
     """
@@ -66,7 +69,7 @@ def text(namespace: str, number: int, words: str, place: XY, height: float, pain
 
 
 def drawable(words: str) -> str:
-    """`words` in letters that RViz has, of limited length.
+    """Returns `words` in letters that RViz has, of limited length.
 
     RViz draws no text at all if its font lacks a letter. So unknown accents are removed,
     typographic signs become plain ones, and all other unknown letters become `?`.
@@ -86,7 +89,10 @@ def _drawable_letter(letter: str) -> str:
 
 def lines(namespace: str, number: int, paint: ColorRGBA, width: float,
           polylines: Iterable[np.ndarray], z: float, frame: str = FRAME) -> Marker:
-    """All polylines, each (N, 2), in one marker. Without polylines the marker is a deletion."""
+    """Returns all polylines, each (N, 2), in one marker.
+
+    Without polylines the marker is a deletion.
+    """
     marker = shape(Marker.LINE_LIST, namespace, number, paint, (width, 0.0, 0.0),
                    frame=frame)
     for polyline in polylines:
@@ -98,7 +104,7 @@ def lines(namespace: str, number: int, paint: ColorRGBA, width: float,
 
 def many(kind: int, namespace: str, number: int, paint: ColorRGBA,
          size: Tuple[float, float, float], places: np.ndarray, frame: str = FRAME) -> PointsMarker:
-    """A marker of many `places` (N, 3); if there are none, it deletes an older marker.
+    """Returns a marker of many `places` (N, 3); if there are none, it deletes an older marker.
 
     It can be sent in a FastMarkerArray only.
     """
@@ -109,24 +115,24 @@ def many(kind: int, namespace: str, number: int, paint: ColorRGBA,
 
 
 def complete(markers: Iterable[Marker]) -> FastMarkerArray:
-    """An array with all `markers` of a topic; it first deletes all older ones."""
+    """Returns an array with all `markers` of a topic; it first deletes all older ones."""
     return FastMarkerArray(markers=[Marker(action=Marker.DELETEALL), *markers])
 
 
 def at_height(places: np.ndarray, z: float) -> np.ndarray:
-    """Places (N, 2) on the floor as (N, 3), `z` above it."""
+    """Returns places (N, 2) on the floor as (N, 3), `z` above it."""
     lifted = np.full((len(places), 3), z)
     lifted[:, :2] = np.asarray(places, float).reshape(-1, 2)
     return lifted
 
 
 def segments(places: np.ndarray, z: float) -> np.ndarray:
-    """The pairs of ends (2 (N - 1), 3) that draw a polyline of N `places` as LINE_LIST."""
+    """Returns the pairs of ends (2 (N - 1), 3) that draw a polyline of N `places` as LINE_LIST."""
     return np.repeat(at_height(places, z), 2, axis=0)[1:-1]
 
 
 def beside(curve: Curve, offset: float) -> np.ndarray:
-    """The curve as points (N, 2), shifted to its right by `offset` (m)."""
+    """Returns the curve as points (N, 2), shifted to its right by `offset` (m)."""
     places = curve.sample(STEP)
     steps = np.gradient(places, axis=0)
     lengths = np.maximum(np.hypot(steps[:, 0], steps[:, 1]), 1e-9)
@@ -135,18 +141,18 @@ def beside(curve: Curve, offset: float) -> np.ndarray:
 
 
 def ring(centre: XY, radius: float, corners: int = 24) -> np.ndarray:
-    """A closed polyline (corners + 1, 2) around `centre`."""
+    """Returns a closed polyline (corners + 1, 2) around `centre`."""
     angles = np.linspace(0.0, 2.0 * math.pi, corners + 1)
     return np.array(centre) + radius * np.column_stack((np.cos(angles), np.sin(angles)))
 
 
 def square(centre: XY, half: float) -> np.ndarray:
-    """A closed polyline (5, 2) around `centre`; `half`: half of its side."""
+    """Returns a closed polyline (5, 2) around `centre`; `half`: half of its side."""
     return np.array(centre) + half * np.array([(1, 1), (-1, 1), (-1, -1), (1, -1), (1, 1)], float)
 
 
 def arrowhead(tip: XY, yaw: float, length: float, z: float) -> np.ndarray:
-    """The triangle (3, 3), for TRIANGLE_LIST, of an arrow along `yaw` that ends at `tip`.
+    """Returns the triangle (3, 3), for TRIANGLE_LIST, of an arrow along `yaw` that ends at `tip`.
 
     Counter-clockwise seen from above, because RViz does not light the other side.
     """

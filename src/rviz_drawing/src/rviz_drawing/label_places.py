@@ -39,13 +39,13 @@ class Label:
         return text_size(self.words, self.height)
 
     def boxes(self) -> List[Box]:
-        """The places of the text, one for each of ABOVE_FIRST."""
+        """Returns the places of the text, one for each of ABOVE_FIRST."""
         size = self.size
         return [box_beside((self.x, self.y), self.radius + GAP, size, side)
                 for side in ABOVE_FIRST]
 
     def middle(self, side: int) -> Tuple[float, float]:
-        """The centre of the text (m) if it is drawn on this one of ABOVE_FIRST."""
+        """Returns the centre of the text (m) if it is drawn on this one of ABOVE_FIRST."""
         return middle_of(self.boxes()[side])
 
 
@@ -56,7 +56,7 @@ class LabelPlaces:
         self._sides: Dict[str, int] = {}
 
     def side(self, name: str) -> int:
-        """The index in ABOVE_FIRST for this robot's label."""
+        """Returns the index in ABOVE_FIRST for this robot's label."""
         return self._sides.get(name, 0)
 
     def choose(self, labels: Mapping[str, Label], window: Optional[Box] = None,

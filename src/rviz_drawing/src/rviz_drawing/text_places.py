@@ -90,7 +90,7 @@ def _usual(text: VertexText) -> Point:
 
 
 def _middles(text: VertexText) -> List[Point]:
-    """The possible middles, the best first: the usual one, then outwards on all sides."""
+    """Returns the possible middles, the best first: the usual one, then outwards on all sides."""
     (x, y), (width, height) = text.vertex, text.size
     return [_usual(text), *(
         (x + right * (away + width / 2.0), y + up * (away + height / 2.0))

@@ -110,7 +110,7 @@ class Curve:
         return Projection(float(distances[best]), s, fraction)
 
     def _project_on_line(self, x: float, y: float, start: float, end: float) -> Projection:
-        """As `project`, for a curve that is one straight line: far faster than with arrays."""
+        """Does the same as `project` for one straight line, far faster than with arrays."""
         (_, x0, y0), (length, x1, y1) = self._corners
         dx, dy = x1 - x0, y1 - y0
         part = ((x - x0) * dx + (y - y0) * dy) / (dx * dx + dy * dy)

@@ -8,6 +8,8 @@ MOST = 20
 
 
 def listed(ids: Collection[int], most: int = MOST) -> str:
-    """`3, 4 and 7 more`: at most `most` ids in the given order, then the number of the others."""
+    """Returns `3, 4 and 7 more`: at most `most` ids in the given order,
+    then the number of the others.
+    """
     named = ', '.join(str(id) for _, id in zip(range(most), ids))
     return f'{named} and {len(ids) - most} more' if len(ids) > most else named

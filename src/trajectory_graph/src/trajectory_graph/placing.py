@@ -93,7 +93,7 @@ class Places:
         return best
 
     def covered(self, box: Box) -> Covered:
-        """How much of a box is covered."""
+        """Returns how much of a box is covered."""
         firm, soft = self._beneath.covered(box) if self._beneath else Covered()
         if self._window is not None:
             firm += (box[2] - box[0]) * (box[3] - box[1]) - shared(box, self._window)
@@ -115,26 +115,26 @@ class Places:
 
 
 def shared(one: Box, other: Box) -> float:
-    """The area that two boxes share."""
+    """Returns the area that two boxes share."""
     width = min(one[2], other[2]) - max(one[0], other[0])
     height = min(one[3], other[3]) - max(one[1], other[1])
     return width * height if width > 0.0 and height > 0.0 else 0.0
 
 
 def box_around(middle: Tuple[float, float], size: Tuple[float, float]) -> Box:
-    """The box of this size around a point."""
+    """Returns the box of this size around a point."""
     (x, y), (width, height) = middle, size
     return x - width / 2.0, y - height / 2.0, x + width / 2.0, y + height / 2.0
 
 
 def middle_of(box: Box) -> Tuple[float, float]:
-    """The middle of a box."""
+    """Returns the middle of a box."""
     return (box[0] + box[2]) / 2.0, (box[1] + box[3]) / 2.0
 
 
 def box_beside(point: Tuple[float, float], away: float, size: Tuple[float, float],
                side: Side) -> Box:
-    """The box of a text of this size on one side of a point, `away` from it."""
+    """Returns the box of a text of this size on one side of a point, `away` from it."""
     (x, y), (right, up) = point, side
     away *= math.sqrt(0.5) if right and up else 1.0
     return box_around((x + right * (away + size[0] / 2.0), y + up * (away + size[1] / 2.0)), size)

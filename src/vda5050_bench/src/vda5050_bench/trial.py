@@ -233,7 +233,10 @@ class Trial:
         return self.needed(lambda: self.taken(order, seconds))
 
     def taken(self, order: Mapping[str, Any], seconds: float = ANSWER) -> Message:
-        """Like `accepted`, if the acceptance is the subject of the rule; raises TooLate."""
+        """Does the same as `accepted`, if the acceptance is the subject of the rule.
+
+        Raises TooLate.
+        """
         before = self.master.send('order', order)
         return self.master.wait(lambda s: has(s, order), seconds, 'the order in the state',
                                 after=before)
@@ -251,7 +254,7 @@ class Trial:
 
     def refused_bytes(self, send: Callable[[], int], what: str,
                       order: Optional[Mapping[str, Any]] = None) -> Dict[str, Any]:
-        """Like `refused`, for a payload that is not an order."""
+        """Does the same as `refused`, for a payload that is not an order."""
         was = self.master.state
         before = send()
 

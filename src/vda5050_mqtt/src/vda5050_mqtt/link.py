@@ -146,7 +146,9 @@ def _without_delay(_client: mqtt.Client, _userdata: Any, sock: Any) -> None:
 
 
 def _wait_for(sent: mqtt.MQTTMessageInfo, seconds: float) -> None:
-    """MQTTMessageInfo.wait_for_publish with a time limit, which paho-mqtt 1.5 does not have."""
+    """Waits for MQTTMessageInfo as its wait_for_publish does, with a time limit,
+    which paho-mqtt 1.5 lacks.
+    """
     ended = threading.Event()
 
     def wait() -> None:

@@ -37,7 +37,7 @@ def _wrong_count(order: OrderMessage) -> Optional[Malformed]:
 
 
 def _wrong_sequence(order: OrderMessage) -> Optional[Malformed]:
-    """Sequence ids count nodes and edges alternately, from node 0 on, without gaps."""
+    """Checks that sequence ids count nodes and edges alternately, from node 0 on, without gaps."""
     first = order.nodes[0].sequence_id
     if first % 2:
         return Malformed('nodes[0].sequenceId', f'is {first}, but the sequenceIds of nodes are '
@@ -63,7 +63,7 @@ def _wrong_ends(order: OrderMessage) -> Optional[Malformed]:
 
 
 def _wrong_release(order: OrderMessage) -> Optional[Malformed]:
-    """The base is the first part of the order and ends with a node."""
+    """Checks that the base is the first part of the order and ends with a node."""
     if not order.nodes[0].released:
         return Malformed('nodes[0].released', 'is false; an order begins with its base')
     released = True

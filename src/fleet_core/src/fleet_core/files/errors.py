@@ -24,7 +24,7 @@ class FileError(Exception):
 
     @classmethod
     def of(cls, file: Union[str, os.PathLike], wrong: WrongYaml) -> FileError:
-        """The error from a problem that the strict YAML reader found."""
+        """Returns the error from a problem that the strict YAML reader found."""
         return cls(file, wrong.problem, wrong.line)
 
     def __str__(self) -> str:

@@ -30,7 +30,7 @@ _LARGEST = 1e4  # m and m/s: a larger number is a mistake
 
 
 def load_fleet(path: Union[str, os.PathLike]) -> Fleet:
-    """The fleet in a file; raises FileError."""
+    """Returns the fleet in a file; raises FileError."""
     try:
         root = strict_yaml.compose(path)
         check_keys(root)

@@ -14,7 +14,7 @@ from trajectory_graph.strict_yaml import WrongYaml
 
 
 def load_missions(path: Union[str, os.PathLike]) -> Dict[str, Tuple[int, ...]]:
-    """The vertices to visit, by the robot's name. Raises FileError."""
+    """Returns the vertices to visit, by the robot's name. Raises FileError."""
     found: Dict[str, Tuple[int, ...]] = {}
     try:
         root = strict_yaml.compose(path)

@@ -11,7 +11,7 @@ from fleet_core.planning.tasks import PlanningOutcome
 
 def solved_plan(outcome: PlanningOutcome, planning_time: float,
                 geometry_time: float) -> Dict[str, Any]:
-    """The content of the file for a plan of all robots; times in s."""
+    """Returns the content of the file for a plan of all robots; times in s."""
     ends = [drives[-1].end if drives else 0.0 for drives in outcome.drives.values()]
     return {
         'solved': True, 'reason': '',
@@ -26,7 +26,7 @@ def solved_plan(outcome: PlanningOutcome, planning_time: float,
 
 def unsolved_plan(reason: str, lower_bound: float, robots: Iterable[str],
                   planning_time: float, geometry_time: float) -> Dict[str, Any]:
-    """The content of the file if no plan was found: the reason, and no drives."""
+    """Returns the content of the file if no plan was found: the reason, and no drives."""
     return {
         'solved': False, 'reason': reason,
         'planning_time': planning_time, 'geometry_time': geometry_time,

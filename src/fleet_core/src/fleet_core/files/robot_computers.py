@@ -18,7 +18,7 @@ _HOST_NAME = re.compile(r'[A-Za-z0-9]([A-Za-z0-9.-]{0,252})\Z')
 
 
 def load_computers(path: Union[str, os.PathLike]) -> Dict[str, str]:
-    """The address of each robot's own computer, by the robot's name; raises FileError."""
+    """Returns the address of each robot's own computer, by the robot's name; raises FileError."""
     try:
         root = strict_yaml.compose(path)
         whole = strict_yaml.mapping(root, 'the file')
@@ -34,7 +34,7 @@ def load_computers(path: Union[str, os.PathLike]) -> Dict[str, str]:
 
 
 def computer(one: Field) -> str:
-    """The address of a computer in a fleet file; raises WrongYaml."""
+    """Returns the address of a computer in a fleet file; raises WrongYaml."""
     address = strict_yaml.text(one)
     if not is_address(address):
         raise WrongYaml(f'{one[0]} is {address!r}, but must be the IPv4 address or the name of a '

@@ -26,7 +26,7 @@ _KEYS = tuple(field.name for field in fields(RobotSettings))
 
 
 def load_settings(path: Union[str, os.PathLike]) -> Dict[str, RobotSettings]:
-    """The settings of every robot in a fleet file; raises FileError."""
+    """Returns the settings of every robot in a fleet file; raises FileError."""
     try:
         root = strict_yaml.compose(path)
         whole = strict_yaml.mapping(root, 'the file')

@@ -57,7 +57,7 @@ class StopsFile(NamedTuple):
 
 
 def load_stops(path: Union[str, os.PathLike], vertex: VertexOf) -> StopsFile:
-    """The stops in a file. Raises FileError."""
+    """Returns the stops in a file. Raises FileError."""
     try:
         root = strict_yaml.compose(path)
         fields = known_fields(root, 'the file', _FILE)
@@ -74,7 +74,7 @@ def load_stops(path: Union[str, os.PathLike], vertex: VertexOf) -> StopsFile:
 
 
 def _stop(node: yaml.Node, known: Sequence[str], vertex: VertexOf) -> WorkStop:
-    """The stop that a mapping describes, at a vertex or at any place of a group."""
+    """Returns the stop that a mapping describes, at a vertex or at any place of a group."""
     fields = known_fields(node, 'a stop', (*known, _GROUP))
     if _GROUP not in fields:
         return WorkStop(*stop_of(node, known, vertex))
@@ -87,7 +87,7 @@ def _stop(node: yaml.Node, known: Sequence[str], vertex: VertexOf) -> WorkStop:
 
 def stop_of(node: yaml.Node, known: Sequence[str], place: Callable[[str], Place],
             ) -> Tuple[Place, StopKind, Tuple[WorkStep, ...], Condition]:
-    """The place, kind, steps and condition that a mapping with `known` keys describes.
+    """Returns the place, kind, steps and condition that a mapping with `known` keys describes.
 
     place -- reads the word of the place; raises ValueError with a clause
 
@@ -103,14 +103,14 @@ def stop_of(node: yaml.Node, known: Sequence[str], place: Callable[[str], Place]
 
 
 def _rest_of(fields: Dict[str, yaml.Node]) -> Tuple[StopKind, Tuple[WorkStep, ...], Condition]:
-    """The kind, steps and condition of a stop."""
+    """Returns the kind, steps and condition of a stop."""
     return (word(fields, 'kind', StopKind, StopKind.VISIT),
             tuple(map(step_of, optional_items(fields, 'steps'))),
             word(fields, 'if', Condition, Condition.ALWAYS))
 
 
 def step_of(node: yaml.Node) -> WorkStep:
-    """The step that a mapping describes. Raises WrongYaml."""
+    """Returns the step that a mapping describes. Raises WrongYaml."""
     fields = known_fields(node, 'a step', _STEP)
     step = WorkStep(
         strict_yaml.text(strict_yaml.field(fields, 'type', node)),

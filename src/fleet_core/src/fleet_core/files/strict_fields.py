@@ -17,13 +17,15 @@ ReadEntry = Callable[[str, yaml.Node, Dict[str, yaml.Node]], Entry]
 
 
 def meant(word: str, known: Collection[str]) -> str:
-    """The rest of a clause about an unknown word: the word that is nearest to it, or all."""
+    """Returns the rest of a clause about an unknown word: the word that is nearest to it,
+    or all.
+    """
     near = difflib.get_close_matches(word, known, 1)
     return f'did you mean {near[0]}?' if near else f'there are: {", ".join(known) or "none"}'
 
 
 def known_fields(node: yaml.Node, what: str, known: Sequence[str]) -> Dict[str, yaml.Node]:
-    """The fields of a mapping. Raises WrongYaml for a key that is not known."""
+    """Returns the fields of a mapping. Raises WrongYaml for a key that is not known."""
     fields = strict_yaml.mapping(node, what, known)
     for key in fields:
         if key not in known:
@@ -32,7 +34,7 @@ def known_fields(node: yaml.Node, what: str, known: Sequence[str]) -> Dict[str, 
 
 
 def word(fields: Dict[str, yaml.Node], name: str, kind: Type[Word], default: Word) -> Word:
-    """The member of an enum that a field names, in small letters. Raises WrongYaml."""
+    """Returns the member of an enum that a field names, in small letters. Raises WrongYaml."""
     if name not in fields:
         return default
     text = strict_yaml.text((name, fields[name]))
@@ -43,13 +45,14 @@ def word(fields: Dict[str, yaml.Node], name: str, kind: Type[Word], default: Wor
 
 
 def optional_items(fields: Dict[str, yaml.Node], name: str) -> Sequence[yaml.Node]:
-    """The elements of a list; none if the field is missing."""
+    """Returns the elements of a list; none if the field is missing."""
     return strict_yaml.items((name, fields[name])) if name in fields else ()
 
 
 def named(field: Field, what: str, read: ReadEntry[Entry],
           name_of: str = 'name') -> Dict[str, Entry]:
-    """The elements of a list, by their names. Raises WrongYaml for a name that occurs twice.
+    """Returns the elements of a list, by their names. Raises WrongYaml for a name that occurs
+    twice.
 
     name_of -- the field that names an element without a `name`
     """

@@ -106,7 +106,7 @@ _ROBOTS_NAME = re.compile('[A-Za-z0-9_-]{1,40}')
 
 
 def load_work(path: Union[str, os.PathLike], graph: Graph) -> SiteWork:
-    """What a file says about the work at the site of a graph. Raises FileError."""
+    """Returns what a file says about the work at the site of a graph. Raises FileError."""
     try:
         root = strict_yaml.compose(path)
         fields = known_fields(root, 'the file', _FILE)
@@ -181,7 +181,7 @@ def _capacity(whose: str, fields: Dict[str, yaml.Node], places: Sequence[int],
 
 def _chargers(fields: Dict[str, yaml.Node], names: Container[str],
               graph: Graph) -> Dict[str, Charger]:
-    """The chargers; `names`: of the stations and devices."""
+    """Returns the chargers; `names`: of the stations and devices."""
     owners: Dict[int, str] = {}
 
     def charger(name: str, node: yaml.Node, fields: Dict[str, yaml.Node]) -> Charger:
@@ -224,7 +224,7 @@ def _vertices(field: Field, graph: Graph) -> Tuple[int, ...]:
 
 
 def _distinct(field: Field, read: Callable[[str], int]) -> Tuple[int, ...]:
-    """The numbers of a list. Raises WrongYaml also for one that occurs twice."""
+    """Returns the numbers of a list. Raises WrongYaml also for one that occurs twice."""
     found: List[int] = []
     for node in strict_yaml.items(field):
         try:
@@ -274,7 +274,7 @@ def _refuse_keys(name: str, kind: DeviceKind, keys: Sequence[str],
 
 def _machine(stations: Mapping[str, Station], graph: Graph, name: str, node: yaml.Node,
              fields: Dict[str, yaml.Node]) -> StepDevice:
-    """A device that carries out steps. Its name becomes part of the names of topics."""
+    """Returns a device that carries out steps. Its name becomes part of the names of topics."""
     if not _NAME.fullmatch(name):
         raise WrongYaml(f'machine {name!r} needs a name of letters, digits and _', node)
     _refuse_keys(name, DeviceKind.MACHINE, [
@@ -308,7 +308,7 @@ def _hand_over_address(node: yaml.Node, fields: Dict[str, yaml.Node]) -> HandOve
 
 def _device_address(name: str, driver: DeviceDriver, node: yaml.Node,
                     fields: Dict[str, yaml.Node]) -> Union[ModbusAddress, RobotAddress, None]:
-    """The address of a device. Raises WrongYaml for a key of another driver."""
+    """Returns the address of a device. Raises WrongYaml for a key of another driver."""
     for other, keys in _ADDRESS.items():
         for key in keys:
             if key in fields and other is not driver:
@@ -341,7 +341,7 @@ def _port_and_unit(fields: Dict[str, yaml.Node]) -> Tuple[int, int]:
 
 
 def _robot_address(node: yaml.Node, fields: Dict[str, yaml.Node]) -> RobotAddress:
-    """The names of a robot, an output and an input; they become part of a command."""
+    """Returns the names of a robot, an output and an input; they become part of a command."""
     strict_yaml.require(fields, ('robot', 'output', 'input'), node)
 
     def name(key: str) -> str:
@@ -471,7 +471,7 @@ def _steps_of_kind(stations: Mapping[str, Station], types: FrozenSet[str], graph
 
 def _places(key: str, stations: Mapping[str, Station], graph: Graph,
             nodes: Sequence[yaml.Node]) -> Tuple[int, ...]:
-    """The vertices of the places in a list of words."""
+    """Returns the vertices of the places in a list of words."""
     places: List[int] = []
     for node in nodes:
         try:
@@ -515,7 +515,7 @@ def _arguments(fields: Dict[str, yaml.Node]) -> Tuple[Tuple[str, str], ...]:
 
 
 def _period(field: Field) -> int:
-    """Minutes, from `30 min` or `2 h`."""
+    """Returns the minutes, from `30 min` or `2 h`."""
     text = strict_yaml.text(field)
     found = re.fullmatch(r'(\d{1,4}) ?(min|h)', text, re.ASCII)
     minutes = int(found[1]) * _MINUTES[found[2]] if found else 0

@@ -22,7 +22,7 @@ class Area:
 
 
 def are_nearer(one: Sequence[Point], other: Sequence[Point], distance: float) -> bool:
-    """Do two lines through points come nearer to each other than `distance` (m)?"""
+    """Returns whether two lines through points come nearer to each other than `distance` (m)."""
     if len(one) == len(other) == 1:  # as for robots that stand between vertices
         return math.dist(one[0], other[0]) <= distance
     (first, last), others = _segments(one), np.stack(_segments(other), axis=2)
@@ -36,6 +36,9 @@ def are_nearer(one: Sequence[Point], other: Sequence[Point], distance: float) ->
 
 
 def _segments(line: Sequence[Point]) -> Tuple[np.ndarray, np.ndarray]:
-    """First and last points (2,N) of a line's segments. A single point is one segment."""
+    """Returns the first and last points (2,N) of a line's segments.
+
+    A single point is one segment.
+    """
     points = np.array(line, dtype=float).T
     return (points, points) if len(line) == 1 else (points[:, :-1], points[:, 1:])

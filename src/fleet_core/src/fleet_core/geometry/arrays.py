@@ -5,7 +5,7 @@ import numpy as np
 
 
 def count_up(lengths: np.ndarray) -> np.ndarray:
-    """0, 1 .. n - 1 for each n of `lengths`, one row after the other."""
+    """Returns 0, 1 .. n - 1 for each n of `lengths`, one row after the other."""
     ends = np.cumsum(lengths)
     return np.arange(ends[-1] if len(ends) else 0) - np.repeat(ends - lengths, lengths)
 

@@ -12,7 +12,8 @@ import numpy as np
 
 def time_within(start: np.ndarray, end: np.ndarray, first: np.ndarray, last: np.ndarray,
                 distance: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
-    """The times at which points moving from `start` to `end` are in capsules `first`..`last`.
+    """Returns the times at which points moving from `start` to `end` are in capsules
+    `first`..`last`.
 
     All are (2,N) in m, `distance` is (N,). Time runs from 0 to 1. Returns entries and exits (N,).
     If the entry is greater than the exit, the point is never nearer than the distance.
@@ -33,7 +34,7 @@ def time_within(start: np.ndarray, end: np.ndarray, first: np.ndarray, last: np.
 
 def _within_disc(offset: np.ndarray, path: np.ndarray,
                  radius: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
-    """The two times between which |offset + t path| < radius; equal: never."""
+    """Returns the two times between which |offset + t path| < radius; equal: never."""
     square = path[0] * path[0] + path[1] * path[1]
     half = offset[0] * path[0] + offset[1] * path[1]
     rest = offset[0] * offset[0] + offset[1] * offset[1] - radius * radius
@@ -49,7 +50,9 @@ def _within_disc(offset: np.ndarray, path: np.ndarray,
 
 def _within_rectangle(offset: np.ndarray, path: np.ndarray, axis: np.ndarray,
                       width: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
-    """Within `width` on either side of the segment from 0 along `axis`, between its ends."""
+    """Returns the times within `width` on either side of the segment from 0 along `axis`,
+    between its ends.
+    """
     length = np.hypot(axis[0], axis[1])
     unit = axis / np.where(length > 0.0, length, 1.0)
     along, along_path = _along(offset, unit), _along(path, unit)
@@ -69,7 +72,7 @@ def _across(vectors: np.ndarray, unit: np.ndarray) -> np.ndarray:
 
 def _within(at: np.ndarray, step: np.ndarray, least: np.ndarray,
             most: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
-    """When at + t step lies strictly between `least` and `most`; (inf, -inf): never."""
+    """Returns when at + t step lies strictly between `least` and `most`; (inf, -inf): never."""
     still = step == 0.0
     safe = np.where(still, 1.0, step)
     with np.errstate(over='ignore'):  # a step near 0 overflows to infinity, which is right

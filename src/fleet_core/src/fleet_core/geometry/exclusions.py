@@ -50,11 +50,11 @@ class Conflicts(NamedTuple):
     transpose: np.ndarray  # (N,) index of the same pair seen from `other`
 
     def row(self, place: int) -> List[int]:
-        """The places that exclude `place`."""
+        """Returns the places that exclude `place`."""
         return cast(List[int], self.other[self.starts[place]:self.starts[place + 1]].tolist())
 
     def fractions(self, pairs: Union[slice, np.ndarray]) -> Iterator[Tuple[float, float]]:
-        """The fractions of some pairs, driven forward and backward."""
+        """Returns the fractions of some pairs, driven forward and backward."""
         return zip(cast(List[float], self.forward[pairs].tolist()),
                    cast(List[float], self.backward[pairs].tolist()))
 
@@ -96,7 +96,8 @@ class Exclusions:
         self._rows: Dict[Tuple[float, int], List[Conflict]] = {}
 
     def excluding(self, place: int, distance: float) -> List[Conflict]:
-        """The places that exclude one place for robots whose curves must stay `distance` m apart.
+        """Returns the places that exclude one place for robots whose curves must stay `distance` m
+        apart.
 
         For single places lists are far faster than arrays.
         """
@@ -111,14 +112,15 @@ class Exclusions:
         return row
 
     def at(self, distance: float) -> Conflicts:
-        """The conflicts of robots whose curves must stay `distance` m apart."""
+        """Returns the conflicts of robots whose curves must stay `distance` m apart."""
         if distance not in self._by_distance:
             self._by_distance[distance] = self._conflicts(distance)
         return self._by_distance[distance]
 
     def near(self, line: Sequence[Tuple[float, float]],
              distance: float) -> Dict[int, Tuple[float, float]]:
-        """Places nearer than `distance` (m) to a line through these points (m), or to one point.
+        """Returns places nearer than `distance` (m) to a line through these points (m), or to one
+        point.
 
         With each edge goes the part of it that is too near, as fractions in its own direction.
         """
@@ -140,7 +142,8 @@ class Exclusions:
 
     def kept_free(self, line: Sequence[Tuple[float, float]], distance: float,
                   own: float) -> Dict[int, Tuple[float, float]]:
-        """Places `near` a robot on this line, and those of each group of which it has a place.
+        """Returns places `near` a robot on this line, and those of each group of which it has a
+        place.
 
         own -- m from the line within which the robot has a place
         """
@@ -231,7 +234,7 @@ class _Pairs:
             self.high = np.maximum.reduceat(high, first)
 
     def make_symmetric(self) -> None:
-        """If rounding made only one of two places conflict with the other, adds the other fully."""
+        """Adds the other of two places fully if rounding made only one conflict with the other."""
         key, mirrored = self._keys()
         missing = ~np.isin(mirrored, key)
         if missing.any():
@@ -245,13 +248,13 @@ class _Pairs:
                          np.searchsorted(*self._keys()))
 
     def _keys(self) -> Tuple[np.ndarray, np.ndarray]:
-        """A number for each pair, and that of the same pair seen from the other place."""
+        """Returns a number for each pair, and that of the same pair seen from the other place."""
         return (self.place * self._places + self.other,
                 self.other * self._places + self.place)
 
 
 def _cut(pieces: Pieces, longest: float) -> Pieces:
-    """The pieces, with those longer than `longest` (m) cut into equal parts."""
+    """Returns the pieces, with those longer than `longest` (m) cut into equal parts."""
     parts = np.maximum(np.ceil(_lengths(pieces) / longest - 1e-9), 1.0).astype(int)
     if parts.max() == 1:
         return pieces
@@ -278,7 +281,7 @@ class _Stretches(NamedTuple):
 
 
 def _stretches(pieces: Pieces, longest: float) -> _Stretches:
-    """All pieces, none longer than `longest` (m), in stretches of about that length."""
+    """Returns all pieces, none longer than `longest` (m), in stretches of about that length."""
     lengths = _lengths(pieces)
     along = np.cumsum(lengths) - lengths
     new_place = np.concatenate(([True], pieces.place[1:] != pieces.place[:-1]))
@@ -295,7 +298,7 @@ def _stretches(pieces: Pieces, longest: float) -> _Stretches:
 
 
 def _candidates(stretches: _Stretches, distance: float) -> Tuple[np.ndarray, np.ndarray]:
-    """Pairs of stretches of different places that may come nearer than `distance` (m)."""
+    """Returns pairs of stretches of different places that may come nearer than `distance` (m)."""
     place, middle, radius = stretches.place, stretches.middle, stretches.radius
     one, other = cKDTree(middle.T).query_pairs(2.0 * radius.max() + distance,
                                                output_type='ndarray').T
@@ -310,7 +313,7 @@ def _lengths(pieces: Pieces) -> np.ndarray:
 
 def _distance(points: np.ndarray, one: np.ndarray, others: np.ndarray,
               other: np.ndarray) -> np.ndarray:
-    """Distances (m) of some `points` (2,N) from some of the `others`."""
+    """Returns the distances (m) of some `points` (2,N) from some of the `others`."""
     here: np.ndarray = points.take(one, axis=1)
     there: np.ndarray = others.take(other, axis=1)
     x, y = here - there
@@ -319,7 +322,7 @@ def _distance(points: np.ndarray, one: np.ndarray, others: np.ndarray,
 
 def _pairs_of_pieces(stretches: _Stretches, one: np.ndarray, other: np.ndarray,
                      distance: float) -> Tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """The pairs of pieces, of pairs of stretches, that may be too near.
+    """Returns the pairs of pieces, of pairs of stretches, that may be too near.
 
     Returns the number of the pair of stretches, ascending, and the two pieces.
     """
@@ -339,7 +342,7 @@ def _pairs_of_pieces(stretches: _Stretches, one: np.ndarray, other: np.ndarray,
 
 def _near(pieces: Pieces, stretches: _Stretches, one: np.ndarray, other: np.ndarray,
           distance: float) -> Iterator[Tuple[np.ndarray, ...]]:
-    """The pairs of stretches that are too near, in both directions.
+    """Yields the pairs of stretches that are too near, in both directions.
 
     Yields the places, and the part of the first one that is too near to the second.
     """
@@ -367,7 +370,9 @@ def _near(pieces: Pieces, stretches: _Stretches, one: np.ndarray, other: np.ndar
 
 
 def _within_approach(approach: Approach) -> Tuple[np.ndarray, ...]:
-    """Each edge of a dock's approach excludes all other places in the approach."""
+    """Returns the pairs by which each edge of a dock's approach excludes all other places in the
+    approach.
+    """
     pairs = [(edge, other, *stretch) for edge, stretch in approach.edges.items()
              for other in (*approach.edges, *approach.vertices) if other != edge]
     place, other, low, high = zip(*pairs) if pairs else ((), (), (), ())

@@ -42,7 +42,10 @@ class Splines(NamedTuple):
 
 
 def splines_of(graph: Graph) -> Splines:
-    """The splines with their control points. Computing these is slow, so it is done once."""
+    """Returns the splines with their control points.
+
+    Computing these is slow, so it is done once.
+    """
     edges = [k for k, edge in enumerate(graph.edges.values())
              if edge.curve_type is CurveType.SPLINE]
     ids = list(graph.edges)
@@ -51,7 +54,7 @@ def splines_of(graph: Graph) -> Splines:
 
 
 def pieces_of(graph: Graph, splines: Splines) -> Pieces:
-    """The pieces of all vertices, then of all edges."""
+    """Returns the pieces of all vertices, then of all edges."""
     positions = np.array([vertex.position for vertex in graph.vertices.values()], dtype=float).T
     index = {id: k for k, id in enumerate(graph.vertices)}
     count = len(index)
@@ -71,7 +74,7 @@ def pieces_of(graph: Graph, splines: Splines) -> Pieces:
 
 
 def edge_lengths(graph: Graph, splines: Splines) -> np.ndarray:
-    """Arc length (m) of each edge, in the graph's order."""
+    """Returns the arc length (m) of each edge, in the graph's order."""
     lengths = np.zeros(len(graph.edges))
     for k, edge in enumerate(graph.edges.values()):
         if edge.curve_type is CurveType.LINE:
@@ -84,7 +87,8 @@ def edge_lengths(graph: Graph, splines: Splines) -> np.ndarray:
 
 
 def _spline_pieces(places: np.ndarray, control: np.ndarray) -> Pieces:
-    """The pieces of splines: chords, halved until no point of the curve is too far from its chord.
+    """Returns the pieces of splines: chords, halved until no point of the curve is too far
+    from its chord.
     """
     t = np.linspace(0.0, 1.0, 2 * _FINE + 1)
     points, arcs = bezier_points(control, t), bezier_arc_lengths(control, t)
@@ -115,7 +119,8 @@ def _spline_pieces(places: np.ndarray, control: np.ndarray) -> Pieces:
 
 def _strayed(points: np.ndarray, arcs: np.ndarray, which: np.ndarray, begins: np.ndarray,
              step: int) -> np.ndarray:
-    """Largest distance (m) of each chord from its part of the curve, at the same arc lengths.
+    """Returns the largest distance (m) of each chord from its part of the curve, at the same arc
+    lengths.
 
     A chord leads from point `begins` to point `begins` + `step` of curve `which`.
     """

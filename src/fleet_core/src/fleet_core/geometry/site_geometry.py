@@ -54,7 +54,7 @@ class SiteGeometry:
         """(E,) arc lengths in m."""
 
     def edge_place(self, signed_id: int) -> int:
-        """The place of an edge, in both directions."""
+        """Returns the place of an edge, in both directions."""
         return len(self.vertex_ids) + self.edge_index[abs(signed_id)]
 
     @cached_property
@@ -70,7 +70,7 @@ class SiteGeometry:
                 *map(self.edge_place, sorted(edges)))
 
     def _approaches(self) -> Tuple[Approach, ...]:
-        """All places within `dock_approach` of each dock along the edges."""
+        """Returns all places within `dock_approach` of each dock along the edges."""
         docks = [vertex.id for vertex in self.graph.vertices.values() if vertex.dock]
         if not docks:
             return ()
@@ -99,7 +99,9 @@ class SiteGeometry:
         return Approach(edges, frozenset(near) - {dock})
 
     def _near(self, dock: int, roads: List[List[Road]]) -> Dict[int, float]:
-        """Vertices nearer to a dock than `dock_approach` along the edges, with the distance (m)."""
+        """Returns the vertices nearer to a dock than `dock_approach` along the edges,
+        with the distance (m).
+        """
         near = takewhile(lambda reached: reached.distance < self.dock_approach,
                          nearest_first(dock, roads.__getitem__))
         return {reached.vertex: reached.distance for reached in near}

@@ -13,13 +13,13 @@ class Changes:
         self._last: Dict[str, int] = {}  # the robot that changed last comes last
 
     def add(self, name: str) -> None:
-        """A robot has changed."""
+        """Notes that a robot has changed."""
         self._number += 1
         self._last.pop(name, None)
         self._last[name] = self._number
 
     def of(self, name: str) -> int:
-        """Number of the last change of a robot; it only grows."""
+        """Returns the number of the last change of a robot; it only grows."""
         return self._last.get(name, 0)
 
     def follow(self) -> Callable[[], List[str]]:

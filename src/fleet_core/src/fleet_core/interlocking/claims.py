@@ -131,15 +131,15 @@ class Claims:
     # -- state ------------------------------------------------------------------------------------
 
     def __bool__(self) -> bool:
-        """Has the site any resource?"""
+        """Returns whether the site has any resource."""
         return bool(self.needs.resources)
 
     def of(self, name: str) -> FrozenSet[str]:
-        """Names of the resources that a robot claims."""
+        """Returns the names of the resources that a robot claims."""
         return self._kept(name) | self.stored_of(name)
 
     def stored_of(self, name: str) -> FrozenSet[str]:
-        """Names of the resources that a robot claims by the journal."""
+        """Returns the names of the resources that a robot claims by the journal."""
         return self._stored.get(name, NOTHING)
 
     @property
@@ -148,11 +148,11 @@ class Claims:
         return self._stored.keys() | self._needed.keys() | self._wanted.keys()
 
     def holders(self, resource: str) -> List[str]:
-        """Names of the robots that claim a resource."""
+        """Returns the names of the robots that claim a resource."""
         return sorted(name for name in self.robots if resource in self.of(name))
 
     def state(self, name: str, resource: str) -> Optional[ClaimState]:
-        """The state of a robot's claim to a resource; None: it has none."""
+        """Returns the state of a robot's claim to a resource; None: it has none."""
         if resource not in self.of(name):
             return None
         return Facts(resource in self._needed.get(name, NOTHING),
@@ -160,7 +160,9 @@ class Claims:
                      self._is_ready(name, resource)).state
 
     def lost(self) -> Iterator[Tuple[str, str]]:
-        """The robots that may be where a device does not say that it is open, and the resources."""
+        """Yields the robots that may be where a device does not say that it is open,
+        and the resources.
+        """
         for name in sorted(self.robots):
             for resource in sorted(self.of(name)):
                 has_device = self.needs.resources[resource].has_device
@@ -176,7 +178,8 @@ class Claims:
         return asked is not None and self.open_for.get(resource, 0) >= asked
 
     def keeping_out(self, name: str, edge: int, is_inside: bool) -> str:
-        """Name of a resource that keeps a robot from driving a signed edge now; empty: none does.
+        """Returns the name of a resource that keeps a robot from driving a signed edge now; empty:
+        none does.
 
         A robot that is already where a resource is needed may leave without its device.
         """
@@ -193,7 +196,10 @@ class Claims:
     # -- changes ----------------------------------------------------------------------------------
 
     def follow(self, name: str, allocation: Allocation) -> None:
-        """A robot has this allocation now. Where evidence says that it is, it has its claims."""
+        """Notes that a robot has this allocation now.
+
+        Where evidence says that it is, it has its claims.
+        """
         if not self:
             return
         needed = (self.of(name) if allocation.knowledge is Knowledge.UNKNOWN
@@ -203,7 +209,8 @@ class Claims:
             self._note(name)
 
     def want(self, name: str, edges: Sequence[int]) -> None:
-        """A robot asks for these signed edges, and for no others: it claims what they need.
+        """Notes that a robot asks for these signed edges, and for no others: it claims what they
+        need.
 
         The claims of edges that follow each other are had together or not at all, in the order of
         the edges.
@@ -219,7 +226,7 @@ class Claims:
         self._note(name)
 
     def _stretches(self, edges: Iterable[int]) -> Iterator[FrozenSet[str]]:
-        """What each run of edges needs of which each needs something."""
+        """Yields what each run of edges needs of which each needs something."""
         run = NOTHING
         for edge in edges:
             needed = self.needs.of_edge(edge)
@@ -230,12 +237,12 @@ class Claims:
             yield run
 
     def _is_free(self, name: str, resource: str) -> bool:
-        """Does a robot claim a resource, or may it?"""
+        """Returns whether a robot claims a resource, or may claim it."""
         holders = self.holders(resource)
         return name in holders or len(holders) < self.needs.resources[resource].capacity
 
     def forget(self, name: str) -> None:
-        """A robot is not on the site any more."""
+        """Notes that a robot is not on the site any more."""
         self._needed[name] = self._wanted[name] = NOTHING
         self._note(name)
 
@@ -248,7 +255,7 @@ class Claims:
             self._draw()
 
     def _kept(self, name: str) -> FrozenSet[str]:
-        """The claims of a robot that do not end with the next commit."""
+        """Returns the claims of a robot that do not end with the next commit."""
         return self._needed.get(name, NOTHING) | self._wanted.get(name, NOTHING)
 
     def _draw(self) -> None:
@@ -258,7 +265,7 @@ class Claims:
 
     @property
     def is_changed(self) -> bool:
-        """Are claims to be stored?"""
+        """Whether claims are to be stored."""
         return bool(self._changed) or not self._is_begun
 
     @property
@@ -276,7 +283,7 @@ class Claims:
         return {name: self._kept(name) for name in sorted(self._changed)}
 
     def stored(self) -> None:
-        """What was to be stored is in the journal now. The devices may be asked."""
+        """Notes that what was to be stored is in the journal now. The devices may be asked."""
         told = set() if self._is_begun else set(self.needs.resources)
         self._is_begun = True
         for name, kept in self.to_store.items():
@@ -298,11 +305,11 @@ class Claims:
             self._asked[name, resource] = self._number
 
     def asked_for(self, resource: str) -> FrozenSet[str]:
-        """Names of the robots for which the newest request holds the device."""
+        """Returns the names of the robots for which the newest request holds the device."""
         return frozenset(name for name, asked in self._asked if asked == resource)
 
     def outnumber(self, number: int) -> None:
-        """A device obeys a request with this number, which is not of this journal.
+        """Notes that a device obeys a request with this number, which is not of this journal.
 
         It takes no request with a lower number. So each device is asked anew, and only that counts.
         """

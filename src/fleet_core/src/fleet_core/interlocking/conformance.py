@@ -101,11 +101,11 @@ class ObservedRobot(Protocol):
 
     @property
     def needs_person(self) -> bool:
-        """Must a person bring the robot back before it may drive again?"""
+        """Whether a person must bring the robot back before it may drive again."""
 
 
 def _needed(needs: Needs, allocation: Optional[Allocation]) -> FrozenSet[str]:
-    """What the places of an allocation need; nothing if the robot may be anywhere."""
+    """Returns what the places of an allocation need; nothing if the robot may be anywhere."""
     if allocation is None or allocation.knowledge is not Knowledge.KNOWN:
         return NOTHING
     return needs.of(allocation)
@@ -135,7 +135,7 @@ class Conformance:
 
     def granted(self, name: str, edges: Collection[int], claims: Claims,
                 before: Allocation, after: Allocation) -> None:
-        """The interlocking has granted these edges to a robot, with these claims."""
+        """Notes that the interlocking has granted these edges to a robot, with these claims."""
         self._granted.setdefault(name, set()).update(edges)
         if not set(after.areas) <= set(before.areas):
             self._grown.add(name)
@@ -145,7 +145,7 @@ class Conformance:
                 needed - claims.stored_of(name))
 
     def stored(self, name: str, allocation: Allocation) -> None:
-        """This allocation of a robot is in the journal."""
+        """Notes that this allocation of a robot is in the journal."""
         self._journal[name] = edges_of(allocation)
         self._stored[name] = allocation
 
@@ -172,7 +172,7 @@ class Conformance:
         return [*found, *self._wrong_claims(robots, claims)] if claims else found
 
     def _wrong_edges(self, name: str, robot: ObservedRobot) -> List[Violation]:
-        """What is wrong with the edges of a robot that has changed."""
+        """Returns what is wrong with the edges of a robot that has changed."""
         now, before = self._state(name, robot), self._before.get(name)
         self._before[name] = now
         return [Violation(invariant, name, edges) for invariant, edges in (
@@ -184,7 +184,7 @@ class Conformance:
     @staticmethod
     def _too_near(name: str, robots: Mapping[str, ObservedRobot],
                   excluding: Callable[[str], Sequence[str]]) -> List[Violation]:
-        """A robot that excludes one that may drive; empty: none does.
+        """Returns a robot that excludes one that may drive; empty: none does.
 
         A robot that has not reported since the start is known only roughly for a moment.
         """
@@ -197,7 +197,8 @@ class Conformance:
 
     def _wrong_claims(self, robots: Mapping[str, ObservedRobot],
                       claims: Claims) -> Iterator[Violation]:
-        """What is wrong with claims. Evidence may claim more than there is; nothing else may.
+        """Yields what is wrong with claims. Evidence may claim more than there is; nothing else
+        may.
 
         Only a check after each event tells which of the two it was.
         """
@@ -222,7 +223,7 @@ class Conformance:
                     yield Violation(invariant, name, resources=resources)
 
     def _is_seen(self, name: str, master: RouteMaster) -> bool:
-        """Is this the state of the last check? Each change makes new objects."""
+        """Returns whether this is the state of the last check; each change makes new objects."""
         before = self._seen.get(name)
         now = self._seen[name] = master.allocation, master.protocol, master.last_sent
         return before is not None and before[2] == now[2] and (

@@ -89,7 +89,7 @@ class InterlockedRobot(Protocol):
 
     @property
     def needs_person(self) -> bool:
-        """Must a person bring the robot back before it may drive again?"""
+        """Whether a person must bring the robot back before it may drive again."""
 
 
 @dataclass(frozen=True)
@@ -202,13 +202,13 @@ class Interlocking:
         return Grant(tuple(granted), refusal)
 
     def _lacking_claims(self, robot: InterlockedRobot, edges: Sequence[int]) -> List[int]:
-        """The longest beginning of these edges from which at most claims keep the robot."""
+        """Returns the longest beginning of these edges from which at most claims keep the robot."""
         return [asked.edge for asked in takewhile(
             lambda asked: first_refusal(WITHOUT_CLAIMS, self, asked) is None,
             self._asked(robot, edges))]
 
     def would_grant(self, wanted: Mapping[str, Sequence[int]]) -> Dict[str, Tuple[int, ...]]:
-        """For each robot the longest beginning of its edges that all may have now, at once.
+        """Returns for each robot the longest beginning of its edges that all may have now, at once.
 
         Nothing is granted. It does not matter that a robot's last order is not settled yet: that
         takes until its next report only.
@@ -254,7 +254,7 @@ class Interlocking:
         return self._to_store
 
     def stored(self, names: Collection[str]) -> None:
-        """The present allocations of these robots are in the journal now."""
+        """Notes that the present allocations of these robots are in the journal now."""
         for name in names:
             if name in self._robots:
                 allocation = self._robots[name].master.allocation
@@ -264,7 +264,7 @@ class Interlocking:
         self._to_store.difference_update(names)
 
     def not_stored(self, trouble: str) -> None:
-        """Nothing can be stored now. What was granted for that commit is taken back.
+        """Notes that nothing can be stored now. What was granted for that commit is taken back.
 
         Such a grant would leave when the journal can be written again. Until then a door may have
         closed. So the robot is granted these edges anew, by all gates and conditions.
@@ -278,7 +278,9 @@ class Interlocking:
     # -- conformance ------------------------------------------------------------------------------
 
     def violations(self) -> List[Violation]:
-        """What the event that ends now did against the model. To be called after its orders left.
+        """Returns what the event that ends now did against the model.
+
+        To be called after its orders left.
         """
         if self._conformance is None:
             return []
@@ -288,7 +290,9 @@ class Interlocking:
     # -- orders that are sent ---------------------------------------------------------------------
 
     def orders(self, now: float) -> List[Tuple[str, Sending]]:
-        """All orders that are due now. Orders that stop a robot or shorten its route pass no gate.
+        """Returns all orders that are due now.
+
+        Orders that stop a robot or shorten its route pass no gate.
         """
         found: List[Tuple[str, Sending]] = []
         for name, robot in self._robots.items():
@@ -301,7 +305,7 @@ class Interlocking:
         return found
 
     def _is_held_back(self, robot: InterlockedRobot) -> bool:
-        """Must an order that lets a robot drive wait?
+        """Returns whether an order that lets a robot drive must wait.
 
         A repeated order does not wait for the journal: it is stored already.
         """
@@ -327,7 +331,7 @@ class Interlocking:
         return sorted(self._unknown)
 
     def excluding(self, name: str) -> Tuple[str, ...]:
-        """Names of all robots whose allocations exclude that of this robot."""
+        """Returns the names of all robots whose allocations exclude that of this robot."""
         self._refresh()
         robot, own = self._robots[name], self._known[name]
         if own.knowledge is not Knowledge.KNOWN:
@@ -340,7 +344,9 @@ class Interlocking:
         return tuple(sorted(found))
 
     def is_free(self, robot: InterlockedRobot, position: GraphPosition) -> bool:
-        """Does no other robot's allocation exclude that `robot` stands at this position?"""
+        """Returns whether no other robot's allocation excludes
+        that `robot` stands at this position.
+        """
         self._refresh()
         if position.vertex is not None:
             return not self.holder(robot, HeldPlace(self._geometry.index[position.vertex]))
@@ -384,11 +390,14 @@ class Interlocking:
                 yield other
 
     def holder(self, robot: InterlockedRobot, held: HeldPlace) -> str:
-        """Name of a robot that holds a place which excludes this place of `robot`; empty: none."""
+        """Returns the name of a robot that holds a place which excludes this place of `robot`.
+
+        Empty: none.
+        """
         return next(self._holders(robot, held), '')
 
     def _holders(self, robot: InterlockedRobot, held: HeldPlace) -> Iterator[str]:
-        """Names of all such robots. A name may come twice."""
+        """Yields the names of all such robots. A name may come twice."""
         kind = robot.type
         yield from self._holds.excluding(robot.name, kind, held)
         for name in self._with_areas:
@@ -426,7 +435,7 @@ class Interlocking:
 
 
 def _meets(part: Optional[Tuple[float, float]], held: HeldPlace) -> bool:
-    """Does the blocked part of a place lie on the part of it that is still held?
+    """Returns whether the blocked part of a place lies on the part of it that is still held.
 
     part -- the part of the place that is too near to something, from and to a fraction; None: none
     """
@@ -488,7 +497,9 @@ def _last_order_is_settled(_: Interlocking, asked: Asked) -> Optional[Refusal]:
 
 
 def _edge_follows(_: Interlocking, asked: Asked) -> Optional[Refusal]:
-    """The edge must join the edge before it, the end of all grants, or the robot's position."""
+    """Refuses an edge that does not join the edge before it, the end of all grants,
+    or the robot's position.
+    """
     record = asked.robot.master.record
     graph, start = record.graph, asked.robot.master.record.position
     if asked.before:
@@ -503,7 +514,7 @@ def _edge_follows(_: Interlocking, asked: Asked) -> Optional[Refusal]:
 
 
 def _edge_is_open(site: Interlocking, asked: Asked) -> Optional[Refusal]:
-    """A robot inside a closed edge may leave it, in either direction."""
+    """Refuses a closed edge, unless the robot is on it and leaves it, in either direction."""
     closed = abs(asked.edge) in site.closed and not asked.is_inside
     return Refusal(Gate.CLOSED_EDGE, asked.edge) if closed else None
 

@@ -26,7 +26,10 @@ class Pose:
 
 
 def distance(graph: Graph, one: Pose, other: Pose) -> float:
-    """Metres between two poses: along their common edge, else straight; infinite off the graph."""
+    """Returns the metres between two poses: along their common edge, else straight.
+
+    Infinite off the graph.
+    """
     if one.edge == other.edge:
         length = graph.curve(one.edge).length if one.edge else 0.0
         return abs(one.fraction - other.fraction) * length
@@ -36,7 +39,7 @@ def distance(graph: Graph, one: Pose, other: Pose) -> float:
 
 
 def point_of(graph: Graph, pose: Pose) -> Point:
-    """x, y in m of a pose on the graph."""
+    """Returns x, y in m of a pose on the graph."""
     curve = graph.curve(pose.edge)
     x, y = curve.point_at(pose.fraction * curve.length)
     return float(x), float(y)
@@ -69,11 +72,11 @@ class Report:
 
     @property
     def is_ahead(self) -> bool:
-        """Is the robot's clock ahead of ours by more than clocks may differ?"""
+        """Whether the robot's clock is ahead of ours by more than clocks may differ."""
         return self.age < -CLOCK_ERROR
 
     def located(self, graph: Graph) -> Optional[Point]:
-        """The robot's location, x, y in m; None: the report has none."""
+        """Returns the robot's location, x, y in m; None: the report has none."""
         location = self.said.location
         if location is not None:
             return location.x, location.y
@@ -93,7 +96,10 @@ def check_report(report: Report, graph: Graph) -> None:
 
 
 def old_location(name: str, report: Report) -> str:
-    """The warning about a robot whose location was old at its arrival; empty: it was not old."""
+    """Returns the warning about a robot whose location was old at its arrival.
+
+    Empty: it was not old.
+    """
     if report.age <= _OLD:
         return ''
     return (f'The locations of {name} are more than {_OLD:.0f} s old when they arrive. Either they '
@@ -110,19 +116,22 @@ class GraphPosition:
     fraction: float = 0.0
 
     def is_on(self, graph: Graph) -> bool:
-        """Does the graph have this position?"""
+        """Returns whether the graph has this position."""
         return abs(self.edge) in graph.edges if self.vertex is None else (
             self.vertex in graph.vertices)
 
     def point(self, graph: Graph) -> Point:
-        """The point x, y in m."""
+        """Returns the point x, y in m."""
         if self.vertex is None:
             return point_of(graph, Pose(self.edge, self.fraction))
         vertex = graph.vertices[self.vertex]
         return vertex.x, vertex.y
 
     def distance(self, graph: Graph, pose: Pose) -> float:
-        """Metres to a pose: along the common edge, else straight; infinite off the graph."""
+        """Returns the metres to a pose: along the common edge, else straight.
+
+        Infinite off the graph.
+        """
         if self.vertex is None:
             return distance(graph, Pose(self.edge, self.fraction), pose)
         if not pose.edge:
@@ -130,7 +139,7 @@ class GraphPosition:
         return math.dist(self.point(graph), point_of(graph, pose))
 
     def touches(self, graph: Graph, edges: Tuple[int, ...], play: float = 0.0) -> bool:
-        """Is the position on one of these edges, or at an end of one?
+        """Returns whether the position is on one of these edges, or at an end of one.
 
         A robot that strays by up to `play` (m) from its edge reports the nearest edge. Beside
         another edge this need not be its own edge. The reported position is then at most twice the
@@ -144,14 +153,16 @@ class GraphPosition:
         return any(self.vertex in (graph.edge(e).origin, graph.edge(e).destination) for e in edges)
 
     def told(self, graph: Graph) -> str:
-        """The position in words: `at vertex 5`, or `on edge 7 at 60 %`."""
+        """Returns the position in words: `at vertex 5`, or `on edge 7 at 60 %`."""
         if self.vertex is not None:
             return at_vertex(graph, self.vertex)
         return f'on {place_name(graph, self.edge, self.fraction)}'
 
 
 def position_of(pose: Pose, graph: Graph, near: float) -> Optional[GraphPosition]:
-    """The position that a pose means: the vertex within `near` m, else the edge; None: off graph.
+    """Returns the position that a pose means: the vertex within `near` m, else the edge.
+
+    None: off graph.
     """
     if not pose.edge:
         return None

@@ -48,7 +48,7 @@ class Resource:
 
     @property
     def orders_plans(self) -> bool:
-        """Does the order of plans depend on it?
+        """Whether the order of plans depends on it.
 
         So it does if it is for one robot, and has several places. Without it, two robots could be
         at these places at once.
@@ -76,11 +76,11 @@ class Needs:
                 self._at[place] = self._at.get(place, NOTHING) | {one.name}
 
     def of_vertex(self, vertex: int) -> FrozenSet[str]:
-        """Names of the resources that a vertex needs."""
+        """Returns the names of the resources that a vertex needs."""
         return self._at.get(self._geometry.index[vertex], NOTHING)
 
     def of_edge(self, edge: int) -> FrozenSet[str]:
-        """Names of the resources that a signed edge needs, with both of its ends."""
+        """Returns the names of the resources that a signed edge needs, with both of its ends."""
         known = self._of_edge.get(edge)
         if known is None:
             one, other = self._ends(edge)
@@ -89,7 +89,7 @@ class Needs:
         return known
 
     def on_entry(self, edge: int, is_inside: bool) -> FrozenSet[str]:
-        """Names of the resources into which a robot gets by driving a signed edge.
+        """Returns the names of the resources into which a robot gets by driving a signed edge.
 
         is_inside -- it stands on the edge already, between the ends
         """
@@ -97,7 +97,7 @@ class Needs:
         return self.of_vertex(end) | (NOTHING if is_inside else self._inside(edge))
 
     def of(self, allocation: Allocation) -> FrozenSet[str]:
-        """Names of the resources that all places of an allocation need.
+        """Returns the names of the resources that all places of an allocation need.
 
         A robot that may stand between vertices needs what an edge needs if its centre may be
         there, and what a vertex needs if it covers the vertex with any part.

@@ -84,7 +84,7 @@ class Located(NamedTuple):
     is_stray: bool = True
 
     def area(self, kind: RobotType) -> Area:
-        """The area in which the robot may have been when the report arrived."""
+        """Returns the area in which the robot may have been when the report arrived."""
         return Area((self.point,), max(self.age, 0.0) * kind.speed)
 
 
@@ -203,23 +203,23 @@ class RouteMaster:
 
     @property
     def is_stopping(self) -> bool:
-        """Was the robot told to stop, and has not answered yet?"""
+        """Whether the robot was told to stop, and has not answered yet."""
         return self.protocol.is_stopping
 
     @property
     def takes_away(self) -> bool:
-        """Does that order stop the robot, or shorten its route?"""
+        """Whether that order stops the robot, or shortens its route."""
         return self.protocol.takes_away
 
     @property
     def is_new_motion(self) -> bool:
-        """Does that order let the robot drive, and was it never sent?"""
+        """Whether that order lets the robot drive, and was never sent."""
         return (self.order is not None and not self.takes_away
                 and self.last_sent < self.order.number)
 
     @property
     def is_ready(self) -> bool:
-        """May the robot be given a route now?
+        """Whether the robot may be given a route now.
 
         If it stands elsewhere than expected, the next location must confirm that.
         """
@@ -228,22 +228,22 @@ class RouteMaster:
 
     @property
     def has_lost_places(self) -> bool:
-        """May the robot be at places that the graph does not have any more?"""
+        """Whether the robot may be at places that the graph does not have any more."""
         return bool(self._lost.areas)
 
     @property
     def is_heard(self) -> bool:
-        """Has the robot reported since the start?"""
+        """Whether the robot has reported since the start."""
         return self._told is not None
 
     @property
     def is_absent(self) -> bool:
-        """Did a person declare that the robot is not on the site?"""
+        """Whether a person declared that the robot is not on the site."""
         return self._absent_since is not None
 
     @property
     def needs_stop(self) -> bool:
-        """Must the robot be stopped before it can be given a route?
+        """Whether the robot must be stopped before it can be given a route.
 
         It stands, but does not count the orders of this fleet manager yet, or by an older journal
         earlier orders may still reach it.
@@ -259,12 +259,12 @@ class RouteMaster:
 
     @property
     def is_confirmed(self) -> bool:
-        """Have two consecutive locations shown that the robot is elsewhere?"""
+        """Whether two consecutive locations have shown that the robot is elsewhere."""
         return self._strays >= 2
 
     @property
     def is_by_evidence(self) -> bool:
-        """Does anything except grants determine where the robot may be?"""
+        """Whether anything except grants determines where the robot may be."""
         return bool(self.allocation.areas or self.protocol.held)
 
     @property
@@ -307,7 +307,8 @@ class RouteMaster:
 
     def _covers(self, point: Point, holds: Sequence[Hold],
                 position: Optional[GraphPosition]) -> bool:
-        """Is a point on a place that the robot has, as exactly as it stands or follows its edges?
+        """Returns whether a point is on a place that the robot has, as exactly as it stands or
+        follows its edges.
 
         A robot that begins a route is as far from it as it was from the place where it stood. So a
         grant adds no other place than the edges.
@@ -388,7 +389,8 @@ class RouteMaster:
             self.record.stand(self.record.position)
 
     def not_stored(self) -> None:
-        """What was ordered last cannot be stored. It is taken back if it lets the robot drive on.
+        """Notes that what was ordered last cannot be stored. It is taken back if it lets the robot
+        drive on.
 
         A stop or a shorter route stays: it is sent although it is not stored.
         """
@@ -402,12 +404,12 @@ class RouteMaster:
         self._set(give_stop(self.protocol, number, label_of(number)))
 
     def drop_stops(self) -> None:
-        """The robot has no topics here any more: nothing can be sent to it."""
+        """Notes that the robot has no topics here any more: nothing can be sent to it."""
         protocol = self.protocol
         self._set(replace(protocol, open=tuple(one for one in protocol.open if one.edges)))
 
     def due(self, now: float) -> Optional[Sending]:
-        """The order to send now, if there is one."""
+        """Returns the order to send now, if there is one."""
         order = self.order
         if order is None:
             return None
@@ -419,7 +421,10 @@ class RouteMaster:
         return Sending(order, is_repeat)
 
     def begin_at(self, position: GraphPosition) -> None:
-        """The next route begins at this position; the robot may stand a little beside it."""
+        """Notes that the next route begins at this position.
+
+        The robot may stand a little beside it.
+        """
         self._beside = self.location
         self.record.stand(position)
         self.record.begin_anew()
@@ -461,13 +466,16 @@ class RouteMaster:
         return heard
 
     def _is_stray(self, point: Optional[Point]) -> bool:
-        """Is the robot on no place that it holds?"""
+        """Returns whether the robot is on no place that it holds."""
         record = self.record
         return point is not None and not self._covers(
             point, record.holds(), None if record.ahead else record.position)
 
     def _come_to_rest(self, report: Report, heard: Heard, expected: str) -> None:
-        """The robot stands; `expected`: where it should be, empty if it is there or was unknown."""
+        """Notes that the robot stands.
+
+        `expected`: where it should be, empty if it is there or was unknown.
+        """
         heard.left = bool(expected)
         heard.is_near = self._is_near(report)
         self._stand(report)
@@ -484,7 +492,7 @@ class RouteMaster:
             self._cut_refused = 0  # the numbers of edges may go back
 
     def _is_beside(self, report: Report, point: Optional[Point]) -> bool:
-        """Does the robot count as where it may be, although it is not exactly there?
+        """Returns whether the robot counts as where it may be, although it is not exactly there.
 
         A standing robot may be a little beside the place where its route begins or ends. If nothing
         was known of its place, it may be anywhere.
@@ -496,7 +504,7 @@ class RouteMaster:
             point, position.point(self.record.graph)) <= BESIDE
 
     def _expected(self, before: MasterState) -> str:
-        """A clause that says where the robot may have been by its orders."""
+        """Returns a clause that says where the robot may have been by its orders."""
         edges = dict.fromkeys(abs(step.edge) for step in before.may_be_on
                               if step.number >= self.record.cleared[0])
         return (f'it was expected on the edges {listed(drawn_ids(self.record.graph, edges))}'
@@ -507,7 +515,9 @@ class RouteMaster:
         return 'off the graph' if position is None else position.told(self.record.graph)
 
     def _is_near(self, report: Report) -> bool:
-        """Is the robot still on the edge on which it stood, or on one that leads to its vertex?"""
+        """Returns whether the robot is still on the edge on which it stood, or on one
+        that leads to its vertex.
+        """
         position, graph = self.record.position, self.record.graph
         if position is None or not report.pose.edge:
             return False
@@ -530,7 +540,7 @@ class RouteMaster:
         return True
 
     def _stand(self, report: Report) -> None:
-        """The robot stands at the location of this report, and on nothing else."""
+        """Notes that the robot stands at the location of this report, and on nothing else."""
         record = self.record
         if self.protocol.order >= self._lost.until:
             self._lost = NOT_LOST
@@ -549,12 +559,15 @@ class RouteMaster:
         self._strays = 0
 
     def beside(self, position: GraphPosition) -> float:
-        """Distance (m) of the last location from a position; 0: there is no location."""
+        """Returns the distance (m) of the last location from a position.
+
+        0: there is no location.
+        """
         return 0.0 if self.location is None else math.dist(
             self.location, position.point(self.record.graph))
 
     def position_at(self, pose: Pose) -> Optional[GraphPosition]:
-        """Where the robot can begin a route if it is at this pose.
+        """Returns where the robot can begin a route if it is at this pose.
 
         It is on a dock only if it is within AT_VERTEX. A robot near a dock is not docked: it must
         still drive into it.
@@ -626,7 +639,7 @@ class RouteMaster:
         return True
 
     def doubt(self) -> None:
-        """The restored state is that of an older journal: the robot may be anywhere.
+        """Notes that the restored state is that of an older journal: the robot may be anywhere.
 
         That ends when the robot stands after a stop that is given from now on, because an order
         that the journal does not know may still be on its way.
@@ -635,7 +648,9 @@ class RouteMaster:
         self._set(replace(self.protocol, unknown=self._next_number()))
 
     def settle(self, position: Optional[GraphPosition]) -> None:
-        """A person says that the robot stands at this position and holds nothing else."""
+        """Notes that a person says that the robot stands at this position
+        and holds nothing else.
+        """
         self._set(replace(self.protocol, behind=(), held=(), is_anywhere=False))
         self.record.stand(position)
         self.record.begin_anew()
@@ -645,7 +660,10 @@ class RouteMaster:
         self._changed()
 
     def declare_absent(self, now: float) -> None:
-        """A person declares that the robot is not on the site. `now` is the supervisor's time."""
+        """Notes that a person declares that the robot is not on the site.
+
+        `now` is the supervisor's time.
+        """
         self.settle(None)
         self.locations = ()
         self._set(replace(self.protocol, open=(), unknown=0))
@@ -662,13 +680,13 @@ class RouteMaster:
 
 
 def is_dock(position: Optional[GraphPosition], graph: Graph) -> bool:
-    """Is this position a dock?"""
+    """Returns whether this position is a dock."""
     return (position is not None and position.vertex is not None
             and graph.vertices[position.vertex].dock)
 
 
 def is_on(graph: Graph, edges: Sequence[int]) -> bool:
-    """Can a route over these edges be driven on this graph?"""
+    """Returns whether a route over these edges can be driven on this graph."""
     try:
         check_route(graph, edges)
     except TrajectoryGraphError:

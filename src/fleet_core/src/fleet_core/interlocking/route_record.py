@@ -86,14 +86,16 @@ class RouteRecord:
         return (*self.protocol.behind, *map(Step, count(self.done), self.ahead))
 
     def holds(self) -> Tuple[Hold, ...]:
-        """All edges that other robots may not be granted, each with its cleared fraction."""
+        """Returns all edges that other robots may not be granted, each
+        with its cleared fraction.
+        """
         number, fraction = self.cleared
         return tuple(Hold(step.edge, fraction if step.number == number else 0.0)
                      for step in self.protocol.may_be_on if step.number >= number)
 
     @property
     def is_standing(self) -> bool:
-        """Has the robot nothing to drive?"""
+        """Whether the robot has nothing to drive."""
         return not self.protocol.may_drive
 
     @property
@@ -116,7 +118,7 @@ class RouteRecord:
         return self.kind.nearness
 
     def part(self, begin: int, end: int) -> Tuple[int, ...]:
-        """The edges from number `begin` to before `end`, as far as the record has them.
+        """Returns the edges from number `begin` to before `end`, as far as the record has them.
 
         It still has the last edges that the robot has left: a plan was made before that.
         """
@@ -125,7 +127,7 @@ class RouteRecord:
         return tuple(step.edge for step in path if begin <= step.number < end)
 
     def distance_ahead(self) -> float:
-        """Length (m) of the path that is still to be driven."""
+        """Returns the length (m) of the path that is still to be driven."""
         edges = self.ahead
         if not edges:
             return 0.0
@@ -134,7 +136,9 @@ class RouteRecord:
         return whole - fraction * self.graph.curve(edges[0]).length
 
     def begun(self, edge: int, position: Optional[GraphPosition]) -> float:
-        """The fraction of an edge behind a robot that stands there and would drive it that way."""
+        """Returns the fraction of an edge behind a robot that stands there and would drive it
+        that way.
+        """
         if position is None or position.vertex is not None or abs(edge) != abs(position.edge):
             return 0.0
         fraction = position.fraction if edge == position.edge else 1.0 - position.fraction
@@ -143,7 +147,7 @@ class RouteRecord:
     # -- changes ----------------------------------------------------------------------------------
 
     def set_protocol(self, protocol: MasterState) -> None:
-        """What the robot may still do by its orders has changed.
+        """Notes that what the robot may still do by its orders has changed.
 
         A late copy of a stop from before the epoch takes the count of its edges back to where that
         stop was given. Then none of the edges that are counted from there lies behind it.
@@ -153,21 +157,24 @@ class RouteRecord:
             self.cleared = (self.done, 0.0)
 
     def begins_with(self, edge: int) -> None:
-        """A standing robot is granted this edge first: what it has begun of it stays free."""
+        """Notes that a standing robot is granted this edge first:
+        what it has begun of it stays free.
+        """
         self.cleared = (self.done, self.begun(edge, self.position))
 
     def stand(self, position: Optional[GraphPosition]) -> None:
-        """The robot stands there, and on nothing else."""
+        """Notes that the robot stands there, and on nothing else."""
         self.position = position
         self.cleared = (self.done, 0.0)
 
     def begin_anew(self) -> None:
-        """The robot lost its route, or another giver moved it: no plan fits any more."""
+        """Notes that the robot lost its route, or another giver moved it: no plan fits any more."""
         self.generation += 1
         self._driven.clear()
 
     def passed(self, edges: Tuple[int, ...]) -> List[int]:
-        """The robot has driven these edges to their ends. Returns the vertices, in order.
+        """Notes that the robot has driven these edges to their ends. Returns the vertices, in
+        order.
 
         They are the last edges before the one under way.
         """
@@ -195,5 +202,7 @@ class RouteRecord:
         self.protocol = left(self.protocol, self.cleared[0])
 
     def margin(self, age: float) -> float:
-        """Distance (m) that the robot may be away from a location that is `age` s old."""
+        """Returns the distance (m) that the robot may be away from a location
+        that is `age` s old.
+        """
         return self._slack + (max(age, 0.0) + CLOCK_ERROR) * self.kind.speed

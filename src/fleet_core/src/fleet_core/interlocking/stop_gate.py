@@ -20,7 +20,7 @@ class StopGate:
 
     @property
     def is_closed(self) -> bool:
-        """Is each route with edges held back?"""
+        """Whether each route with edges is held back."""
         return self._is_closed
 
     @property

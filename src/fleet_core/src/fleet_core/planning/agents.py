@@ -75,7 +75,7 @@ class PathQuery:
             self.to_go.append([0.0] * len(self.roads))
 
     def seconds_to(self, path: np.ndarray) -> float:
-        """Seconds from its start to a target, without traffic.
+        """Returns the seconds from its start to a target, without traffic.
 
         path -- the seconds from each vertex to the target
         """
@@ -83,7 +83,10 @@ class PathQuery:
                    default=inf)
 
     def served_at(self, vertex: int, leg: int, arrival: float) -> Tuple[float, int]:
-        """When it may leave a vertex, and its next leg. It serves each destination on arrival."""
+        """Returns when it may leave a vertex, and its next leg.
+
+        It serves each destination on arrival.
+        """
         while leg < self.legs and self.destinations[leg] == vertex:
             arrival += self.dwells[leg]
             leg += 1
@@ -106,14 +109,17 @@ class PathQuery:
         return leg, served, leaves
 
     def may_rest(self, vertex: int, until: float) -> bool:
-        """May the robot stay at this vertex after its last destination?
+        """Returns whether the robot may stay at this vertex after its last destination.
 
         until -- time until which the vertex is free
         """
         return self.rests is None or (until == inf and vertex in self.rests)
 
     def cost(self, plan: Sequence[Drive]) -> float:
-        """Cost of a plan that answers the query; infinite: the plan does not answer it."""
+        """Returns the cost of a plan that answers the query.
+
+        Infinite: the plan does not answer it.
+        """
         vertex = self.vertex
         now, leg = self.served_at(vertex, 0, self.ready)
         served = now
@@ -147,5 +153,5 @@ class Agent(NamedTuple):
     """Where it stands between two vertices, if it does. Then nothing is fixed."""
 
     def whole(self, plan: Plan) -> Plan:
-        """All drives: the fixed ones and those of the plan."""
+        """Returns all drives: the fixed ones and those of the plan."""
         return [*self.fixed, *plan]

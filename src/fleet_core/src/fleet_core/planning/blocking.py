@@ -69,24 +69,26 @@ class Blocking:
         return self._network.exclusions.at(self._distance)
 
     def drive(self, drive: int) -> Iterator[Block]:
-        """The blocks of a drive."""
+        """Returns the blocks of a drive."""
         rows, slots, leads, clears = self._blocks
         row = rows[self._network.vertices + (drive >> 1)]
         return zip(slots[row], clears[drive & 1][row], leads[row])
 
     def edges(self, drive: int) -> Iterator[Tuple[int, float]]:
-        """(number of an edge, clear fraction) of all edges that a drive blocks."""
+        """Returns (number of an edge, clear fraction) of all edges that a drive blocks."""
         rows, edges, clears = self._edge_blocks
         row = rows[drive >> 1]
         return zip(edges[row], clears[drive & 1][row])
 
     def seconds(self, drive: int) -> float:
-        """The time that a robot of the observer's type takes for a drive; 0: it may not drive it.
+        """Returns the time that a robot of the observer's type takes for a drive.
+
+        0: it may not drive it.
         """
         return float(self._times[drive])
 
     def meeting(self, place: int) -> List[Meeting]:
-        """The places where the other robot blocks this place, with what one block needs."""
+        """Returns the places where the other robot blocks this place, with what one block needs."""
         if place not in self._meeting:
             conflicts = self.conflicts
             row = slice(conflicts.starts[place], conflicts.starts[place + 1])
@@ -96,22 +98,25 @@ class Blocking:
         return self._meeting[place]
 
     def excluded(self, place: int) -> List[int]:
-        """The places (not slots) that an observer may not hold while the other robot holds `place`.
+        """Returns the places (not slots) that an observer may not hold while the other robot holds
+        `place`.
         """
         return self.conflicts.row(place)
 
     def excludes(self, place: int, other: int) -> bool:
-        """Do these two places exclude each other for two robots?"""
+        """Returns whether these two places exclude each other for two robots."""
         return other in self.excluded(place)
 
     def wait(self, place: int) -> Iterator[Tuple[int, float]]:
-        """(slot, lead) blocked by a robot that waits at a vertex, or anywhere on an edge."""
+        """Returns (slot, lead) blocked by a robot that waits at a vertex,
+        or anywhere on an edge.
+        """
         rows, slots, leads, _ = self._blocks
         row = rows[place]
         return zip(slots[row], leads[row])
 
     def rest(self, drive: int, begun: float) -> List[int]:
-        """The places that an observer may not hold while the rest of a drive is driven."""
+        """Returns the places that an observer may not hold while the rest of a drive is driven."""
         starts, other, forward, backward, _ = self.conflicts
         edge = self._network.vertices + (drive >> 1)
         row = slice(starts[edge], starts[edge + 1])
@@ -119,7 +124,7 @@ class Blocking:
         return cast(List[int], other[row][ahead].tolist())
 
     def beside(self, near: Mapping[int, Tuple[float, float]]) -> List[Tuple[int, float]]:
-        """(slot, lead) blocked by a robot that stands too near to these places.
+        """Returns (slot, lead) blocked by a robot that stands too near to these places.
 
         near -- for each edge the part of it that is too near
         """

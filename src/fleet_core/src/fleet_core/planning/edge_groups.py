@@ -78,7 +78,7 @@ class _Marks(NamedTuple):
 
 def edge_groups(network: RoadNetwork, clearance: float,
               fleet: Mapping[str, RobotProgress]) -> List[EdgeGroup]:
-    """All groups of the remaining plans. Their constraints are as safe as `precedence`."""
+    """Returns all groups of the remaining plans. Their constraints are as safe as `precedence`."""
     names = sorted(name for name, one in fleet.items() if one.cleared[0] < len(one.plan))
     if len(names) < 2:
         return []
@@ -109,7 +109,9 @@ def _rest(fleet: Sequence[RobotProgress]) -> _Drives:
 
 def _marks(network: RoadNetwork, clearance: float, drives: _Drives, kind: RobotType,
            other_kind: RobotType, of_kind: np.ndarray, of_other: np.ndarray) -> _Marks:
-    """The marks of robots of one type with those robots of another type that follow by name."""
+    """Returns the marks of robots of one type with those robots of another type
+    that follow by name.
+    """
     conflicts = network.exclusions.at(kind.reach + other_kind.reach + clearance)
     one = np.flatnonzero(of_kind)
     place = network.vertices + (drives.drive[one] >> 1)
@@ -145,7 +147,7 @@ def _marks(network: RoadNetwork, clearance: float, drives: _Drives, kind: RobotT
 
 def _fixed(network: RoadNetwork, drives: _Drives, marks: _Marks,
            row: Callable[[int], List[int]]) -> np.ndarray:
-    """The pairs of drives whose order cannot be reversed.
+    """Returns the pairs of drives whose order cannot be reversed.
 
     The order is fixed if
 
@@ -211,7 +213,7 @@ def _groups(names: Sequence[str], drives: _Drives, marks: _Marks) -> List[EdgeGr
 
 def _needed(group: np.ndarray, before: np.ndarray, clear: np.ndarray,
             then: np.ndarray) -> np.ndarray:
-    """The marks of each group that demand more than the marks of its earlier drives."""
+    """Returns the marks of each group that demand more than the marks of its earlier drives."""
     if not len(group):
         return np.zeros(0, dtype=np.int64)
     by_demand = np.lexsort((clear, before))

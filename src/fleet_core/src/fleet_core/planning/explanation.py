@@ -33,7 +33,7 @@ _BESIDE_ONE = 1e6
 
 
 def out_of_reach(network: RoadNetwork, agent: Agent) -> str:
-    """Why a query has no answer even without traffic: what is unreachable from where."""
+    """Returns why a query has no answer even without traffic: what is unreachable from where."""
     seconds_to, origin = agent.query.seconds_to, _where(network, agent)
     starts: Sequence[int] = ((agent.query.vertex,) if agent.mid_edge is None else
                              [end for _, end, _ in agent.mid_edge.exits(network, agent.kind)])
@@ -50,11 +50,16 @@ def out_of_reach(network: RoadNetwork, agent: Agent) -> str:
 
 def why_apart(network: RoadNetwork, kind: RobotType, starts: Iterable[int],
               destination: int) -> str:
-    """Why no path of a robot type joins these vertices: a clause to follow `cannot be reached`."""
+    """Returns why no path of a robot type joins these vertices:
+    a clause to follow `cannot be reached`.
+    """
     starts, times = tuple(starts), network.times(kind)
 
     def docks_on_path(with_closed: bool) -> Optional[List[int]]:
-        """The docks that a path leads through, if docks were passable; None: there is no path."""
+        """Returns the docks that a path leads through, if docks were passable.
+
+        None: there is no path.
+        """
         came: Dict[int, int] = dict.fromkeys(starts, -1)
         waiting = list(starts)
         for vertex in waiting:
@@ -94,7 +99,7 @@ def _where(network: RoadNetwork, agent: Agent) -> str:
 
 
 def in_the_way(reservations: ReservationTable, agent: Agent, deadline: float) -> List[str]:
-    """The robots that would have to give way to a robot that is not booked.
+    """Returns the robots that would have to give way to a robot that is not booked.
 
     These are
 
@@ -119,7 +124,7 @@ def in_the_way(reservations: ReservationTable, agent: Agent, deadline: float) ->
 
 
 def why_not(reservations: ReservationTable, agent: Agent, deadline: float) -> str:
-    """Why a robot that is not booked finds no path past the others.
+    """Returns why a robot that is not booked finds no path past the others.
 
     The search for the reason ends at the deadline (monotonic s).
     """
@@ -148,7 +153,8 @@ def why_not(reservations: ReservationTable, agent: Agent, deadline: float) -> st
 
 def _fewest_blocked(reservations: ReservationTable,
                     agent: Agent, deadline: float) -> Tuple[List[int], Dict[str, None]]:
-    """The drives of its path over all destinations to a rest, past the fewest standing robots.
+    """Returns the drives of its path over all destinations to a rest, past the fewest standing
+    robots.
 
     The path ends early if it cannot be continued. If the robot stands between two vertices, the
     path begins at the next vertex. The second value has the robots that stand before that vertex.
@@ -176,7 +182,7 @@ def _fewest_blocked(reservations: ReservationTable,
 
 def _exits(reservations: ReservationTable, agent: Agent, mid_edge: MidEdgePosition
            ) -> Tuple[Dict[int, float], Dict[int, Dict[str, None]]]:
-    """The vertices to which a robot between two vertices may drive.
+    """Returns the vertices to which a robot between two vertices may drive.
 
     Returns for each of them the cost, and the robots that stand in its way for ever.
     """

@@ -14,7 +14,7 @@ from fleet_core.planning.tasks import Task
 
 def kept_plans(reservations: ReservationTable, tasks: Mapping[str, Task],
                agents: Mapping[str, Agent]) -> Plans:
-    """The present plans that can be driven, with new times in the old order.
+    """Returns the present plans that can be driven, with new times in the old order.
 
     Robots that stand for ever must be booked, and no others. This function books nothing.
     """
@@ -33,7 +33,9 @@ def kept_plans(reservations: ReservationTable, tasks: Mapping[str, Task],
 
 
 def _can_be_driven(reservations: ReservationTable, agent: Agent, drives: Sequence[int]) -> bool:
-    """Does a plan lead on from its robot's place, over open edges, past all that is booked?"""
+    """Returns whether a plan leads on from its robot's place, over open edges, past all
+    that is booked.
+    """
     network, vertex = reservations.network, agent.query.vertex
     slots, times = reservations.slots[agent.kind], network.times(agent.kind)
     for drive in drives:
@@ -63,7 +65,7 @@ def _drop_passing(drives: Dict[str, List[int]], reservations: ReservationTable,
 
 def _passed(reservations: ReservationTable, strangers: Iterable[Agent],
             kind: RobotType) -> Set[int]:
-    """The drives on which a robot of a type would pass one of these robots."""
+    """Returns the drives on which a robot of a type would pass one of these robots."""
     passed: Set[int] = set()
     for stranger in strangers:
         blocked: Iterable[Tuple[int, float]]

@@ -39,7 +39,7 @@ class _Node(NamedTuple):
 
 def search_lacam(reservations: ReservationTable, given: Sequence[Agent], deadline: float,
                  random: Random, most_steps: float = inf) -> Optional[List[Tuple[str, int]]]:
-    """The drives of all robots (robot, drive) in an order that leads each robot to its end.
+    """Returns the drives of all robots (robot, drive) in an order that leads each robot to its end.
 
     given -- robots that are not booked, by descending urgency
 
@@ -103,7 +103,7 @@ def _first_waiting(agents: Sequence[PibtAgent], configuration: Configuration) ->
 
 def _next_waiting(waiting: Sequence[float], configuration: Configuration,
                   agents: Sequence[PibtAgent], promoted: Sequence[Tuple[int, int]]) -> List[float]:
-    """The next priorities: higher for a robot that has not arrived.
+    """Returns the next priorities: higher for a robot that has not arrived.
 
     A robot that let another one out goes behind that one.
     """

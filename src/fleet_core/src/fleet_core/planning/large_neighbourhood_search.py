@@ -51,7 +51,7 @@ class LargeNeighbourhoodSearch:
         self._weights = [1.0] * len(_KINDS)
 
     def delay(self, name: str) -> float:
-        """Cost of the booked path minus the cost of the robot without traffic."""
+        """Returns the cost of the booked path minus the cost of the robot without traffic."""
         return self._now[name].cost - self._all[name].query.lower_bound
 
     def run(self, deadline: float, rounds: Optional[int] = None) -> None:
@@ -120,7 +120,7 @@ class LargeNeighbourhoodSearch:
         return self._random.sample(self._movable, self._size())
 
     def _around_delayed(self) -> List[str]:
-        """A delayed robot, and those that it meets on its shortest path."""
+        """Returns a delayed robot, and those that it meets on its shortest path."""
         delays = [max(self.delay(name), 0.0) for name in self._movable]
         if sum(delays) <= 0.0:
             return self._any()
@@ -128,7 +128,7 @@ class LargeNeighbourhoodSearch:
         return self._filled([name, *self._met_by(self._all[name])])
 
     def _around_place(self) -> List[str]:
-        """Robots that use the same drive, one after the other."""
+        """Returns robots that use the same drive, one after the other."""
         name = self._random.choice(self._movable)
         plan = self._now[name].plan
         if not plan:
@@ -139,7 +139,9 @@ class LargeNeighbourhoodSearch:
         return self._filled([name, *sorted(users)])
 
     def _met_by(self, agent: Agent) -> List[str]:
-        """Robots in the way of one that takes the shortest path from some point of its plan on."""
+        """Returns robots in the way of one that takes the shortest path
+        from some point of its plan on.
+        """
         query = agent.query
         if not query.destinations:
             return []
@@ -168,7 +170,9 @@ class LargeNeighbourhoodSearch:
         return list(met)
 
     def _filled(self, names: Sequence[str]) -> List[str]:
-        """The movable ones of these robots, cut or filled up to the size of a neighbourhood."""
+        """Returns the movable ones of these robots, cut or filled up to the size of a
+        neighbourhood.
+        """
         size = self._size()
         chosen = [name for name in dict.fromkeys(names) if name in self._movable_set][:size]
         while len(chosen) < size:

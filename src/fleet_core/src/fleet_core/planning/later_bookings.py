@@ -46,7 +46,8 @@ class Booked(NamedTuple):
     held: int
 
     def wait(self, number: int) -> Optional[Tuple[float, float]]:
-        """Begin and end of its wait before the drive with this number; None: it does not wait.
+        """Returns begin and end of its wait before the drive with this number; None: it does not
+        wait.
 
         The number behind the last drive stands for the wait at the end.
         """
@@ -103,11 +104,11 @@ class LaterBookings:
         return name in self._left
 
     def drop(self, name: str) -> None:
-        """This robot is not booked any more, or its bookings are all made."""
+        """Notes that this robot is not booked any more, or its bookings are all made."""
         self._left.pop(name, None)
 
     def slots(self, name: str, observer: RobotType) -> Set[int]:
-        """All slots that a robot blocks for an observer, and perhaps more."""
+        """Returns all slots that a robot blocks for an observer, and perhaps more."""
         booked = self._robots[self._left[name]]
         blocking, vertices = self._blocking[booked.kind, observer], self._network.vertices
         found = {slot for slot, _ in booked.points.get(observer, ())}
@@ -119,7 +120,7 @@ class LaterBookings:
         return found
 
     def row(self, observer: RobotType, slot: int) -> List[Booking]:
-        """The bookings of a slot for an observer, in order."""
+        """Returns the bookings of a slot for an observer, in order."""
         parts = [(robot, 0, *wait) for robot, lead in self._points.get(observer, {}).get(slot, ())
                  for wait in self._wait(robot, 0, lead)]
         is_drive = slot < self._network.drives
@@ -153,7 +154,7 @@ class LaterBookings:
         return () if wait is None else ((wait[0] - lead, wait[1]),)
 
     def _joined(self, parts: Iterable[_Part]) -> List[Booking]:
-        """One booking for each time in which one robot blocks without a break."""
+        """Returns one booking for each time in which one robot blocks without a break."""
         row: List[Booking] = []
         for robot, step, begin, end in parts:
             name = self._names[robot]
@@ -168,7 +169,7 @@ class LaterBookings:
 
 
 def _places(booked: Booked, network: RoadNetwork) -> Iterator[int]:
-    """The vertex and the edge of each step in turn; -1 for a place between vertices."""
+    """Yields the vertex and the edge of each step in turn; -1 for a place between vertices."""
     yield booked.vertex if booked.mid_edge is None else -1
     for drive in booked.plan:
         yield network.vertices + (drive.drive >> 1)

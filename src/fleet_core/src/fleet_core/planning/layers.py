@@ -73,7 +73,7 @@ def _find_path(query: PathQuery, slots: Slots, layer: float, arrivals: Sequence[
 
 
 def _moves(query: PathQuery, slots: Slots, state: State, next_layer: float) -> List[Arrival]:
-    """The drives that the robot may begin now, and waiting until the next layer."""
+    """Returns the drives that the robot may begin now, and waiting until the next layer."""
     busy = slots.busy
     vertex, now, _, _, until, _, _, _ = state
     moves = [(drive, now, end, now + seconds) for drive, end, seconds in query.roads[vertex]
@@ -85,6 +85,9 @@ def _moves(query: PathQuery, slots: Slots, state: State, next_layer: float) -> L
 
 
 def _free_until(busy: Busy, time: float) -> float:
-    """How long a slot stays free from `time` on; earlier than that: it is not free at `time`."""
+    """Returns how long a slot stays free from `time` on.
+
+    Earlier than that: it is not free at `time`.
+    """
     starts, ends = busy
     return starts[bisect_right(ends, time)]

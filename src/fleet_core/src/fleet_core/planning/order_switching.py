@@ -58,7 +58,7 @@ class Switched(NamedTuple):
     gain: float
 
     def order(self, groups: Sequence[EdgeGroup]) -> Tuple[Constraint, ...]:
-        """The constraints of the new order."""
+        """Returns the constraints of the new order."""
         return tuple(constraint for number, group in enumerate(groups)
                      for constraint in (group.reverse if number in self.reversed
                                         else group.constraints))
@@ -67,7 +67,8 @@ class Switched(NamedTuple):
 def switch_order(courses: Mapping[str, RemainingDrives], groups: Sequence[EdgeGroup],
                  gain: float = GAIN, trials: int = TRIALS,
                  deadline: float = inf) -> Optional[Switched]:
-    """A better order if a robot is so late that it holds up another one; None: there is none.
+    """Returns a better order if a robot is so late that it holds up another one; None: there is
+    none.
 
     gain     -- s that each change must gain, added up over the robots
     deadline -- monotonic s
@@ -172,23 +173,25 @@ class _Orders:
 
     @property
     def is_over(self) -> bool:
-        """Are the trials or the time used up?"""
+        """Whether the trials or the time are used up."""
         return self._left <= 0 or time.monotonic() >= self._deadline
 
     def by_robot(self, times: _Times) -> Dict[str, Tuple[float, ...]]:
-        """When each robot begins its drives."""
+        """Returns when each robot begins its drives."""
         return {name: tuple(times.starts[node] for node in nodes)
                 for name, nodes in self._nodes.items()}
 
     # -- one order --------------------------------------------------------------------------------
 
     def evaluate(self, chosen: FrozenSet[int]) -> Optional[_Times]:
-        """The times of an order, by the longest paths; None: there is a ring."""
+        """Returns the times of an order, by the longest paths; None: there is a ring."""
         times, open_nodes = self._passed(chosen)
         return None if open_nodes else times
 
     def _passed(self, chosen: FrozenSet[int]) -> Tuple[_Times, Set[int]]:
-        """The times as far as they are known, and the nodes that wait for each other for ever."""
+        """Returns the times as far as they are known, and the nodes
+        that wait for each other for ever.
+        """
         self._left -= 1
         starts, waits = list(self._earliest), list(self._open)
         side = [False] * (len(self._groups) + 1)  # the last entry stands for no group
@@ -214,7 +217,7 @@ class _Orders:
         return _Times(starts, cost), ring
 
     def is_late(self, times: _Times) -> bool:
-        """Is a robot so late that another one begins a drive later than planned?"""
+        """Returns whether a robot is so late that another one begins a drive later than planned."""
         starts = times.starts
         return any(starts[then] > self._planned[then] + LATE and any(
             arc.group >= 0 and not arc.is_reverse
@@ -276,7 +279,7 @@ class _Orders:
         return None
 
     def _ring(self, nodes: Set[int], chosen: FrozenSet[int]) -> List[_Arc]:
-        """One ring among nodes that all wait for another one of them."""
+        """Returns one ring among nodes that all wait for another one of them."""
         node = min(nodes)
         path: List[_Arc] = []
         seen: Dict[int, int] = {}

@@ -14,7 +14,7 @@ from fleet_core.planning.tasks import PlannedDrive, PlanningOutcome
 def outcome_of(reservations: ReservationTable, agents: Mapping[str, Agent],
                behind: Mapping[str, Plan], served: Iterable[str], unserved: Mapping[str, str],
                rounds: int) -> PlanningOutcome:
-    """The plans, and the order of use that keeps them safe.
+    """Returns the plans, and the order of use that keeps them safe.
 
     behind   -- each agent's plan behind its fixed drives; after improvement its drives begin as
                 early as their order allows

@@ -63,7 +63,7 @@ class WellFormedSets:
         self._checks = 0  # that are left of a search
 
     def is_well_formed(self, parked: Iterable[int]) -> bool:
-        """Is no robot cut off while robots stand on all these vertices?"""
+        """Returns whether no robot is cut off while robots stand on all these vertices."""
         vertices = np.array(sorted(parked), dtype=np.int64)
         starts = self._conflicts.starts
         lengths = starts[vertices + 1] - starts[vertices]
@@ -93,7 +93,7 @@ class WellFormedSets:
         return bool((alone | (part[vertices] == part[self._vertices + vertices])).all())
 
     def _core(self, count: np.ndarray) -> Optional[np.ndarray]:
-        """The vertices (V,) between which all robots can drive, in each part of the graph.
+        """Returns the vertices (V,) between which all robots can drive, in each part of the graph.
 
         count -- number of robots that block each place
 
@@ -114,12 +114,14 @@ class WellFormedSets:
 
     @staticmethod
     def _parts(begin: np.ndarray, end: np.ndarray, nodes: int) -> np.ndarray:
-        """For each node, the strongly connected part to which it belongs."""
+        """Returns for each node, the strongly connected part to which it belongs."""
         links = csr_matrix((np.ones(len(begin)), (begin, end)), shape=(nodes, nodes))
         return connected_components(links, directed=True, connection='strong')[1]
 
     def largest(self, seed: int = 0, enough: float = inf) -> FrozenSet[int]:
-        """The largest well-formed set that was found, or the first one with `enough` vertices."""
+        """Returns the largest well-formed set that was found, or the first one
+        with `enough` vertices.
+        """
         random = Random(seed)
         best: Set[int] = set()
         fruitless = 0
@@ -139,7 +141,7 @@ class WellFormedSets:
         return frozenset(best)
 
     def _by_promise(self) -> List[int]:
-        """The candidates: dead ends first, then vertices with few edges."""
+        """Returns the candidates: dead ends first, then vertices with few edges."""
         import networkx as nx  # imported here: most nodes need not load its 8 MB
         roads = nx.Graph(zip(map(int, self._begin), map(int, self._end)))
         roads.add_nodes_from(range(self._vertices))
@@ -178,7 +180,7 @@ class WellFormedSets:
 
 
 def named_parking(network: RoadNetwork, kind: RobotType) -> List[int]:
-    """The vertices at which the graph allows robots of a type to park."""
+    """Returns the vertices at which the graph allows robots of a type to park."""
     vertices = [network.graph.vertices[id] for id in network.vertex_ids]
     docks = kind.docks or frozenset()
     named = any(v.parking for v in vertices)

@@ -48,30 +48,30 @@ class PibtAgent:
         self.begin = self.arrive(0, vertex)
 
     def arrive(self, leg: int, vertex: int) -> int:
-        """The state of a robot that arrives at a vertex on a leg."""
+        """Returns the state of a robot that arrives at a vertex on a leg."""
         last = len(self.targets) - 1
         while leg < last and self.targets[leg] == vertex:
             leg += 1
         return leg * self._vertices + vertex
 
     def vertex(self, state: int) -> int:
-        """The vertex of a state."""
+        """Returns the vertex of a state."""
         return state % self._vertices
 
     def leg(self, state: int) -> int:
-        """The leg of a state."""
+        """Returns the leg of a state."""
         return state // self._vertices
 
     def estimate(self, state: int) -> Sequence[float]:
-        """Seconds from each vertex to the end of the leg."""
+        """Returns the seconds from each vertex to the end of the leg."""
         return self._estimates[state // self._vertices]
 
     def to_go(self, state: int) -> float:
-        """Seconds to the end of the leg."""
+        """Returns the seconds to the end of the leg."""
         return self.estimate(state)[state % self._vertices]
 
     def has_path(self, deadline: float) -> bool:
-        """Could the robot reach its targets in order without traffic?
+        """Returns whether the robot could reach its targets in order without traffic.
 
         False also if this is not known by the deadline (monotonic s).
         """
@@ -89,7 +89,7 @@ class PibtAgent:
         return True
 
     def is_end(self, state: int) -> bool:
-        """Is the robot where it is to stay?"""
+        """Returns whether the robot is where it is to stay."""
         leg, vertex = divmod(state, self._vertices)
         return leg == len(self.targets) - 1 and vertex == self.targets[-1]
 
@@ -135,7 +135,7 @@ class Pibt:
         return PibtAgent(agent, rest, vertices + len(self._kinds), vertex, estimates, roads)
 
     def _free_roads(self, agent: Agent) -> Roads:
-        """The roads of an agent that do not lead past a robot that stands for ever."""
+        """Returns the roads of an agent that do not lead past a robot that stands for ever."""
         roads = agent.query.roads
         key = agent.kind, id(roads)
         if key not in self._open:
@@ -144,11 +144,11 @@ class Pibt:
         return self._open[key]
 
     def is_end(self, configuration: Sequence[int]) -> bool:
-        """Is each robot where it is to stay?"""
+        """Returns whether each robot is where it is to stay."""
         return all(agent.is_end(state) for agent, state in zip(self.agents, configuration))
 
     def choices(self, robot: int, state: int) -> List[int]:
-        """All moves of one robot in a step, in random order."""
+        """Returns all moves of one robot in a step, in random order."""
         agent = self.agents[robot]
         moves = [STAY, *(road[0] for road in agent.roads[agent.vertex(state)])]
         self._random.shuffle(moves)
@@ -156,7 +156,8 @@ class Pibt:
 
     def step(self, configuration: Sequence[int], order: Sequence[int], forced: Mapping[int, int]
              ) -> Optional[Tuple[Tuple[int, ...], Dict[int, int], List[Tuple[int, int]]]]:
-        """The next configuration, the drives that lead there, and the robots that changed priority.
+        """Returns the next configuration, the drives that lead there, and the robots that changed
+        priority.
 
         Returns None if the forced moves exclude each other. In the third value each pair names a
         robot and the one that lets it go first.
@@ -208,7 +209,7 @@ class Pibt:
                 return
 
     def _leaves(self, robot: int, avoid: AbstractSet[int]) -> bool:
-        """Does a robot in the way leave in this step, or make another robot leave?"""
+        """Returns whether a robot in the way leaves in this step, or makes another robot leave."""
         if robot in self._decided:
             return robot in self._moves
         return self._leave(robot, avoid)
@@ -237,7 +238,7 @@ class Pibt:
             self._taken[kind].update(edges)
 
     def _in_the_way(self, robot: int, drive: int) -> List[int]:
-        """Robots whose places exclude a drive, each with all of its moves in this step."""
+        """Returns robots whose places exclude a drive, each with all of its moves in this step."""
         at, kinds = self._at, self._kinds
         found = []
         for kind, vertices, _ in self._neighbours(robot, drive):
@@ -251,7 +252,7 @@ class Pibt:
         return found
 
     def _neighbours(self, robot: int, drive: int) -> _Neighbours:
-        """For each type the vertices and edges that a robot's drive excludes."""
+        """Returns for each type the vertices and edges that a robot's drive excludes."""
         kind, blocking = self._kinds[robot], self._reservations.blocking
         if self._is_mid_edge(robot):
             found = self._near_rest.get((robot, drive))
@@ -279,7 +280,9 @@ class Pibt:
         return self._vertex[robot] >= self._first_edge
 
     def _passes(self, robot: int, drive: int, other: int) -> bool:
-        """Does a robot's drive lead past the point of another robot between two vertices?"""
+        """Returns whether a robot's drive leads past the point of another robot between two
+        vertices.
+        """
         key = other, self._kinds[robot]
         if key not in self._near_point:
             self._near_point[key] = self._reservations.places_near(
@@ -291,14 +294,14 @@ class Pibt:
         return begun < (1.0 - part[0] if drive & 1 else part[1])
 
     def _stands_on(self, robot: int, path: AbstractSet[int]) -> bool:
-        """Is a robot on a path of vertices, or between two of them?"""
+        """Returns whether a robot is on a path of vertices, or between two of them."""
         if not self._is_mid_edge(robot):
             return self._vertex[robot] in path
         drive = self._mid_edge[robot].drive
         return {self._reservations.network.destination(d) for d in (drive, drive ^ 1)} <= path
 
     def _path(self, robot: int) -> AbstractSet[int]:
-        """The next vertices of a robot's shortest path."""
+        """Returns the next vertices of a robot's shortest path."""
         agent, vertex = self.agents[robot], self._vertex[robot]
         estimate = agent.estimate(self._states[robot])
         path = {vertex}
@@ -314,7 +317,7 @@ class Pibt:
 
 def choose_rests(reservations: ReservationTable,
                  agents: Sequence[Agent]) -> Optional[List[Optional[int]]]:
-    """For each robot that may rest in several places, a free one of them; for others None.
+    """Returns for each robot that may rest in several places, a free one of them; for others None.
 
     A robot with nothing to do stays where it is if it may. Returns None if not all robots find a
     rest.

@@ -60,7 +60,9 @@ class PlanService:
         self.prepare()
 
     def parking_by_name(self) -> FrozenSet[int]:
-        """Ids of all vertices at which the graph allows parking, even if that cuts robots off."""
+        """Returns the ids of all vertices at which the graph allows parking, even if
+        that cuts robots off.
+        """
         return frozenset(self._open.vertex_ids[vertex] for kind in self._fleet.types
                          for vertex in named_parking(self._open, kind))
 
@@ -109,7 +111,9 @@ class PlanService:
                 raise CannotPlan(f'{asker}: the graph has no edge {id}; choose another.')
 
     def _planner(self, roadmap: _Roadmap) -> FleetPlanner:
-        """The planner for these closed edges and times, kept from an earlier request or new."""
+        """Returns the planner for these closed edges and times, kept
+        from an earlier request or new.
+        """
         planner = self._planners.pop(roadmap, None)
         if planner is None:
             network = self._open.with_closed(roadmap.closed, dict(roadmap.edge_times))

@@ -48,7 +48,9 @@ class FleetPlanner:
             self.reservations.prepare()
 
     def too_near(self, places: Sequence[Place]) -> Optional[Tuple[Place, Place]]:
-        """Two robots (name, type, vertex id) that may not stand there at once; None: no such two.
+        """Returns two robots (name, type, vertex id) that may not stand there at once.
+
+        None: no such two.
         """
         at: Dict[int, List[Place]] = {}
         for place in places:
@@ -64,7 +66,7 @@ class FleetPlanner:
         return None
 
     def can_park(self, ends: Sequence[Place], others: Sequence[Place]) -> bool:
-        """Are there enough vertices for `others` while robots stay at `ends`?"""
+        """Returns whether there are enough vertices for `others` while robots stay at `ends`."""
         for kind in {place[1] for place in others}:
             taken = {vertex for _, end_kind, id in ends
                      for vertex in self.reservations.blocking[end_kind, kind].excluded(

@@ -103,7 +103,7 @@ class PlanningPipeline:
         return [t for name, t in self._agents.items() if name not in self._grounded]
 
     def _in_order(self, agents: Iterable[Agent]) -> List[Agent]:
-        """The order in which robots are planned at first."""
+        """Returns the order in which robots are planned at first."""
         order = by_length(agents)
         if self._shuffles:
             self._random.shuffle(order)
@@ -113,7 +113,8 @@ class PlanningPipeline:
     # -- present plans ----------------------------------------------------------------------------
 
     def _ground_who_is_too_near(self) -> None:
-        """Robots that stand too near to each other stay where they are, in the way of all others.
+        """Lets robots that stand too near to each other stay where they are,
+        in the way of all others.
         """
         for one, other in self._problem.too_near():
             for name, near in ((one, other), (other, one)):
@@ -124,7 +125,7 @@ class PlanningPipeline:
             self._book_standing(self._agents[name])
 
     def _give_up_what_is_out_of_reach(self) -> None:
-        """A robot that cannot reach its destination even without traffic is only parked."""
+        """Parks a robot, and no more, that cannot reach its destination even without traffic."""
         for agent in self._mobile():
             if agent.query.lower_bound == inf:
                 self._unserved[agent.name] = out_of_reach(self._network, agent)
@@ -205,7 +206,9 @@ class PlanningPipeline:
         return True
 
     def _making_room(self, other: Agent, agent: Agent) -> Agent:
-        """A robot in the way, which must end where it leaves the other's destinations free."""
+        """Returns a robot in the way, which must end where it leaves the other's destinations
+        free.
+        """
         if other.query.rests is None:
             return other
         near = {vertex for destination in agent.query.destinations
@@ -272,7 +275,7 @@ class PlanningPipeline:
 
     @staticmethod
     def _part_of(deadline: float, failed: Sequence[Agent]) -> float:
-        """Half of the remaining time, if something else can be tried in the other half."""
+        """Returns half of the remaining time, if something else can be tried in the other half."""
         if deadline == inf or not any(map(_can_rest_elsewhere, failed)):
             return deadline
         return deadline - (deadline - time.monotonic()) / 2.0
@@ -309,7 +312,7 @@ class PlanningPipeline:
                 self._unserved.setdefault(agent.name, 'a robot without a plan is in its way')
 
     def _who_passes(self, agent: Agent) -> Set[str]:
-        """Robots whose plans lead past the place of a standing robot that is not booked."""
+        """Returns robots whose plans lead past the place of a standing robot that is not booked."""
         if agent.mid_edge is not None:
             return {robot for robot, _ in self._reservations.passing(agent.kind, agent.mid_edge)}
         slots = self._reservations.slots[agent.kind]
@@ -338,5 +341,5 @@ class PlanningPipeline:
 
 
 def _can_rest_elsewhere(agent: Agent) -> bool:
-    """Has the robot a destination at which it need not stay?"""
+    """Returns whether the robot has a destination at which it need not stay."""
     return bool(agent.query.destinations) and agent.query.rests is not None

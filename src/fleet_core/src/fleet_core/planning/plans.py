@@ -26,15 +26,15 @@ Arrival = Tuple[int, float, int, float]
 
 
 def end_of(plan: Sequence[Drive]) -> float:
-    """When the robot has come to rest: the end of its last drive; 0: it never drives."""
+    """Returns when the robot has come to rest: the end of its last drive; 0: it never drives."""
     return plan[-1].end if plan else 0.0
 
 
 def sum_of_costs(plans: Mapping[str, Sequence[Drive]]) -> float:
-    """The sum of the ends of all robots."""
+    """Returns the sum of the ends of all robots."""
     return sum(map(end_of, plans.values()))
 
 
 def makespan(plans: Mapping[str, Sequence[Drive]]) -> float:
-    """The end of the last drive of all robots."""
+    """Returns the end of the last drive of all robots."""
     return max(map(end_of, plans.values()), default=0.0)

@@ -60,7 +60,8 @@ class _Pairs(NamedTuple):
 
 def precedence(reservations: ReservationTable, plans: Plans, kinds: Mapping[str, RobotType],
                released: Mapping[str, int] = MappingProxyType({})) -> List[Constraint]:
-    """The constraints that keep `plans` safe, without those that follow from others of a pair.
+    """Returns the constraints that keep `plans` safe, without those that follow from others of a
+    pair.
 
     The first drives of each robot, as many as `released` says, need no constraint: all that had to
     come before them has happened. Raises Conflicting if the times of the plans are not safe, or if
@@ -85,7 +86,7 @@ def precedence(reservations: ReservationTable, plans: Plans, kinds: Mapping[str,
 
 
 def _in_order(plans: Plans, names: Sequence[str], released: Mapping[str, int]) -> _Drives:
-    """Released drives first, the others by time; no robot's drives are out of order."""
+    """Returns released drives first, the others by time; no robot's drives are out of order."""
     counts = np.array([len(plans[name]) for name in names])
     robot, number = np.repeat(np.arange(len(names)), counts), count_up(counts)
     rows = chain.from_iterable(plans[name] for name in names)
@@ -105,7 +106,8 @@ def _in_order(plans: Plans, names: Sequence[str], released: Mapping[str, int]) -
 
 def _meetings(reservations: ReservationTable, drives: _Drives, moving: RobotType,
               observer: RobotType, moves: np.ndarray, observes: np.ndarray) -> _Pairs:
-    """The last conflicting drive of each moving robot before each planned drive of an observer.
+    """Returns the last conflicting drive of each moving robot before each planned drive of an
+    observer.
 
     Both are drives of the given types.
     """
@@ -147,7 +149,7 @@ def _meetings(reservations: ReservationTable, drives: _Drives, moving: RobotType
 
 def _meetings_of_rests(reservations: ReservationTable, drives: _Drives, moving: RobotType,
                        observer: RobotType, moves: np.ndarray, observes: np.ndarray) -> _Pairs:
-    """Like `_meetings`, for observers that stand between two vertices.
+    """Returns the same as `_meetings`, for observers that stand between two vertices.
 
     As in the reservation table, conflicts with only the part of the edge behind them are ignored.
     """
@@ -191,7 +193,9 @@ def _check(reservations: ReservationTable, names: Sequence[str], drives: _Drives
 
 
 def _without_what_follows(drives: _Drives, pairs: _Pairs) -> _Pairs:
-    """The pairs that demand more of one robot than earlier drives of the other waited for."""
+    """Returns the pairs that demand more of one robot
+    than earlier drives of the other waited for.
+    """
     first, fraction, then = pairs
     by_demand = np.lexsort((fraction, drives.number[first]))
     demand = np.zeros(len(first), dtype=np.int64)

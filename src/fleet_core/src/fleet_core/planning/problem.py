@@ -47,7 +47,9 @@ class Problem:
             name: self._agent(task) for name, task in self.tasks.items()}
 
     def rests(self, kind: RobotType, unwanted: FrozenSet[int] = frozenset()) -> FrozenSet[int]:
-        """Where robots of a type may be parked, without `unwanted` if enough vertices remain."""
+        """Returns where robots of a type may be parked, without `unwanted`
+        if enough vertices remain.
+        """
         docks = frozenset(self._network.index[id] for id in kind.docks or ()
                           if id in self._network.index)
         allowed = (self._parking - self._network.docks) | (self._parking & docks)
@@ -55,13 +57,13 @@ class Problem:
         return quiet if len(quiet) >= len(self.tasks) else allowed
 
     def with_rests(self, agent: Agent, rests: FrozenSet[int]) -> Agent:
-        """The same agent, allowed to end at `rests`."""
+        """Returns the same agent, allowed to end at `rests`."""
         task = self.tasks[agent.name]
         return agent._replace(query=self._query(task, agent.fixed, agent.mid_edge,
                                                   rests))
 
     def without_destinations(self, agent: Agent) -> Agent:
-        """The same agent without destinations, so that it is only parked."""
+        """Returns the same agent without destinations, so that it is only parked."""
         task = replace(self.tasks[agent.name], destinations=(), dwells=())
         rests = agent.query.rests
         if rests is None:
@@ -87,7 +89,7 @@ class Problem:
                      self._query(task, fixed, mid_edge, rests), task.priority, mid_edge)
 
     def _wanted_by_others(self, name: str) -> FrozenSet[int]:
-        """The destinations of all robots except one."""
+        """Returns the destinations of all robots except one."""
         alone = {vertex for vertex in self._wanted[name] if self._robots_to[vertex] == 1}
         return frozenset(self._robots_to.keys() - alone)
 
@@ -111,7 +113,7 @@ class Problem:
                          self._common[task.type])
 
     def _fixed(self, task: Task) -> Tuple[Drive, ...]:
-        """The released drives, driven at once."""
+        """Returns the released drives, driven at once."""
         times, now, drives = self._network.times(task.type), 0.0, []
         for k, edge in enumerate(task.released):
             begun = task.begun if k == 0 else 0.0
@@ -137,7 +139,7 @@ class Problem:
     # -- checks -----------------------------------------------------------------------------------
 
     def too_near(self) -> List[Tuple[str, str]]:
-        """Pairs of robots that hold excluding places when planning begins."""
+        """Returns pairs of robots that hold excluding places when planning begins."""
         by_place: Dict[int, List[_Held]] = {}
         held: List[_Held] = []
         for agent in self.agents.values():
@@ -162,7 +164,9 @@ class Problem:
         return self._reservations.blocking[held.kind, other].excluded(held.place)
 
     def _is_near(self, one: _Held, other: _Held) -> bool:
-        """Is a robot too near to another one that holds only a point between two vertices?"""
+        """Returns whether a robot is too near to another one
+        that holds only a point between two vertices.
+        """
         if other.mid_edge is None:
             return True
         if one.mid_edge is None:
@@ -172,7 +176,9 @@ class Problem:
                      one.mid_edge.y - other.mid_edge.y) < apart - ROUNDING
 
     def _still_meets(self, one: _Held, other: _Held) -> bool:
-        """Does the part of a drive ahead of a robot exclude a place, not only the part behind?"""
+        """Returns whether the part of a drive ahead of a robot excludes a place,
+        not only the part behind.
+        """
         if one.begun == 0.0 or one.mid_edge is not None:
             return True
         blocks = self._reservations.blocking[one.kind, other.kind].drive(one.drive)

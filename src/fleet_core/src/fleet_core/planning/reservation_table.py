@@ -58,7 +58,7 @@ class ReservationTable:
 
     @property
     def is_empty(self) -> bool:
-        """Is no robot booked?"""
+        """Whether no robot is booked."""
         return not self.booked and not self._placed
 
     def prepare(self) -> None:
@@ -105,7 +105,7 @@ class ReservationTable:
     def state(self, kind: RobotType, vertex: int, plan: Sequence[Drive],
               mid_edge: Optional[MidEdgePosition] = None, until: float = inf,
               held: int = 0) -> Booked:
-        """What `book` books."""
+        """Returns what `book` books."""
         points = {} if mid_edge is None else {
             observer: self.at_point(kind, observer, mid_edge) for observer in self.kinds}
         return Booked(kind, vertex, plan, mid_edge, points, until, held)
@@ -155,7 +155,7 @@ class ReservationTable:
             self._placed[robot][observer] = blocked
 
     def bookings_of(self, robot: str, observer: RobotType) -> Dict[int, List[Booking]]:
-        """The bookings of one robot, by slot, for an observer of a type."""
+        """Returns the bookings of one robot, by slot, for an observer of a type."""
         self._settle(robot)
         slots = self.slots[observer]
         return {slot: [b for b in slots.row(slot) if b[2] == robot]
@@ -210,7 +210,7 @@ class ReservationTable:
 
     def arrivals(self, kind: RobotType, mid_edge: MidEdgePosition,
                  ready: float) -> List[Tuple[int, float, int, float]]:
-        """The first drives of a robot that is not booked and stands between two vertices.
+        """Returns the first drives of a robot that is not booked and stands between two vertices.
 
         For each drive by which it may leave, and each time in which that drive is free: (drive,
         when it may begin, vertex at its end, when it arrives there). It must leave before another
@@ -232,7 +232,8 @@ class ReservationTable:
 
     def against_rest(self, kind: RobotType, mid_edge: MidEdgePosition,
                      drive: int) -> List[Booking]:
-        """The bookings that keep a robot between two vertices from driving to the end of a drive.
+        """Returns the bookings that keep a robot between two vertices from driving to the end of a
+        drive.
 
         Bookings are made for whole drives. Those that concern only the part behind it are ignored.
         """
@@ -246,7 +247,7 @@ class ReservationTable:
 
     def passing(self, kind: RobotType,
                 mid_edge: MidEdgePosition) -> Iterator[Tuple[str, float]]:
-        """Robots that pass a robot's point, and when they begin each drive that does."""
+        """Yields robots that pass a robot's point, and when they begin each drive that does."""
         for moving in self.kinds:
             places = self.places_near(kind, moving, mid_edge)
             for robot, booked in self.booked.items():
@@ -257,7 +258,9 @@ class ReservationTable:
 
     def _activities(self, observer: RobotType) -> Iterator[
             Tuple[str, float, float, Iterable[Tuple[int, float]]]]:
-        """Each wait and drive of each robot: robot, begin, end, and the (slot, lead) it blocks."""
+        """Yields each wait and drive of each robot: robot, begin, end, and the (slot,
+        lead) it blocks.
+        """
         for robot, (kind, vertex, plan, mid_edge, points, until, held) in self.booked.items():
             blocking = self.blocking[kind, observer]
             waits: Iterable[Tuple[int, float]] = (
@@ -276,12 +279,13 @@ class ReservationTable:
 
     def at_point(self, kind: RobotType, observer: RobotType,
                  mid_edge: MidEdgePosition) -> List[Tuple[int, float]]:
-        """(slot, lead) blocked by a robot that stands between two vertices."""
+        """Returns (slot, lead) blocked by a robot that stands between two vertices."""
         return self.blocking[kind, observer].beside(self.places_near(kind, observer, mid_edge))
 
     def places_near(self, kind: RobotType, other: RobotType,
                     mid_edge: MidEdgePosition) -> Dict[int, Tuple[float, float]]:
-        """Places that robots of type `other` may not hold while one stands between vertices.
+        """Returns places that robots of type `other` may not hold while one stands between
+        vertices.
 
         With each edge goes the part of it that is too near to the robot's point.
         """
@@ -289,11 +293,11 @@ class ReservationTable:
                                                  self.apart(kind, other), kind.nearness)
 
     def apart(self, kind: RobotType, other: RobotType) -> float:
-        """Distance (m) that the curves of two robots must keep from each other."""
+        """Returns the distance (m) that the curves of two robots must keep from each other."""
         return kind.reach + other.reach + self.clearance
 
 
 def _remainder_of(blocks: Iterable[Block], begun: float) -> List[Block]:
-    """The blocks of the rest of a drive when a fraction of it lies behind."""
+    """Returns the blocks of the rest of a drive when a fraction of it lies behind."""
     return [(slot, (clear - begun) / (1.0 - begun), lead)
             for slot, clear, lead in blocks if clear > begun]

@@ -26,7 +26,7 @@ Roads = List[List[Tuple[int, int, float]]]
 
 
 def estimated(seconds: np.ndarray) -> Sequence[float]:
-    """Seconds (V,) as the searches use them: Python's numbers, larger by a tiny factor.
+    """Returns the seconds (V,) as the searches use them: Python's numbers, larger by a tiny factor.
 
     So of equally good paths the one that is nearer to its end is followed first.
     """
@@ -77,36 +77,38 @@ class RoadNetwork:
 
     def with_closed(self, closed: Iterable[int],
                     learned: Mapping[Tuple[str, int], float] = MappingProxyType({})) -> RoadNetwork:
-        """The same graph with other closed edges. The geometry is not computed again."""
+        """Returns the same graph with other closed edges. The geometry is not computed again."""
         return RoadNetwork(self.graph, closed, self.dock_approach, learned, self.geometry)
 
     # -- ids and numbers --------------------------------------------------------------------------
 
     def drive(self, signed_id: int) -> int:
-        """The drive of a signed edge id, which the graph must have."""
+        """Returns the drive of a signed edge id, which the graph must have."""
         edge = self.edge_index[abs(signed_id)]
         return 2 * edge + (signed_id < 0)
 
     def signed_id(self, drive: int) -> int:
-        """The signed edge id of a drive."""
+        """Returns the signed edge id of a drive."""
         return self.signed_ids[drive]
 
     def destination(self, drive: int) -> int:
-        """The vertex at which a drive ends."""
+        """Returns the vertex at which a drive ends."""
         return self.origin[drive ^ 1]
 
     def vertex_slot(self, vertex: int) -> int:
-        """The slot of waiting at a vertex."""
+        """Returns the slot of waiting at a vertex."""
         return self.drives + vertex
 
     def length(self, drive: int) -> float:
-        """The arc length of a drive in m."""
+        """Returns the arc length of a drive in m."""
         return float(self._lengths[drive >> 1])
 
     # -- times ------------------------------------------------------------------------------------
 
     def times(self, kind: RobotType) -> List[float]:
-        """Seconds that each drive takes; infinite: forbidden. Closed edges have their normal time.
+        """Returns the seconds that each drive takes; infinite: forbidden.
+
+        Closed edges have their normal time.
         """
         if kind not in self._times:
             times: List[float] = []
@@ -120,7 +122,10 @@ class RoadNetwork:
         return self._times[kind]
 
     def roads(self, kind: RobotType, docks: Iterable[int] = ()) -> Roads:
-        """The roads away from each vertex. A road into a dock only if it is one of `docks`."""
+        """Returns the roads away from each vertex.
+
+        A road into a dock only if it is one of `docks`.
+        """
         if kind not in self._roads:
             closed = {self.edge_index[id] for id in self.closed if id in self.edge_index}
             roads: Roads = [[] for _ in range(self.vertices)]
@@ -140,7 +145,8 @@ class RoadNetwork:
         return roads
 
     def paths_to(self, kind: RobotType, targets: Sequence[int]) -> List[np.ndarray]:
-        """For each target the seconds (V,) to it from each vertex, without traffic; inf: no path.
+        """Returns for each target the seconds (V,) to it from each vertex, without traffic; inf: no
+        path.
 
         The results are kept, so that repeated targets cost nothing.
         """
@@ -160,7 +166,7 @@ class RoadNetwork:
         return [known[target] for target in targets]
 
     def seconds_over(self, kind: RobotType, vertices: Sequence[int]) -> float:
-        """Seconds from the first of these vertices (by id) over all others in order.
+        """Returns the seconds from the first of these vertices (by id) over all others in order.
 
         Infinite: there is no path, or the graph does not have one of them (any more).
         """
@@ -171,7 +177,8 @@ class RoadNetwork:
 
     def paths_to_nearest(self, kind: RobotType, targets: FrozenSet[int],
                          common: FrozenSet[int] = frozenset()) -> np.ndarray:
-        """Seconds (V,) from each vertex to the nearest of some targets; inf: none is reachable.
+        """Returns the seconds (V,) from each vertex to the nearest of some targets; inf: none is
+        reachable.
 
         The last results are kept, because many robots park at the same places.
 
@@ -198,7 +205,9 @@ class RoadNetwork:
         return nearest
 
     def _roads_into(self, kind: RobotType, dock: int) -> List[Tuple[int, float]]:
-        """The open roads that end at a dock: the vertex where each begins, and its seconds."""
+        """Returns the open roads that end at a dock: the vertex where each begins,
+        and its seconds.
+        """
         return [(self.origin[drive], seconds) for drive, seconds in enumerate(self.times(kind))
                 if self.destination(drive) == dock and self._open(drive, seconds)]
 
@@ -215,7 +224,7 @@ class RoadNetwork:
         return paths
 
     def prepared(self, kind: RobotType) -> ShortestPaths:
-        """The roads of a robot type, prepared for shortest paths at first use."""
+        """Returns the roads of a robot type, prepared for shortest paths at first use."""
         if kind not in self._shortest:
             self._shortest[kind] = ShortestPaths(self.vertices, (
                 (begin, end, seconds) for begin, away in enumerate(self.roads(kind))
@@ -223,7 +232,7 @@ class RoadNetwork:
         return self._shortest[kind]
 
     def estimates(self, kind: RobotType, target: int) -> Sequence[float]:
-        """`paths_to` a target, as the searches use it."""
+        """Returns `paths_to` a target, as the searches use it."""
         known = self._estimates.setdefault(kind, {})
         if target not in known:
             known[target] = estimated(self.paths_to(kind, (target,))[0])

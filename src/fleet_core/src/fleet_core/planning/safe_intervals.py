@@ -47,7 +47,7 @@ a number that grows with each state, the lowest cost of the paths that are follo
 
 def find_path(query: PathQuery, slots: Slots, arrivals: Sequence[Arrival], latest: float = inf,
               deadline: float = inf) -> Optional[Tuple[float, Plan]]:
-    """The plan that answers the query soonest, and its cost. None: there is none in time.
+    """Returns the plan that answers the query soonest, and its cost. None: there is none in time.
 
     The cost is the time at the end of the last destination. The time after it has the query's
     weight. No plan costs more than `latest`. The search ends at the deadline (monotonic s).
@@ -125,7 +125,8 @@ def _next(heap: List[_Entry], newest: Optional[_Entry],
 
 def _successors(query: PathQuery, slots: Slots, state: State, cost: float,
                 made: float) -> Tuple[List[Arrival], float]:
-    """The drives from a state on paths that cost at least more than `made`, and at most `cost`.
+    """Returns the drives from a state on paths that cost at least more than `made`, and at most
+    `cost`.
 
     Returns also the lowest cost of the paths that are left for later.
     """
@@ -151,7 +152,7 @@ def _successors(query: PathQuery, slots: Slots, state: State, cost: float,
 
 def _beginnings(starts: Sequence[float], ends: Sequence[float], now: float,
                 until: float) -> List[float]:
-    """The first moment of each free time of a slot between `now` and `until`.
+    """Returns the first moment of each free time of a slot between `now` and `until`.
 
     The slot is busy from each of `starts` to the one of `ends`.
     """
@@ -166,7 +167,7 @@ def _beginnings(starts: Sequence[float], ends: Sequence[float], now: float,
 
 
 def plan_from(state: Optional[State]) -> Plan:
-    """The drives on the path to a state."""
+    """Returns the drives on the path to a state."""
     plan: Plan = []
     while state:
         _, _, _, _, _, _, state, (drive, begin, _, end) = state

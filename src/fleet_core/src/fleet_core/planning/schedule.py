@@ -17,7 +17,7 @@ from fleet_core.planning.reservation_table import ReservationTable
 
 def schedule(reservations: ReservationTable, agents: Mapping[str, Agent],
              order: Iterable[Tuple[str, int]]) -> Plans:
-    """The plans behind the fixed drives, for the drives (robot, drive) in `order`.
+    """Returns the plans behind the fixed drives, for the drives (robot, drive) in `order`.
 
     A robot later in the order waits until all earlier ones are out of its way. Only geometry and
     driving times of `reservations` are used, not its bookings.
@@ -75,7 +75,7 @@ class _Driver:
 
 
 def in_order(plans: Mapping[str, Plan]) -> List[Tuple[str, int]]:
-    """The drives of plans in the order of their times."""
+    """Returns the drives of plans in the order of their times."""
     timed = [(drive.start, drive.end, name, k) for name, plan in plans.items()
              for k, drive in enumerate(plan)]
     return [(name, plans[name][k].drive) for _, _, name, k in sorted(timed)]

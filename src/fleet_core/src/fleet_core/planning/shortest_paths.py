@@ -96,16 +96,21 @@ class ShortestPaths:
                     self._join(begin, end, before + behind)
 
     def to(self, targets: Sequence[int]) -> np.ndarray:
-        """Seconds (T,V) from each vertex to each of T targets; infinite: there is no path."""
+        """Returns the seconds (T,V) from each vertex to each of T targets.
+
+        Infinite: there is no path.
+        """
         return self._paths([self._descents((target,)) for target in targets])
 
     def to_nearest(self, targets: Iterable[int]) -> np.ndarray:
-        """Seconds (V,) from each vertex to the nearest of some targets, in one search."""
+        """Returns the seconds (V,) from each vertex to the nearest of some targets,
+        in one search.
+        """
         paths: np.ndarray = self._paths([self._descents(targets)])[0]
         return paths
 
     def _paths(self, descents: Sequence[Dict[int, float]]) -> np.ndarray:
-        """Seconds (T,V) from each vertex to the targets of each of T descents."""
+        """Returns the seconds (T,V) from each vertex to the targets of each of T descents."""
         count, core = len(descents), len(self._core)
         # One node more for each target, linked to the remaining graph.
         rows = [{v: s for v, s in row.items() if self._round[v] < 0} for row in descents]
@@ -127,7 +132,8 @@ class ShortestPaths:
         return paths
 
     def _descents(self, targets: Iterable[int]) -> Dict[int, float]:
-        """Seconds to the nearest target from each vertex that leads to one by descending rounds.
+        """Returns the seconds to the nearest target from each vertex
+        that leads to one by descending rounds.
         """
         found = dict.fromkeys(targets, 0.0)
         waiting = sorted((self._round[target], target) for target in found)

@@ -34,7 +34,7 @@ class Slots:
         self._later: Callable[[int], List[Booking]] = _nobody
 
     def book_later(self, bookings: Callable[[int], List[Booking]]) -> None:
-        """Further bookings, which are made for each slot when it is first looked at."""
+        """Books later: these bookings are made for each slot when it is first looked at."""
         before, self._rows = self._rows, [None] * len(self._rows)
         self._later, self.merged = bookings, [None] * len(self._rows)
         for slot, row in enumerate(before):
@@ -42,14 +42,14 @@ class Slots:
                 self._rows[slot] = row + bookings(slot)
 
     def row(self, slot: int) -> List[Booking]:
-        """The bookings of a slot, in the order in which they were made."""
+        """Returns the bookings of a slot, in the order in which they were made."""
         row = self._rows[slot]
         if row is None:
             row = self._rows[slot] = self._later(slot)
         return row
 
     def is_made(self, slot: int) -> bool:
-        """Were the bookings of a slot made, or looked at, already?"""
+        """Returns whether the bookings of a slot were made, or requested, already."""
         return self._rows[slot] is not None
 
     def replace(self, slot: int, row: List[Booking], busy: Optional[Busy] = None) -> None:
@@ -93,7 +93,7 @@ class Slots:
             touched.append(slot)
 
     def busy(self, slot: int) -> Busy:
-        """When `slot` is blocked. At the very ends of these times it is free."""
+        """Returns when `slot` is blocked. At the very ends of these times it is free."""
         busy = self.merged[slot]
         if busy is None:
             row = self._rows[slot]  # most slots have one: no call for these
@@ -110,7 +110,7 @@ def extend(row: List[Booking], begin: float, end: float, robot: str) -> bool:
 
 
 def merge(bookings: Sequence[Booking]) -> Busy:
-    """The times that any of the bookings covers."""
+    """Returns the times that any of the bookings covers."""
     count = len(bookings)
     if count == 0:
         return _NEVER

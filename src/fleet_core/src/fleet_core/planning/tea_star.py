@@ -47,7 +47,7 @@ class TeaStar:
         self._search = search
 
     def path_of(self, agent: Agent, deadline: float, latest: float = inf) -> Optional[Path]:
-        """The best path of a robot that is not booked, past all that are.
+        """Returns the best path of a robot that is not booked, past all that are.
 
         None: there is none, or the deadline (monotonic s) came first.
         """
@@ -169,7 +169,7 @@ class TeaStar:
 
     def _meets(self, agent: Agent, path: Path,
                booked: Mapping[int, Sequence[Booking]]) -> bool:
-        """Does a path run into another robot's bookings (by slot)?"""
+        """Returns whether a path runs into another robot's bookings (by slot)."""
         if agent.mid_edge:
             return True  # it does not stand on a vertex, so it is simply planned again
         network = self.reservations.network
@@ -190,18 +190,20 @@ class TeaStar:
 
 
 def _overlap(bookings: Optional[Sequence[Booking]], begin: float, end: float) -> bool:
-    """Does any booking overlap the time from `begin` to `end`?"""
+    """Returns whether any booking overlaps the time from `begin` to `end`."""
     return bookings is not None and any(since < end and begin < until
                                         for since, until, _ in bookings)
 
 
 def is_too_late(deadline: float, drives: int = 0) -> bool:
-    """Is the deadline (monotonic s) too near to book this many drives and to answer with them?"""
+    """Returns whether the deadline (monotonic s) is too near to book this many drives and to answer
+    with them.
+    """
     return time.monotonic() + _TO_ANSWER * drives > deadline
 
 
 def by_length(agents: Iterable[Agent]) -> List[Agent]:
-    """The first order: by priority, then the shortest path.
+    """Returns the first order: by priority, then the shortest path.
 
     A robot that waits for others that are soon out of its way waits less than they would wait for
     it. A robot with nothing to do comes last, because it is only in the way.
@@ -211,7 +213,7 @@ def by_length(agents: Iterable[Agent]) -> List[Agent]:
 
 
 def shuffled(agents: Iterable[Agent], random: Random) -> List[Agent]:
-    """A random order that still respects priorities."""
+    """Returns a random order that still respects priorities."""
     order = list(agents)
     random.shuffle(order)
     return sorted(order, key=lambda t: -t.priority)

@@ -26,7 +26,7 @@ class ReportedRoute:
 
 
 def what_breaks(old: Graph, new: Graph, routes: Mapping[str, ReportedRoute]) -> Optional[str]:
-    """A sentence that says why `new` cannot replace `old` now; None if it can.
+    """Returns a sentence that says why `new` cannot replace `old` now; None if it can.
 
     routes -- the last report of each robot, by its name
     """

@@ -97,7 +97,7 @@ class GraphInForce:
         return Loaded(True, '')
 
     def _kept(self, file: str) -> Optional[Graph]:
-        """The graph of the copy, if it came from this file; else None."""
+        """Returns the graph of the copy, if it came from this file; else None."""
         try:
             with open(self._copy, encoding='utf-8') as stream:
                 origin = stream.readline()

@@ -24,7 +24,7 @@ class Remark(NamedTuple):
 
 
 def remarks(graph: Graph, fleet: Fleet, found: Survey) -> List[Remark]:
-    """The remarks about a survey and the fleet file, the most important first."""
+    """Returns the remarks about a survey and the fleet file, the most important first."""
     told = [Remark(True, text) for text in _wrong_in_fleet(graph, fleet)]
     if len(graph.parts) > 1:
         told.append(Remark(True, f'The graph has {len(graph.parts)} parts, which no edges join: '
@@ -50,7 +50,7 @@ def remarks(graph: Graph, fleet: Fleet, found: Survey) -> List[Remark]:
 
 
 def _near_edges(graph: Graph, found: Survey) -> List[Tuple[int, ...]]:
-    """Pairs of drawn edges without a common vertex that have sections near each other."""
+    """Returns pairs of drawn edges without a common vertex that have sections near each other."""
     pairs = dict.fromkeys(drawn_ids(graph, pair) for pair in found.near_edges)
     ends = {id: {graph.edges[sections[0]].origin, graph.edges[sections[-1]].destination}
             for id, sections in graph.sections.items()}
@@ -58,7 +58,7 @@ def _near_edges(graph: Graph, found: Survey) -> List[Tuple[int, ...]]:
 
 
 def _drawn(graph: Graph, vertices: Iterable[int]) -> List[int]:
-    """These vertices without those that only divide an edge."""
+    """Returns these vertices without those that only divide an edge."""
     return [id for id in vertices if not graph.divides_an_edge(id)]
 
 
@@ -136,7 +136,10 @@ def _on_long_edges(graph: Graph, found: Survey) -> Iterable[Remark]:
 
 
 def _named(one: str, many: str, ids: Iterable[int]) -> str:
-    """`vertex 3`, or `vertices 3, 4`; at most `_NAMED` ids, then the number of the others."""
+    """Returns `vertex 3`, or `vertices 3, 4`.
+
+    At most `_NAMED` ids, then the number of the others.
+    """
     ids = list(ids)
     if len(ids) == 1:
         return f'{one} {ids[0]}'

@@ -99,7 +99,8 @@ def survey(network: RoadNetwork, fleet: Fleet) -> Survey:
 
 def _parking(network: RoadNetwork, fleet: Fleet,
              largest: RobotType) -> Tuple[FrozenSet[int], Tuple[Capacity, ...]]:
-    """The parking vertices for robots of all types at once, and the capacity for each type alone.
+    """Returns the parking vertices for robots of all types at once, and the capacity for each type
+    alone.
 
     The parking vertices for all types are those of the largest type, because a smaller robot blocks
     less there.
@@ -121,19 +122,19 @@ def _parking(network: RoadNetwork, fleet: Fleet,
 
 
 def parking_for_all(network: RoadNetwork, fleet: Fleet) -> FrozenSet[int]:
-    """Only `Survey.parking`, for the closed edges of `network`."""
+    """Returns only `Survey.parking`, for the closed edges of `network`."""
     largest = max(fleet.types, key=lambda kind: kind.reach)
     parking = WellFormedSets(network, largest, fleet.clearance, _anywhere(network, fleet))
     return frozenset(network.vertex_ids[vertex] for vertex in parking.largest())
 
 
 def _anywhere(network: RoadNetwork, fleet: Fleet) -> Set[int]:
-    """The vertices at which the graph allows a robot of at least one type to park."""
+    """Returns the vertices at which the graph allows a robot of at least one type to park."""
     return {vertex for kind in fleet.types for vertex in named_parking(network, kind)}
 
 
 def dead_ends(network: RoadNetwork) -> Tuple[DeadEnd, ...]:
-    """The parts of the graph that are joined to the rest by one vertex and have no loop.
+    """Returns the parts of the graph that are joined to the rest by one vertex and have no loop.
 
     The part with the most vertices is first. In the incidence graph edges are nodes too, so that
     two edges between the same vertices count as a loop.
@@ -155,7 +156,7 @@ def dead_ends(network: RoadNetwork) -> Tuple[DeadEnd, ...]:
 
 
 def _stranded(network: RoadNetwork, kind: RobotType) -> Stranded:
-    """The vertices outside of the largest strongly connected set in each part of the graph.
+    """Returns the vertices outside of the largest strongly connected set in each part of the graph.
 
     Within such a set a robot can drive from each vertex to each other one.
     """
@@ -171,7 +172,7 @@ def _stranded(network: RoadNetwork, kind: RobotType) -> Stranded:
 
 
 def _joined(network: RoadNetwork, roads: nx.DiGraph) -> Set[int]:
-    """The vertices of the largest strongly connected set in each part of the graph."""
+    """Returns the vertices of the largest strongly connected set in each part of the graph."""
     homes: Dict[FrozenSet[int], Set[int]] = {}
     for home in sorted(nx.strongly_connected_components(roads), key=len):
         homes[network.graph.part_of(min(home))] = home  # the last one, the largest, stays
@@ -179,7 +180,7 @@ def _joined(network: RoadNetwork, roads: nx.DiGraph) -> Set[int]:
 
 
 def long_edges(network: RoadNetwork, kind: RobotType, distance: float) -> Tuple[LongEdge, ...]:
-    """Edges longer than `LONG` following distances; the edge that costs most is first."""
+    """Returns edges longer than `LONG` following distances; the edge that costs most is first."""
     graph = network.graph
     lengths = {id: graph.curve(id).length for id in graph.edges}
     long = [id for id, length in lengths.items() if length > LONG * distance]
@@ -196,7 +197,9 @@ def long_edges(network: RoadNetwork, kind: RobotType, distance: float) -> Tuple[
 
 
 def _roads(network: RoadNetwork, kind: RobotType) -> nx.DiGraph:
-    """A directed graph of vertex ids with the fastest edge that a robot may drive between two."""
+    """Returns a directed graph of vertex ids with the fastest edge
+    that a robot may drive between two.
+    """
     roads = nx.DiGraph()
     roads.add_nodes_from(network.vertex_ids)
     ids = network.vertex_ids
@@ -209,7 +212,7 @@ def _roads(network: RoadNetwork, kind: RobotType) -> nx.DiGraph:
 
 
 def near_edges(network: RoadNetwork, distance: float) -> Tuple[Tuple[int, int], ...]:
-    """Pairs of edges, ids ascending, whose curves come nearer than `distance` (m).
+    """Returns pairs of edges, ids ascending, whose curves come nearer than `distance` (m).
 
     Pairs with a common vertex, and pairs that a single edge joins, are omitted.
     """
@@ -229,7 +232,7 @@ def near_edges(network: RoadNetwork, distance: float) -> Tuple[Tuple[int, int], 
 
 
 def _neighbours(network: RoadNetwork) -> Sequence[Set[int]]:
-    """For each vertex its neighbours."""
+    """Returns for each vertex its neighbours."""
     around: List[Set[int]] = [set() for _ in range(network.vertices)]
     for drive in range(network.drives):
         around[network.origin[drive]].add(network.destination(drive))

@@ -84,7 +84,7 @@ def assign(missions: Sequence[Mission], own: Mapping[str, Hindrance],
 def hindrances(mission: Mission, own: Mapping[str, Hindrance], robots: Mapping[str, ManagedRobot],
                acceptance: Acceptance, network: RoadNetwork,
                room: StationRoom) -> Dict[str, Hindrance]:
-    """By robot that may serve a mission, why it cannot serve it now.
+    """Returns why each robot that may serve a mission cannot serve it now.
 
     own -- by robot, what hinders it from serving any mission
     """
@@ -95,7 +95,7 @@ def hindrances(mission: Mission, own: Mapping[str, Hindrance], robots: Mapping[s
 
 
 def own_hindrance(robot: ManagedRobot, is_busy: bool, is_laden: bool) -> Hindrance:
-    """What hinders a robot from serving any mission now."""
+    """Returns what hinders a robot from serving any mission now."""
     some = ((robot.outage is not None, Hindrance.OUTAGE), (robot.is_halted, Hindrance.HALTED),
             (is_busy, Hindrance.BUSY), (is_laden, Hindrance.LADEN),
             (not robot.is_charged, Hindrance.MUST_CHARGE),
@@ -104,7 +104,7 @@ def own_hindrance(robot: ManagedRobot, is_busy: bool, is_laden: bool) -> Hindran
 
 
 def _on_the_way(mission: Mission, robot: ManagedRobot, network: RoadNetwork) -> Hindrance:
-    """Why a free robot cannot drive to all destinations of a mission."""
+    """Returns why a free robot cannot drive to all destinations of a mission."""
     left = mission.left
     seconds = time_to(left[0], robot, network) + network.seconds_over(robot.type, left)
     if seconds == inf:
@@ -138,14 +138,16 @@ def _match(missions: Sequence[Tuple[Mission, Sequence[str]]], robots: Mapping[st
 
 
 def _all_alike(missions: Sequence[Mission]) -> bool:
-    """May the same robots serve all missions, so that the oldest can be served first?"""
+    """Returns whether the same robots may serve all missions, so
+    that the oldest can be served first.
+    """
     return len({(m.request.robot_type, m.request.robot) for m in missions}) == 1
 
 
 def why_nobody(mission: Mission, found: Mapping[str, Hindrance],
                robots: Mapping[str, ManagedRobot], now: float,
                room: StationRoom) -> Tuple[str, str]:
-    """What a mission waits for, by the hindrances of its robots.
+    """Returns what a mission waits for, by the hindrances of its robots.
 
     Also returns the robot that could serve it if it were charged; empty: none.
     """
@@ -179,7 +181,9 @@ def _out_of_service(robots: Sequence[ManagedRobot]) -> str:
 
 
 def _unable(short: Sequence[ManagedRobot]) -> Tuple[str, str]:
-    """Why no free robot can serve a mission, and the fullest of those that are short of charge."""
+    """Returns why no free robot can serve a mission, and the fullest of those
+    that are short of charge.
+    """
     if not short:
         return 'none of the free robots can reach all its destinations', ''
     fullest = max(short, key=lambda robot: robot.battery.range_left())
@@ -196,7 +200,7 @@ def _must_charge(robots: Sequence[ManagedRobot], now: float) -> str:
 
 
 def time_to(vertex: int, robot: ManagedRobot, network: RoadNetwork) -> float:
-    """Seconds from the robot's next resting place to a vertex, without traffic.
+    """Returns the seconds from the robot's next resting place to a vertex, without traffic.
 
     Infinite: there is no path, or the graph does not have the vertex (any more).
     """
@@ -216,7 +220,7 @@ def time_to(vertex: int, robot: ManagedRobot, network: RoadNetwork) -> float:
 
 def _times_off(place: GraphPosition, robot: ManagedRobot,
                network: RoadNetwork) -> List[Tuple[int, float]]:
-    """The ends of the edge on which the robot stands, with the seconds to each end."""
+    """Returns the ends of the edge on which the robot stands, with the seconds to each end."""
     times = network.times(robot.type)
     forward, backward = network.drive(place.edge), network.drive(-place.edge)
     graph = network.graph

@@ -68,7 +68,7 @@ class WorldView:
 
     def world(self, serving: Mapping[str, Mission], network: RoadNetwork,
               limits: Mapping[str, StationLimit]) -> World:
-        """The present world.
+        """Returns the present world.
 
         serving -- the missions that robots serve, by robot
         limits  -- how far robots may go, if not as far as they want
@@ -97,14 +97,14 @@ class Assumptions:
     """The last version of each robot, and whether the assumption about it held; kept on demand."""
 
     def misfits(self, world: World) -> AbstractSet[str]:
-        """Robots about which the assumption does not hold."""
+        """Returns robots about which the assumption does not hold."""
         for name, version in world.versions.items():
             if self._held.get(name, (0, False))[0] != version:
                 self._held[name] = version, self.holds(name, world)
         return {name for name, (_, holds) in self._held.items() if not holds}
 
     def holds(self, name: str, world: World) -> bool:
-        """Does the assumption about one robot hold?"""
+        """Returns whether the assumption about one robot holds."""
         before, robot = self.robots.get(name), world.robots[name]
         if before is None:
             return False
@@ -120,13 +120,15 @@ class Assumptions:
 
     @staticmethod
     def _is_used_up(before: Assumption, errand: Errand) -> bool:
-        """Has the mission reached the last destination but one that the plan includes?"""
+        """Returns whether the mission has reached the last destination but one
+        that the plan includes.
+        """
         return before.reach is not None and errand.mission is not None and (
             errand.mission.reached >= before.reach - 1)
 
 
 def assumption_of(robot: ManagedRobot, errand: Errand) -> Assumption:
-    """The present state of a robot, as an assumption."""
+    """Returns the present state of a robot, as an assumption."""
     record, allocation = robot.record, robot.master.allocation
     stands = errand.duty is Duty.STAND
     if allocation.knowledge is not Knowledge.KNOWN:

@@ -22,16 +22,19 @@ class Battery:
         self._told = -math.inf
 
     def report(self, charge: float, now: float) -> None:
-        """The robot has reported its state of charge, from 0 to 1."""
+        """Notes that the robot has reported its state of charge, from 0 to 1."""
         self.charge, self._told = charge, now
 
     def is_mute(self, liveness: Liveness, now: float) -> bool:
-        """Are there no battery reports any more, although the robot reports?"""
+        """Returns whether there are no battery reports any more, although the robot reports."""
         return now - max(self._told, liveness.since) > MUTE
 
     @property
     def is_low(self) -> bool:
-        """Is the charge below the threshold? A battery that was never reported counts as full."""
+        """Whether the charge is below the threshold.
+
+        A battery that was never reported counts as full.
+        """
         return self.charge < self._settings.charge_below
 
     @property
@@ -41,21 +44,23 @@ class Battery:
 
     @property
     def may_leave(self) -> bool:
-        """Is the battery charged enough to leave the dock?"""
+        """Whether the battery is charged enough to leave the dock."""
         return self.charge >= self._settings.leave_above
 
     @property
     def is_below_leaving(self) -> bool:
-        """Is the charge known, and too low to leave the dock?"""
+        """Whether the charge is known, and too low to leave the dock."""
         return self.charge < self._settings.leave_above
 
     @property
     def is_below_idle(self) -> bool:
-        """Is the charge known, and so low that the robot charges while it has nothing to do?"""
+        """Whether the charge is known, and so low that the robot charges while it has nothing to
+        do.
+        """
         return self.charge < self._settings.idle_below
 
     def range_left(self) -> float:
-        """Distance (m) that the robot may drive before it needs its reserve."""
+        """Returns the distance (m) that the robot may drive before it needs its reserve."""
         if math.isnan(self.charge):
             return math.inf
         return max(self.charge - self._settings.reserve, 0.0) * self._settings.endurance

@@ -51,7 +51,7 @@ _BROKEN = (DeviceMode.OFFLINE, DeviceMode.UNKNOWN)
 
 
 class _Need(Enum):
-    """Does a robot have to charge?"""
+    """Whether a robot has to charge."""
 
     NONE = 'no'
     TOP_UP = 'it has nothing to do'
@@ -117,7 +117,7 @@ class ChargerDesk:
 
     def _candidate(self, robot: ManagedRobot, is_short: bool, network: RoadNetwork,
                    now: float) -> Optional[Candidate]:
-        """A robot that is to charge, and can; None: it is not to, or cannot.
+        """Returns a robot that is to charge, and can; None: it is not to, or cannot.
 
         A robot that stands at its charger is not sent away by an outage. A robot that works, but
         whose battery does not report any more, might stay for ever: it must give up its turn.
@@ -140,7 +140,7 @@ class ChargerDesk:
         return robot.dock is not None and robot.stands_at((robot.dock,))
 
     def _places(self, robot: ManagedRobot, network: RoadNetwork, now: float) -> Tuple[int, ...]:
-        """The docks that would do for a robot, the nearest one first."""
+        """Returns the docks that would do for a robot, the nearest one first."""
         docks = docks_of(robot, network)
         if robot.dock in docks and self._has_arrived(robot):
             return (robot.dock,)
@@ -150,7 +150,9 @@ class ChargerDesk:
                             key=lambda dock: times[dock]))
 
     def _broken_at(self, dock: int, network: RoadNetwork, now: float) -> Set[str]:
-        """Names of devices that do not work, and without which no robot gets to a dock."""
+        """Returns the names of devices that do not work, and without
+        which no robot gets to a dock.
+        """
         needs, graph = self._claims.needs, network.graph
         found: Set[str] = set()
         for edge in graph.edges_from(dock):
@@ -177,7 +179,7 @@ class ChargerDesk:
 
     def _stays(self, candidates: Collection[str],
                serving: Mapping[str, Mission]) -> Iterator[_Stay]:
-        """The robots that claim chargers, are no candidates, and do not make room."""
+        """Yields the robots that claim chargers, are no candidates, and do not make room."""
         for name in self._claims.robots:
             for charger in self._claims.of(name) & self._chargers.keys():
                 robot = self._robots.get(name)
@@ -186,12 +188,12 @@ class ChargerDesk:
                     yield _Stay(name, charger, None if robot is None else robot.record.last_vertex)
 
     def _going(self, serving: Mapping[str, Mission]) -> Dict[str, int]:
-        """The places of chargers to which missions go now, by their robots."""
+        """Returns the places of chargers to which missions go now, by their robots."""
         return {name: mission.left[0] for name, mission in serving.items()
                 if mission.left and mission.left[0] in self.at and follows(mission)}
 
     def occupancies(self) -> Dict[str, Occupancy]:
-        """The robots that take the places of chargers, by the charger's name.
+        """Returns the robots that take the places of chargers, by the charger's name.
 
         A robot that only tops up takes none: it yields to missions.
         """
@@ -208,14 +210,16 @@ class ChargerDesk:
 
     def _occupancy(self, waiters: Mapping[str, Tuple[int, ...]],
                    inside: Sequence[_Stay]) -> Occupancy:
-        """The robots that go to a charger for a mission, and those that stay in it."""
+        """Returns the robots that go to a charger for a mission, and those that stay in it."""
         kept = frozenset(stay.place for stay in inside if stay.place is not None)
         robots = (*waiters, *(stay.robot for stay in inside))
         return Occupancy(robots, tuple(waiters.values()), Others(len(inside), kept, kept),
                          doing=tuple(map(self._doing, robots)))
 
     def _doing(self, name: str) -> str:
-        """What a robot does that takes a place of a charger, in words that follow its name."""
+        """Returns what a robot does that takes a place of a charger, in words
+        that follow its name.
+        """
         robot, mission = self._robots.get(name), self._book.of_robot(name)
         if robot is None or robot.outage is not None:
             return 'which is not in service'
@@ -224,7 +228,9 @@ class ChargerDesk:
         return f'which charges until {100.0 * (robot.charge_until or robot.battery.full):.0f} %'
 
     def _in_the_way(self, turns: Mapping[str, int], stays: List[_Stay]) -> Iterator[str]:
-        """Robots without work that claim a charger which a robot with a turn cannot claim yet."""
+        """Yields robots without work that claim a charger which a robot
+        with a turn cannot claim yet.
+        """
         staying = {one.robot for one in stays}
         for name in {self.at[place].name for place in turns.values()}:
             charger, inside = self._chargers[name], self._claims.holders(name)
@@ -236,7 +242,7 @@ class ChargerDesk:
 
     def _why_none(self, one: Candidate, turns: Mapping[str, int], stays: List[_Stay],
                   network: RoadNetwork, now: float) -> str:
-        """What a robot that must charge and has no turn waits for, in words."""
+        """Returns what a robot that must charge and has no turn waits for, in words."""
         robot = self._robots[one.robot]
         docks = docks_of(robot, network)
         if not docks:
@@ -257,7 +263,7 @@ class ChargerDesk:
 
 
 def _is_to_stay(mission: Optional[Mission], charger: Charger) -> bool:
-    """Does a robot that works stay in a charger for its mission?"""
+    """Returns whether a robot that works stays in a charger for its mission."""
     return mission is not None and (
         not follows(mission) or mission.dwell_until is not None
         or bool(mission.left) and mission.left[0] in charger.places)
@@ -276,7 +282,7 @@ def _need_of(robot: ManagedRobot, is_short: bool) -> _Need:
 
 
 def _has_to(robot: ManagedRobot, is_short: bool) -> bool:
-    """Does a robot have to charge, although it does not charge yet?"""
+    """Returns whether a robot has to charge, although it does not charge yet."""
     battery = robot.battery
     return bool(robot.charge_until) or battery.is_low or is_short and battery.is_below_leaving
 
@@ -287,6 +293,6 @@ def _charge(robot: ManagedRobot) -> float:
 
 
 def docks_of(robot: ManagedRobot, network: RoadNetwork) -> List[int]:
-    """The docks at which a robot may charge."""
+    """Returns the docks at which a robot may charge."""
     return sorted(dock for dock in robot.type.docks or ()
                   if dock in network.index and network.graph.vertices[dock].dock)

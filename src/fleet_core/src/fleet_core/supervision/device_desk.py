@@ -77,7 +77,7 @@ class DeviceDesk:
             if report.mode is DeviceMode.OPEN and own.holds and _is_fresh(report, now)}
 
     def view(self, name: str, now: float) -> DeviceView:
-        """What is known of a device now."""
+        """Returns what is known of a device now."""
         report = self._reports.get(name)
         if report is None:
             return _NEVER_HEARD
@@ -86,7 +86,7 @@ class DeviceDesk:
         return _OLD
 
     def due(self, now: float) -> List[AskDevice]:
-        """The requests to send now: those that no fresh report shows.
+        """Returns the requests to send now: those that no fresh report shows.
 
         While a robot may be anywhere, it may be in a door. So no device is asked for anything.
         """
@@ -104,7 +104,7 @@ class DeviceDesk:
 
 
 def _own(report: DeviceReport) -> DeviceUse:
-    """What the device obeys of the fleet manager."""
+    """Returns what the device obeys of the fleet manager."""
     return report.use_of(ME) or DeviceUse(ME, DeviceMode.CLOSED, 0, 0.0)
 
 

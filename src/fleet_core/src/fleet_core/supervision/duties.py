@@ -79,12 +79,14 @@ class Errand:
 
     @property
     def stays(self) -> bool:
-        """Is the robot to stay at the place of its errand?"""
+        """Whether the robot is to stay at the place of its errand."""
         return self.place is not None
 
     @property
     def is_to_drive(self) -> bool:
-        """Is the robot to be somewhere else than where it is, so that others make room for it?"""
+        """Whether the robot is to be somewhere else than where it is, so
+        that others make room for it.
+        """
         if self.duty is Duty.QUEUE:
             return self.limit.leaves or self.place is not None and not self.limit.is_there
         return self.limit.leaves or self.duty in (Duty.MISSION, Duty.CHARGE)
@@ -92,7 +94,7 @@ class Errand:
 
 def errand_of(mission: Optional[Mission], dock: Optional[int],
               limit: StationLimit = NO_LIMIT) -> Errand:
-    """The errand of a robot. A mission comes before charging, unless it is paused."""
+    """Returns the errand of a robot. A mission comes before charging, unless it is paused."""
     if mission is not None and follows(mission):
         return Errand(Duty.QUEUE if limit.waits else Duty.MISSION, mission, limit.place, limit)
     if mission is not None:
@@ -101,7 +103,7 @@ def errand_of(mission: Optional[Mission], dock: Optional[int],
 
 
 def follows(mission: Mission) -> bool:
-    """Does the robot of a mission go on to its next destination?"""
+    """Returns whether the robot of a mission goes on to its next destination."""
     return mission.state is not MissionState.PAUSED and not mission.is_held
 
 
@@ -118,7 +120,7 @@ class Visits(NamedTuple):
 
 def to_visit(released: Iterable[int], graph: Graph, mission: Mission, now: float,
              end: Optional[int] = None) -> Visits:
-    """The next destinations behind those that the released edges ahead visit already.
+    """Returns the next destinations behind those that the released edges ahead visit already.
 
     end -- number of destinations that the robot may visit now; None: all
     """
@@ -138,7 +140,7 @@ def to_visit(released: Iterable[int], graph: Graph, mission: Mission, now: float
 
 def goes_until(robot: ManagedRobot, errand: Errand, own: RobotPlan, asked: bool,
                reach: Optional[int] = None) -> int:
-    """Number of the edge in the record before which a robot must stop in any case.
+    """Returns the number of the edge in the record before which a robot must stop in any case.
 
     reach -- number of its mission's destinations that the plan includes; None: all
 
@@ -166,7 +168,10 @@ def goes_until(robot: ManagedRobot, errand: Errand, own: RobotPlan, asked: bool,
 
 
 def _end_at(errand: Errand, own: RobotPlan, robot: ManagedRobot) -> int:
-    """Number of the edge behind the one that leads to the queue place; else where it is."""
+    """Returns the number of the edge behind the one that leads to the queue place.
+
+    Else where it is.
+    """
     record = robot.record
     if errand.limit.is_there:
         return record.end
@@ -177,7 +182,10 @@ def _end_at(errand: Errand, own: RobotPlan, robot: ManagedRobot) -> int:
 
 def _next_stop(graph: Graph, drives: Sequence[PlannedDrive], mission: Mission,
                reach: Optional[int]) -> Optional[int]:
-    """Number of drives to the next destination at which the robot stops; None: not reached."""
+    """Returns the number of drives to the next destination at which the robot stops.
+
+    None: not reached.
+    """
     request, index = mission.request, mission.reached
     last = len(request.destinations) if reach is None else reach
     if mission.dwell_until is not None:

@@ -31,7 +31,10 @@ class EarlyStop:
         return self._orders(repeated=False)
 
     def due(self, now: float) -> Sequence[SendRoute]:
-        """The orders to repeat at `now`, for robots that were not connected yet; empty if none."""
+        """Returns the orders to repeat at `now`, for robots that were not connected yet.
+
+        Empty if none.
+        """
         if self._stop is None or now - self._sent < REPEAT:
             return ()
         self._sent = now

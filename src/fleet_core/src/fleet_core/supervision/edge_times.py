@@ -78,13 +78,14 @@ class EdgeTimes:
         self._looked = -inf
 
     def learn(self, kind: str, driven: Driven) -> None:
-        """A robot of this type has driven an edge."""
+        """Notes that a robot of this type has driven an edge."""
         if driven.seconds > 0.0:
             self._driven.setdefault((kind, driven.edge), deque(maxlen=KEPT)).append(driven.seconds)
             self._usual.pop(kind, None)
 
     def usual(self, kind: str) -> float:
-        """The time that robots of a type need for the edges that they drove, by the nominal one.
+        """Returns the time that robots of a type need for the edges that they drove, by the nominal
+        one.
 
         It is 1 until ENOUGH edges were driven.
         """
@@ -97,7 +98,7 @@ class EdgeTimes:
         return self._usual[kind]
 
     def expected(self, kind: str, edge: int) -> float:
-        """Seconds that a robot of this type is expected to need for a signed edge."""
+        """Returns the seconds that a robot of this type is expected to need for a signed edge."""
         driven = self._driven.get((kind, edge), ())
         if len(driven) >= ENOUGH:
             return median(driven)

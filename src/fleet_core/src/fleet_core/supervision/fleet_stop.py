@@ -40,7 +40,7 @@ class FleetStop:
 
     @property
     def is_in_force(self) -> bool:
-        """Is the fleet stopped?"""
+        """Whether the fleet is stopped."""
         return self.cause is not StopCause.NONE
 
     def words(self, now: float) -> str:

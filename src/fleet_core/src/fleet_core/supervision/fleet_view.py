@@ -42,7 +42,7 @@ class RobotState(IntEnum):
         return _WORDS.get(self, self.name.lower().replace('_', ' '))
 
     def words_with(self, waits_for: int) -> str:
-        """The same of a robot that waits for something (WaitCode): one at a step works."""
+        """Returns the same of a robot that waits for something (WaitCode): one at a step works."""
         return WORKING if self is self.BUSY and waits_for == WaitCode.STEP else self.words
 
 
@@ -99,7 +99,9 @@ class DriveView(NamedTuple):
 
 
 def robot_views(supervisor: Supervisor, now: float) -> List[RobotView]:
-    """All robots of the fleet, and those that left the fleet file but still block places."""
+    """Returns all robots of the fleet, and those that left the fleet file but still block
+    places.
+    """
     errands = supervisor.errands()
     return [*(_view(robot, errands[name], supervisor, now)
               for name, robot in supervisor.robots.items()),
@@ -157,7 +159,7 @@ class PlanProgress(NamedTuple):
 
 
 def plan_progress(supervisor: Supervisor) -> Optional[PlanProgress]:
-    """The progress of the plan in force; None: there is none."""
+    """Returns the progress of the plan in force; None: there is none."""
     plan = supervisor.plan_executor.plan
     if plan is None:
         return None
@@ -167,7 +169,7 @@ def plan_progress(supervisor: Supervisor) -> Optional[PlanProgress]:
 
 
 def plan_views(progress: Optional[PlanProgress]) -> List[Tuple[str, List[DriveView]]]:
-    """The plan of each robot, from the edge that it drives on."""
+    """Returns the plan of each robot, from the edge that it drives on."""
     if progress is None:
         return []
     plan, found = progress.plan, []

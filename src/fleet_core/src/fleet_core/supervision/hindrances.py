@@ -27,12 +27,12 @@ class Hindrance(IntEnum):
 
     @property
     def is_outage(self) -> bool:
-        """Can the robot be given nothing at all to drive?"""
+        """Whether the robot can be given nothing at all to drive."""
         return self in (Hindrance.OUTAGE, Hindrance.HALTED)
 
     @property
     def is_free(self) -> bool:
-        """Does the robot wait for a mission, if not for this one?"""
+        """Whether the robot waits for a mission, if not for this one."""
         return self in (Hindrance.NONE, Hindrance.NO_WAY, Hindrance.BATTERY, Hindrance.FULL)
 
 

@@ -106,7 +106,7 @@ class Journal:
         self._file.close()
 
     def milliseconds(self) -> int:
-        """ms since 1970, by the clock of the journal."""
+        """Returns ms since 1970, by the clock of the journal."""
         return int(1000.0 * self._clock())
 
     # -- writing ----------------------------------------------------------------------------------
@@ -208,17 +208,20 @@ class Journal:
     # -- reading ----------------------------------------------------------------------------------
 
     def value(self, name: str) -> int:
-        """A stored number; 0: there is none."""
+        """Returns a stored number; 0: there is none."""
         row = self._run('SELECT number FROM value WHERE name = ?', (name,)).fetchone()
         return int(row[0]) if row else 0
 
     def stop(self) -> FleetStop:
-        """Whether the fleet is stopped, with author, time and reason."""
+        """Returns whether the fleet is stopped, with author, time and reason."""
         row = self._run('SELECT record FROM stop').fetchone()
         return from_json(FleetStop, json.loads(row[0])) if row else NOT_STOPPED
 
     def number_beside(self) -> int:
-        """The number in the file beside the journal; 0: there is none; -1: it cannot be read."""
+        """Returns the number in the file beside the journal; 0: there is none.
+
+        -1: it cannot be read.
+        """
         try:
             with open(self._beside, encoding='ascii') as file:
                 return int(file.read(_LONGEST_NUMBER))
@@ -228,12 +231,12 @@ class Journal:
             return -1
 
     def graph(self) -> Optional[Graph]:
-        """The graph to which the stored data of robots refer; None: there is none."""
+        """Returns the graph to which the stored data of robots refer; None: there is none."""
         row = self._run('SELECT elements FROM graph').fetchone()
         return _graph(row[0]) if row else None
 
     def missions(self) -> List[Mission]:
-        """The open missions and the last ended ones, in the order of their acceptance."""
+        """Returns the open missions and the last ended ones, in the order of their acceptance."""
         rows = self._run(
             f'SELECT * FROM (SELECT {_MISSION} FROM mission WHERE state IN {OPEN_STATES} UNION '
             f'SELECT * FROM (SELECT {_MISSION} FROM mission WHERE state NOT IN {OPEN_STATES} '
@@ -241,30 +244,33 @@ class Journal:
         return [_mission(row) for row in rows]
 
     def stays(self) -> Dict[int, float]:
-        """By serial, how long (s) each mission stays where it is; at least 0."""
+        """Returns, by serial, how long (s) each mission stays where it is; at least 0."""
         now = self._clock()
         return {int(serial): max(now - began, 0.0)
                 for serial, began in self._run('SELECT serial, began FROM stay')}
 
     def works(self) -> Dict[int, Work]:
-        """By serial, the progress of the steps of each open mission that has steps."""
+        """Returns, by serial, the progress of the steps of each open mission that has steps."""
         return {int(serial): from_json(Work, json.loads(text), added=('group', 'device'))
                 for serial, text in self._run('SELECT serial, work FROM work')}
 
     def loads(self) -> Dict[str, RobotLoad]:
-        """By name, what each robot carries. A robot that never had a load is not in it."""
+        """Returns, by name, what each robot carries. A robot that never had a load is not in it."""
         return {name: from_json(RobotLoad, json.loads(text))
                 for name, text in self._run('SELECT robot, load FROM load')}
 
     def claims(self) -> Dict[str, FrozenSet[str]]:
-        """By name, the resources that each robot claims. A robot without claims is not in it."""
+        """Returns, by name, the resources that each robot claims.
+
+        A robot without claims is not in it.
+        """
         found: Dict[str, Set[str]] = {}
         for name, resource in self._run('SELECT robot, resource FROM claim'):
             found.setdefault(name, set()).add(resource)
         return {name: frozenset(resources) for name, resources in found.items()}
 
     def find(self, request: Request) -> Optional[Mission]:
-        """The last mission that exactly this request became, however long ago it ended.
+        """Returns the last mission that exactly this request became, however long ago it ended.
 
         Raises JournalUnavailable.
         """
@@ -275,7 +281,8 @@ class Journal:
                      if mission.request.identity == request.identity), None)
 
     def status(self, request_id: int, stamp: float) -> Optional[Status]:
-        """The stored status of the last mission with this id and stamp; stamp 0 means any stamp.
+        """Returns the stored status of the last mission with this id and stamp; stamp 0 means any
+        stamp.
 
         Raises JournalUnavailable.
         """
@@ -286,11 +293,11 @@ class Journal:
         return None if row is None else _mission(row).status
 
     def last_serial(self) -> int:
-        """Serial of the last mission that was accepted; 0: there was none."""
+        """Returns the serial of the last mission that was accepted; 0: there was none."""
         return int(self._run('SELECT MAX(serial) FROM mission').fetchone()[0] or 0)
 
     def robots(self) -> Dict[str, RobotMemory]:
-        """The stored state of each robot."""
+        """Returns the stored state of each robot."""
         return {name: _memory(text) for name, text in self._run('SELECT name, memory FROM robot')}
 
 
@@ -300,7 +307,7 @@ def _request_text(request: Request) -> str:
 
 
 def _mission(row: Tuple[int, str, int, str, int, str, int]) -> Mission:
-    """The mission in a row of the columns of _MISSION."""
+    """Returns the mission in a row of the columns of _MISSION."""
     serial, text, state, robot, reached, reason, deadline = row
     return Mission(serial, read_request(text), MissionState(state), robot, reached, reason=reason,
                    deadline_state=DeadlineState(deadline))

@@ -139,7 +139,7 @@ class JournalDatabase:
 
     @contextmanager
     def transaction(self) -> Iterator[sqlite3.Connection]:
-        """A transaction: at its end either all of its changes are on the disk, or none.
+        """Yields a transaction: at its end either all of its changes are on the disk, or none.
 
         Raises JournalUnavailable, also if the file is not the one of the last commit: data written
         to a file that was deleted or replaced are lost.

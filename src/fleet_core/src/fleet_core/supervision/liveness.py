@@ -28,7 +28,7 @@ class Liveness:
 
     @property
     def is_seen(self) -> bool:
-        """Has the robot reported since the fleet manager began?"""
+        """Whether the robot has reported since the fleet manager began."""
         return self.seen > -math.inf
 
     def hear(self, report: Report, graph: Graph, now: float) -> None:
@@ -43,17 +43,20 @@ class Liveness:
         self.stands = report.motion is Motion.STANDING
 
     def is_silent(self, now: float) -> bool:
-        """Has the robot reported before, but not for SILENCE s?"""
+        """Returns whether the robot has reported before, but not for SILENCE s."""
         return self.is_seen and now - self.seen > SILENCE
 
     def stands_for(self, now: float) -> float:
-        """s since it was last seen to move, or first seen; 0: it does not report."""
+        """Returns the seconds since it was last seen to move, or first seen.
+
+        0: it does not report.
+        """
         return now - self._moved if self.is_seen and not self.is_silent(now) else 0.0
 
     def nothing_to_answer(self, now: float) -> None:
-        """No order waits for an answer now."""
+        """Notes that no order waits for an answer now."""
         self._answered = now
 
     def is_deaf(self, now: float) -> bool:
-        """Has the robot not answered an order for ANSWER s?"""
+        """Returns whether the robot has not answered an order for ANSWER s."""
         return now - self._answered > ANSWER

@@ -23,7 +23,10 @@ class QueueState(Enum):
 
 
 def queue_words(station: str, number: int, robot: str, is_there: bool) -> str:
-    """The words of a queue place. `number`: from 1; `robot`: that has it; empty: none has."""
+    """Returns the words of a queue place.
+
+    `number`: from 1; `robot`: that has it; empty: none has.
+    """
     state = QueueState.FREE if not robot else QueueState.TAKEN if is_there else QueueState.COMING
     return state.value.format(station=station, number=number, robot=robot)
 
@@ -48,7 +51,7 @@ LOOK_OF_MACHINE: Mapping[MachineState, ResourceLook] = {
 
 
 def look_of_resource(mode: Optional[DeviceMode], claims: Collection[ClaimState]) -> ResourceLook:
-    """The look of a resource.
+    """Returns the look of a resource.
 
     mode -- what its device shows; None: it has none
     """

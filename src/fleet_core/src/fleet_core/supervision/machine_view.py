@@ -67,7 +67,7 @@ class MachineReports:
         self._heard: Dict[str, _Heard] = {}
 
     def newest(self, name: str) -> Optional[StepReport]:
-        """The newest report of a machine; None: none has come."""
+        """Returns the newest report of a machine; None: none has come."""
         heard = self._heard.get(name)
         return None if heard is None else heard.report
 
@@ -76,7 +76,7 @@ class MachineReports:
         self._heard[name] = _Heard(report, now)
 
     def views(self, book: MissionBook, works: Mapping[int, Work], now: float) -> List[MachineView]:
-        """All machines of the site, in the order of the work file.
+        """Returns all machines of the site, in the order of the work file.
 
         works -- of missions with steps, by their serials
         """
@@ -100,7 +100,10 @@ class MachineReports:
 
 def _place_of_step(device: str, key: int, mission: Mission,
                    works: Mapping[int, Work]) -> Optional[int]:
-    """The vertex of the stop at which a mission has this step; None: it does not have it."""
+    """Returns the vertex of the stop at which a mission has this step.
+
+    None: it does not have it.
+    """
     work = works.get(mission.serial)
     return next((work.stops[place.stop].place for place, step, own in work.steps
                  if step.device == device and own.key == key), None) if work else None

@@ -75,12 +75,12 @@ class MissionBook:
                 if mission.state.is_open}
 
     def is_open(self, serial: int) -> bool:
-        """Has a mission not ended?"""
+        """Returns whether a mission has not ended."""
         mission = self._by_serial.get(serial)
         return mission is not None and mission.state.is_open
 
     def is_pending(self, serial: int) -> bool:
-        """Does a mission wait for a robot?"""
+        """Returns whether a mission waits for a robot."""
         mission = self._by_serial.get(serial)
         return mission is not None and mission.state is MissionState.PENDING
 
@@ -91,11 +91,11 @@ class MissionBook:
                 if mission.stored is not None and mission.stored.state.is_open]
 
     def find(self, request_id: int) -> Optional[Mission]:
-        """The last mission with this id."""
+        """Returns the last mission with this id."""
         return self._last.get(request_id)
 
     def of_robot(self, name: str) -> Optional[Mission]:
-        """The open mission that a robot serves."""
+        """Returns the open mission that a robot serves."""
         mission = self._by_robot.get(name)
         return mission if mission is not None and mission.state.is_open else None
 
@@ -129,7 +129,8 @@ class MissionBook:
             self.timed[mission.serial] = mission
 
     def _open_dependencies(self, request: Request) -> Tuple[Dependency, ...]:
-        """The missions for which a request waits, with their serials. Raises RequestRefused.
+        """Returns the missions for which a request waits, with their serials. Raises
+        RequestRefused.
 
         All of them were accepted before, so no ring of missions waits for each other.
         """
@@ -148,7 +149,7 @@ class MissionBook:
         return tuple(found)
 
     def _let_follow(self, mission: Mission) -> None:
-        """A mission has ended: missions that wait for it go on, or have failed as well.
+        """Notes that a mission has ended: missions that wait for it go on, or have failed as well.
 
         A chain of them may be longer than Python lets functions call each other.
         """
@@ -162,7 +163,7 @@ class MissionBook:
                         ended.append(follower)
 
     def _is_over(self, mission: Mission, ended: Mission) -> None:
-        """One of the missions for which a mission waits has ended."""
+        """Notes that one of the missions for which a mission waits has ended."""
         after = mission.request.after
         if not all(_is_met(one, ended) for one in after if one.serial == ended.serial):
             self._set(mission, MissionState.FAILED,
@@ -241,13 +242,15 @@ class MissionBook:
         self.end_stay(mission)
 
     def end_stay(self, mission: Mission) -> None:
-        """The mission does not stay any more where it is, and its destination is still to come."""
+        """Notes that the mission does not stay any more where it is,
+        and its destination is still to come.
+        """
         mission.stays_since = None
         self._begun_stays.discard(mission.serial)
         self.changed.add(mission.serial)
 
     def stay(self, mission: Mission, now: float) -> None:
-        """The mission stays at a destination from now on."""
+        """Notes that the mission stays at a destination from now on."""
         mission.stays_since = now
         self._begun_stays.add(mission.serial)
 
@@ -262,7 +265,7 @@ class MissionBook:
 
     @property
     def is_changed(self) -> bool:
-        """Is any change not stored yet?"""
+        """Whether any change is not stored yet."""
         return bool(self.changed or self._begun_stays)
 
     @property
@@ -271,12 +274,12 @@ class MissionBook:
         return [self._by_serial[serial] for serial in sorted(self.changed)]
 
     def new_stays(self, now: float) -> Dict[int, float]:
-        """By serial, how long ago (s) each stay began that is not stored yet."""
+        """Returns, by serial, how long ago (s) each stay began that is not stored yet."""
         return {serial: now - since for serial in sorted(self._begun_stays)
                 for since in (self._by_serial[serial].stays_since,) if since is not None}
 
     def stored(self) -> None:
-        """All changes are stored. Ended missions are kept only for their ids."""
+        """Notes that all changes are stored. Ended missions are kept only for their ids."""
         self._begun_stays.clear()
         changes, self.changed = self.changes, set()
         for mission in changes:
@@ -291,12 +294,12 @@ class MissionBook:
 
 
 def _is_met(one: Dependency, ended: Mission) -> bool:
-    """Does the end of a mission meet a dependency on it?"""
+    """Returns whether the end of a mission meets a dependency on it."""
     return one.until is Until.ENDED or ended.state is MissionState.SUCCEEDED
 
 
 def waits_as(request: Request, is_early: bool = True) -> Tuple[MissionState, str]:
-    """The state of a mission that no robot serves, and what it waits for, in words.
+    """Returns the state of a mission that no robot serves, and what it waits for, in words.
 
     is_early -- its earliest time, if it has one, has not come yet
     """

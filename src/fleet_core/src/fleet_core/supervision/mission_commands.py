@@ -81,18 +81,20 @@ def modify(mission: Mission, change: MissionChange, book: MissionBook, acceptanc
 
 
 def refused(request: Request, reason: str) -> Status:
-    """The status of a request that does not become a mission."""
+    """Returns the status of a request that does not become a mission."""
     return Status(request.id, MissionState.REFUSED, reason=reason, stamp=request.stamp)
 
 
 def not_done(before: Status, command: CommandKind, trouble: str) -> Status:
-    """The status after a command that cannot be carried out: the mission is unchanged."""
+    """Returns the status after a command that cannot be carried out: the mission is unchanged."""
     return replace(before, command=command, command_code=CommandCode.NOT_DONE,
                    reason=f'{command.name} is not done: {trouble}')
 
 
 def not_stored(before: Status, command: CommandKind, trouble: str) -> Status:
-    """The status after a command that was carried out, but could not be stored on the disk."""
+    """Returns the status after a command that was carried out,
+    but could not be stored on the disk.
+    """
     return replace(before, command=command, command_code=CommandCode.NOT_STORED,
                    reason=f'{command.name} is carried out, but will be lost if the fleet '
                           f'manager ends before it can be stored: {trouble}')

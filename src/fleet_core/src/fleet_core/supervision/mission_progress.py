@@ -83,7 +83,7 @@ def drop_out(book: MissionBook, robot: ManagedRobot) -> None:
 
 
 def no_longer_possible(book: MissionBook, acceptance: Acceptance) -> Iterator[Tuple[Mission, str]]:
-    """Open missions that cannot be completed any more, each with the reason.
+    """Yields open missions that cannot be completed any more, each with the reason.
 
     Fleet or graph may have changed while no supervisor ran.
     """

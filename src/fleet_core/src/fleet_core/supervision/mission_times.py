@@ -18,7 +18,7 @@ PERIOD = 1.0   # s between two estimates
 
 def deadline_state(deadline: float, needed: float, now: float, before: DeadlineState,
                    ) -> DeadlineState:
-    """Will a mission that is not done yet be done by its deadline?
+    """Returns whether a mission that is not done yet will be done by its deadline.
 
     needed -- s that it still needs, as far as is known
     now    -- s since 1970, as the deadline
@@ -44,7 +44,10 @@ class MissionTimes:
         self._estimated = -inf
 
     def until_earliest(self, mission: Mission) -> float:
-        """s until the earliest time of a mission; 0: it has come, or there is none."""
+        """Returns the seconds until the earliest time of a mission.
+
+        0: it has come, or there is none.
+        """
         return max(mission.request.earliest - self._clock() / 1000.0, 0.0)
 
     def follow(self, needed: Callable[[Mission], float], now: float) -> Iterator[str]:

@@ -35,18 +35,18 @@ class MissionState(IntEnum):
 
     @property
     def is_open(self) -> bool:
-        """Has the mission not ended?"""
+        """Whether the mission has not ended."""
         return self not in (MissionState.SUCCEEDED, MissionState.FAILED, MissionState.REFUSED,
                             MissionState.CANCELLED, MissionState.EXPIRED)
 
 
 def short_name(serial: int) -> str:
-    """The name of a mission that people say; '-' for a request that was not accepted."""
+    """Returns the name of a mission that people say; '-' for a request that was not accepted."""
     return f'M{serial}' if serial else '-'
 
 
 class DeadlineState(IntEnum):
-    """Will a mission be done by its deadline? As in itrci_nav_msgs/MissionStatus."""
+    """Whether a mission will be done by its deadline, as in itrci_nav_msgs/MissionStatus."""
 
     NONE = 0      # it has no deadline
     AHEAD = 1     # it will, as far as is known
@@ -111,7 +111,7 @@ class Request:
     deadline: float = 0.0
 
     def dwell(self, index: int) -> float:
-        """Seconds to stay at the destination number `index`."""
+        """Returns the seconds to stay at the destination number `index`."""
         return self.dwells[index] if self.dwells else 0.0
 
     @property
@@ -131,7 +131,7 @@ class Request:
         return (self.id, self.stamp, self.robot_type, self.robot, *asked)
 
     def is_repeat_of(self, other: Request, other_is_open: bool) -> bool:
-        """Is this the same request, sent again?"""
+        """Returns whether this is the same request, sent again."""
         return self.identity == other.identity and (bool(self.stamp) or other_is_open)
 
 
@@ -243,7 +243,7 @@ class Mission:
 
     @property
     def has_begun(self) -> bool:
-        """Does a robot serve it, or did one visit a destination?"""
+        """Whether a robot serves it, or one visited a destination."""
         return bool(self.robot or self.reached or self.stays_since is not None)
 
     @property
@@ -263,7 +263,10 @@ class Mission:
         return self.request.destinations[self.reached:]
 
     def changed(self, change: MissionChange) -> Request:
-        """The request after a change. A stay under way counts as the end of its destination."""
+        """Returns the request after a change.
+
+        A stay under way counts as the end of its destination.
+        """
         request = replace(self.request, priority=change.priority)
         if not change.destinations:
             return request
@@ -273,7 +276,7 @@ class Mission:
                        dwells=dwells if request.dwells else ())
 
     def visits(self, passed: Iterable[int]) -> int:
-        """Number of destinations that a path along these vertices visits.
+        """Returns the number of destinations that a path along these vertices visits.
 
         The robot must come to rest at a destination with a dwell. So the count ends before such a
         destination.
@@ -384,7 +387,7 @@ class Acceptance:
             robot=mission.robot or mission.request.robot))
 
     def robots_for(self, request: Request) -> Tuple[str, ...]:
-        """The robots that may serve a request, judged by type, name and docks."""
+        """Returns the robots that may serve a request, judged by type, name and docks."""
         docks = self._docks(request)
         key = request.robot, request.robot_type, docks
         if key not in self.able:
@@ -393,7 +396,7 @@ class Acceptance:
         return self.able[key]
 
     def unfitness(self, request: Request, name: str) -> Hindrance:
-        """Why a robot may never serve a request; NONE: it may."""
+        """Returns why a robot may never serve a request; NONE: it may."""
         return self._unfitness(request, name, self._docks(request))
 
     def _unfitness(self, request: Request, name: str, docks: FrozenSet[int]) -> Hindrance:

@@ -25,11 +25,11 @@ class Outage(Enum):
 
     @property
     def needs_person(self) -> bool:
-        """Does the robot come back only by `fleet in`?"""
+        """Whether the robot comes back only by `fleet in`."""
         return self in _NEED_PERSON
 
     def way_back(self, name: str) -> str:
-        """How the robot of this name comes back, as a sentence for people."""
+        """Returns how the robot of this name comes back, as a sentence for people."""
         return _WAYS_BACK[self].format(name=name)
 
 
@@ -122,7 +122,7 @@ _OF_REASON: Mapping[ReasonCode, Sign] = {
 
 
 def sign_of(reason: Reason) -> Sign:
-    """The sign that follows from the reason of a failed or refused route."""
+    """Returns the sign that follows from the reason of a failed or refused route."""
     return _OF_REASON.get(reason.code, Sign.FAILURE)
 
 
@@ -144,7 +144,7 @@ _WORDS: Mapping[EpochCause, str] = {
 
 
 def sign_of_epoch(cause: EpochCause, had_route: bool) -> Optional[Sign]:
-    """The sign that follows from a new epoch of a robot; None: none.
+    """Returns the sign that follows from a new epoch of a robot; None: none.
 
     had_route -- the robot had a route, or an order for one was on its way
     """
@@ -154,5 +154,5 @@ def sign_of_epoch(cause: EpochCause, had_route: bool) -> Optional[Sign]:
 
 
 def words_of(cause: EpochCause) -> str:
-    """A clause that says why a new epoch began."""
+    """Returns a clause that says why a new epoch began."""
     return _WORDS.get(cause, 'its orders were made void')

@@ -75,29 +75,32 @@ class Outbox:
             self.note(wrong or mended, bool(wrong))
 
     def robot_changed(self, name: str) -> None:
-        """The stored state of a robot is outdated."""
+        """Notes that the stored state of a robot is outdated."""
         self._stale.add(name)
 
     def value_changed(self, name: str, number: int) -> None:
-        """A number is to be stored."""
+        """Notes that a number is to be stored."""
         self._values[name] = number
 
     def stop_changed(self, stop: FleetStop) -> None:
-        """The fleet was stopped, or goes on."""
+        """Notes that the fleet was stopped, or goes on."""
         self._stop = stop
 
     def graph_changed(self, graph: Graph) -> None:
-        """From now on the stored data of robots refer to this graph."""
+        """Notes that from now on the stored data of robots refer to this graph."""
         self._graph = graph
 
     def send(self) -> None:
-        """All orders that are due are to be sent."""
+        """Notes that all orders that are due are to be sent."""
         self._is_sending = True
 
     # -- taking actions ---------------------------------------------------------------------------
 
     def actions(self, now: float) -> List[Action]:
-        """All actions to be done now, orders to robots first. Their data are on the disk."""
+        """Returns all actions to be done now, orders to robots first.
+
+        Their data are on the disk.
+        """
         self._store(now)
         orders = self._orders(now) if self._is_sending else []
         steps, requests = self._desk.due(now), self._devices.due(now)
@@ -106,7 +109,8 @@ class Outbox:
         return [*orders, *steps, *requests, *actions]
 
     def actions_unless_due_later(self, now: float) -> List[Action]:
-        """Like `actions`, if nothing is to be stored or orders are to be sent at once.
+        """Returns the same as `actions`, if nothing is to be stored or orders are to be sent at
+        once.
 
         Otherwise all actions wait until `due`, so that many reports share one commit.
         """
@@ -163,11 +167,11 @@ class Outbox:
             self.put(TellStatus(mission.status))
 
     def _orders(self, now: float) -> List[Action]:
-        """All orders that are due and that the interlocking lets pass."""
+        """Returns all orders that are due and that the interlocking lets pass."""
         return [SendRoute(name, *sending) for name, sending in self._interlocking.orders(now)]
 
     def _memory(self, name: str) -> Optional[RobotMemory]:
-        """The state of a robot to be stored; None: the robot left the fleet for good."""
+        """Returns the state of a robot to be stored; None: the robot left the fleet for good."""
         known = self._everywhere.get(name)
         if known is None:
             return None

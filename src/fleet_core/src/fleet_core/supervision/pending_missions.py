@@ -18,7 +18,9 @@ FIRST: Key = (-2 ** 63, 0)
 
 
 def key_of(mission: Mission) -> Key:
-    """Missions of higher priority are served first, then the oldest."""
+    """Returns the key by which missions are sorted: those of higher priority first,
+    then the oldest.
+    """
     return -mission.request.priority, mission.serial
 
 
@@ -58,7 +60,9 @@ class PendingMissions:
         self.changes += 1
 
     def first(self, free: Mapping[str, str]) -> List[Mission]:
-        """Of each kind as many missions as these robots could serve; `free`: their types, by name.
+        """Returns of each kind as many missions as these robots could serve.
+
+        `free`: their types, by name.
         """
         of_type: Dict[str, int] = {'': len(free)}
         for kind in free.values():
@@ -70,7 +74,10 @@ class PendingMissions:
         return found
 
     def behind(self, key: Key, count: int) -> List[Mission]:
-        """The `count` missions behind a key. Behind the last mission the first one follows."""
+        """Returns the `count` missions behind a key.
+
+        Behind the last mission the first one follows.
+        """
         start = bisect_right(self._order, key)
         keys = self._order[start:start + count]
         keys += self._order[:min(start, count - len(keys))]

@@ -22,7 +22,7 @@ _SHOWN = 40  # characters shown of a name that no robot has
 
 
 def fault_of(outcome: PlanningOutcome, tasks: Sequence[Task], graph: Graph) -> str:
-    """The first fault, as the end of a sentence about the plan; empty: there is none."""
+    """Returns the first fault, as the end of a sentence about the plan; empty: there is none."""
     asked = {task.name for task in tasks}
     for name in (*outcome.drives, *outcome.unserved):
         if name not in asked:
@@ -66,7 +66,10 @@ def _fault_of_drives(task: Task, edges: Sequence[int], graph: Graph) -> str:
 
 
 def _leads_over(task: Task, drives: Sequence[PlannedDrive], graph: Graph) -> bool:
-    """Do the drives visit all destinations in order? Some released drives may be done already."""
+    """Returns whether the drives visit all destinations in order.
+
+    Some released drives may be done already.
+    """
     left = list(task.destinations)
     vertices = [graph.end_vertex(drive.edge).id for drive in drives]
     for vertex in ((task.vertex,) if task.vertex is not None else ()) + tuple(vertices):
@@ -76,14 +79,14 @@ def _leads_over(task: Task, drives: Sequence[PlannedDrive], graph: Graph) -> boo
 
 
 def _is_possible(constraint: Constraint, outcome: PlanningOutcome) -> bool:
-    """Do both drives exist, and is the fraction a number from 0 to 1?"""
+    """Returns whether both drives exist, and the fraction is a number from 0 to 1."""
     return (0 <= constraint.before < len(outcome.drives.get(constraint.first, ()))
             and 0 <= constraint.drive < len(outcome.drives.get(constraint.then, ()))
             and 0.0 <= constraint.fraction <= 1.0)
 
 
 def _ring(outcome: PlanningOutcome) -> List[str]:
-    """Robots that would wait for each other for ever.
+    """Returns robots that would wait for each other for ever.
 
     A drive may begin after the drive before it, and all drives for which it waits, have begun. To
     wait for fraction 0 of a drive means to wait for the drive before that.
@@ -105,7 +108,9 @@ def _ring(outcome: PlanningOutcome) -> List[str]:
 
 
 def _never_ready(behind: Sequence[Sequence[int]]) -> List[int]:
-    """The nodes in a ring, and those behind one, where `behind` are the nodes behind each node."""
+    """Returns the nodes in a ring, and those behind one,
+    where `behind` are the nodes behind each node.
+    """
     waits = Counter(node for nodes in behind for node in nodes)
     ready = [node for node in range(len(behind)) if not waits[node]]
     for node in ready:  # the list grows in the loop

@@ -85,7 +85,7 @@ class PlanExecutor:
 
     @property
     def is_planning(self) -> bool:
-        """Is an answer of the planner due?"""
+        """Whether an answer of the planner is due."""
         return bool(self._open)
 
     def plan_anew(self) -> None:
@@ -118,7 +118,7 @@ class PlanExecutor:
         return True
 
     def plan_failed(self, number: int, reason: str) -> None:
-        """The planner could not answer. The plan in force stays."""
+        """Notes that the planner could not answer. The plan in force stays."""
         if self._open.pop(number, None) is not None:
             self._failures += 1
             self.plan_anew()  # the plan that the planner was to keep may be the cause
@@ -143,14 +143,17 @@ class PlanExecutor:
         self._ask(world, is_useful, now)
 
     def _ends(self, now: float) -> Optional[Mapping[str, int]]:
-        """By robot, the number of the edge before which grants end for now; None: they do not."""
+        """Returns, by robot, the number of the edge before which grants end for now.
+
+        None: they do not.
+        """
         is_limited = self._was_useless or self._useless
         if not (self._open and is_limited and now - self._asked_at < HOLD):
             return None
         return self._open[max(self._open)].ends
 
     def _is_useful(self, world: World, now: float) -> bool:
-        """Is the plan in force still useful?"""
+        """Returns whether the plan in force is still useful."""
         if self.plan is None or self.plan.assumptions.misfits(world) or (
                 self.plan.assumptions.closed != world.network.closed):
             return False
@@ -211,7 +214,7 @@ class PlanExecutor:
             self._note_refusal(name, given.refusal, now)
 
     def _asked(self, plan: PlanInForce, world: World) -> AbstractSet[str]:
-        """Robots that must make room for those with an errand, or leave a station."""
+        """Returns robots that must make room for those with an errand, or leave a station."""
         leave = {name for name, errand in world.errands.items() if errand.limit.leaves}
         return leave | plan.asked_to_move(
             [name for name, errand in world.errands.items()
@@ -220,7 +223,7 @@ class PlanExecutor:
 
     @staticmethod
     def _follows(robot: ManagedRobot, misfits: AbstractSet[str]) -> bool:
-        """May a robot be granted more of its plan?"""
+        """Returns whether a robot may be granted more of its plan."""
         return robot.works and not robot.comes_to_rest and robot.name not in misfits
 
     def _goal(self, name: str, plan: PlanInForce, world: World,
@@ -231,7 +234,9 @@ class PlanExecutor:
         return GrantGoal(until, robot.settings.release_ahead)
 
     def _foreseen(self, plan: PlanInForce, world: World) -> Mapping[str, Tuple[int, ...]]:
-        """The edges that will be due before the planner answers, and that robots may have now."""
+        """Returns the edges that will be due before the planner answers, and
+        that robots may have now.
+        """
         asked, misfits = self._asked(plan, world), plan.assumptions.misfits(world)
         goals: Dict[str, GrantGoal] = {}
         for name in plan.plans:
@@ -280,7 +285,7 @@ class PlanExecutor:
                                     question.assumptions.seed))
 
     def _is_to_ask(self, is_useful: bool, since: float) -> bool:
-        """Is another plan due, `since` s after the last question?"""
+        """Returns whether another plan is due, `since` s after the last question."""
         again = bool(self._failures or (self.plan and self.plan.unserved))
         if is_useful and not self._is_anew and not (again and since >= AGAIN):
             return False
@@ -294,7 +299,7 @@ _DELAYS = (Gate.OCCUPIED, Gate.TOO_NEAR, Gate.NOT_CONNECTED)
 
 
 def _words(refusal: Refusal, graph: Graph) -> str:
-    """What a robot waits for after a refusal, in words."""
+    """Returns what a robot waits for after a refusal, in words."""
     if refusal.gate is Gate.CLOSED_EDGE:
         return f'{edge_name(graph, abs(refusal.edge))}, which is closed'
     if refusal.gate is Gate.CLAIM:

@@ -46,7 +46,10 @@ class PlanInForce:
             self._waited_for.setdefault(first, []).append((before, then))
 
     def in_the_way(self, name: str, drive: int, records: Mapping[str, RouteRecord]) -> str:
-        """Name of a robot that must drive on before this robot may begin its drive; empty: none."""
+        """Returns the name of a robot that must drive on before this robot may begin its drive.
+
+        Empty: none.
+        """
         for turn in self._turns.get((name, drive), ()):
             plan = self.plans.get(turn.first)
             if plan is None:
@@ -58,7 +61,8 @@ class PlanInForce:
 
     def asked_to_move(self, working: Iterable[str],
                       records: Mapping[str, RouteRecord]) -> Set[str]:
-        """Robots that must move because one of `working`, or another such robot, waits for them.
+        """Returns robots that must move because one of `working`, or another such robot, waits for
+        them.
 
         records -- of all robots: drives that are released need no request
         """
@@ -79,10 +83,10 @@ class PlanInForce:
         return asked
 
     def is_for(self, name: str, errand: Errand) -> bool:
-        """Was it made for this errand of a robot?"""
+        """Returns whether it was made for this errand of a robot."""
         assumed = self.assumptions.robots.get(name)
         return assumed is not None and assumed.errand == errand.key
 
     def plan_of(self, name: str) -> Optional[RobotPlan]:
-        """The plan of one robot; None: it has none."""
+        """Returns the plan of one robot; None: it has none."""
         return self.plans.get(name)

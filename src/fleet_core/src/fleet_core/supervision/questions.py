@@ -38,7 +38,8 @@ class Question:
     ends: Mapping[str, int]
 
     def plan(self, outcome: PlanningOutcome, world: World) -> Optional[PlanInForce]:
-        """The plan in an answer; None: a robot was granted edges meanwhile that the plan lacks.
+        """Returns the plan in an answer; None: a robot was granted edges meanwhile that the plan
+        lacks.
 
         If a robot's errand has changed meanwhile, the plan still serves all other robots.
         """
@@ -55,12 +56,14 @@ class Question:
         return plan if self._is_in_turn(plan, world) else None
 
     def fault_of(self, outcome: PlanningOutcome, graph: Graph) -> str:
-        """The first fault of an answer; empty: none. The planner may still be wrong in other ways.
+        """Returns the first fault of an answer; empty: none.
+
+        The planner may still be wrong in other ways.
         """
         return fault_of(outcome, self.tasks, graph)
 
     def _is_in_turn(self, plan: PlanInForce, world: World) -> bool:
-        """Does the new plan's order allow all edges that were granted meanwhile?"""
+        """Returns whether the new plan's order allows all edges that were granted meanwhile."""
         records = {name: robot.record for name, robot in world.robots.items()}
         return not any(plan.in_the_way(name, number - own.base, records)
                        for name, own in plan.plans.items()
@@ -69,7 +72,7 @@ class Question:
 
 def question_of(world: World, plan: Optional[PlanInForce], seed: int, now: float,
                 foreseen: Mapping[str, Tuple[int, ...]] = MappingProxyType({})) -> Question:
-    """The places and errands of all robots, as a question to the planner.
+    """Returns the places and errands of all robots, as a question to the planner.
 
     plan     -- the plan that the planner is to keep as far as it can; None: there is none
     foreseen -- by robot, the edges that count as released although they are not granted yet
@@ -99,7 +102,8 @@ def question_of(world: World, plan: Optional[PlanInForce], seed: int, now: float
 
 def _task(robot: ManagedRobot, errand: Errand, own: Optional[RobotPlan], now: float,
           further: Tuple[int, ...]) -> Tuple[Task, Optional[int]]:
-    """The planner's task for a robot, and the number of its mission's destinations in that task.
+    """Returns the planner's task for a robot, and the number of its mission's destinations in that
+    task.
 
     further -- the edges behind the granted ones that count as released
     """

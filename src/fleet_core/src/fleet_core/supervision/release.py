@@ -36,13 +36,13 @@ class GrantGoal(NamedTuple):
 
 
 def has_enough(record: RouteRecord, ahead: float) -> bool:
-    """Has a robot more than `ahead` m to drive, so that no edge is due for it?"""
+    """Returns whether a robot has more than `ahead` m to drive, so that no edge is due for it."""
     return not record.is_standing and record.distance_ahead() > ahead
 
 
 def due_edges(name: str, plan: PlanInForce, records: Mapping[str, RouteRecord],
               goal: GrantGoal) -> Due:
-    """The edges that one robot is to be granted.
+    """Returns the edges that one robot is to be granted.
 
     The first edge that ends farther ahead than the goal says is the last one that is due.
     """
@@ -70,7 +70,7 @@ MayHave = Callable[[Mapping[str, Sequence[int]]], Mapping[str, Tuple[int, ...]]]
 def foreseen_edges(goals: Mapping[str, GrantGoal], plan: PlanInForce,
                    records: Mapping[str, RouteRecord],
                    may_have: MayHave) -> Mapping[str, Tuple[int, ...]]:
-    """The edges that the planner may count as released although they are not granted yet.
+    """Returns the edges that the planner may count as released although they are not granted yet.
 
     They are due by the present plan already. So the other robots have left all places that they
     had to leave before, and a plan that begins with these edges exists: the present one.
@@ -83,5 +83,5 @@ def foreseen_edges(goals: Mapping[str, GrantGoal], plan: PlanInForce,
 
 
 def _ends_certainly(record: RouteRecord) -> bool:
-    """Is it certain at which vertex the record ends?"""
+    """Returns whether it is certain at which vertex the record ends."""
     return record.last_vertex is not None and (bool(record.ahead) or not record.protocol.held)

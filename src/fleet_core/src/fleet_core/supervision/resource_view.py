@@ -41,7 +41,7 @@ class ResourceView:
 
 
 def resource_views(supervisor: Supervisor, now: float) -> List[ResourceView]:
-    """All resources of the site, in the order of the work file."""
+    """Returns all resources of the site, in the order of the work file."""
     claims, devices = supervisor.interlocking.claims, supervisor.devices
     return [ResourceView(
         one, devices.view(one.name, now) if one.has_device else None,

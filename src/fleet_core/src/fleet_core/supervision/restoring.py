@@ -38,7 +38,7 @@ class RemovedRobot:
 def robots_of(fleet: Fleet, settings: Mapping[str, RobotSettings], graph: Graph,
               memories: Mapping[str, RobotMemory], before: Optional[Graph],
               now: float, clock: Clock, changes: Changes) -> Dict[str, ManagedRobot]:
-    """All robots by name, each with its stored state.
+    """Returns all robots by name, each with its stored state.
 
     settings -- a robot without an entry gets the defaults of RobotSettings
     before   -- the other graph to which the stored states refer; None: they refer to this graph
@@ -63,7 +63,7 @@ def robots_of(fleet: Fleet, settings: Mapping[str, RobotSettings], graph: Graph,
 def removed_of(fleet: Fleet, graph: Graph, memories: Mapping[str, RobotMemory],
                before: Optional[Graph], now: float, clock: Clock,
                changes: Changes) -> Dict[str, RemovedRobot]:
-    """Robots that are stored, but are not in the fleet file any more."""
+    """Returns robots that are stored, but are not in the fleet file any more."""
     names = {robot.name for robot in fleet.robots}
     removed: Dict[str, RemovedRobot] = {}
     for name, memory in memories.items():
@@ -95,7 +95,7 @@ def _restore(robot: ManagedRobot, memory: RobotMemory, graph: Graph, before: Opt
 
 
 def on_graph(memory: Memory, graph: Graph, before: Optional[Graph]) -> Tuple[Memory, List[Area]]:
-    """The part of the stored state that is valid on a graph, and areas for the other part.
+    """Returns the part of the stored state that is valid on a graph, and areas for the other part.
 
     A robot may follow an order over an edge that the graph does not have: it is to be stopped.
 
@@ -117,7 +117,7 @@ def on_graph(memory: Memory, graph: Graph, before: Optional[Graph]) -> Tuple[Mem
 
 
 def _areas_of(memory: Memory, kept: AbstractSet[Step], before: Graph) -> List[Area]:
-    """The areas of the edges on which the robot may be, but which are not kept."""
+    """Returns the areas of the edges on which the robot may be, but which are not kept."""
     number, fraction = memory.cleared
     return [Area(_line(before, step.edge, fraction if step.number == number else 0.0))
             for step in memory.protocol.may_be_on
@@ -126,7 +126,9 @@ def _areas_of(memory: Memory, kept: AbstractSet[Step], before: Graph) -> List[Ar
 
 def _position_on(memory: Memory, graph: Graph,
                  before: Graph) -> Tuple[Optional[GraphPosition], List[Area]]:
-    """The stored position if the graph still has it, else the area of a robot that stands there."""
+    """Returns the stored position if the graph still has it, else the area of a robot
+    that stands there.
+    """
     position = memory.position
     if position is None or _is_there(position, graph, before):
         return position, []
@@ -136,7 +138,7 @@ def _position_on(memory: Memory, graph: Graph,
 
 
 def _is_kept(edge: int, graph: Graph, before: Graph) -> bool:
-    """Is the curve of an edge the same in both graphs?
+    """Returns whether the curve of an edge is the same in both graphs.
 
     A robot may drive a route of another giver over an edge that the graph before did not have.
     """
@@ -153,7 +155,7 @@ def _is_there(position: GraphPosition, graph: Graph, before: Graph) -> bool:
 
 
 def _line(graph: Graph, edge: int, begin: float) -> Tuple[Point, ...]:
-    """The curve of a signed edge from a fraction of it on."""
+    """Returns the curve of a signed edge from a fraction of it on."""
     curve = graph.curve(edge)
     first, rest = begin * curve.length, (1.0 - begin) * curve.length
     steps = max(int(rest / _STEP), 1)

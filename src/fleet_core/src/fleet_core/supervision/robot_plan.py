@@ -13,5 +13,5 @@ class RobotPlan(NamedTuple):
     base: int
 
     def behind(self, number: int) -> Tuple[PlannedDrive, ...]:
-        """The drives from edge number `number` of the record on."""
+        """Returns the drives from edge number `number` of the record on."""
         return self.drives[max(number - self.base, 0):]

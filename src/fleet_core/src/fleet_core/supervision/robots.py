@@ -75,18 +75,18 @@ class ManagedRobot:
 
     @property
     def works(self) -> bool:
-        """Can the robot be given something to drive?"""
+        """Whether the robot can be given something to drive."""
         return self.outage is None and not self.is_halted
 
     @property
     def is_charged(self) -> bool:
-        """Does the battery allow a mission?"""
+        """Whether the battery allows a mission."""
         return not (self.battery.is_low or self.charge_until
                     or self.dock is not None and not self.tops_up)
 
     @property
     def needs_person(self) -> bool:
-        """May the robot drive only after a person has brought it back?"""
+        """Whether the robot may drive only after a person has brought it back."""
         return self.outage is not None and self.outage.needs_person
 
     @property
@@ -95,7 +95,7 @@ class ManagedRobot:
         return self.record.position if self.record.is_standing else None
 
     def stands_at(self, vertices: Collection[int]) -> bool:
-        """Does the robot stand on one of these vertices?"""
+        """Returns whether the robot stands on one of these vertices."""
         return self.position is not None and self.position.vertex in vertices
 
     @property
@@ -148,7 +148,7 @@ class ManagedRobot:
 
     @property
     def is_at_rest(self) -> bool:
-        """Does the robot stand, and is no order on its way that lets it drive?"""
+        """Whether the robot stands, and no order is on its way that lets it drive."""
         protocol = self.master.protocol
         return (self.master.order is None and not protocol.may_drive
                 and not protocol.is_anywhere and self.liveness.stands)
@@ -198,7 +198,7 @@ class ManagedRobot:
 
     @property
     def _was_nowhere(self) -> bool:
-        """Was the robot never on the graph?"""
+        """Whether the robot was never on the graph."""
         return self.record.position is None and not self.record.held
 
     # -- time -------------------------------------------------------------------------------------
@@ -235,7 +235,7 @@ class ManagedRobot:
         return before != (self.is_halted, self.outage)
 
     def other_beginning(self) -> Optional[GraphPosition]:
-        """Another starting place to be tried after a refusal; None: there is none.
+        """Returns another starting place to be tried after a refusal; None: there is none.
 
         Each robot decides by itself how near to a vertex it must be. So for a robot near a vertex,
         the route now begins at the vertex if it counted as on its edge, and on its edge otherwise.
@@ -256,7 +256,10 @@ class ManagedRobot:
     # -- commands of people -----------------------------------------------------------------------
 
     def not_back_yet(self, now: float) -> str:
-        """Why a person cannot put it back into service now; empty: it is possible, or it works."""
+        """Returns why a person cannot put it back into service now.
+
+        Empty: it is possible, or it works.
+        """
         if self.works:
             return ''
         if self.outage is Outage.ABSENT:
@@ -269,7 +272,10 @@ class ManagedRobot:
         return ''
 
     def come_back(self) -> str:
-        """A person says that it works again, from where it is. Returns why not; empty: done."""
+        """Brings the robot back after a person says that it works again, from where it is.
+
+        Returns why not; empty: done.
+        """
         position = self.master.position_at(self.record.pose)
         if position is None:
             return f'{self.name} is off the graph: bring it onto an edge'
@@ -284,7 +290,10 @@ class ManagedRobot:
         return ''
 
     def declare_absent(self, now: float) -> str:
-        """A person says that it is not on the site. Returns why that cannot be; empty: done."""
+        """Declares, for a person, that the robot is not on the site.
+
+        Returns why that cannot be; empty: done.
+        """
         if self.liveness.is_seen and now - self.liveness.seen <= SILENCE:
             return f'{self.name} reports: switch it off first'
         self.master.declare_absent(now)

@@ -17,7 +17,7 @@ _KINDS: Mapping[DeviceKind, ResourceKind] = {
 
 
 def chargers_of(work: SiteWork, fleet: Fleet, graph: Graph) -> Dict[str, Charger]:
-    """The chargers of a site, by name.
+    """Returns the chargers of a site, by name.
 
     Each dock at which a robot type charges, and which the work file does not make a place of a
     charger, is a charger of its own.
@@ -36,7 +36,7 @@ def chargers_of(work: SiteWork, fleet: Fleet, graph: Graph) -> Dict[str, Charger
 
 
 def resources_of(work: SiteWork, chargers: Iterable[Charger] = ()) -> Tuple[Resource, ...]:
-    """The resources of a site: one for each device, each station and each charger.
+    """Returns the resources of a site: one for each device, each station and each charger.
 
     A device is for one robot at a time. The others are for as many as their capacity says.
     """

@@ -22,7 +22,10 @@ class Standstills:
         """Time since which each robot has had something to drive."""
 
     def further(self, robot: ManagedRobot, now: float) -> float:
-        """s for which a robot will probably not move yet; 0: it drives, or has nothing to drive."""
+        """Returns the seconds for which a robot will probably not move yet.
+
+        0: it drives, or has nothing to drive.
+        """
         if not robot.record.ahead:
             self._let_go.pop(robot.name, None)
             self._stands.pop(robot.name, None)

@@ -69,12 +69,14 @@ class StationDesk:
                          for place in (*one.places, *one.queue))
 
     def may_go_to(self, name: str, place: int) -> bool:
-        """May a robot go to a place now, as far as the queues of stations are concerned?"""
+        """Returns whether a robot may go to a place now,
+        as far as the queues of stations are concerned.
+        """
         station = self._at.get(place)
         return station is None or self._queue_of(station).turns.get(name) == place
 
     def standing_of(self, name: str) -> Optional[QueueStanding]:
-        """How a robot stands in the queue in which it waits; None: it waits in none."""
+        """Returns how a robot stands in the queue in which it waits; None: it waits in none."""
         for station in self._stations.values():
             queue = self._queue_of(station)
             if name in queue.waits:
@@ -83,7 +85,8 @@ class StationDesk:
         return None
 
     def places_of(self, name: str) -> Tuple[bool, Tuple[QueuePlace, ...]]:
-        """Are the places of this station equal? And its queue places, the first one first.
+        """Returns whether the places of this station are equal, and its queue places, the first one
+        first.
 
         A resource that is no station has neither.
         """
@@ -98,11 +101,11 @@ class StationDesk:
             for place in station.queue for robot in (robots.get(place, ''),))
 
     def inside(self, station: str) -> List[str]:
-        """Names of the robots that claim a station."""
+        """Returns the names of the robots that claim a station."""
         return self._claims.holders(station)
 
     def room(self, at: Mapping[int, Charger], chargers: Mapping[str, Occupancy]) -> StationRoom:
-        """To which stations and chargers a further robot may be sent now.
+        """Returns to which stations and chargers a further robot may be sent now.
 
         at       -- charger of each of its places
         chargers -- the robots that take their places, by the charger's name
@@ -168,7 +171,7 @@ class StationDesk:
         return leaving
 
     def _going(self) -> Dict[str, Mission]:
-        """The missions whose robots go on to their next stops, by robot."""
+        """Returns the missions whose robots go on to their next stops, by robot."""
         return {name: mission for name, mission in self._book.serving.items()
                 if mission.left and follows(mission) and self._robots[name].outage is None}
 
@@ -196,7 +199,7 @@ class StationDesk:
         return Others(len(inside), at, kept)
 
     def _makes_room(self, robot: ManagedRobot, going: Mapping[str, Mission]) -> bool:
-        """Does a robot leave the place where it is if another one needs that?"""
+        """Returns whether a robot leaves the place where it is if another one needs that."""
         if robot.outage is not None:
             return False
         mission = going.get(robot.name)
@@ -217,7 +220,9 @@ class StationDesk:
         return StationLimit(reach, True, place, is_there, is_in_the_way and place is None)
 
     def _reach(self, name: str, mission: Mission) -> Optional[int]:
-        """Number of its destinations up to the next station for which a robot has no turn."""
+        """Returns the number of its destinations up to the next station for
+        which a robot has no turn.
+        """
         first = mission.reached
         some = mission.request.destinations[first:first + WINDOW]
         for number, place in enumerate(some, first):

@@ -48,11 +48,14 @@ class StationRoom:
         return tuple(self._occupancies.values())
 
     def copy(self) -> StationRoom:
-        """The same room, to try what follows from more missions."""
+        """Returns the same room, to try what follows from more missions."""
         return StationRoom(self._at, self._group_of, self._occupancies)
 
     def full(self, mission: Mission) -> Optional[Target]:
-        """The station or charger of a mission's next stop if it has no place; None: it has one."""
+        """Returns the station or charger of a mission's next stop if it has no place.
+
+        None: it has one.
+        """
         station = self._at.get(mission.left[0])
         if station is None:
             return None
@@ -61,7 +64,7 @@ class StationRoom:
         return None if has_place_for(places, taken.waiters, station, taken.others) else station
 
     def leaving(self, mission: Mission) -> FrozenSet[str]:
-        """Robots that are to leave the station of a mission's next stop.
+        """Returns robots that are to leave the station of a mission's next stop.
 
         Such a robot gets no mission there. If it stayed, it would pass all that wait.
         """
@@ -69,7 +72,7 @@ class StationRoom:
         return frozenset() if station is None else self._occupancies[station.name].leaving
 
     def why_full(self, station: Target) -> str:
-        """What a mission to a full station or charger waits for, in words."""
+        """Returns what a mission to a full station or charger waits for, in words."""
         taken = self._occupancies[station.name]
         if isinstance(station, Charger):
             users = map('{}, {}'.format, taken.robots, taken.doing)
@@ -80,11 +83,13 @@ class StationRoom:
                 'leave')
 
     def robots_at(self, station: Target) -> Tuple[str, ...]:
-        """Names of the robots that take the places of a station with its queue, or of a charger."""
+        """Returns the names of the robots that take the places of a station with its queue,
+        or of a charger.
+        """
         return self._occupancies[station.name].robots
 
     def send(self, mission: Mission) -> None:
-        """A robot is sent on a mission."""
+        """Notes that a robot is sent on a mission."""
         station = self._at.get(mission.left[0])
         if station is not None:
             taken = self._occupancies[station.name]
@@ -99,5 +104,5 @@ NO_STATIONS = StationRoom({}, lambda _: '', {})
 
 
 def places_for(mission: Mission, station: Target, group: str) -> Tuple[int, ...]:
-    """The places of a station that would do for the next stop of a mission."""
+    """Returns the places of a station that would do for the next stop of a mission."""
     return station.places if group == station.name else mission.left[:1]

@@ -206,7 +206,7 @@ class Supervisor:
 
     @property
     def is_stopped(self) -> bool:
-        """Must each robot stand until the fleet is resumed?"""
+        """Whether each robot must stand until the fleet is resumed."""
         return self.interlocking.is_stopped
 
     @property
@@ -224,7 +224,7 @@ class Supervisor:
         return self._waiting.own_hindrances
 
     def room(self) -> StationRoom:
-        """To which stations and chargers a further robot may be sent now."""
+        """Returns to which stations and chargers a further robot may be sent now."""
         return self.stations.room(self.charging.at, self.charging.occupancies())
 
     # -- missions ---------------------------------------------------------------------------------
@@ -234,7 +234,7 @@ class Supervisor:
         return self.requests((request,), now)
 
     def requests(self, requests: Iterable[Request], now: float) -> List[Action]:
-        """The same for several requests, with one commit of the journal."""
+        """Returns the same for several requests, with one commit of the journal."""
         acceptance = self._acceptance_now()
         accepted: List[Tuple[Mission, Optional[Mission]]] = []
         for request in requests:
@@ -259,7 +259,7 @@ class Supervisor:
         return [*actions, *self._out.actions(now)]
 
     def _acceptance_now(self) -> Acceptance:
-        """The data by which requests are checked, with the places of the robots."""
+        """Returns the data by which requests are checked, with the places of the robots."""
         return replace(self.acceptance, places={
             robot.name: vertex for robot in self.robots.values()
             for vertex in [robot.record.some_vertex] if vertex is not None})
@@ -315,7 +315,9 @@ class Supervisor:
             self._out.note(text, True)
 
     def _needed(self, mission: Mission, now: float) -> float:
-        """Seconds that a mission needs from its beginning, or from now, as far as is known."""
+        """Returns the seconds that a mission needs from its beginning, or from now,
+        as far as is known.
+        """
         robot = self.robots.get(mission.robot)
         if robot is None:
             kinds = {self.robots[name].type for name in self.acceptance.robots_for(mission.request)}
@@ -328,7 +330,8 @@ class Supervisor:
         self._out.put(TellStatus(mission_commands.refused(request, reason)))
 
     def stored_status(self, request_id: int, stamp: float) -> Optional[Status]:
-        """The stored status of a mission (stamp 0: the last with this id); None: none is stored.
+        """Returns the stored status of a mission (stamp 0: the last with this id); None: none is
+        stored.
 
         A stored status is never taken back. Raises JournalUnavailable.
         """
@@ -431,7 +434,8 @@ class Supervisor:
 
     def set_load(self, name: str, request_id: Optional[int], now: float,
                  ) -> Tuple[str, List[Action]]:
-        """A person says what a robot carries: nothing (None), or the load of its mission.
+        """Stores what a robot carries, as a person says: nothing (None), or the load of its
+        mission.
 
         Also returns why not, as a sentence; empty: done.
         """
@@ -479,7 +483,9 @@ class Supervisor:
                                   'that bypassed the fleet manager'))
 
     def _doubt_orders(self, robot: ManagedRobot, report: Report) -> None:
-        """A robot shows an order that the journal does not have: the journal is an older one."""
+        """Notes that a robot shows an order that the journal does not have:
+        the journal is an older one.
+        """
         why = f'{robot.name} reports order {report.said.order}, which the journal does not know'
         self._doubt_journal(why, robot.name)
         if not self.is_stopped:
@@ -528,12 +534,18 @@ class Supervisor:
             self._out.send()
 
     def _too_near(self, subject: str, robot: ManagedRobot) -> str:
-        """A clause that names all robots to which this one is too near; empty: there is none."""
+        """Returns a clause that names all robots to which this one is too near.
+
+        Empty: there is none.
+        """
         near = ' and '.join(self.interlocking.excluding(robot.name))
         return near and f'{subject} is too near to {near}: move one of them by hand'
 
     def _actions(self, now: float) -> List[Action]:
-        """All actions that follow an event. Robots that exclude each other now are stopped."""
+        """Returns all actions that follow an event.
+
+        Robots that exclude each other now are stopped.
+        """
         self._separate()
         return self._checked(self._out.actions(now), now)
 
@@ -629,7 +641,10 @@ class Supervisor:
         return problem
 
     def declare_absent(self, name: str, now: float) -> Tuple[str, List[Action]]:
-        """A person says that a robot is not on the site. Also returns why not; empty: done."""
+        """Declares, for a person, that a robot is not on the site.
+
+        Also returns why not; empty: done.
+        """
         problem = ''
         if name in self.robots:
             problem = self.robots[name].declare_absent(now)
@@ -729,7 +744,7 @@ class Supervisor:
         return self._actions(now)
 
     def plan_failed(self, number: int, reason: str, now: float) -> List[Action]:
-        """The planner could not answer. The plan in force stays."""
+        """Notes that the planner could not answer. The plan in force stays."""
         self.plan_executor.plan_failed(number, reason)
         return self._actions(now)
 
@@ -751,11 +766,11 @@ class Supervisor:
         return self._actions(now)
 
     def errands(self) -> Dict[str, Errand]:
-        """The errand of each robot."""
+        """Returns the errand of each robot."""
         return {name: self.errand(robot) for name, robot in self.robots.items()}
 
     def errand(self, robot: ManagedRobot) -> Errand:
-        """The errand of one robot."""
+        """Returns the errand of one robot."""
         return errand_of(self.book.of_robot(robot.name), robot.dock,
                          self.stations.limits.get(robot.name, NO_LIMIT))
 

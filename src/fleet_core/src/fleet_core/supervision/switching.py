@@ -39,7 +39,7 @@ class OrderSwitching:
         self._looked = -math.inf
 
     def better(self, plan: PlanInForce, world: World, now: float) -> Optional[PlanInForce]:
-        """The plan in a better order; None: there is none, or it is too early to search."""
+        """Returns the plan in a better order; None: there is none, or it is too early to search."""
         if now - self._looked < PERIOD:
             return None
         self._looked = now
@@ -80,7 +80,7 @@ def _progress(own: RobotPlan, robot: ManagedRobot, world: World) -> RobotProgres
 
 def _course(own: RobotPlan, robot: ManagedRobot, errand: Errand, delay: float, now: float,
             at: float) -> RemainingDrives:
-    """The remaining drives of a robot.
+    """Returns the remaining drives of a robot.
 
     delay -- s for which it will stand where it is
     at    -- the present time on the plan's time scale
@@ -102,7 +102,9 @@ def _course(own: RobotPlan, robot: ManagedRobot, errand: Errand, delay: float, n
 
 def _stays(own: RobotPlan, first: int, robot: ManagedRobot,
            errand: Errand) -> Tuple[List[float], Optional[int]]:
-    """The stays before each remaining drive, and the number of the drive after its errand."""
+    """Returns the stays before each remaining drive, and the number of the drive
+    after its errand.
+    """
     pauses = [0.0] * max(len(own.drives) - first, 0)
     mission = errand.mission
     if mission is None or errand.duty is not Duty.MISSION:
@@ -122,7 +124,7 @@ def _stays(own: RobotPlan, first: int, robot: ManagedRobot,
 
 def _retimed(own: RobotPlan, course: RemainingDrives, starts: Tuple[float, ...],
              at: float) -> Tuple[PlannedDrive, ...]:
-    """The plan with the times of the new order."""
+    """Returns the plan with the times of the new order."""
     left = [PlannedDrive(drive.edge, at + start, at + start + seconds) for drive, start, seconds
             in zip(own.drives[course.first:], starts, course.seconds)]
     return (*own.drives[:course.first], *left)

@@ -45,7 +45,7 @@ class _TimedDrive(NamedTuple):
 
 def time_to_go(robot: ManagedRobot, errand: Errand, plan: Optional[PlanInForce],
                times: EdgeTimes, now: float) -> TimeToGo:
-    """The time that a robot needs for its errand; `now` is the supervisor's time.
+    """Returns the time that a robot needs for its errand; `now` is the supervisor's time.
 
     A plan that was made for another errand tells nothing: a stay without an end is long in it.
     Without a mission the robot's destination is the end of its plan.
@@ -66,7 +66,10 @@ def time_to_go(robot: ManagedRobot, errand: Errand, plan: Optional[PlanInForce],
 
 def _timed(robot: ManagedRobot, drives: Sequence[PlannedDrive], times: EdgeTimes,
            clock: float) -> List[_TimedDrive]:
-    """The drives with their times; the robot may have begun the first. `clock`: s of the plan."""
+    """Returns the drives with their times; the robot may have begun the first.
+
+    `clock`: s of the plan.
+    """
     record, found = robot.record, []
     begun = (record.pose.fraction if drives and record.pose.edge == drives[0].edge
              and not record.is_standing else 0.0)
@@ -81,7 +84,7 @@ def _timed(robot: ManagedRobot, drives: Sequence[PlannedDrive], times: EdgeTimes
 
 def _of_mission(mission: Mission, drives: Sequence[_TimedDrive], usual: float,
                 now: float) -> TimeToGo:
-    """The time of a mission over these drives. A stay uses up the planned wait after it."""
+    """Returns the time of a mission over these drives. A stay uses up the planned wait after it."""
     stops = [(vertex, _stay(mission.request.dwell(mission.reached + number)))
              for number, vertex in enumerate(mission.left)]
     first, needed, stay = nan, 0.0, 0.0
@@ -100,12 +103,13 @@ def _of_mission(mission: Mission, drives: Sequence[_TimedDrive], usual: float,
 
 
 def _stay(dwell: float) -> float:
-    """s of a stay at a destination; infinite: until a person ends it."""
+    """Returns the seconds of a stay at a destination; infinite: until a person ends it."""
     return dwell if dwell >= 0.0 else inf
 
 
 def time_over(mission: Mission, kinds: Iterable[RobotType], network: RoadNetwork) -> float:
-    """s from the next destination of a mission to its last one, if the plan does not tell.
+    """Returns the seconds from the next destination of a mission to its last one, if the plan does
+    not tell.
 
     The fastest type, without traffic, with stays that have a length. Infinite: there is no path.
     """

@@ -63,7 +63,7 @@ class TimetableRuns:
         self._looked: Optional[WallMinute] = None
 
     def due(self) -> Iterator[TimetableRun]:
-        """What the timetables ask for in a new minute, each until `done` is told."""
+        """Yields what the timetables ask for in a new minute, each until `done` is told."""
         now = self._now
         if now == self._looked:
             return
@@ -77,7 +77,7 @@ class TimetableRuns:
         self._looked = now
 
     def done(self, run: TimetableRun) -> None:
-        """The run was requested, and `due.last` is about to be stored."""
+        """Notes that the run was requested, and `due.last` is about to be stored."""
         self._last[run.timetable.name] = run.due.last
 
     def pause(self, name: str, paused: bool) -> Dict[str, int]:
@@ -111,22 +111,22 @@ class TimetableRuns:
 
 
 def stored_name(timetable: str) -> str:
-    """The name under which the time of the last run is stored."""
+    """Returns the name under which the time of the last run is stored."""
     return f'timetable/{timetable}'
 
 
 def paused_name(timetable: str) -> str:
-    """The name under which is stored whether it is paused."""
+    """Returns the name under which is stored whether it is paused."""
     return f'timetable paused/{timetable}'
 
 
 def giver_of(timetable: str) -> str:
-    """The name of the giver of all missions of a timetable."""
+    """Returns the name of the giver of all missions of a timetable."""
     return f'timetable {timetable}'
 
 
 def request_of(timetable: Timetable, run: WallMinute) -> Request:
-    """The request of a run. It is the same one whenever it is made."""
+    """Returns the request of a run. It is the same one whenever it is made."""
     shown = shown_at(run)
     stamp = shown.timestamp()
     digest = blake2b(f'{timetable.name} {shown.isoformat()}'.encode(), digest_size=4).digest()

@@ -91,5 +91,5 @@ class WaitingMissions:
 
     def _is_short(self, serial: int, looked_at: Mapping[int, Mission],
                   short: Mapping[int, str]) -> bool:
-        """Does a mission still wait for a robot to be charged?"""
+        """Returns whether a mission still waits for a robot to be charged."""
         return serial in short if serial in looked_at else self._book.is_pending(serial)

@@ -46,7 +46,7 @@ class MissionReason:
 
 
 def mission_reason(mission: Mission, supervisor: Supervisor, now: float) -> MissionReason:
-    """What an open mission waits for."""
+    """Returns what an open mission waits for."""
     if mission.robot:
         robot = supervisor.robots[mission.robot]
         return MissionReason(robot_wait(robot, supervisor.errands()[robot.name], supervisor, now))
@@ -96,7 +96,7 @@ _NEXT_PLAN = Wait(WaitCode.PLAN, 'a plan for its mission')
 
 
 def robot_wait(robot: ManagedRobot, errand: Errand, supervisor: Supervisor, now: float) -> Wait:
-    """What a robot waits for. NOTHING: it drives, or has nothing to do."""
+    """Returns what a robot waits for. NOTHING: it drives, or has nothing to do."""
     mission = errand.mission
     if robot.knowledge is Knowledge.UNKNOWN:
         return Wait(WaitCode.UNKNOWN, 'it has never reported, so no robot may drive: switch it on, '
@@ -113,7 +113,7 @@ def robot_wait(robot: ManagedRobot, errand: Errand, supervisor: Supervisor, now:
 
 
 def _errand_wait(robot: ManagedRobot, errand: Errand, supervisor: Supervisor, now: float) -> Wait:
-    """What a robot that may drive waits for on its errand."""
+    """Returns what a robot that may drive waits for on its errand."""
     mission = errand.mission
     work = supervisor.desk.waits_for(robot.name, mission)
     if work.code:
@@ -139,7 +139,10 @@ def _stay(mission: Mission, seconds: float) -> Wait:
 
 
 def _of_device(resource: Resource, supervisor: Supervisor, now: float) -> str:
-    """What the device of a resource shows, in words that follow its name; empty without one."""
+    """Returns what the device of a resource shows, in words that follow its name.
+
+    Empty without one.
+    """
     if not resource.has_device:
         return ''
     mode, why = supervisor.devices.view(resource.name, now)
@@ -147,7 +150,9 @@ def _of_device(resource: Resource, supervisor: Supervisor, now: float) -> str:
 
 
 def _turn(robot: ManagedRobot, supervisor: Supervisor, now: float) -> Wait:
-    """What a robot waits for in the queue of a station, and until the first robots leave it."""
+    """Returns what a robot waits for in the queue of a station,
+    and until the first robots leave it.
+    """
     standing = supervisor.stations.standing_of(robot.name)
     if standing is None:
         return NO_WAIT
@@ -161,7 +166,9 @@ def _turn(robot: ManagedRobot, supervisor: Supervisor, now: float) -> Wait:
 
 
 def _until_free(before: Sequence[str], supervisor: Supervisor, now: float) -> float:
-    """s until the first of the robots at a station ends its work there, at the latest."""
+    """Returns the seconds until the first of the robots at a station ends its work there,
+    at the latest.
+    """
     ends = [nan]
     for name in before:
         mission = supervisor.book.of_robot(name)
@@ -174,7 +181,7 @@ def _until_free(before: Sequence[str], supervisor: Supervisor, now: float) -> fl
 
 def _traffic(robot: ManagedRobot, mission: Optional[Mission], supervisor: Supervisor,
              now: float) -> Wait:
-    """What keeps a robot with an errand from driving on."""
+    """Returns what keeps a robot with an errand from driving on."""
     executor, stands = supervisor.plan_executor, robot.record.is_standing
     if executor.trouble and stands:
         return Wait(WaitCode.PLAN, f'a plan: {executor.trouble}')

@@ -90,15 +90,15 @@ class WorkDesk:
     # -- what the fleet has to know ---------------------------------------------------------------
 
     def load(self, name: str) -> RobotLoad:
-        """What a robot carries."""
+        """Returns what a robot carries."""
         return self._loads.get(name, RobotLoad())
 
     def work(self, serial: int) -> Optional[Work]:
-        """The work of an open mission; None: it has no steps."""
+        """Returns the work of an open mission; None: it has no steps."""
         return self._works.get(serial)
 
     def machines(self, now: float) -> List[MachineView]:
-        """All machines of the site, and for which robots they work."""
+        """Returns all machines of the site, and for which robots they work."""
         return self._machines.views(self._book, self._works, now)
 
     @property
@@ -126,7 +126,7 @@ class WorkDesk:
                 for name, mission in self._book.serving.items() if mission.serial in self._works]
 
     def waits_for(self, name: str, mission: Optional[Mission]) -> Wait:
-        """What a robot waits for because of its work or its load."""
+        """Returns what a robot waits for because of its work or its load."""
         if name in self._strange:
             return Wait(WaitCode.STEP, _STRANGE)
         load = self.load(name)
@@ -148,12 +148,12 @@ class WorkDesk:
     # -- events -----------------------------------------------------------------------------------
 
     def accepted(self, mission: Mission) -> None:
-        """A mission was accepted."""
+        """Notes that a mission was accepted."""
         if mission.request.stops:
             self._put(mission.serial, work_of(mission.request.stops, mission.request.on_cancel))
 
     def withdrawn(self, serial: int) -> None:
-        """An accepted mission could not be stored."""
+        """Notes that an accepted mission could not be stored."""
         self._works.pop(serial, None)
         self._changed.discard(serial)
 
@@ -186,7 +186,9 @@ class WorkDesk:
         return any(changes) or before is None or before.steps != report.steps
 
     def _doubt_all(self, device: str, last: int) -> None:
-        """A device has taken a step that is not in the journal: any robot may have been there."""
+        """Notes that a device has taken a step that is not in the journal:
+        any robot may have been there.
+        """
         self.newest = max(self.newest, min(last, MOST_KEY))
         for name in self._robots:
             self._doubt(name, f'device {device}')
@@ -211,7 +213,9 @@ class WorkDesk:
         return now != before
 
     def _doubt(self, name: str, taker: str) -> None:
-        """A step was taken that is not in the journal: what the robot carries is unknown."""
+        """Notes that a step was taken that is not in the journal:
+        what the robot carries is unknown.
+        """
         load = self.load(name)
         self._put_load(name, replace(load, state=after(LOAD, load.state, LoadEvent.BEGIN)))
         mission = self._book.of_robot(name)
@@ -245,7 +249,10 @@ class WorkDesk:
         return begun is not None
 
     def _begin(self, robot: ManagedRobot, situation: Situation, now: int) -> Optional[Situation]:
-        """The situation after the step that is due is ordered; None: none is due, or can be."""
+        """Returns the situation after the step that is due is ordered.
+
+        None: none is due, or can be.
+        """
         name, work = robot.name, situation.work
         place = rules.due_step(situation, self._where_is(robot, work))
         self._hindered.pop(name, None)
@@ -267,14 +274,17 @@ class WorkDesk:
         return rules.begin(situation, place, key, 0 if report is None else report.run, now)
 
     def _is_busy(self, device: str) -> bool:
-        """Does a device carry out a step, or may a command for one be on its way?"""
+        """Returns whether a device carries out a step, or a command for one may be on its way."""
         report = self._machines.newest(device)
         return report is not None and any(not one.word.is_final for one in report.steps) or any(
             step.device == device and own.seen is not Seen.OVER and own.key
             for work in self._works.values() for _, step, own in work.steps)
 
     def _where_is(self, robot: ManagedRobot, work: Work) -> Where:
-        """Where a robot is, as the rules need it. A robot that waits for its turn is not near."""
+        """Returns where a robot is, as the rules need it.
+
+        A robot that waits for its turn is not near.
+        """
         stands = robot.is_at_rest and robot.position is not None and not robot.record.ahead
         position = robot.position
         if not stands or position is None or work.current == len(work.stops):
@@ -318,7 +328,10 @@ class WorkDesk:
         return problem
 
     def choices(self, mission: Mission) -> str:
-        """The group of which any place would do for the next stop of a mission; empty: none."""
+        """Returns the group of which any place would do for the next stop of a mission.
+
+        Empty: none.
+        """
         work = self._works.get(mission.serial)
         if work is None or work.current == len(work.stops) or (
                 rules.has_begun(work.progress[work.current])):
@@ -326,7 +339,7 @@ class WorkDesk:
         return work.stops[work.current].group
 
     def choose(self, mission: Mission, place: int) -> None:
-        """Another one of the equal places is the next stop of a mission."""
+        """Notes that another one of the equal places is the next stop of a mission."""
         self._use(mission, rules.chosen(self._situation(mission), place))
 
     def answer(self, mission: Mission, answer: StepAnswer) -> str:
@@ -338,7 +351,8 @@ class WorkDesk:
         return problem
 
     def set_load(self, name: str, request_id: Optional[int]) -> str:
-        """A person says what a robot carries: nothing (None), or the load of its mission.
+        """Stores what a robot carries, as a person says: nothing (None), or the load of its
+        mission.
 
         Returns why not, as a sentence; empty: done.
         """
@@ -444,7 +458,7 @@ class WorkDesk:
 
     @property
     def is_changed(self) -> bool:
-        """Is any change not stored yet?"""
+        """Whether any change is not stored yet."""
         return bool(self._changed or self._changed_loads)
 
     @property
@@ -455,7 +469,7 @@ class WorkDesk:
                 {name: self._loads[name] for name in sorted(self._changed_loads)})
 
     def stored(self) -> None:
-        """All changes are stored."""
+        """Notes that all changes are stored."""
         for serial in self._changed:
             work = self._works.get(serial)
             if work is None:
@@ -466,7 +480,7 @@ class WorkDesk:
         self._changed_loads.clear()
 
     def due(self, now: float) -> List[SendStep]:
-        """The commands that the robots are to be given now. What they rest on is stored.
+        """Returns the commands that the robots are to be given now. What they rest on is stored.
 
         A step that was ordered does not begin after the fleet was stopped, or the robot left it.
         """
@@ -486,7 +500,9 @@ class WorkDesk:
         return found
 
     def _commands(self, name: str, work: Work) -> Iterator[Tuple[str, StepCommand]]:
-        """What a robot and the devices of its work are to be told; the device is '' for the robot.
+        """Yields what a robot and the devices of its work are to be told.
+
+        The device is '' for the robot.
         """
         devices = {step.device for _, step, own in work.steps if own.seen is not Seen.OVER}
         for device in sorted(devices):
@@ -496,7 +512,7 @@ class WorkDesk:
 
 
 def _words(work: Work, load: RobotLoad, phase: WorkPhase, mission: Mission) -> str:
-    """What a mission waits for, or why it ended, in words; empty: nothing."""
+    """Returns what a mission waits for, or why it ended, in words; empty: nothing."""
     place = work.asking
     if place is not None:
         own = work.progress_of(place)

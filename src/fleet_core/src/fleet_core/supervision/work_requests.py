@@ -25,7 +25,7 @@ class WorkRequests:
         self._work, self._graph, self._book = work, graph, book
 
     def complete(self, request: Request) -> Request:
-        """The request with the stops of its template, and places of its groups.
+        """Returns the request with the stops of its template, and places of its groups.
 
         Raises RequestRefused.
         """
@@ -39,7 +39,10 @@ class WorkRequests:
         return request
 
     def placed(self, stops: Iterable[WorkStop]) -> Tuple[WorkStop, ...]:
-        """The stops with a place of each group. Raises RequestRefused for an unknown group."""
+        """Returns the stops with a place of each group.
+
+        Raises RequestRefused for an unknown group.
+        """
         return tuple(replace(stop, place=self._place_of(stop.group)) if stop.group else stop
                      for stop in stops)
 
@@ -82,7 +85,9 @@ class WorkRequests:
         return group_of(word, self._work.stations)
 
     def _place(self, word: str) -> int:
-        """The place that a word names: of a group, one to which the fewest open missions go."""
+        """Returns the place that a word names: of a group, one to
+        which the fewest open missions go.
+        """
         places = places_of(word, self._work.stations, self._graph)
         if len(places) == 1:
             return places[0]

@@ -93,7 +93,7 @@ class Occupied:
 
 def turns_of(chargers: Iterable[Charger], candidates: Iterable[Candidate],
              occupied: Occupied) -> Dict[str, int]:
-    """By robot that may go to a charger now, the place to which it goes."""
+    """Returns, by robot that may go to a charger now, the place to which it goes."""
     at = {place: one for one in chargers for place in one.places}
     taken = Counter(occupied.inside)
     turns: Dict[str, int] = {}
@@ -113,5 +113,5 @@ def turns_of(chargers: Iterable[Charger], candidates: Iterable[Candidate],
 
 
 def _rank(one: Candidate) -> Tuple[bool, bool, bool, float]:
-    """The candidate with the least rank is the first to get a turn."""
+    """Returns the rank of a candidate: the one with the least rank is the first to get a turn."""
     return not one.needs, not (one.needs and one.is_inside), one.had is None, one.charge

@@ -117,7 +117,7 @@ class _Turns:
 
     @property
     def has_room(self) -> bool:
-        """Is there room for a turn of one more robot that does not claim the station?"""
+        """Whether there is room for a turn of one more robot that does not claim the station."""
         return (len({*self.places, *self._inside}) + self._others.inside
                 < self._station.capacity)
 
@@ -146,7 +146,7 @@ class _Turns:
 
 
 def advanced(before: Queue, station: Station, waiters: Iterable[Waiter], others: Others) -> Queue:
-    """The queue of a station after anything has changed."""
+    """Returns the queue of a station after anything has changed."""
     known = {one.robot: one for one in waiters}
     turns = _Turns(station, known, others)
     turns.keep(before.turns)
@@ -164,7 +164,8 @@ def advanced(before: Queue, station: Station, waiters: Iterable[Waiter], others:
 
 def has_place_for(places: Sequence[int], waiters: Iterable[Sequence[int]],
                   station: Union[Station, Charger], others: Others) -> bool:
-    """Would one more waiter find a place of the station, or a queue place, beside all waiters?
+    """Returns whether one more waiter would find a place of the station, or a queue place, beside
+    all waiters.
 
     The same for a charger, which has no queue.
 
@@ -185,7 +186,7 @@ def has_place_for(places: Sequence[int], waiters: Iterable[Sequence[int]],
 
 
 def _arrived(before: Queue, station: Station, waiting: Sequence[Waiter]) -> List[str]:
-    """The robots that have arrived at the queue, in the order of their arrival."""
+    """Returns the robots that have arrived at the queue, in the order of their arrival."""
     names = {one.robot for one in waiting}
     arrived = [name for name in before.arrived if name in names]
     at = {one.robot: station.queue.index(one.ends_at) for one in waiting
@@ -194,7 +195,8 @@ def _arrived(before: Queue, station: Station, waiting: Sequence[Waiter]) -> List
 
 
 def _behind(before: Queue, arrived: Sequence[str], waiting: Sequence[Waiter]) -> List[str]:
-    """The robots that have not arrived: those on their way, and then those without a queue place.
+    """Returns the robots that have not arrived: those on their way, and then those
+    without a queue place.
     """
     away = {one.robot: one for one in waiting if one.robot not in arrived}
     coming = [name for name in (*before.turns, *before.coming) if name in away]

@@ -90,7 +90,7 @@ class WorkPhase(Enum):
 
 
 def phase_of(situation: Situation) -> WorkPhase:
-    """The state of the mission."""
+    """Returns the state of the mission."""
     work, ending = situation.work, situation.work.ending
     if work.asking is not None:
         return WorkPhase.NEEDS_PERSON
@@ -109,7 +109,7 @@ def phase_of(situation: Situation) -> WorkPhase:
 
 
 def gate_is_closed(work: Work) -> bool:
-    """Must the robot stand because of its work?"""
+    """Returns whether the robot must stand because of its work."""
     if any(own.state is StepState.ASK or own.state is StepState.RUNNING
            and step.blocking is not StepBlocking.NONE for _, step, own in work.steps):
         return True
@@ -118,7 +118,9 @@ def gate_is_closed(work: Work) -> bool:
 
 
 def place_not_to_enter(work: Work) -> Optional[int]:
-    """The vertex that the robot must not enter before other steps have ended; None: there is none.
+    """Returns the vertex that the robot must not enter before other steps have ended.
+
+    None: there is none.
     """
     number = work.current
     if number == len(work.progress) or is_at_work(work):
@@ -129,19 +131,22 @@ def place_not_to_enter(work: Work) -> Optional[int]:
 
 
 def time_left(work: Work, now: int) -> float:
-    """s until the timeouts of all running steps are over; NaN: none runs. `now`: ms since 1970."""
+    """Returns the seconds until the timeouts of all running steps are over; NaN: none runs.
+
+    `now`: ms since 1970.
+    """
     ends = [own.begun / 1000.0 + step.timeout for _, step, own in work.steps
             if own.state is StepState.RUNNING]
     return max(max(ends) - now / 1000.0, 0.0) if ends else nan
 
 
 def open_steps(work: Work) -> Iterator[StepProgress]:
-    """The steps that have been ordered and have not ended."""
+    """Returns the steps that have been ordered and have not ended."""
     return (own for _, _, own in work.steps if own.state in (StepState.RUNNING, StepState.ASK))
 
 
 def is_at_work(work: Work) -> bool:
-    """Does the robot stand at its stop, whose work has not ended?"""
+    """Returns whether the robot stands at its stop, whose work has not ended."""
     number = work.current
     return number < len(work.progress) and work.progress[number].state is StopState.AT_WORK
 
@@ -150,31 +155,34 @@ def is_at_work(work: Work) -> bool:
 
 
 def nobody_is_asked(work: Work) -> bool:
-    """Does no step wait for an answer?"""
+    """Returns whether no step waits for an answer."""
     return work.asking is None
 
 
 def stands_for(step: WorkStep, where: Where) -> bool:
-    """Does the robot stand where this step needs it?"""
+    """Returns whether the robot stands where this step needs it."""
     if step.when is When.BEFORE_ENTRY:
         return step.blocking is StepBlocking.NONE or where.is_near
     return where.is_there
 
 
 def blocks_none(step: WorkStep, work: Work) -> bool:
-    """May this step run together with all that run now?"""
+    """Returns whether this step may run together with all that run now."""
     running = [other for _, other, own in work.steps if own.state is StepState.RUNNING]
     return not running or step.blocking is not StepBlocking.HARD and all(
         other.blocking is not StepBlocking.HARD for other in running)
 
 
 def _has_stop(work: Work) -> bool:
-    """Is there a stop left at which steps may run? If the work ends, only while it is cut short."""
+    """Returns whether there is a stop left at which steps may run.
+
+    If the work ends, only while it is cut short.
+    """
     return work.current < len(work.progress) and not work.is_ending
 
 
 def due_step(situation: Situation, where: Where) -> Optional[StepPlace]:
-    """The step that is to begin now; None: none is."""
+    """Returns the step that is to begin now; None: none is."""
     work = situation.work
     if work.is_ending or not nobody_is_asked(work):
         return None
@@ -186,14 +194,14 @@ def due_step(situation: Situation, where: Where) -> Optional[StepPlace]:
 
 
 def _steps_left_behind(work: Work) -> Iterator[Tuple[StepPlace, WorkStep, StepProgress]]:
-    """The steps of earlier stops. One that is to be repeated went on while its robot drove away, so
-    it begins wherever that is.
+    """Returns the steps of earlier stops. One that is to be repeated went on while its robot drove
+    away, so it begins wherever that is.
     """
     return ((place, step, own) for place, step, own in work.steps if place.stop < work.current)
 
 
 def _steps_in_turn(work: Work) -> Iterator[Tuple[StepPlace, WorkStep, StepProgress]]:
-    """The steps of the present stop up to the first one that may begin, in their order.
+    """Yields the steps of the present stop up to the first one that may begin, in their order.
 
     The steps before leaving may begin when all steps at the stop have ended.
     """
@@ -210,7 +218,7 @@ def _steps_in_turn(work: Work) -> Iterator[Tuple[StepPlace, WorkStep, StepProgre
 
 
 def passed(situation: Situation, reached: int) -> Situation:
-    """The situation after the robot has passed so many stops without work."""
+    """Returns the situation after the robot has passed so many stops without work."""
     work = situation.work
     while work.current < min(reached, len(work.progress)):
         work = _stop(work, StopEvent.PASS)
@@ -218,7 +226,7 @@ def passed(situation: Situation, reached: int) -> Situation:
 
 
 def follow(situation: Situation, where: Where) -> Situation:
-    """The situation after the robot has moved, or steps have ended.
+    """Returns the situation after the robot has moved, or steps have ended.
 
     where -- as the present stop sees it; it may be another one afterwards
     """
@@ -244,12 +252,15 @@ def _stop(work: Work, event: StopEvent) -> Work:
 
 
 def _is_made(work: Work, number: int) -> bool:
-    """Does the robot come to rest at a stop?"""
+    """Returns whether the robot comes to rest at a stop."""
     return bool(work.stops[number].steps) or number == len(work.stops) - 1
 
 
 def _may_leave(work: Work) -> bool:
-    """Has the present stop ended? The last one ends when all steps of the mission have ended."""
+    """Returns whether the present stop has ended.
+
+    The last one ends when all steps of the mission have ended.
+    """
     number = work.current
     is_last = number == len(work.progress) - 1
     return all(own.state.is_final or not is_last and own.state is StepState.RUNNING
@@ -258,7 +269,9 @@ def _may_leave(work: Work) -> bool:
 
 
 def _moved(work: Work) -> Work:
-    """A robot was moved away from its stop: it drives back, after what runs has been looked at."""
+    """Returns the work of a robot that was moved away from its stop: it drives back,
+    after what runs has been looked at.
+    """
     for place, step, own in work.steps:
         if own.state is StepState.RUNNING and step.blocking is not StepBlocking.NONE:
             work = work.with_step(place, replace(
@@ -271,7 +284,7 @@ def _moved(work: Work) -> Work:
 
 
 def next_key(work: Work, last: int, now: int) -> int:
-    """The key for the next order of a step: above all keys of this mission.
+    """Returns the key for the next order of a step: above all keys of this mission.
 
     last -- the highest key that its robot, or device, has taken
     now  -- ms since 1970. Its clock may have been set back.
@@ -280,7 +293,7 @@ def next_key(work: Work, last: int, now: int) -> int:
 
 
 def begin(situation: Situation, place: StepPlace, key: int, run: int, now: int) -> Situation:
-    """The situation after a step is ordered under a new key. `now`: ms since 1970."""
+    """Returns the situation after a step is ordered under a new key. `now`: ms since 1970."""
     work, load = situation.work, situation.load
     step, own = work.step(place), work.progress_of(place)
     if step.load:
@@ -293,7 +306,7 @@ def begin(situation: Situation, place: StepPlace, key: int, run: int, now: int) 
 
 
 def heard(situation: Situation, report: StepReport, device: str = '') -> Situation:
-    """The situation after a report of the robot, or of a device."""
+    """Returns the situation after a report of the robot, or of a device."""
     subject = f'device {device}' if device else 'the robot'
     for place, step, own in tuple(situation.work.steps):
         if step.device != device or own.state not in (StepState.RUNNING, StepState.ASK) or (
@@ -311,7 +324,7 @@ def heard(situation: Situation, report: StepReport, device: str = '') -> Situati
 
 
 def is_of_an_earlier_run(report: StepReport, own: StepProgress) -> bool:
-    """Is this report older than the order of a step?"""
+    """Returns whether this report is older than the order of a step."""
     return report.run < own.run
 
 
@@ -352,7 +365,7 @@ def _done(situation: Situation, place: StepPlace) -> Situation:
 
 
 def _known(situation: Situation, place: StepPlace, change: int = 0) -> Situation:
-    """The situation after it is known how a step has changed the load."""
+    """Returns the situation after it is known how a step has changed the load."""
     load = situation.load
     if not situation.work.step(place).load or load.state is not LoadState.UNKNOWN:
         return situation
@@ -363,7 +376,10 @@ def _known(situation: Situation, place: StepPlace, change: int = 0) -> Situation
 
 
 def _failed(situation: Situation, place: StepPlace, text: str) -> Situation:
-    """A step is known to have ended without being done. Its policy says what follows."""
+    """Returns the situation after a step is known to have ended without being done.
+
+    Its policy says what follows.
+    """
     situation = _known(situation, place)
     work, step = situation.work, situation.work.step(place)
     own = work.progress_of(place)
@@ -382,7 +398,9 @@ def _failed(situation: Situation, place: StepPlace, text: str) -> Situation:
 
 
 def _unknown(situation: Situation, place: StepPlace, text: str) -> Situation:
-    """It is not known whether a step has been done: a person is asked, unless it is harmless."""
+    """Returns the situation in which it is not known whether a step has been done:
+    a person is asked, unless it is harmless.
+    """
     work, step = situation.work, situation.work.step(place)
     own = work.progress_of(place)
     if work.is_ending:
@@ -395,13 +413,13 @@ def _unknown(situation: Situation, place: StepPlace, text: str) -> Situation:
 
 
 def may_be_repeated(step: WorkStep, own: StepProgress) -> bool:
-    """May a step be repeated although it is not known whether it has been done?"""
+    """Returns whether a step may be repeated although it is not known whether it has been done."""
     return step.harmless and own.state is StepState.RUNNING and (
         own.times_ordered <= max(step.retries, 1))
 
 
 def expire(situation: Situation, now: int) -> Situation:
-    """The situation after the timeouts that are over. `now`: ms since 1970."""
+    """Returns the situation after the timeouts that are over. `now`: ms since 1970."""
     for place, step, own in tuple(situation.work.steps):
         over = own.begun + round(1000.0 * step.timeout)
         if own.state is not StepState.RUNNING or now < over:
@@ -416,7 +434,8 @@ def expire(situation: Situation, now: int) -> Situation:
 
 
 def answer(situation: Situation, said: StepDecision, key: int = 0) -> Tuple[Situation, str]:
-    """The situation after a person's answer. Also returns why not, as a clause; empty: done.
+    """Returns the situation after a person's answer. Also returns why not, as a clause; empty:
+    done.
 
     key -- of the step that the answer is about; 0: the one that asks
     """
@@ -443,7 +462,7 @@ def answer(situation: Situation, said: StepDecision, key: int = 0) -> Tuple[Situ
 
 
 def _no_answer(work: Work, own: StepProgress, said: StepDecision) -> str:
-    """Why an answer cannot be taken, as the rest of a clause; empty: it can."""
+    """Returns why an answer cannot be taken, as the rest of a clause; empty: it can."""
     if said is StepDecision.RETRY and own.state is StepState.RUNNING:
         return 'runs: there is nothing to retry'
     if said is StepDecision.RETRY and work.is_ending:
@@ -457,7 +476,7 @@ def _no_answer(work: Work, own: StepProgress, said: StepDecision) -> str:
 
 
 def has_ended(own: StepProgress) -> bool:
-    """Is it known that the last order of this step is not carried out any more?"""
+    """Returns whether it is known that the last order of this step is not carried out any more."""
     return own.seen is Seen.OVER
 
 
@@ -465,18 +484,23 @@ def has_ended(own: StepProgress) -> bool:
 
 
 def cancel(situation: Situation, reason: str = '') -> Situation:
-    """The situation after the mission is cancelled. It is accepted in every state."""
+    """Returns the situation after the mission is cancelled. It is accepted in every state."""
     return settle(_end(situation, Ending.CANCEL, reason))
 
 
 def fail(situation: Situation, reason: str) -> Situation:
-    """The situation of a mission that cannot be completed any more, nor its clean-up be made."""
+    """Returns the situation of a mission that cannot be completed any more,
+    nor its clean-up be made.
+    """
     return settle(situation._replace(work=replace(
         situation.work, ending=Ending.FAIL, is_cut=False, reason=reason)))
 
 
 def _end(situation: Situation, ending: Ending, reason: str) -> Situation:
-    """The situation of a mission that ends. One that fails while it is cancelled has failed."""
+    """Returns the situation of a mission that ends.
+
+    One that fails while it is cancelled has failed.
+    """
     before = situation.work.ending
     if ending is before or before is Ending.FAIL or situation.work.is_ending:
         return situation
@@ -485,7 +509,7 @@ def _end(situation: Situation, ending: Ending, reason: str) -> Situation:
 
 
 def settle(situation: Situation) -> Situation:
-    """The situation of a mission that ends, after all that can end at once has ended."""
+    """Returns the situation of a mission that ends, after all that can end at once has ended."""
     if not situation.work.is_ending:
         return situation
     for place, _, own in tuple(situation.work.steps):
@@ -508,7 +532,7 @@ def settle(situation: Situation) -> Situation:
 
 
 def _cut(work: Work, event: StopEvent) -> Work:
-    """The work without the stops that were not begun. The present one counts as left."""
+    """Returns the work without the stops that were not begun. The present one counts as left."""
     number = work.current
     if number == len(work.progress):
         return work
@@ -533,7 +557,7 @@ def _with_clean_up(work: Work, situation: Situation) -> Work:
 
 def changed(situation: Situation, stops: Tuple[WorkStop, ...], first: int = 0,
             ) -> Tuple[Situation, str]:
-    """The situation after other stops take the place of some that have not begun.
+    """Returns the situation after other stops take the place of some that have not begun.
 
     first -- number, from 1, of the first one that they replace; 0: all that have not begun
 
@@ -555,7 +579,9 @@ def changed(situation: Situation, stops: Tuple[WorkStop, ...], first: int = 0,
 
 
 def chosen(situation: Situation, place: int) -> Situation:
-    """The situation after another one of its equal places is chosen for the present stop."""
+    """Returns the situation after another one of its equal places is chosen for the present
+    stop.
+    """
     work = situation.work
     stops = list(work.stops)
     stops[work.current] = replace(stops[work.current], place=place)
@@ -563,7 +589,7 @@ def chosen(situation: Situation, place: int) -> Situation:
 
 
 def has_begun(stop: StopProgress) -> bool:
-    """Is the robot at work at a stop, or was one of its steps ordered?"""
+    """Returns whether the robot is at work at a stop, or one of its steps was ordered."""
     return stop.state is StopState.AT_WORK or any(own.times_ordered for own in stop.steps)
 
 
@@ -571,12 +597,12 @@ def has_begun(stop: StopProgress) -> bool:
 
 
 def said_empty(load: RobotLoad) -> RobotLoad:
-    """The load of a robot after a person says that it carries nothing."""
+    """Returns the load of a robot after a person says that it carries nothing."""
     return RobotLoad(after(LOAD, load.state, LoadEvent.SAID_EMPTY))
 
 
 def said_loaded(load: RobotLoad, serial: int) -> RobotLoad:
-    """The load after a person says that the robot carries the load of this mission."""
+    """Returns the load after a person says that the robot carries the load of this mission."""
     return RobotLoad(after(LOAD, load.state, LoadEvent.SAID_LOADED), serial, max(load.count, 1))
 
 
@@ -584,7 +610,7 @@ def said_loaded(load: RobotLoad, serial: int) -> RobotLoad:
 
 
 def commands(work: Work, report: StepReport, device: str = '') -> List[StepCommand]:
-    """What the robot, or a device, is to be told until it shows it. `work` must be stored.
+    """Returns what the robot, or a device, is to be told until it shows it. `work` must be stored.
 
     A key is sent only when all lower ones are shown.
     """
@@ -600,7 +626,7 @@ def commands(work: Work, report: StepReport, device: str = '') -> List[StepComma
 
 def _to_be_told(work: Work, report: StepReport,
                 device: str) -> List[Tuple[WorkStep, StepProgress]]:
-    """The steps that an actor may not know as they are now, by their keys."""
+    """Returns the steps that an actor may not know as they are now, by their keys."""
     steps = [(step, own) for _, step, own in work.steps if step.actor.has_driver
              and step.device == device and own.state in (StepState.RUNNING, StepState.ASK)
              and own.seen is not Seen.OVER and own.run == report.run]
@@ -608,7 +634,9 @@ def _to_be_told(work: Work, report: StepReport,
 
 
 def _first_command(step: WorkStep, own: StepProgress) -> StepCommand:
-    """What an actor is told that does not show a step: to begin it, or never to begin it."""
+    """Returns what an actor is told that does not show a step: to begin it,
+    or never to begin it.
+    """
     if own.is_ended:
         act = StepAct.CANCEL if step.breakable else StepAct.REVOKE
         return StepCommand(own.key, act, own.run, timeout=step.timeout)

@@ -41,19 +41,19 @@ Destination = Union[int, str]
 
 
 def destination_of(word: str, stations: Mapping[str, Station], graph: Graph) -> Destination:
-    """The destination that a word names, see `places_of`. Raises UnknownPlace."""
+    """Returns the destination that a word names, see `places_of`. Raises UnknownPlace."""
     return group_of(word, stations) or places_of(word, stations, graph)[0]
 
 
 def place_of(word: str, stations: Mapping[str, Station], graph: Graph) -> int:
-    """The one place that a word names. Raises UnknownPlace, also for a group."""
+    """Returns the one place that a word names. Raises UnknownPlace, also for a group."""
     if group_of(word, stations):
         raise UnknownPlace(f'{word} is a group; write `group: {word}` in place of `at`')
     return places_of(word, stations, graph)[0]
 
 
 def places_of(word: str, stations: Mapping[str, Station], graph: Graph) -> Tuple[int, ...]:
-    """The places that a word names: one vertex, or the equal ones of a group.
+    """Returns the places that a word names: one vertex, or the equal ones of a group.
 
     The word is the name of a station, the id of a vertex, or a label that only one vertex has. The
     name of a station goes before a label. Raises UnknownPlace.
@@ -72,7 +72,7 @@ def places_of(word: str, stations: Mapping[str, Station], graph: Graph) -> Tuple
 
 
 def group_of(word: str, stations: Mapping[str, Station]) -> str:
-    """The group that a word names; empty: it names none."""
+    """Returns the group that a word names; empty: it names none."""
     return word if word in stations and stations[word].kind is StationKind.GROUP else ''
 
 

@@ -52,7 +52,9 @@ class Actor(IntEnum):
 
     @property
     def has_driver(self) -> bool:
-        """Is it ordered by step commands, and does it say how a step ends? Others are answered for.
+        """Whether it is ordered by step commands, and says how a step ends.
+
+        Others are answered for.
         """
         return self in (Actor.ROBOT, Actor.DEVICE)
 
@@ -127,7 +129,7 @@ class WorkStop:
 
 
 def dwells_of(stops: Sequence[WorkStop]) -> Tuple[float, ...]:
-    """The dwells of the destinations: a robot stays until its work there has ended.
+    """Returns the dwells of the destinations: a robot stays until its work there has ended.
 
     At the last stop it stays until all steps of the mission have ended.
     """
@@ -158,7 +160,7 @@ def check_stops(stops: Sequence[WorkStop], on_cancel: Sequence[WorkStop]) -> Non
 
 
 def problem_of(step: WorkStep) -> str:
-    """Why a step is refused, as the rest of a clause; empty: it is not."""
+    """Returns why a step is refused, as the rest of a clause; empty: it is not."""
     texts = (step.type, step.device, *(text for pair in step.parameters for text in pair))
     names = [name for name, _ in step.parameters]
     rules = (
@@ -181,7 +183,7 @@ def problem_of(step: WorkStep) -> str:
 
 
 def _rules_of_load(step: WorkStep) -> Tuple[Tuple[bool, str], ...]:
-    """What may be wrong with a step that changes the load: is it wrong, and in words."""
+    """Returns what may be wrong with a step that changes the load: is it wrong, and in words."""
     return (
         (step.blocking is not StepBlocking.HARD, 'changes the load, so its blocking must be HARD'),
         (step.when is not When.AT, 'changes the load, so it must be carried out AT the stop'),

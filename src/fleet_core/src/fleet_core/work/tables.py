@@ -20,7 +20,7 @@ class StepState(Enum):
 
     @property
     def is_final(self) -> bool:
-        """Has the step ended?"""
+        """Whether the step has ended."""
         return self in (StepState.DONE, StepState.FAILED, StepState.CANCELLED)
 
 
@@ -47,7 +47,7 @@ class StopState(Enum):
 
     @property
     def is_final(self) -> bool:
-        """Is the stop behind the robot, whether it was made or not?"""
+        """Whether the stop is behind the robot, whether it was made or not."""
         return self in (StopState.DONE, StopState.FAILED, StopState.SKIPPED)
 
 
@@ -114,7 +114,7 @@ class NoTransition(Exception):
 
 
 def after(table: Mapping[Tuple[State, Event], State], state: State, event: Event) -> State:
-    """The state after an event. Raises NoTransition."""
+    """Returns the state after an event. Raises NoTransition."""
     try:
         return table[state, event]
     except KeyError:

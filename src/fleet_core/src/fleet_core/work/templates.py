@@ -40,7 +40,7 @@ class Template:
 
 
 def parameters_in(stop: TemplateStop) -> Iterator[str]:
-    """The names of the parameters that a stop uses."""
+    """Returns the names of the parameters that a stop uses."""
     texts = (stop.at, *(value for step in stop.steps for _, value in step.parameters))
     return (text[len(PARAMETER):] for text in texts if text.startswith(PARAMETER))
 
@@ -67,7 +67,7 @@ def check_arguments(template: Template, names: Iterable[str]) -> None:
 def filled(stops: Iterable[TemplateStop], arguments: Mapping[str, str],
            place: Callable[[str], int],
            group: Callable[[str], str] = lambda _: '') -> Tuple[WorkStop, ...]:
-    """The stops with arguments in the place of parameters.
+    """Returns the stops with arguments in the place of parameters.
 
     place -- the vertex for the word of a stop; what it raises is passed on
     group -- the group that this word names; empty: none

@@ -20,17 +20,17 @@ _FIRST = datetime(1, 1, 1)
 
 
 def wall_minute(shown: datetime) -> WallMinute:
-    """The minute that a clock on the wall shows. `shown` has the local time."""
+    """Returns the minute that a clock on the wall shows. `shown` has the local time."""
     return (shown.replace(tzinfo=None) - _FIRST) // timedelta(minutes=1)
 
 
 def shown_at(minute: WallMinute) -> datetime:
-    """What clocks on the wall show in a minute."""
+    """Returns what clocks on the wall show in a minute."""
     return _FIRST + timedelta(minutes=minute)
 
 
 def minute_of_day(text: str) -> int:
-    """Minutes since midnight, from `06:00`. Raises ValueError with a clause."""
+    """Returns the minutes since midnight, from `06:00`. Raises ValueError with a clause."""
     found = re.fullmatch(r'(\d{1,2}):(\d{2})', text, re.ASCII)
     if not found or int(found[1]) > 23 or int(found[2]) > 59:
         raise ValueError(f'{text!r} is no time of day, such as 06:00')
@@ -38,7 +38,7 @@ def minute_of_day(text: str) -> int:
 
 
 def next_time(minute: int, now: datetime) -> datetime:
-    """The next time after `now` at which clocks on the wall show this minute of the day."""
+    """Returns the next time after `now` at which clocks on the wall show this minute of the day."""
     today = now.replace(hour=minute // 60, minute=minute % 60, second=0, microsecond=0)
     return today if today > now else today + timedelta(days=1)
 
@@ -84,7 +84,7 @@ class DueRun(NamedTuple):
 
 
 def due(timetable: Timetable, last: Optional[WallMinute], now: WallMinute) -> DueRun:
-    """The newest run after `last` that is due.
+    """Returns the newest run after `last` that is due.
 
     last -- as in the last answer; None: the timetable is new, and begins with this minute
     """
@@ -104,7 +104,7 @@ def due(timetable: Timetable, last: Optional[WallMinute], now: WallMinute) -> Du
 
 
 def next_run(timetable: Timetable, last: Optional[WallMinute], now: WallMinute) -> WallMinute:
-    """The first minute after `now` in which a run will be due, if the clock is not set.
+    """Returns the first minute after `now` in which a run will be due, if the clock is not set.
 
     last -- as for `due`; if the clock was set back a little, no run comes before it
     """

@@ -86,7 +86,7 @@ class Work:
 
     @property
     def is_ending(self) -> bool:
-        """Is the mission to end, while something that it has begun has not ended yet?"""
+        """Whether the mission is to end, while something that it has begun has not ended yet."""
         return self.ending is not Ending.NONE and not self.is_cut
 
     @cached_property
@@ -103,21 +103,21 @@ class Work:
                      for n, (step, own) in enumerate(zip(stop.steps, progress.steps)))
 
     def step(self, place: StepPlace) -> WorkStep:
-        """The step in a place."""
+        """Returns the step in a place."""
         return self.stops[place.stop].steps[place.step]
 
     def progress_of(self, place: StepPlace) -> StepProgress:
-        """The progress of the step in a place."""
+        """Returns the progress of the step in a place."""
         return self.progress[place.stop].steps[place.step]
 
     def with_step(self, place: StepPlace, own: StepProgress) -> Work:
-        """The work with another progress of one step."""
+        """Returns the work with another progress of one step."""
         stop = self.progress[place.stop]
         steps = (*stop.steps[:place.step], own, *stop.steps[place.step + 1:])
         return self.with_stop(place.stop, replace(stop, steps=steps))
 
     def with_stop(self, number: int, stop: StopProgress) -> Work:
-        """The work with another progress of one stop."""
+        """Returns the work with another progress of one stop."""
         return replace(self, progress=(*self.progress[:number], stop,
                                        *self.progress[number + 1:]))
 
@@ -147,7 +147,7 @@ class RobotLoad:
     count: int = 0
 
     def is_bound_to(self, serial: int) -> bool:
-        """Must the robot serve this mission because of its load?"""
+        """Returns whether the robot must serve this mission because of its load."""
         return self.state is not LoadState.EMPTY and self.serial == serial
 
 
@@ -160,10 +160,10 @@ class Situation(NamedTuple):
 
 
 def work_of(stops: Tuple[WorkStop, ...], on_cancel: Tuple[WorkStop, ...] = ()) -> Work:
-    """The work of a mission that has not begun."""
+    """Returns the work of a mission that has not begun."""
     return Work(stops, tuple(map(progress_of, stops)), on_cancel)
 
 
 def progress_of(stop: WorkStop) -> StopProgress:
-    """The progress of a stop that has not begun."""
+    """Returns the progress of a stop that has not begun."""
     return StopProgress(steps=tuple(StepProgress() for _ in stop.steps))

@@ -3,7 +3,7 @@ from __future__ import annotations
 
 
 def age(since: float, now: float) -> str:
-    """How long ago a time (s) was."""
+    """Returns how long ago a time (s) was."""
     seconds = max(now - since, 0.0)
     if seconds < 120:
         return f'{seconds:.0f} s'

@@ -102,19 +102,24 @@ def _ask(states: TopicListener, name: str, requester: str, mode: DeviceMode) -> 
 
 
 def number_after(use: Optional[DeviceUse]) -> int:
-    """The number of the next request of a requester, above its last one, also of another clock."""
+    """Returns the number of the next request of a requester, above its last one,
+    also of another clock.
+    """
     return max(milliseconds(), use.number + 1 if use is not None else 0)
 
 
 def is_taken(report: DeviceReport, request: Request) -> bool:
-    """Does a report show that a request was taken? What was lost is not shown when it is back."""
+    """Returns whether a report shows that a request was taken.
+
+    What was lost is not shown when it is back.
+    """
     if request.requester == UNKNOWN_REQUESTER:
         return report.use_of(UNKNOWN_REQUESTER) is None
     return report.shows(request)
 
 
 def answer(report: DeviceReport, request: Request) -> str:
-    """What has come of a request, as a sentence."""
+    """Returns what has come of a request, as a sentence."""
     holders = [use.requester for use in report.obeyed if use.holds]
     if request.mode is DeviceMode.OPEN:
         return (f'Device {report.device} is held open for {request.requester}; it is '
@@ -125,7 +130,7 @@ def answer(report: DeviceReport, request: Request) -> str:
 
 
 def known_mode(shown: List[DeviceReport], known: DeviceState) -> str:
-    """The last mode that was reported."""
+    """Returns the last mode that was reported."""
     return (shown[-1] if shown else _report(known)).mode.name
 
 
@@ -169,7 +174,7 @@ def _list(states: TopicListener, is_json: bool) -> int:
 
 
 def listed(reports: Sequence[DeviceReport], now: float) -> str:
-    """The devices as a table; below each one what is wrong with it."""
+    """Returns the devices as a table; below each one what is wrong with it."""
     rows = [(report.device, report.mode.name, age(report.since, now),
              'never' if report.read_at is None else age(report.read_at, now),
              ', '.join(f'{use.requester} ({age(use.since, now)})' if use.since
@@ -180,7 +185,7 @@ def listed(reports: Sequence[DeviceReport], now: float) -> str:
 
 
 def values(report: DeviceReport) -> Dict[str, Any]:
-    """A report as values for JSON."""
+    """Returns a report as values for JSON."""
     return {'device': report.device, 'shows': report.mode.name, 'since': report.since,
             'read': report.read_at, 'fault': report.fault.name, 'reason': report.reason or None,
             'obeyed': [{'requester': use.requester, 'mode': use.mode.name, 'number': use.number,

@@ -35,7 +35,7 @@ class ListedMachine:
     told: Optional[MachineView] = None
 
     def state(self, now: float) -> MachineState:
-        """What it does, by its own report."""
+        """Returns what it does, by its own report."""
         if self.report is None or now - self.read_at > FRESH:
             return MachineState.SILENT
         return MachineState.FREE if self.running is None else MachineState.WORKING
@@ -65,13 +65,13 @@ class ListedMachine:
 
 
 def machine_topics() -> List[str]:
-    """The topics on which machines report, as the ROS master knows them."""
+    """Returns the topics on which machines report, as the ROS master knows them."""
     return [name for name, kind in rospy.get_published_topics('/devices')
             if kind == StepStates._type and machine_of_topic(name)]
 
 
 def machine_of_topic(topic: str) -> str:
-    """The name of the machine that reports on a topic; empty: it is another topic."""
+    """Returns the name of the machine that reports on a topic; empty: it is another topic."""
     begin, end = _TOPIC
     name = topic[len(begin):-len(end)]
     return name if topic == f'{begin}{name}{end}' and '/' not in name else ''
@@ -79,7 +79,7 @@ def machine_of_topic(topic: str) -> str:
 
 def listed_machines(reports: Mapping[str, StepStates], state: Optional[FleetState],
                     ) -> List[ListedMachine]:
-    """All machines that report, or of which the fleet manager knows, by name.
+    """Returns all machines that report, or of which the fleet manager knows, by name.
 
     reports -- the newest one of each machine
     state   -- of the fleet; None: no fleet manager runs
@@ -100,7 +100,7 @@ def _machine(name: str, message: Optional[StepStates],
 
 
 def machine_table(machines: Iterable[ListedMachine], now: float) -> str:
-    """The machines as a table; below each one why its last step was not done."""
+    """Returns the machines as a table; below each one why its last step was not done."""
     rows, notes = [], []
     for one in machines:
         last = one.last
@@ -114,7 +114,7 @@ def machine_table(machines: Iterable[ListedMachine], now: float) -> str:
 
 
 def machine_values(machine: ListedMachine, now: float) -> Dict[str, Any]:
-    """A machine as values for JSON."""
+    """Returns a machine as values for JSON."""
     running, told = machine.running, machine.told
     is_told = running is not None and told is not None and told.key == running.key
     return {'machine': machine.name, 'state': machine.state(now).name,

@@ -84,7 +84,7 @@ class DeviceLimits(NamedTuple):
 
 
 class Reading(NamedTuple):
-    """What a device showed: is its output on, and does its input say that it is open?"""
+    """What a device showed: whether its output is on, and whether its input says open."""
 
     output: bool
     is_open: bool
@@ -168,7 +168,7 @@ class DeviceMachine:
 
     @classmethod
     def start(cls, limits: DeviceLimits, memory: DeviceMemory, now: float) -> DeviceMachine:
-        """The device after a start with what was stored, or with LOST."""
+        """Returns the device after a start with what was stored, or with LOST."""
         return cls(limits, now, tuple(Taken(use, 0) for use in memory.obeyed),
                    is_memory_lost=memory.is_lost, moving_from=now)
 
@@ -188,11 +188,11 @@ class DeviceMachine:
 
     @property
     def is_urgent(self) -> bool:
-        """Does the device answer, and was a use taken after the last reading began?"""
+        """Whether the device answers, and a use was taken after the last reading began."""
         return not self.problem and not all(map(self._is_read, self.obeyed))
 
     def refusal(self, request: DeviceRequest) -> str:
-        """Why a request cannot be taken, as a clause; empty: it can."""
+        """Returns why a request cannot be taken, as a clause; empty: it can."""
         others = sum(one.use.holds for one in self.obeyed if one.use.requester != request.requester)
         if request.mode is DeviceMode.OPEN and others >= MOST_HOLDERS:
             return f'{MOST_HOLDERS} others hold it already'
@@ -201,7 +201,8 @@ class DeviceMachine:
     # --- events -----------------------------------------------------------------------------------
 
     def ask(self, request: DeviceRequest, now: float, stamp: float) -> DeviceMachine:
-        """A request has come. `stamp`: the time for its use. The same device: it changes nothing.
+        """Returns the device after a request. `stamp`: the time for its use. The same device: it
+        changes nothing.
 
         Nothing may be done, and nothing reported, before `memory` is stored.
         """
@@ -218,14 +219,18 @@ class DeviceMachine:
                           is_closing=not use.holds)
 
     def begin(self, now: float) -> Tuple[DeviceMachine, Exchange]:
-        """An exchange begins; none may be awaited."""
+        """Returns the device at the beginning of an exchange, and the exchange.
+
+        None may be awaited.
+        """
         wanted = _OUTPUT[self.stage]
         number = self.begun + 1
         return (replace(self, begun=number, begun_at=now, is_awaited=True),
                 Exchange(number, None if wanted == self.output else wanted))
 
     def end(self, reading: Optional[Reading], problem: str, now: float) -> DeviceMachine:
-        """The exchange has ended. `reading`: None: it had none, because of `problem`.
+        """Returns the device after the end of the exchange. `reading`: None: it had none, because
+        of `problem`.
 
         An exchange without a reading may still have an effect, so the output must be set again.
         """
@@ -239,7 +244,7 @@ class DeviceMachine:
                        output=reading.output, settled=settled, alike=alike, problem='').tick(now)
 
     def tick(self, now: float) -> DeviceMachine:
-        """Time has passed: what the device shows now."""
+        """Returns the device after some time: what the device shows now."""
         mode, fault = self._shown(now)
         after = self
         if mode is DeviceMode.OFFLINE:  # what was read before does not count any more
@@ -255,7 +260,7 @@ class DeviceMachine:
     # --- what it shows ----------------------------------------------------------------------------
 
     def report(self, name: str) -> DeviceReport:
-        """What is said of the device, without run and count."""
+        """Returns what is said of the device, without run and count."""
         shown = [taken for taken in self.obeyed
                  if self.mode is not DeviceMode.OPEN or self._is_read(taken)]
         obeyed = tuple(taken.use for taken in shown)
@@ -302,18 +307,21 @@ class DeviceMachine:
         return request.number > use.number
 
     def _is_read(self, taken: Taken) -> bool:
-        """Did an exchange with a reading begin after the use was taken?"""
+        """Returns whether an exchange with a reading began after the use was taken."""
         return self.read > taken.begun
 
     def _goes_on(self, settled: Optional[bool]) -> bool:
-        """Does a reading continue the ones before it?"""
+        """Returns whether a reading continues the ones before it."""
         return self.alike > 0 and settled == self.settled
 
     def _is_steady(self) -> bool:
         return self.settled is not None and self.alike >= STEADY
 
     def _with(self, now: float, **changes: Any) -> DeviceMachine:
-        """The device after a change. In a new stage its time begins, and it must be read anew."""
+        """Returns the device after a change.
+
+        In a new stage its time begins, and it must be read anew.
+        """
         after = replace(self, **changes)
         if after.stage is not self.stage:
             after = replace(after, moving_from=now, alike=0, stage_from=self.begun)
@@ -321,7 +329,7 @@ class DeviceMachine:
 
 
 def _kept(obeyed: Tuple[Taken, ...]) -> Tuple[Taken, ...]:
-    """All requests that hold the device, and the last ones that do not."""
+    """Returns all requests that hold the device, and the last ones that do not."""
     ended = [taken for taken in obeyed if not taken.use.holds]
     forgotten = ended[:-KEPT]
     return tuple(taken for taken in obeyed if taken not in forgotten)

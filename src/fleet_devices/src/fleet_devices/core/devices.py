@@ -73,7 +73,7 @@ class Devices:
     # --- events -----------------------------------------------------------------------------------
 
     def receive(self, request: DeviceRequest, now: float, stamp: float) -> str:
-        """A request has come. Returns why it is not taken, as a clause; empty: it is.
+        """Takes a request. Returns why it is not taken, as a clause; empty: it is.
 
         It is stored before anything is done because of it.
         """
@@ -102,16 +102,17 @@ class Devices:
         return exchanges
 
     def ended(self, name: str, reading: Optional[Reading], problem: str, now: float) -> None:
-        """An exchange has ended; without a reading because of `problem`."""
+        """Notes that an exchange has ended; without a reading because of `problem`."""
         self._change(name, self._devices[name].end(reading, problem, now))
 
     def tick(self, now: float) -> None:
-        """Time has passed."""
+        """Notes that time has passed."""
         for name, device in list(self._devices.items()):
             self._change(name, device.tick(now))
 
     def reports(self, now: float) -> List[DeviceReport]:
-        """The reports that are due: of devices that show something else, and of others in turn.
+        """Returns the reports that are due: of devices that show something else, and of others in
+        turn.
 
         `since` and `read_at` are of the clock of `now`; the times of `obeyed` are stamps.
         """

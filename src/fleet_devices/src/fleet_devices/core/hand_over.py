@@ -88,7 +88,7 @@ class Signals(NamedTuple):
 
     @property
     def are_off(self) -> bool:
-        """May a step begin?"""
+        """Whether a step may begin."""
         return not (self.start or self.done or self.failed)
 
 
@@ -147,7 +147,9 @@ class HandOverMachine:
 
     @classmethod
     def start(cls, limits: DeviceLimits, memory: HandOverMemory, now: float) -> HandOverMachine:
-        """The device after a start with what was stored. `memory` must be stored with `lives` + 1.
+        """Returns the device after a start with what was stored.
+
+        `memory` must be stored with `lives` + 1.
         """
         lives = memory.lives + 1
         actor = ActorState(memory.run, memory.last, memory.steps, lives * _REPORTS)
@@ -161,13 +163,16 @@ class HandOverMachine:
 
     @property
     def is_urgent(self) -> bool:
-        """Does the device answer, and has no exchange begun in this phase?"""
+        """Whether the device answers, and no exchange has begun in this phase."""
         return not self.problem and self.phase in RUNNING and self.begun == self.phase_from
 
     # --- events -----------------------------------------------------------------------------------
 
     def obey(self, command: StepCommand, now: float) -> HandOverMachine:
-        """A command has come. Nothing may be done, and nothing shown, before `memory` is stored."""
+        """Returns the device after a command.
+
+        Nothing may be done, and nothing shown, before `memory` is stored.
+        """
         actor, reaction = self.actor.obey(command)
         after = replace(self, actor=actor)
         if reaction is Reaction.BREAK_OFF and command.key == self.key:
@@ -183,7 +188,8 @@ class HandOverMachine:
         return replace(after, key=command.key)._enter(HandOverPhase.READYING, now)
 
     def begin(self, now: float) -> Tuple[HandOverMachine, Optional[StartSignal]]:
-        """An exchange begins; none may be awaited. Also returns what it writes; None: nothing.
+        """Returns the device at the beginning of an exchange; none may be awaited. Also returns
+        what it writes; None: nothing.
 
         A changed `memory` must be stored before the exchange is carried out.
         """
@@ -199,7 +205,8 @@ class HandOverMachine:
         return replace(after, begun=after.begun + 1, begun_at=now, is_awaited=True), write
 
     def end(self, signals: Optional[Signals], problem: str, now: float) -> HandOverMachine:
-        """The exchange has ended. `signals`: None: it had no reading, because of `problem`.
+        """Returns the device after the end of the exchange. `signals`: None: it had no reading,
+        because of `problem`.
 
         An exchange without a reading may have had an effect.
         """
@@ -214,7 +221,7 @@ class HandOverMachine:
                        problem='')._judge(now).tick(now)
 
     def tick(self, now: float) -> HandOverMachine:
-        """Time has passed."""
+        """Returns the device after some time."""
         if self.phase not in RUNNING:
             return self
         read_at = self.since if self.read_at is None else max(self.read_at, self.since)
@@ -261,7 +268,9 @@ class HandOverMachine:
         return self._ended(Word.UNKNOWN, StepCode.OTHER, text, HandOverPhase.LEFT, now)
 
     def _give_up(self, code: StepCode, text: str, now: float) -> HandOverMachine:
-        """A step that was never started has failed; of any other one it is not known how it ended.
+        """Returns the device that gives its step up: a step that was never started has failed.
+
+        Of any other one it is not known how it ended.
         """
         word = Word.FAILED if self.phase is HandOverPhase.READYING else Word.UNKNOWN
         return self._ended(word, code, text, HandOverPhase.LEFT, now)
@@ -272,18 +281,21 @@ class HandOverMachine:
         return replace(self, actor=actor, key=0)._enter(phase, now)
 
     def _enter(self, phase: HandOverPhase, now: float) -> HandOverMachine:
-        """The device in a new phase, in which it must be read anew."""
+        """Returns the device in a new phase, in which it must be read anew."""
         return replace(self, phase=phase, since=now, alike=0, phase_from=self.begun)
 
     def _is_steady(self) -> bool:
         return self.alike >= STEADY
 
     def _was_started(self) -> bool:
-        """Does the device show that it was started with the key of this step?"""
+        """Returns whether the device shows that it was started with the key of this step."""
         return self.signals is not None and self.signals.start and self.signals.key == self.key
 
     def _must_be_off(self) -> bool:
-        """Must the start output be switched off? That of a step which may run is left."""
+        """Returns whether the start output must be switched off.
+
+        That of a step which may run is left.
+        """
         if self.phase not in (HandOverPhase.IDLE, HandOverPhase.READYING, HandOverPhase.BREAKING):
             return False
         if self.phase is HandOverPhase.READYING and (self.signals is None or self._was_started()):

@@ -60,7 +60,7 @@ class HandOvers:
     # --- events -----------------------------------------------------------------------------------
 
     def receive(self, name: str, command: StepCommand, now: float) -> None:
-        """A command has come. If it cannot be stored, it is not taken: it comes again."""
+        """Takes a command. If it cannot be stored, it is not taken: it comes again."""
         if self._is_begun:
             self._change(name, self._devices[name].obey(command, now))
 
@@ -80,18 +80,20 @@ class HandOvers:
         return exchanges
 
     def ended(self, name: str, signals: Optional[Signals], problem: str, now: float) -> None:
-        """An exchange has ended; without a reading because of `problem`."""
+        """Notes that an exchange has ended; without a reading because of `problem`."""
         device = self._devices[name]
         if not self._change(name, device.end(signals, problem, now)):
             self._devices[name] = replace(device, is_awaited=False)  # it is read again
 
     def tick(self, now: float) -> None:
-        """Time has passed."""
+        """Notes that time has passed."""
         for name, device in list(self._devices.items()):
             self._change(name, device.tick(now))
 
     def reports(self, now: float) -> List[Tuple[str, StepReport]]:
-        """The reports that are due: of devices whose steps have changed, and of others in turn."""
+        """Returns the reports that are due: of devices whose steps have changed,
+        and of others in turn.
+        """
         due = []
         for name, device in self._devices.items() if self._is_begun else ():
             told = self._told.get(name)

@@ -110,11 +110,11 @@ class ModbusUnit:
         self._call('write_registers', address, values)
 
     def coil(self, address: int) -> bool:
-        """Is a coil on?"""
+        """Returns whether a coil is on."""
         return self._bit('read_coils', address)
 
     def input(self, address: int) -> bool:
-        """Is a discrete input on?"""
+        """Returns whether a discrete input is on."""
         return self._bit('read_discrete_inputs', address)
 
     def registers(self, address: int, count: int) -> List[int]:

@@ -52,7 +52,7 @@ class SimulatedDevice:
 
     @property
     def is_passable(self) -> bool:
-        """Is it open in truth?"""
+        """Whether it is open in truth."""
         self._move()
         return self._width >= 1.0
 

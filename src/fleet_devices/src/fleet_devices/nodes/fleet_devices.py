@@ -152,7 +152,9 @@ def machines_of(settings: Settings) -> HandOvers:
 
 
 def message_of(report: DeviceReport, behind: float) -> DeviceState:
-    """A report whose times are of a clock that is `behind` s behind that of ROS, as a message."""
+    """Returns a report whose times are of a clock that is `behind` s behind that of ROS,
+    as a message.
+    """
     read_at = None if report.read_at is None else report.read_at + behind
     return fill_device_report(
         DeviceState(), report.at(report.since + behind, read_at), DeviceUse,

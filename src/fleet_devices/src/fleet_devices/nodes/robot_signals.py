@@ -54,7 +54,7 @@ class RobotSignals:
 
 
 def is_on(lines: Any, name: str, output: bool) -> bool:
-    """Whether the robot's answer says that its output, or input, is on. Raises Silent.
+    """Returns whether the robot's answer says that its output, or input, is on. Raises Silent.
 
     A third state, `broken`, is neither.
     """

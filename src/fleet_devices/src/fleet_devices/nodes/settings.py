@@ -127,7 +127,10 @@ def scripted_faults(entries: List[Any], devices: Mapping[str, Device],
 
 
 def _fault_of(device: str, word: Any, own: Sequence[FaultKind]) -> FaultKind:
-    """The kind of fault that a word names, if the device can have it. Raises ConfigurationError."""
+    """Returns the kind of fault that a word names, if the device can have it.
+
+    Raises ConfigurationError.
+    """
     kinds = {kind.value: kind for kind in FaultKind}
     if word not in kinds:
         raise ConfigurationError(f'~simulated_faults has the fault {word!r}; there are: '

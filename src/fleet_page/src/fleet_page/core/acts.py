@@ -107,7 +107,7 @@ def _ids(value: Any, most: int) -> Tuple[int, ...]:
 
 
 def _destinations(value: Any) -> Tuple[Destination, ...]:
-    """Ids of vertices, and names of stations and groups."""
+    """Returns the ids of vertices, and names of stations and groups."""
     if not isinstance(value, list) or not 0 < len(value) <= MOST_DESTINATIONS:
         raise WrongAct(f'must be a list of 1 to {MOST_DESTINATIONS} ids or names')
     return tuple(_text(one) if isinstance(one, str) else _ids([one], 1)[0] for one in value)
@@ -156,7 +156,7 @@ def _answer(value: Any) -> str:
 
 
 def _step(value: Any) -> int:
-    """The key of a step, as text: the numbers of a browser have 53 bits."""
+    """Returns the key of a step, as text: the numbers of a browser have 53 bits."""
     if not isinstance(value, str) or not re.fullmatch('[0-9]{1,20}', value) or (
             int(value) > _UINT64):
         raise WrongAct('must be the key of a step, as text')
@@ -215,7 +215,7 @@ RULES: Dict[ActKind, Rule] = {
 
 
 def act_of(request: Any) -> Act:
-    """The act that a request describes; raises WrongAct."""
+    """Returns the act that a request describes; raises WrongAct."""
     if not isinstance(request, dict):
         raise WrongAct('The request must be a JSON object.')
     try:

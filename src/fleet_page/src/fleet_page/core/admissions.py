@@ -36,7 +36,7 @@ class Admissions:
         return len(self._addresses)
 
     def of_address(self, address: str) -> int:
-        """The number of connections of an address that count."""
+        """Returns the number of connections of an address that count."""
         return len(self._of.get(address, ()))
 
     def must_bring_request(self, address: str, now: float) -> bool:
@@ -69,7 +69,7 @@ class Admissions:
         self._resized(address, len(connections) - 1, len(connections))
 
     def leave(self, key: Hashable) -> None:
-        """No longer counts a connection."""
+        """Stops counting a connection."""
         address = self._addresses.pop(key, None)
         if address is None:
             return
@@ -91,7 +91,9 @@ class Admissions:
 
 @lru_cache(maxsize=4096)
 def place_of(address: str) -> str:
-    """The address under which connections are counted: of IPv6 the network of one subscriber."""
+    """Returns the address under which connections are counted:
+    of IPv6 the network of one subscriber.
+    """
     try:
         found = ipaddress.ip_address(address.partition('%')[0])
     except ValueError:

@@ -65,12 +65,12 @@ class ShownRobot:
 
     @property
     def is_working(self) -> bool:
-        """Does it carry out a step at a stop?"""
+        """Whether it carries out a step at a stop."""
         return self.state == 'BUSY' and self.wait == WaitCode.STEP.name
 
     @property
     def is_waiting(self) -> bool:
-        """Does it have a mission, and wait for something?"""
+        """Whether it has a mission, and waits for something."""
         return self.mission is not None and not self.is_working and (
             self.wait != WaitCode.NOTHING.name)
 
@@ -134,7 +134,7 @@ ALARMS = (*ALARMING, _SILENT, NEVER_HEARD, NOT_OPEN)
 
 
 def alarm_of(robot: ShownRobot) -> str:
-    """Why a robot needs a person, as one of ALARMS; empty: it does not."""
+    """Returns why a robot needs a person, as one of ALARMS; empty: it does not."""
     if robot.state == 'UNKNOWN':
         return NEVER_HEARD
     is_missed = robot.outage == _SILENT and robot.mission is not None
@@ -147,7 +147,7 @@ FAULTS = (*ALARMS, *(outage.name for outage in Outage if outage.name not in ALAR
 
 
 def fault_of(robot: ShownRobot) -> str:
-    """What keeps a robot from working, as one of FAULTS; empty: nothing does."""
+    """Returns what keeps a robot from working, as one of FAULTS; empty: nothing does."""
     return alarm_of(robot) or ('' if robot.outage == 'NONE' else robot.outage)
 
 
@@ -171,7 +171,7 @@ _WITH_WORK = {'IDLE': RobotGroup.IDLE, 'BUSY': RobotGroup.DRIVING, 'CHARGING': R
 
 
 def group_of(robot: ShownRobot) -> RobotGroup:
-    """The group of a robot."""
+    """Returns the group of a robot."""
     if alarm_of(robot):
         return RobotGroup.TROUBLE
     if robot.is_working:

@@ -272,7 +272,7 @@ class FleetModel:
                 if robot.battery is not None}
 
     def moment(self) -> Dict[str, List[Any]]:
-        """All robots in the form of the replay."""
+        """Returns all robots in the form of the replay."""
         values: Dict[str, List[Any]] = {}
         for name, robot in self.robots.items():
             pose = self.live.get(f'pose:{name}')
@@ -406,7 +406,10 @@ def _name_of(key: Key) -> str:
 
 
 def _robot_values(robot: ShownRobot) -> Dict[str, Any]:
-    """A robot as browsers get it. Values that change with each report are omitted or rounded."""
+    """Returns a robot as browsers get it.
+
+    Values that change with each report are omitted or rounded.
+    """
     values = asdict(robot)
     for name in ('name', 'edge', 'fraction', 'seen', 'to_end', 'wait'):
         del values[name]

@@ -14,7 +14,9 @@ HOTTEST = 200  # most edges in the heat map
 
 def history_values(lines: Iterable[HistoryLine], sums: HistorySums, since: float,
                    now: float) -> Dict[str, Any]:
-    """Missions per hour, sums per robot and waiting per edge since a time (s since 1970)."""
+    """Returns the missions per hour, sums per robot
+    and waiting per edge since a time (s since 1970).
+    """
     hours = {hour: {'SUCCEEDED': 0, 'FAILED': 0, 'CANCELLED': 0, 'EXPIRED': 0}
              for hour in range(int(since // HOUR), int(now // HOUR) + 1)}
     waited: List[float] = []
@@ -40,8 +42,9 @@ def history_values(lines: Iterable[HistoryLine], sums: HistorySums, since: float
 
 
 def history_csv(lines: Iterable[HistoryLine], since: float) -> str:
-    """The missions accepted since a time (s since 1970), as CSV with the columns of
-    `mission history --csv`."""
+    """Returns the missions accepted since a time (s since 1970), as CSV with the columns of
+    `mission history --csv`.
+    """
     text = io.StringIO()
     writer = csv.writer(text, lineterminator='\n')
     writer.writerow(HISTORY_COLUMNS)

@@ -25,7 +25,7 @@ class Histogram:
         self.count += 1
 
     def lines(self, name: str) -> List[str]:
-        """The histogram in the text format of Prometheus."""
+        """Returns the histogram in the text format of Prometheus."""
         return [*(f'{name}_bucket{{le="{bound:g}"}} {count}'
                   for bound, count in zip(BOUNDS, self.counts)),
                 f'{name}_bucket{{le="+Inf"}} {self.count}',

@@ -21,7 +21,7 @@ class ShownLayers:
     laser: str = ''
 
     def shows(self, key: str) -> bool:
-        """Is the entry with this key sent to the client?"""
+        """Returns whether the entry with this key is sent to the client."""
         layer, colon, name = key.partition(':')
         if not colon or layer not in LAYERS:
             return True

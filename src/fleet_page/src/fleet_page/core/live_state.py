@@ -38,7 +38,7 @@ class LiveState:
         self._entries[key] = (self.revision, value)
 
     def get(self, key: str) -> Optional[Any]:
-        """The value of an entry; None: there is none."""
+        """Returns the value of an entry; None: there is none."""
         known = self._entries.get(key)
         return None if known is None else known[1]
 
@@ -60,12 +60,12 @@ class LiveState:
             self.put(prefix + name, value)
 
     def entries(self, prefix: str) -> Dict[str, Any]:
-        """All entries whose keys begin with a prefix, by the rest of their keys."""
+        """Returns all entries whose keys begin with a prefix, by the rest of their keys."""
         return {key[len(prefix):]: value for key, (_, value) in self._entries.items()
                 if key.startswith(prefix)}
 
     def update(self, seen: int, layers: ShownLayers = ALL) -> str:
-        """The update for a client that has a revision and shows these layers, as JSON.
+        """Returns the update for a client that has a revision and shows these layers, as JSON.
 
         Its fields are `revision`, `full` (true: the client must drop all other entries), `set`
         (values by key) and `gone` (removed keys). Empty: nothing that it shows has changed.
@@ -80,7 +80,7 @@ class LiveState:
         return text
 
     def nothing_new(self) -> str:
-        """An update without changes, which tells a client that the server is there."""
+        """Returns an update without changes, which tells a client that the server is there."""
         return _update_text(self.revision, False, {}, [])
 
     def _update(self, seen: int, revision: int, layers: ShownLayers) -> str:

@@ -13,7 +13,7 @@ CONTENT_TYPE = 'text/plain; version=0.0.4'
 
 def metrics_text(model: FleetModel, planner: Histogram, release: Histogram,
                  clients: int) -> str:
-    """All metrics at present."""
+    """Returns all metrics at present."""
     fleet = model.live.get('fleet') or {}
     lines = (
         *_family('fleet_manager_up', 'gauge', '1 while the fleet manager publishes its state.',
@@ -63,7 +63,7 @@ def _of_robots(model: FleetModel) -> Iterable[str]:
 
 def _by(label: str, name: str, kind: str, words: str,
         values: Iterable[Tuple[str, object]]) -> Iterable[str]:
-    """A family of metrics with one sample for each value of a label."""
+    """Returns a family of metrics with one sample for each value of a label."""
     return _family(name, kind, words, (
         f'{name}{{{label}="{escaped(own)}"}} {value}' for own, value in values))
 
@@ -73,5 +73,5 @@ def _family(name: str, kind: str, words: str, samples: Iterable[str]) -> Iterabl
 
 
 def escaped(text: str) -> str:
-    """The text, escaped as the value of a label."""
+    """Returns the text, escaped as the value of a label."""
     return text.replace('\\', '\\\\').replace('"', '\\"').replace('\n', '\\n')

@@ -190,16 +190,19 @@ class Page:
                        dict(site.radii))
 
     def robot_values(self, name: str) -> Optional[Dict[str, Any]]:
-        """The battery and the events of a robot as JSON values; None: there is no such robot."""
+        """Returns the battery and the events of a robot as JSON values.
+
+        None: there is no such robot.
+        """
         if name not in self.model.robots:
             return None
         return {'charges': self.records.charges(name),
                 'events': [asdict(event) for event in self.records.events(name, MOST_EVENTS)]}
 
     def history_sums(self, since: float) -> HistorySums:
-        """The sums of the history since a time (s since 1970)."""
+        """Returns the sums of the history since a time (s since 1970)."""
         return self.records.sums(since)
 
     def metrics(self, clients: int) -> str:
-        """The metrics in the text format of Prometheus."""
+        """Returns the metrics in the text format of Prometheus."""
         return metrics_text(self.model, self.planner, self.release.seconds, clients)

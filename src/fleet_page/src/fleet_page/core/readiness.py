@@ -20,7 +20,8 @@ class Readiness:
 
     def words(self, robots: Iterable[ShownRobot], is_surveyed: bool, is_stopped: bool,
               now: float) -> str:
-        """The sentences that tell it; empty: it is told already, or robots are still awaited.
+        """Returns the sentences that tell it; empty: it is told already, or robots are still
+        awaited.
 
         is_surveyed -- whether the graph is surveyed, which logs several lines
         now         -- time of these news, in s

@@ -115,7 +115,7 @@ class Records:
             "act = ? AND json_extract(details, '$.mission') = ?)", (words, act, mission))
 
     def audit(self, most: int) -> List[Dict[str, Any]]:
-        """At most this number of rows of the audit list, the newest first."""
+        """Returns at most this number of rows of the audit list, the newest first."""
         rows = self._db.execute('SELECT time, person, act, details, ok, outcome FROM audit '
                                 'ORDER BY id DESC LIMIT ?', (most,))
         return [{'time': time, 'person': person, 'act': act, 'details': json.loads(details),
@@ -137,7 +137,7 @@ class Records:
         return self._db.execute(f'DELETE FROM {kind.value} WHERE name = ?', (name,)).rowcount > 0
 
     def named(self, kind: NamedKind) -> Dict[str, Any]:
-        """All favourites or areas, by name."""
+        """Returns all favourites or areas, by name."""
         return {name: json.loads(content) for name, content in
                 self._db.execute(f'SELECT name, content FROM {kind.value} ORDER BY name')}
 
@@ -163,18 +163,20 @@ class Records:
         self._db.execute('COMMIT')
 
     def sums(self, since: float) -> HistorySums:
-        """The sums from the hour of the time `since` (s since 1970) on."""
+        """Returns the sums from the hour of the time `since` (s since 1970) on."""
         return HistorySums(self.robot_sums(since), self.edge_waiting(since))
 
     def robot_sums(self, since: float) -> Dict[str, Sums]:
-        """The sums of each robot, from the hour of the time `since` (s since 1970) on."""
+        """Returns the sums of each robot, from the hour of the time `since` (s since 1970) on."""
         rows = self._db.execute(
             'SELECT robot, SUM(distance), SUM(busy), SUM(waiting), SUM(watched) FROM robot_hour '
             'WHERE hour >= ? GROUP BY robot ORDER BY robot', (int(since // HOUR),))
         return {name: Sums(*numbers) for name, *numbers in rows}
 
     def edge_waiting(self, since: float) -> List[Tuple[int, float]]:
-        """The seconds that robots waited on each edge, from that hour on, the most first."""
+        """Returns the seconds that robots waited on each edge, from that hour on,
+        the most first.
+        """
         return list(self._db.execute(
             'SELECT edge, SUM(waiting) FROM edge_hour WHERE hour >= ? GROUP BY edge '
             'ORDER BY 2 DESC', (int(since // HOUR),)))
@@ -193,7 +195,9 @@ class Records:
         self._db.execute('COMMIT')
 
     def charges(self, robot: str) -> List[Tuple[int, float]]:
-        """The charge of a robot's battery with its time (s since 1970), the oldest first."""
+        """Returns the charge of a robot's battery with its time (s since 1970),
+        the oldest first.
+        """
         rows = self._db.execute('SELECT period, charge FROM robot_charge WHERE robot = ? '
                                 'ORDER BY period', (robot,))
         return [(period * CHARGE_PERIOD, charge) for period, charge in rows]
@@ -209,7 +213,7 @@ class Records:
         self._db.execute('COMMIT')
 
     def events(self, robot: str, most: int) -> List[RobotEvent]:
-        """At most this number of events of a robot, the newest first."""
+        """Returns at most this number of events of a robot, the newest first."""
         rows = self._db.execute('SELECT time, robot, state, outage, works, alarm, waits_for, '
                                 'mission FROM robot_event WHERE robot = ? ORDER BY id DESC LIMIT ?',
                                 (robot, most))

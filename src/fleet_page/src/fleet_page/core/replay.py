@@ -68,7 +68,7 @@ class ReplayRing:
         self._last, self._end, self._size = dict(robots), time, offset + len(line)
 
     def at(self, time: float) -> Optional[Dict[str, Any]]:
-        """All robots at a time: `{"t": moment, "r": ...}`; None before the first moment."""
+        """Returns all robots at a time: `{"t": moment, "r": ...}`; None before the first moment."""
         place = bisect_right([entry[0] for entry in self._index], time + 0.005)
         if not place:
             return None
@@ -103,7 +103,7 @@ class ReplayRing:
                 offset += len(line)
 
     def _lines(self, number: int, offset: int) -> List[Dict[str, Any]]:
-        """The moments from a key moment up to the next one."""
+        """Returns the moments from a key moment up to the next one."""
         found: List[Dict[str, Any]] = []
         with open(self._path(number), 'rb') as stream:
             stream.seek(offset)
@@ -116,7 +116,7 @@ class ReplayRing:
 
 
 def _moment(line: bytes) -> Optional[Dict[str, Any]]:
-    """The values of a line; None if the line is incomplete."""
+    """Returns the values of a line; None if the line is incomplete."""
     try:
         values = json.loads(line)
         return values if isinstance(values['t'], float) and isinstance(values['r'], dict) else None

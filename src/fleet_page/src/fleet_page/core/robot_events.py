@@ -28,7 +28,7 @@ class RobotEvent:
 
 
 def event_between(before: ShownRobot, after: ShownRobot, now: float) -> Optional[RobotEvent]:
-    """What happened between two reports of a robot; None: nothing that is worth a line."""
+    """Returns what happened between two reports of a robot; None: nothing that is worth a line."""
     if _what(before) == _what(after):
         return None
     return RobotEvent(now, after.name, after.state, after.outage, after.is_working,

@@ -49,11 +49,14 @@ class Tokens:
         self._persons = persons
 
     def person(self, token: str) -> Optional[Person]:
-        """The owner of a token, or None. It is compared with all tokens in constant time."""
+        """Returns the owner of a token, or None.
+
+        It is compared with all tokens in constant time.
+        """
         return self.owner(digest_of(token))
 
     def owner(self, digest: bytes) -> Optional[Person]:
-        """The owner of the token with this digest, or None."""
+        """Returns the owner of the token with this digest, or None."""
         found = None
         for known, person in self._persons.items():
             if hmac.compare_digest(known, digest):
@@ -62,7 +65,7 @@ class Tokens:
 
 
 def load_tokens(path: str) -> Tokens:
-    """The tokens in a file of lines `ROLE NAME TOKEN`; raises TokenFileError."""
+    """Returns the tokens in a file of lines `ROLE NAME TOKEN`; raises TokenFileError."""
     try:
         with open(path, encoding='utf-8') as stream:
             status = os.fstat(stream.fileno())
@@ -143,7 +146,7 @@ class Sessions:
         return session
 
     def person(self, session: str, tokens: Tokens, now: float) -> Optional[Person]:
-        """The owner of the session, by the tokens as they are now.
+        """Returns the owner of the session, by the tokens as they are now.
 
         None: there is no such session, it is over, or its token is no longer valid.
         """
@@ -165,5 +168,5 @@ class Sessions:
 
 
 def digest_of(text: str) -> bytes:
-    """The digest of a secret. Secrets themselves are not kept."""
+    """Returns the digest of a secret. Secrets themselves are not kept."""
     return hashlib.sha256(text.encode('utf-8', 'surrogatepass')).digest()

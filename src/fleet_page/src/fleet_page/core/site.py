@@ -33,7 +33,7 @@ class WallMap:
 
 def wall_map(cells: np.ndarray, columns: int, rows: int, resolution: float, x: float,
              y: float) -> WallMap:
-    """The walls of an occupancy grid; all other cells are transparent. Raises WrongMap.
+    """Returns the walls of an occupancy grid; all other cells are transparent. Raises WrongMap.
 
     The size is checked before any cell is read.
     """
@@ -46,7 +46,9 @@ def wall_map(cells: np.ndarray, columns: int, rows: int, resolution: float, x: f
 
 
 def _png(walls: np.ndarray) -> bytes:
-    """A PNG with one bit per pixel: 0 transparent, 1 a grey that is visible on light and dark."""
+    """Returns a PNG with one bit per pixel: 0 transparent, 1 a grey that is visible on light
+    and dark.
+    """
     packed = np.packbits(walls, axis=1)
     rows = np.hstack([np.zeros((packed.shape[0], 1), np.uint8), packed])
 
@@ -61,7 +63,7 @@ def _png(walls: np.ndarray) -> bytes:
 
 def site_values(graph: Optional[Graph], parking: Collection[int], docks: Collection[int],
                 walls: Optional[WallMap], radii: Dict[str, float]) -> Dict[str, Any]:
-    """The data that seldom change, as JSON values; positions in m, rounded to 1 cm."""
+    """Returns the data that seldom change, as JSON values; positions in m, rounded to 1 cm."""
     vertices, edges = [], []
     if graph is not None:
         for vertex in graph.vertices.values():

@@ -58,7 +58,7 @@ class Connection(asyncio.Protocol):
         self._on_bytes(0)
 
     def _on_bytes(self, seen: int) -> None:
-        """Bytes have come; `seen`: their number at the call before."""
+        """Notes that bytes have come; `seen`: their number at the call before."""
         data = _peek(self._sock)
         if data is None:
             asyncio.get_event_loop().add_reader(self._sock, self._on_bytes, 0)
@@ -112,11 +112,11 @@ class Connection(asyncio.Protocol):
         self.inner.data_received(data)
 
     def eof_received(self) -> None:
-        """The other side sends no more: the connection ends."""
+        """Notes that the other side sends no more: the connection ends."""
         self.inner.eof_received()
 
     def connection_lost(self, error: Optional[Exception]) -> None:
-        """The connection has ended."""
+        """Notes that the connection has ended."""
         self._stop_timer()
         self._listener.by_protocol.pop(self.inner, None)
         self._listener.left(self)
@@ -125,11 +125,11 @@ class Connection(asyncio.Protocol):
             self._work.cancel()
 
     def pause_writing(self) -> None:
-        """The other side reads slowly."""
+        """Notes that the other side reads slowly."""
         self.inner.pause_writing()
 
     def resume_writing(self) -> None:
-        """The other side has read."""
+        """Notes that the other side has read."""
         self.inner.resume_writing()
 
     # -- what the door says about it ---------------------------------------------------------------
@@ -221,7 +221,7 @@ class DoorListener:
             connection.end()
 
     def left(self, connection: Connection) -> None:
-        """A connection has ended."""
+        """Notes that a connection has ended."""
         self.admissions.leave(connection)
         self._open.discard(connection)
 
@@ -268,7 +268,7 @@ class DoorListener:
 
 
 def _peek(sock: socket.socket) -> Optional[bytes]:
-    """The bytes that have come, which stay there; None: no byte yet; empty: the end."""
+    """Returns the bytes that have come, which stay there; None: no byte yet; empty: the end."""
     try:
         return sock.recv(LONGEST_HEAD, socket.MSG_PEEK)
     except (BlockingIOError, InterruptedError):
@@ -278,7 +278,7 @@ def _peek(sock: socket.socket) -> Optional[bytes]:
 
 
 def _is_head(data: bytes) -> bool:
-    """Whether the head of a request is complete."""
+    """Returns whether the head of a request is complete."""
     return b'\r\n\r\n' in data or b'\n\n' in data
 
 
@@ -287,7 +287,7 @@ def _is_never(_: bytes) -> bool:
 
 
 def _is_record(data: bytes) -> bool:
-    """Whether the first record of TLS is complete."""
+    """Returns whether the first record of TLS is complete."""
     return len(data) >= 5 and len(data) >= 5 + int.from_bytes(data[3:5], 'big')
 
 

@@ -155,7 +155,7 @@ class Door:
             return refused(error.status, error.reason or '')
 
     def _person(self, request: web.Request) -> Optional[Person]:
-        """The person of a request, by its cookie, or for a monitor by its token."""
+        """Returns the person of a request, by its cookie, or for a monitor by its token."""
         if self._access.tokens is None:
             return LOCAL
         tokens = self._access.tokens.tokens
@@ -268,7 +268,7 @@ class Door:
 
 
 def refused(status: int, why: str) -> web.Response:
-    """The answer to a request that is not carried out."""
+    """Returns the answer to a request that is not carried out."""
     return web.json_response({'ok': False, 'text': why}, status=status)
 
 

@@ -101,7 +101,7 @@ class DoorProcess:
 
 def _be_the_door(channel: socket.socket, stop: Callable[[str], ActOutcome],
                  begin: Callable[[], None]) -> NoReturn:
-    """The whole life of the door's process."""
+    """Runs the door's process for its whole life."""
     for number in (signal.SIGINT, signal.SIGTERM):  # they end the page's process, and so the door
         signal.signal(number, signal.SIG_IGN)
     logging.basicConfig(level=logging.INFO, format=_FORMAT)

@@ -40,7 +40,7 @@ class Addresses:
 
     @classmethod
     def of(cls, listen: str, names: Iterable[str], secure: bool) -> Addresses:
-        """The addresses of a page that listens at `listen` and has these further names."""
+        """Returns the addresses of a page that listens at `listen` and has these further names."""
         own = set(LOOPBACK) | set(names) | {listen}
         if listen in ('0.0.0.0', '::') and not names:
             own = set()

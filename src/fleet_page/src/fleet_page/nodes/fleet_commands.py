@@ -97,5 +97,7 @@ class FleetCommands:
 
 
 def by_page(person: str) -> str:
-    """The requester of an act that a person does on the page, as the fleet manager records it."""
+    """Returns the requester of an act that a person does on the page,
+    as the fleet manager records it.
+    """
     return f'{person} (page)'

@@ -251,7 +251,7 @@ class FleetPageNode:
         self._page.model.site_changed()
 
     def _destination(self, word: str) -> Destination:
-        """What a name of a person names. Threads of the HTTP server call it."""
+        """Returns what a name of a person names. Threads of the HTTP server call it."""
         graph = self._page.model.graph
         if graph is None:
             raise UnknownPlace('there is no graph yet')
@@ -314,7 +314,7 @@ class FleetPageNode:
 
 
 def _door_settings(worker: str) -> DoorSettings:
-    """The settings of the door; raises ConfigurationError."""
+    """Returns the settings of the door; raises ConfigurationError."""
     settings = DoorSettings(
         parameter('~listen', '127.0.0.1'), parameter('~port', 8080, int), worker,
         os.path.join(rospkg.RosPack().get_path('fleet_page'), 'page'),

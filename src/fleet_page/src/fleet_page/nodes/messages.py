@@ -50,7 +50,9 @@ _EDGES: Dict[int, ActKind] = {number: kind for kind, number in EDGES.items()}
 
 
 def robots_of(message: msg.FleetState) -> List[ShownRobot]:
-    """The robots in /fleet_state, each with the device in which it is and that is not open."""
+    """Returns the robots in /fleet_state, each with the device in which it is and
+    that is not open.
+    """
     not_open = {claim.robot: one.name for one in message.resources for claim in one.claims
                 if one.has_device and claim.state == msg.ResourceClaim.LOST}
     return [_robot_of(robot, not_open.get(robot.name, '')) for robot in message.robots]
@@ -69,7 +71,7 @@ def _robot_of(message: msg.FleetRobot, not_open: str) -> ShownRobot:
 
 
 def resources_of(message: msg.FleetState) -> List[ShownResource]:
-    """The stations, doors and the like in /fleet_state."""
+    """Returns the stations, doors and the like in /fleet_state."""
     return [ShownResource(
         one.name, KIND_OF_CODE[one.kind].name, tuple(one.edges), tuple(one.vertices),
         '' if device is None else device.mode.name, tuple(claim.robot for claim in one.claims),
@@ -79,27 +81,27 @@ def resources_of(message: msg.FleetState) -> List[ShownResource]:
 
 
 def machines_of(message: msg.FleetState) -> List[ShownMachine]:
-    """The machines in /fleet_state."""
+    """Returns the machines in /fleet_state."""
     return [ShownMachine(one.name, one.state.name, LOOK_OF_MACHINE[one.state].name, one.places,
                          one.robot) for one in map(machine_of, message.machines)]
 
 
 def places_of(message: msg.FleetPoses) -> Dict[str, ShownPose]:
-    """The poses of all robots whose position is known, by name."""
+    """Returns the poses of all robots whose position is known, by name."""
     return {pose.robot: ShownPose(pose.x, pose.y,
                                   pose.theta if math.isfinite(pose.theta) else None)
             for pose in message.poses if math.isfinite(pose.x) and math.isfinite(pose.y)}
 
 
 def plans_of(message: msg.FleetPlan) -> Dict[str, ShownPlan]:
-    """The plan of each robot, by name. Released edges come first."""
+    """Returns the plan of each robot, by name. Released edges come first."""
     return {plan.robot: ShownPlan(tuple(drive.edge_id for drive in plan.drives),
                                   sum(drive.released for drive in plan.drives))
             for plan in message.plans}
 
 
 def allocations_of(message: msg.FleetAllocations) -> Dict[str, ShownAllocation]:
-    """What each robot may occupy, by name."""
+    """Returns what each robot may occupy, by name."""
     return {one.robot: ShownAllocation(
         tuple(zip(one.edges, (_finite(part, 0.0) for part in one.cleared))), one.vertex,
         tuple((round(_finite(line.radius, 0.0), 2), tuple(
@@ -109,7 +111,7 @@ def allocations_of(message: msg.FleetAllocations) -> Dict[str, ShownAllocation]:
 
 
 def laser_of(cloud: PointCloud2) -> List[int]:
-    """At most MOST_POINTS points of a cloud: x and y in cm, one after the other.
+    """Returns at most MOST_POINTS points of a cloud: x and y in cm, one after the other.
 
     Raises ValueError for a cloud that cannot be read.
     """
@@ -121,7 +123,7 @@ def laser_of(cloud: PointCloud2) -> List[int]:
 
 
 def fences_of(message: MarkerArray) -> Tuple[Tuple[float, ...], ...]:
-    """The fences that map_visualisation draws: corners of areas, and ends of lines, in m.
+    """Returns the fences that map_visualisation draws: corners of areas, and ends of lines, in m.
 
     At most MOST_FENCES are shown.
     """
@@ -149,7 +151,7 @@ def _corners(marker: Marker) -> Tuple[float, ...]:
 
 
 def status_of(message: msg.MissionStatus) -> MissionStatus:
-    """The status of a mission."""
+    """Returns the status of a mission."""
     return MissionStatus(message.request_id, message.request_stamp.to_nsec(),
                          _word(MISSION_STATES, message.state), message.robot,
                          message.destinations_reached, message.reason,
@@ -167,12 +169,12 @@ def _not_done(message: msg.MissionStatus) -> str:
 
 
 def templates_of(message: msg.MissionTemplates) -> List[ShownTemplate]:
-    """The templates of missions."""
+    """Returns the templates of missions."""
     return [ShownTemplate(one.name, tuple(one.parameters)) for one in message.templates]
 
 
 def timetables_of(message: msg.Timetables) -> List[ShownTimetable]:
-    """The timetables."""
+    """Returns the timetables."""
     return [ShownTimetable(
         one.name, one.template, tuple((pair.name, pair.value) for pair in one.arguments),
         one.every, one.begin, one.end, tuple(one.days),
@@ -180,13 +182,13 @@ def timetables_of(message: msg.Timetables) -> List[ShownTimetable]:
 
 
 def areas_message(areas: Mapping[str, Any]) -> msg.EdgeAreas:
-    """The areas by name, as the page keeps them."""
+    """Returns the areas by name, as the page keeps them."""
     return msg.EdgeAreas(areas=[msg.EdgeArea(name, list(area['edges']))
                                 for name, area in areas.items()])
 
 
 def command_of(message: msg.MissionCommand) -> Optional[Act]:
-    """The act of a command for an open mission; None: there is no such command."""
+    """Returns the act of a command for an open mission; None: there is no such command."""
     kind = _COMMANDS.get(message.command)
     return None if kind is None else Act(
         kind, mission=message.request_id, priority=message.priority,
@@ -195,13 +197,13 @@ def command_of(message: msg.MissionCommand) -> Optional[Act]:
 
 
 def edges_of(message: msg.EdgeCommand) -> Optional[Act]:
-    """The act of a command for edges; None: there is no such command."""
+    """Returns the act of a command for edges; None: there is no such command."""
     kind = _EDGES.get(message.command)
     return None if kind is None else Act(kind, edges=tuple(message.edges))
 
 
 def sender_of(message: Any, own: str) -> str:
-    """The requester of a message; empty if this page sent it, or if the message names none.
+    """Returns the requester of a message; empty if this page sent it, or if the message names none.
 
     own -- node name of this page
     """
@@ -210,7 +212,7 @@ def sender_of(message: Any, own: str) -> str:
 
 
 def request_of(message: msg.MissionRequest) -> MissionRequest:
-    """The request of a mission."""
+    """Returns the request of a mission."""
     destinations = tuple(message.destination_vertices_id) or tuple(
         stop.vertex for stop in message.stops if not stop.group)
     return MissionRequest(message.request_id, message.header.stamp.to_nsec(), destinations,
@@ -220,7 +222,7 @@ def request_of(message: msg.MissionRequest) -> MissionRequest:
 
 
 def walls_of(message: Any) -> WallMap:
-    """The walls of a nav_msgs/OccupancyGrid, whose cells are an array; raises WrongMap."""
+    """Returns the walls of a nav_msgs/OccupancyGrid, whose cells are an array; raises WrongMap."""
     info = message.info
     return wall_map(message.data, info.width, info.height, info.resolution,
                     info.origin.position.x, info.origin.position.y)
@@ -235,5 +237,5 @@ def _finite(value: float, otherwise: float) -> float:
 
 
 def radii_of(fleet: Optional[Any]) -> Dict[str, float]:
-    """The radius of the robots of each type, in m."""
+    """Returns the radius of the robots of each type, in m."""
     return {} if fleet is None else {kind.name: kind.radius for kind in fleet.types}

@@ -27,7 +27,7 @@ class WebAnswer:
 
 
 def json_bytes(values: Any, status: int = 200) -> WebAnswer:
-    """JSON values as an answer."""
+    """Returns JSON values as an answer."""
     return WebAnswer(json.dumps(values).encode(), 'application/json', status)
 
 
@@ -44,7 +44,10 @@ class Finished:
 
     async def answer(self, request: web.Request, name: str, state: Any,
                      make: Callable[[], WebAnswer]) -> web.Response:
-        """The answer of this name and state; `make` is called in a thread if there is none."""
+        """Returns the answer of this name and state.
+
+        `make` is called in a thread if there is none.
+        """
         known = self._made.get(name)
         if known is None or known[0] != state:
             known = state, asyncio.ensure_future(asyncio.get_event_loop().run_in_executor(

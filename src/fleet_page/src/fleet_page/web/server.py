@@ -90,7 +90,10 @@ class WebServer:
         return guard
 
     def _may(self, request: web.Request, role: UserRole) -> Person:
-        """The person of the request. Raises an HTTP error for a person without that role."""
+        """Returns the person of the request.
+
+        Raises an HTTP error for a person without that role.
+        """
         person = _person(request)
         if person.role < role:
             raise web.HTTPForbidden(reason='Your role does not allow this.')
@@ -122,7 +125,7 @@ class WebServer:
         return answer
 
     def _layers(self, request: web.Request) -> ShownLayers:
-        """The layers of a request; without any, only the plan."""
+        """Returns the layers of a request; without any, only the plan."""
         if 'layers' not in request.query:
             return ShownLayers()
         names = frozenset(request.query['layers'].split(',')) & frozenset(LAYERS) - {LASER}
@@ -151,7 +154,7 @@ class WebServer:
             await asyncio.sleep(PERIOD)
 
     def _seen(self, event: str) -> int:
-        """The revision that a reconnecting client has; 0: it has none of this server."""
+        """Returns the revision that a reconnecting client has; 0: it has none of this server."""
         instance, _, number = event.partition('-')
         if instance != self._instance or not number.isdecimal() or len(number) > 15:
             return 0
@@ -284,7 +287,7 @@ async def serve(server: WebServer, path: str) -> web.AppRunner:
 
 
 def _person(request: web.Request) -> Person:
-    """The person of a request, as the door says."""
+    """Returns the person of a request, as the door says."""
     return Person(request.headers[PERSON], UserRole[request.headers[ROLE]])
 
 

@@ -31,7 +31,7 @@ class AgvControlServer(socketserver.ThreadingTCPServer):
         threading.Thread(target=self.serve_forever, name='control', daemon=True).start()
 
     def answer(self, line: str) -> str:
-        """The answer to one line."""
+        """Returns the answer to one line."""
         if line.lower() == 'where':
             return json.dumps(self.where())
         try:

@@ -70,7 +70,9 @@ class AgvMotion:
         return x, y, self.heading
 
     def can_follow(self, path: Sequence[int], index: int, arc: float) -> bool:
-        """Whether it can continue on this path at its speed: it can brake for each limit ahead."""
+        """Returns whether it can continue on this path at its speed:
+        it can brake for each limit ahead.
+        """
         return all(self.speed ** 2 <= limit ** 2 + 2.0 * self.limits.braking * distance + _EXACT
                    for distance, limit in self._ahead(path, index, arc, self._braking_distance()))
 
@@ -119,7 +121,9 @@ class AgvMotion:
         self._turn_rate = rate
 
     def _allowed(self, dt: float) -> float:
-        """The highest speed (m/s) after this step from which it can brake for each limit ahead."""
+        """Returns the highest speed (m/s) after this step from
+        which it can brake for each limit ahead.
+        """
         assert self.edge is not None
         highest = self.pace * [limit for arc, limit in self.speeds.along(self.edge)
                                if arc <= self.arc + 1e-9][-1]
@@ -196,7 +200,7 @@ class AgvMotion:
 
 
 def speed_towards(distance: float, limit: float, speed: float, braking: float, dt: float) -> float:
-    """The highest speed after `dt` from which braking still reaches `limit` at `distance`.
+    """Returns the highest speed after `dt` from which braking still reaches `limit` at `distance`.
 
     It is the v' that solves (v + v') / 2 dt + (v'^2 - limit^2) / (2 braking) = distance, and at
     least `limit`.

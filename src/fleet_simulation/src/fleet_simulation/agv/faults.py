@@ -88,7 +88,7 @@ def inject(vehicle: AgvVehicle, line: str) -> None:
 
 
 def help_text() -> str:
-    """The help text: all faults, one per line."""
+    """Returns the help text: all faults, one per line."""
     lines = []
     for word, fault in FAULTS.items():
         usage = ' '.join([word, *(argument.name if math.isnan(argument.default)

@@ -42,7 +42,8 @@ def check_change(state: VehicleState, order: RouteOrder, graph: Graph) -> None:
 
 
 def has_just_left(edges: Tuple[int, ...], state: VehicleState) -> bool:
-    """Does a new route without numbers begin with the edge that the vehicle has just left?
+    """Returns whether a new route without numbers begins with the edge that the vehicle has just
+    left.
 
     The order may have crossed with a report.
     """

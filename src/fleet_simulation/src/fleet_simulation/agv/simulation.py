@@ -40,7 +40,9 @@ class Simulation:
             vehicle.use_graph(graph)
 
     def where(self) -> Dict[str, object]:
-        """The simulated time (s), and the true pose of each AGV by its name (m, m, degrees)."""
+        """Returns the simulated time (s), and the true pose of each AGV by its name (m, m,
+        degrees).
+        """
         robots = {}
         for name, vehicle in self.vehicles.items():
             x, y, heading = vehicle.pose

@@ -46,17 +46,22 @@ class SpeedLimits:
         self._corners: Dict[Tuple[int, int], bool] = {}
 
     def may_drive(self, edge: int) -> bool:
-        """Whether the edge may be driven in this direction: its speed is not 0."""
+        """Returns whether the edge may be driven in this direction: its speed is not 0."""
         return self._edge_speed(edge) > 0.0
 
     def along(self, edge: int) -> List[Stretch]:
-        """The stretches of a signed edge, from its start; each ends where the next one begins."""
+        """Returns the stretches of a signed edge, from its start.
+
+        Each ends where the next one begins.
+        """
         if edge not in self._stretches:
             self._stretches[edge] = self._compute(edge)
         return self._stretches[edge]
 
     def stops_between(self, edge: int, following: int) -> bool:
-        """Whether a vehicle must stop at the vertex between two edges, to turn or to reverse."""
+        """Returns whether a vehicle must stop at the vertex between two edges,
+        to turn or to reverse.
+        """
         key = edge, following
         if key not in self._corners:
             self._corners[key] = abs(angle_between(
@@ -86,5 +91,5 @@ class SpeedLimits:
 
 
 def angle_between(first: float, second: float) -> float:
-    """The angle (rad, -pi..pi) to turn by from the direction `first` to `second`."""
+    """Returns the angle (rad, -pi..pi) to turn by from the direction `first` to `second`."""
     return (second - first + math.pi) % (2.0 * math.pi) - math.pi

@@ -59,7 +59,7 @@ class SimulatedSteps:
         return tuple(step.type for step in self._running.values())
 
     def report(self) -> StepReport:
-        """The next report."""
+        """Returns the next report."""
         self._state, report = self._state.report()
         return report
 

@@ -147,7 +147,7 @@ class AgvVehicle:
         self._report_change()
 
     def report(self) -> RouteReport:
-        """The next report to the fleet manager."""
+        """Returns the next report to the fleet manager."""
         return self._protocol.report(self.stamp, self._symbolic_pose(), VehicleLocation(*self.pose),
                                      self.motion, unready=self._unready)
 
@@ -190,16 +190,18 @@ class AgvVehicle:
         self.drive.pace, self._slow_until = factor, self._time + seconds
 
     def fall_silent(self, seconds: float = FOREVER) -> None:
-        """Neither receives nor reports for this time, but drives on along its route."""
+        """Falls silent for this time: neither receives nor reports,
+        but drives on along its route.
+        """
         self._silent_until = self._time + seconds
 
     def leave(self) -> None:
-        """Is switched off: it stands still, and neither receives nor reports."""
+        """Switches the vehicle off: it stands still, and neither receives nor reports."""
         self._forget()
         self._silent_until = FOREVER
 
     def join(self) -> None:
-        """Is switched on; after `leave` it has no memory of a route."""
+        """Switches the vehicle on; after `leave` it has no memory of a route."""
         self._silent_until = self._stalled_until = 0.0
         self.steps.restart()
         self._report_change()
@@ -222,12 +224,12 @@ class AgvVehicle:
         self._report_change()
 
     def take_over(self) -> None:
-        """Another program takes it over, and lets it stand: a running route fails."""
+        """Lets another program take it over and leave it standing: a running route fails."""
         self._begin_epoch(EpochCause.OTHER_GIVER, TAKEN_OVER)
         self._report_change()
 
     def drive_by_hand(self, edge: int) -> None:
-        """Another program drives it to the end of this edge (signed id); a running route fails.
+        """Lets another program drive it to the end of this edge (signed id); a running route fails.
 
         Raises RouteRefused if it cannot drive this edge from where it is.
         """
@@ -240,14 +242,14 @@ class AgvVehicle:
         self._report_change()
 
     def push_off_graph(self, metres: float) -> None:
-        """A person pushes it to its left, off the graph: its route fails."""
+        """Lets a person push it to its left, off the graph: its route fails."""
         x, y, heading = self.pose
         self.drive.speed = 0.0
         self._off_graph = (x - metres * math.sin(heading), y + metres * math.cos(heading), heading)
         self._moved_by_person(Reason(ReasonCode.OFF_GRAPH, 'off the corridor'))
 
     def put_on(self, vertex: int) -> None:
-        """A person puts it onto a vertex; a running route fails. Raises UnknownVertex."""
+        """Lets a person put it onto a vertex; a running route fails. Raises UnknownVertex."""
         self.drive, self._off_graph = self._placed(self.drive.graph, vertex), None
         self._moved_by_person(TAKEN_OVER)
 
@@ -346,7 +348,9 @@ class AgvVehicle:
             self._messages.append(self.report())
 
     def _symbolic_pose(self) -> SymbolicPose:
-        """The edge and percentage: with a route the ordered direction, else the edge forwards."""
+        """Returns the edge and percentage: with a route the ordered direction,
+        else the edge forwards.
+        """
         if self._off_graph is not None:
             return SymbolicPose()
         drive, graph = self.drive, self.drive.graph

@@ -58,7 +58,9 @@ def assemble(net: LaneNet, ways: Sequence[LaneWay], places: Mapping[int, NamedPl
 
 
 def _directions(piece: Piece) -> Tuple[float, np.ndarray, np.ndarray]:
-    """The length of a straight piece, or infinity, and the directions at its start and end."""
+    """Returns the length of a straight piece, or infinity, and the directions at its start
+    and end.
+    """
     if piece.control is None:
         along = piece.end - piece.start
         return float(np.hypot(*along)), along, along

@@ -252,7 +252,7 @@ def _start() -> Tuple[EditorNode, bool]:
 
 
 def main() -> int:
-    """Run the node until it is shut down or its window is closed."""
+    """Runs the node until it is shut down or its window is closed."""
     init_node('graph_editor')
     try:
         node, with_window = _start()

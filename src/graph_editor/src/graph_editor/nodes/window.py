@@ -285,7 +285,7 @@ class _EdgeFields(_Fields):
 
 
 def run_window(node: Any) -> None:
-    """Show the window until it is closed or ROS ends."""
+    """Shows the window until it is closed or ROS ends."""
     application = QtWidgets.QApplication(['graph_editor'])
     window = EditorWindow(node)
     window.show()

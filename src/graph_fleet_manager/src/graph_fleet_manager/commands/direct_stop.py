@@ -76,7 +76,10 @@ def _stop(topics: Mapping[str, str]) -> StopResult:
 
 
 def _fleet() -> List[str]:
-    """The robots in /fleet_state; empty if the fleet manager does not publish it any more."""
+    """Returns the robots in /fleet_state.
+
+    Empty if the fleet manager does not publish it any more.
+    """
     found: List[FleetState] = []
     subscriber = rospy.Subscriber('/fleet_state', FleetState, found.append)
     _wait(lambda: bool(found), NAMES_IN)
@@ -85,7 +88,7 @@ def _fleet() -> List[str]:
 
 
 def robots_of(topics: Mapping[str, str]) -> List[str]:
-    """The robots that have a topic for routes; `topics` has the type of each topic."""
+    """Returns the robots that have a topic for routes; `topics` has the type of each topic."""
     return sorted(topic[1:-len(_ROUTE)] for topic, kind in topics.items()
                   if kind == TargetRoute._type and topic.endswith(_ROUTE) and topic != _ROUTE)
 

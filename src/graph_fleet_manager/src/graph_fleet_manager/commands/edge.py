@@ -65,7 +65,7 @@ def _edge(arguments: List[str]) -> int:
 
 
 def _known_areas() -> Dict[str, Tuple[int, ...]]:
-    """The edges of each area; none if the fleet page does not run."""
+    """Returns the edges of each area; none if the fleet page does not run."""
     topics = rosgraph.Master(rospy.get_name()).getSystemState()[0]
     if not any(name == _AREAS for name, _ in topics):
         return {}
@@ -78,7 +78,7 @@ def _is_id(word: str) -> bool:
 
 
 def ids_of(words: Iterable[str], areas: Mapping[str, Sequence[int]]) -> List[int]:
-    """The edges that ids and names of areas stand for. Raises CommandProblem."""
+    """Returns the edges that ids and names of areas stand for. Raises CommandProblem."""
     found: List[int] = []
     for word in words:
         if _is_id(word):
@@ -94,14 +94,16 @@ def ids_of(words: Iterable[str], areas: Mapping[str, Sequence[int]]) -> List[int
 
 def _area_values(graph: Graph, areas: Mapping[str, Sequence[int]],
                  closed: Iterable[int]) -> List[Dict[str, Any]]:
-    """The areas: name, edges, and how many of these are closed."""
+    """Returns the areas: name, edges, and how many of these are closed."""
     shut = drawn_ids(graph, closed)
     return [{'area': name, 'edges': list(edges), 'closed': len(set(edges) & set(shut))}
             for name, edges in sorted(areas.items())]
 
 
 def _closed(graph: Graph, edges: Iterable[int]) -> List[Dict[str, Any]]:
-    """The closed edges, as the user has drawn them: id, vertices at the ends, and length in m."""
+    """Returns the closed edges, as the user has drawn them: id, vertices at the ends,
+    and length in m.
+    """
     found = []
     for id in sorted(drawn_ids(graph, edges)):
         sections = [section for section in graph.sections[id] if section in graph.edges]
@@ -133,7 +135,9 @@ def _listed_edges(closed: List[Dict[str, Any]]) -> str:
 
 
 def asked_edges(graph: Graph, ids: Iterable[int]) -> List[int]:
-    """The edges of the graph in force that were named, with all sections of a drawn edge."""
+    """Returns the edges of the graph in force that were named,
+    with all sections of a drawn edge.
+    """
     edges = sorted(graph.whole_edges(ids))
     unknown = [id for id in edges if id not in graph.edges]
     if unknown:

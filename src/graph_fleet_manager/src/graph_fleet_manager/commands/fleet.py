@@ -54,7 +54,7 @@ def main(arguments: Optional[Sequence[str]] = None) -> int:
 
 
 def _options(arguments: List[str]) -> Namespace:
-    """The options of the command, checked."""
+    """Returns the options of the command, checked."""
     parser = Parser('fleet', description='Lists the robots of the fleet, and stops them.')
     commands = parser.add_subparsers(dest='command', metavar='COMMAND')
     commands.required = True
@@ -133,7 +133,7 @@ def _check(robot: str) -> None:
 
 
 def _robot(name: str) -> FleetRobot:
-    """The state of a robot. Raises CommandProblem."""
+    """Returns the state of a robot. Raises CommandProblem."""
     robots = {one.name: one for one in _robots()}
     if name not in robots:
         raise CommandProblem(f'There is no robot {name!r}; there are: {", ".join(robots)}.')
@@ -141,7 +141,7 @@ def _robot(name: str) -> FleetRobot:
 
 
 def _why_words(robot: FleetRobot) -> str:
-    """One sentence: what a robot does, what it waits for, and until when."""
+    """Returns one sentence: what a robot does, what it waits for, and until when."""
     does = [] if robot.has_mission and robot.state == FleetRobot.BUSY else [
         f'is {_state(robot)}']
     does += [f'serves mission {robot.request_id}'] if robot.has_mission else []
@@ -183,13 +183,16 @@ def _absent(robots: Sequence[str]) -> int:
 
 
 def _graph(graphs: TopicListener) -> Optional[Graph]:
-    """The graph in force; None if graph_server does not run. The list is useful without it, too."""
+    """Returns the graph in force; None if graph_server does not run.
+
+    The list is useful without it, too.
+    """
     graphs.wait(GRAPH_PATIENCE)
     return graph_from_message(graphs.messages[-1]) if graphs.messages else None
 
 
 def _listed(state: FleetState, graph: Optional[Graph]) -> str:
-    """The table of all robots, and below each why it waits, or how it comes back."""
+    """Returns the table of all robots, and below each why it waits, or how it comes back."""
     head = ('robot', 'type', 'state', 'place', 'battery', 'mission', 'to')
     rows, notes = [], []
     for robot in state.robots:
@@ -212,7 +215,7 @@ def _listed(state: FleetState, graph: Optional[Graph]) -> str:
 
 
 def _state(robot: FleetRobot) -> str:
-    """The state of a robot as people read it."""
+    """Returns the state of a robot as people read it."""
     return (RobotState(robot.state).words_with(robot.waits_for_code)
             if robot.state in _NAMES else str(robot.state))
 
@@ -226,7 +229,10 @@ def _note(robot: FleetRobot) -> str:
 
 
 def _values(state: FleetState, graph: Optional[Graph]) -> Dict[str, Any]:
-    """All that `fleet list` knows, as values for JSON. Times are s since 1970, or s to go."""
+    """Returns all that `fleet list` knows, as values for JSON.
+
+    Times are s since 1970, or s to go.
+    """
     def known(number: float) -> Optional[float]:
         return number if math.isfinite(number) else None
 

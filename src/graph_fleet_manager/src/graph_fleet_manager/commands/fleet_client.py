@@ -77,7 +77,7 @@ class TopicListener:
                 self._changed.wait(seconds)
 
     def publishers(self) -> FrozenSet[int]:
-        """One number for each connection to a publisher; a new connection has a new one."""
+        """Returns one number for each connection to a publisher; a new connection has a new one."""
         return frozenset(id for id, *_ in self._subscriber.impl.get_stats_info())
 
     def last(self) -> Any:
@@ -130,7 +130,7 @@ def first_answer(message: Any, source: MessageSource, is_answer: Callable[[Any],
 
 
 def connected_sender(kind: Type[Any]) -> Sender:
-    """A sender that is heard. Raises CommandProblem if no program listens."""
+    """Returns a sender that is heard. Raises CommandProblem if no program listens."""
     sender = Sender(kind)
     deadline = time.monotonic() + PATIENCE
     while not sender.is_heard:
@@ -142,7 +142,10 @@ def connected_sender(kind: Type[Any]) -> Sender:
 
 
 def name_problem(host: str) -> str:
-    """The reason why nodes cannot reach a program that gives `host` as its address; else empty."""
+    """Returns the reason why nodes cannot reach a program that gives `host` as its address.
+
+    Else empty.
+    """
     try:
         socket.getaddrinfo(host, None)
     except OSError:
@@ -179,7 +182,7 @@ def ask(service: str, kind: Type[Any], *arguments: Any) -> Any:
 
 
 def requested_by(command: str) -> str:
-    """The user, the computer and the command that request, for the records."""
+    """Returns the user, the computer and the command that request, for the records."""
     try:
         user = getpass.getuser()
     except (KeyError, OSError):  # a user without a name, as in containers

@@ -102,7 +102,10 @@ def main(arguments: Optional[Sequence[str]] = None) -> int:
 
 
 def is_for_ros(word: str) -> bool:
-    """Is a word of `mission run` a remapping for ROS? No parameter of a template begins so."""
+    """Returns whether a word of `mission run` is a remapping for ROS.
+
+    No parameter of a template begins so.
+    """
     return word.startswith('_') and ':=' in word
 
 
@@ -189,7 +192,7 @@ def _send(arguments: List[str]) -> int:
 
 
 def _offer_conditions(parser: Parser) -> None:
-    """The options of each mission, however its destinations are given."""
+    """Offers the options of each mission, however its destinations are given."""
     parser.add_argument('--type', default='', help='robot type that must do it')
     parser.add_argument('--robot', default='', help='the robot that must do it')
     parser.add_argument('--priority', type=int, default=0,
@@ -216,7 +219,7 @@ def _time_of_day(text: str) -> rospy.Time:
 
 
 def _conditions(options: argparse.Namespace) -> Dict[str, Any]:
-    """The fields of a request for the options of each mission."""
+    """Returns the fields of a request for the options of each mission."""
     return {'robot_type': options.type, 'robot': options.robot, 'priority': options.priority,
             'after': [MissionDependency(_request_id(name), until) for names, until in (
                 (options.after, MissionDependency.DONE),
@@ -228,7 +231,10 @@ def _conditions(options: argparse.Namespace) -> Dict[str, Any]:
 
 
 def _request_id(name: MissionName) -> int:
-    """The id of the request of a mission; only an open one can be found by its short name."""
+    """Returns the id of the request of a mission.
+
+    Only an open one can be found by its short name.
+    """
     if not name.is_serial:
         return name.number
     return int(_open_mission(name, TopicListener('/mission_status', MissionStatus)).request_id)
@@ -327,7 +333,7 @@ def _follow(request: MissionRequest, status: MissionStatus, listener: TopicListe
 
 
 def _destinations(request: MissionRequest, status: MissionStatus) -> List[int]:
-    """The destinations of a mission. Those of groups are chosen by the fleet manager."""
+    """Returns the destinations of a mission. Those of groups are chosen by the fleet manager."""
     return list(request.destination_vertices_id) or list(status.destinations)
 
 
@@ -364,7 +370,9 @@ def _listed(missions: Sequence[MissionStatus]) -> str:
 
 
 def _origin(status: MissionStatus) -> str:
-    """The template of a mission, with its arguments and its earliest time, as it was sent."""
+    """Returns the template of a mission, with its arguments and its earliest time,
+    as it was sent.
+    """
     words = [status.template, *(f'{one.name}:={one.value}' for one in status.arguments)]
     if status.state == MissionState.PLANNED:
         words.append(f'not before {_clock(status.earliest.to_sec())}')
@@ -372,7 +380,7 @@ def _origin(status: MissionStatus) -> str:
 
 
 def _deadline(status: MissionStatus) -> str:
-    """The deadline of a mission, with an alarm; '-': it has none."""
+    """Returns the deadline of a mission, with an alarm; '-': it has none."""
     alarm = {DeadlineState.AT_RISK: ' AT RISK', DeadlineState.MISSED: ' MISSED'}
     return _clock(status.deadline.to_sec()) + alarm.get(status.deadline_code, '')
 
@@ -390,7 +398,10 @@ def _values(status: MissionStatus) -> Dict[str, Any]:
 
 
 def _clock(seconds: float) -> str:
-    """A time of day, with the date if it is not today; '-' for a request without a stamp."""
+    """Returns a time of day, with the date if it is not today.
+
+    '-' for a request without a stamp.
+    """
     if not seconds:
         return '-'
     moment = datetime.fromtimestamp(seconds)
@@ -484,7 +495,7 @@ def _change_destinations(message: MissionCommand, destinations: List[Destination
 
 
 def _open_mission(name: MissionName, listener: TopicListener) -> MissionStatus:
-    """The newest status of an open mission. A new subscriber gets the open missions."""
+    """Returns the newest status of an open mission. A new subscriber gets the open missions."""
     known = first_message(
         listener, lambda s: name.is_of(s) and MissionState(s.state).is_open, 2.0)
     if known is None:
@@ -539,7 +550,8 @@ def _history(arguments: List[str]) -> int:
 
 
 def _journal_in_use() -> str:
-    """The ~journal of the fleet manager of this ROS master; empty if none runs or none is set.
+    """Returns the ~journal of the fleet manager of this ROS master; empty if none runs or none is
+    set.
 
     A relative path is relative to ROS_HOME, because roslaunch starts nodes there.
     """

@@ -25,7 +25,7 @@ class MissionName(NamedTuple):
         return short_name(self.number) if self.is_serial else str(self.number)
 
     def is_of(self, status: MissionStatus) -> bool:
-        """Is this the name of the mission with this status?"""
+        """Returns whether this is the name of the mission with this status."""
         return bool(self.number == (status.serial if self.is_serial else status.request_id))
 
 

@@ -27,7 +27,7 @@ class Statuses(MessageSource, Protocol):
     """A source of the messages of /mission_status."""
 
     def publishers(self) -> FrozenSet[int]:
-        """One number for each connection to a publisher; a new connection has a new one."""
+        """Returns one number for each connection to a publisher; a new connection has a new one."""
 
 
 class MissionWatch:

@@ -29,7 +29,7 @@ def main(arguments: Optional[Sequence[str]] = None) -> int:
 
 
 def peers(addresses: str, fleet_file: str) -> List[str]:
-    """The addresses without repetition. Raises FileError, or ValueError with a sentence."""
+    """Returns the addresses without repetition. Raises FileError, or ValueError with a sentence."""
     found = [address.strip() for address in addresses.split(',') if address.strip()]
     wrong = next((address for address in found if not is_address(address)), None)
     if wrong is not None:

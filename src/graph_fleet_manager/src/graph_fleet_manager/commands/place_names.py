@@ -37,7 +37,10 @@ class PlaceNames:
         return self._graph
 
     def destination(self, word: str) -> Destination:
-        """The vertex or group that a word of the command line names. Raises CommandProblem."""
+        """Returns the vertex or group that a word of the command line names.
+
+        Raises CommandProblem.
+        """
         if word.isdecimal():
             return int(word)
         try:
@@ -46,7 +49,7 @@ class PlaceNames:
             raise CommandProblem(f'A destination is wrong: {unknown}.') from None
 
     def place(self, word: str) -> int:
-        """The vertex that a word names. Raises UnknownPlace."""
+        """Returns the vertex that a word names. Raises UnknownPlace."""
         return int(word) if word.isdecimal() else place_of(word, self._known(), self.graph)
 
     def _known(self) -> Dict[str, Station]:

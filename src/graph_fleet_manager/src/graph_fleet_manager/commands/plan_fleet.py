@@ -146,7 +146,7 @@ def _plan(network: RoadNetwork, fleet: Fleet, missions: Mapping[str, Tuple[int, 
 
 def _check_reachable(network: RoadNetwork, fleet: Fleet,
                      missions: Mapping[str, Tuple[int, ...]]) -> float:
-    """The sum of the times (s) that the robots need, each alone on the graph.
+    """Returns the sum of the times (s) that the robots need, each alone on the graph.
 
     Raises WrongInput if a vertex cannot be reached.
     """

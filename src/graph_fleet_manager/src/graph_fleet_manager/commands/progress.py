@@ -16,7 +16,7 @@ EVERY = 5.0  # s between two lines if the output is no terminal and nothing chan
 
 def line_of(status: MissionStatus, destinations: List[int], state: Optional[FleetState],
             graph: Graph) -> str:
-    """One line about the progress of a mission.
+    """Returns one line about the progress of a mission.
 
     destinations -- as they were sent; empty: the fleet manager has them of a template
     """

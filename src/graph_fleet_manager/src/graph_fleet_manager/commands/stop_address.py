@@ -27,14 +27,14 @@ def note(master_uri: str, service_uri: str) -> None:
 
 
 def noted(master_uri: str) -> Optional[str]:
-    """The last stored address, which may be out of date; None if none was stored."""
+    """Returns the last stored address, which may be out of date; None if none was stored."""
     with contextlib.suppress(OSError, UnicodeDecodeError):
         return _path(master_uri).read_text(encoding='ascii')
     return None
 
 
 def _path(master_uri: str) -> Path:
-    """The file for a ROS master.
+    """Returns the file for a ROS master.
 
     All names of this computer give the same file, because the person may use another name for it
     than the launch file did. Its own name is one of them also if the name has no address.

@@ -26,25 +26,25 @@ def as_json(values: Mapping[str, Any]) -> str:
 
 
 def for_about(seconds: float) -> str:
-    """How long something probably lasts, to follow a clause; empty: that is unknown."""
+    """Returns how long something probably lasts, to follow a clause; empty: that is unknown."""
     return f', for about {seconds:.0f} s' if math.isfinite(seconds) else ''
 
 
 def stop_values(stop: FleetStop) -> Optional[Mapping[str, Any]]:
-    """A stop of the fleet as values for JSON; None: the fleet is not stopped."""
+    """Returns a stop of the fleet as values for JSON; None: the fleet is not stopped."""
     return {'cause': stop.cause.name, 'by': stop.by, 'since': stop.since, 'why': stop.why
             } if stop.is_in_force else None
 
 
 def table(rows: Sequence[Sequence[str]], width: Optional[int] = None) -> str:
-    """Rows as text with aligned columns. The longest cells are cut to fit a `width`."""
+    """Returns rows as text with aligned columns. The longest cells are cut to fit a `width`."""
     widths = _widths(rows, width)
     return '\n'.join(_line(row, widths) for row in rows)
 
 
 def table_with_notes(head: Sequence[str], rows: Sequence[Sequence[str]],
                      notes: Sequence[str]) -> str:
-    """A table that fits WIDTH, with a note below each row; an empty note takes no line."""
+    """Returns a table that fits WIDTH, with a note below each row; an empty note takes no line."""
     widths = _widths((head, *rows), WIDTH)
     lines = [_line(head, widths)]
     for row, note in zip(rows, notes):

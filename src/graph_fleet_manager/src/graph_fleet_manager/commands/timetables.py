@@ -47,7 +47,7 @@ def _listed(known: List[Timetable]) -> str:
 
 
 def runs_of(one: Timetable) -> str:
-    """When a timetable runs, as in the work file."""
+    """Returns when a timetable runs, as in the work file."""
     every = f'{one.every // 60} h' if one.every % 60 == 0 else f'{one.every} min'
     days = frozenset(one.days)
     return f'every {every}, {_clock(one.begin)} to {_clock(one.end)}' + (

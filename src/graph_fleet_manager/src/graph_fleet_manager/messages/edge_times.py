@@ -54,7 +54,10 @@ class TimesKept:
         self._table: Times = {}
 
     def table_of(self, message: msg.PlanRequest, rate: float) -> Optional[Times]:
-        """The table that a request uses; None: its changes are to a table that is not kept."""
+        """Returns the table that a request uses.
+
+        None: its changes are to a table that is not kept.
+        """
         told = {(one.robot_type, one.edge_id): one.seconds * rate for one in message.edge_times}
         if not message.edge_times_since:
             self._table = told
@@ -68,7 +71,7 @@ class TimesKept:
 
 
 def changes(before: Times, after: Times) -> Dict[Tuple[str, int], float]:
-    """The changes from one table to another; 0.0 removes an entry."""
+    """Returns the changes from one table to another; 0.0 removes an entry."""
     if before is after:
         return {}
     gone = dict.fromkeys(before.keys() - after.keys(), 0.0)
@@ -77,7 +80,7 @@ def changes(before: Times, after: Times) -> Dict[Tuple[str, int], float]:
 
 
 def changed(before: Times, told: Times) -> Times:
-    """A table after its changes."""
+    """Returns a table after its changes."""
     after = {**before, **told}
     return {key: seconds for key, seconds in after.items() if seconds != 0.0}
 

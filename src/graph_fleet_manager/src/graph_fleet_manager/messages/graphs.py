@@ -18,14 +18,14 @@ if TYPE_CHECKING:  # networkx needs much memory, and only graph_server uses it, 
 
 
 def graph_message(graph: Graph, stamp: genpy.Time) -> msg.Graph:
-    """A graph as a message; the stamp is its version."""
+    """Returns a graph as a message; the stamp is its version."""
     message = fill_message(msg.Graph(), graph, msg.Vertex, msg.Edge)
     message.header.stamp = stamp
     return message
 
 
 def docking_points_message(graph: Graph, fleet: Fleet, stamp: genpy.Time) -> msg.DockingPoints:
-    """The docks of a graph, with the robot types that charge there."""
+    """Returns the docks of a graph, with the robot types that charge there."""
     message = msg.DockingPoints(docking_points=[
         msg.DockingPoint(vertex.id, [kind.name for kind in fleet.types
                                      if vertex.id in (kind.docks or ())])
@@ -35,7 +35,7 @@ def docking_points_message(graph: Graph, fleet: Fleet, stamp: genpy.Time) -> msg
 
 
 def parking_message(found: Survey, stamp: genpy.Time) -> msg.ParkingPlaces:
-    """The parking vertices and capacities of a survey; the stamp is the graph's version."""
+    """Returns the parking vertices and capacities of a survey; the stamp is the graph's version."""
     message = msg.ParkingPlaces(vertices=sorted(found.parking), capacities=[
         msg.ParkingCapacity(one.type, one.robots, one.docks) for one in found.capacities])
     message.header.stamp = stamp
@@ -43,7 +43,7 @@ def parking_message(found: Survey, stamp: genpy.Time) -> msg.ParkingPlaces:
 
 
 def closed_edges_message(closures: Closures) -> msg.ClosedEdges:
-    """The closed edges as a message."""
+    """Returns the closed edges as a message."""
     message = msg.ClosedEdges(edges=sorted(closures.edges))
     message.header.stamp = genpy.Time(0, closures.stamp)
     message.header.stamp.canon()
@@ -55,7 +55,7 @@ class WrongCommand(Exception):
 
 
 def edge_operation(message: msg.EdgeCommand, sender: str) -> EdgeOperation:
-    """The operation of a command; raises WrongCommand.
+    """Returns the operation of a command; raises WrongCommand.
 
     sender -- name of the node that sent it. Sender, sequence number and stamp identify a message
               that comes again. A message without a stamp is not identified.
@@ -73,7 +73,10 @@ def edge_operation(message: msg.EdgeCommand, sender: str) -> EdgeOperation:
 
 
 def reported_route(message: msg.ExecutionRouteStates) -> ReportedRoute:
-    """The rest of a robot's route. A route with a failed edge has ended, so nothing is left."""
+    """Returns the rest of a robot's route.
+
+    A route with a failed edge has ended, so nothing is left.
+    """
     states = message.edge_states
     ended = any(state.state == msg.EdgeState.FAILED for state in states)
     left = () if ended else tuple(state.edge_id for state in states

@@ -49,7 +49,10 @@ _LONGEST_REASON = 500  # characters of a robot's reason that are kept
 
 
 def request_of(message: msg.MissionRequest) -> Request:
-    """The request in a message. Raises RequestRefused for values that no status could repeat."""
+    """Returns the request in a message.
+
+    Raises RequestRefused for values that no status could repeat.
+    """
     _check_times(message)
     _check_texts(message)
     try:
@@ -96,12 +99,12 @@ def _check_texts(message: msg.MissionRequest) -> None:
 
 
 def person_of(text: str) -> str:
-    """The name of the person who requests, shortened and with printable characters only."""
+    """Returns the name of the person who requests, shortened and with printable characters only."""
     return _words(text[:_LONGEST_NAME])
 
 
 def caller_of(request: Any) -> str:
-    """The person or program that calls a service whose request has no field for it.
+    """Returns the person or program that calls a service whose request has no field for it.
 
     The header of the connection names it (`requested_by`), or else the node.
     """
@@ -110,7 +113,7 @@ def caller_of(request: Any) -> str:
 
 
 def refusal_status(message: msg.MissionRequest, reason: str) -> Status:
-    """The status REFUSED for a message that is no valid request."""
+    """Returns the status REFUSED for a message that is no valid request."""
     return Status(message.request_id, MissionState.REFUSED, reason=reason,
                   stamp=message.header.stamp.to_sec())
 
@@ -122,7 +125,7 @@ def is_about(status: msg.MissionStatus, request: msg.MissionRequest) -> bool:
 
 
 def status_message(status: Status, now: genpy.Time) -> msg.MissionStatus:
-    """A status as a message; `now` is its stamp."""
+    """Returns a status as a message; `now` is its stamp."""
     message = msg.MissionStatus(
         request_id=status.request_id, state=int(status.state), robot=status.robot,
         destinations_reached=status.reached, reason=status.reason,
@@ -139,7 +142,7 @@ def status_message(status: Status, now: genpy.Time) -> msg.MissionStatus:
 
 
 def templates_message(work: SiteWork, now: genpy.Time) -> msg.MissionTemplates:
-    """The templates of a work file; `now` is the stamp."""
+    """Returns the templates of a work file; `now` is the stamp."""
     message = msg.MissionTemplates(templates=[
         msg.MissionTemplate(one.name, list(one.parameters)) for one in work.templates.values()])
     message.header.stamp = now
@@ -147,7 +150,7 @@ def templates_message(work: SiteWork, now: genpy.Time) -> msg.MissionTemplates:
 
 
 def timetables_message(views: Iterable[TimetableView], now: genpy.Time) -> msg.Timetables:
-    """The timetables of a work file, with their next runs; `now` is the stamp."""
+    """Returns the timetables of a work file, with their next runs; `now` is the stamp."""
     message = msg.Timetables(timetables=[msg.Timetable(
         one.name, one.template, [msg.StepParameter(*pair) for pair in one.arguments],
         one.priority, one.every, one.begin, one.end, sorted(one.days), view.next is None,
@@ -157,7 +160,7 @@ def timetables_message(views: Iterable[TimetableView], now: genpy.Time) -> msg.T
 
 
 def explanation_message(status: Status, reason: MissionReason) -> srv.ExplainMissionResponse:
-    """What an open mission waits for, as a message."""
+    """Returns what an open mission waits for, as a message."""
     return srv.ExplainMissionResponse(
         found=True, state=int(status.state), robot=status.robot,
         waits_for_code=int(reason.wait.code), waits_for=reason.wait.text, until=reason.wait.until,
@@ -168,13 +171,17 @@ def explanation_message(status: Status, reason: MissionReason) -> srv.ExplainMis
 
 
 def report_of(message: msg.ExecutionRouteStates, now: genpy.Time) -> Report:
-    """The report in a message of a robot. Raises WrongReport for a state that does not exist."""
+    """Returns the report in a message of a robot.
+
+    Raises WrongReport for a state that does not exist.
+    """
     stamp = message.header.stamp
     return Report(route_messages.report_of(message), (now - stamp).to_sec() if stamp else 0.0)
 
 
 def moment_of(seconds: float, now: genpy.Time) -> genpy.Time:
-    """The time `seconds` after `now` (negative: before), limited to times that a message can carry.
+    """Returns the time `seconds` after `now` (negative: before), limited to times
+    that a message can carry.
     """
     last = int(_END_OF_TIME.to_nsec())
     nanoseconds = min(max(int(now.to_nsec()) + round(1e9 * seconds), 0), last)
@@ -188,18 +195,18 @@ def _words(text: str) -> str:
 
 
 def route_message(order: Order, stamp: genpy.Time) -> msg.TargetRoute:
-    """An order to a robot."""
+    """Returns an order to a robot."""
     return route_messages.fill_order(
         msg.TargetRoute(), order.sent_by(ME if order.number else '', stamp.to_nsec()))
 
 
 def stop_message(stop: FleetStop) -> msg.FleetStop:
-    """Whether the fleet is stopped, as a message."""
+    """Returns whether the fleet is stopped, as a message."""
     return msg.FleetStop(int(stop.cause), stop.by, genpy.Time.from_sec(stop.since), stop.why)
 
 
 def stop_of(message: msg.FleetStop) -> FleetStop:
-    """Whether the fleet is stopped. A cause that this version does not know is UNKNOWN."""
+    """Returns whether the fleet is stopped. A cause that this version does not know is UNKNOWN."""
     cause = next((cause for cause in StopCause if cause == message.cause), StopCause.UNKNOWN)
     return FleetStop(cause, message.by, message.since.to_sec(), message.why)
 
@@ -207,7 +214,8 @@ def stop_of(message: msg.FleetStop) -> FleetStop:
 def state_message(robots: Iterable[RobotView], resources: Iterable[ResourceView],
                   machines: Iterable[MachineView], stop: FleetStop, moment: Moment,
                   now: genpy.Time, rate: float = 1.0) -> msg.FleetState:
-    """The state of the fleet, its robots, resources and machines as a message; `now`: its stamp.
+    """Returns the state of the fleet, its robots, resources and machines as a message; `now`: its
+    stamp.
 
     rate -- factor by which simulated robots are faster than the clock
     """
@@ -231,7 +239,7 @@ def state_message(robots: Iterable[RobotView], resources: Iterable[ResourceView]
 
 def plan_message(plans: Iterable[Tuple[str, List[DriveView]]], moment: Moment,
                  now: genpy.Time) -> msg.FleetPlan:
-    """The plans of all robots as a message; `now` is its stamp."""
+    """Returns the plans of all robots as a message; `now` is its stamp."""
     message = msg.FleetPlan(plans=[
         msg.RobotPlan(name, [msg.PlannedDrive(drive.edge, moment(drive.start), moment(drive.end),
                                               drive.released) for drive in drives])

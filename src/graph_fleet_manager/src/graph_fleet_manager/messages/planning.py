@@ -36,11 +36,11 @@ class PlanningClock:
         self.rate = rate
 
     def seconds(self, moment: genpy.Time) -> float:
-        """The planner's seconds at a ROS time."""
+        """Returns the planner's seconds at a ROS time."""
         return (moment.to_nsec() - self._zero) / _NS * self.rate
 
     def moment(self, seconds: float) -> genpy.Time:
-        """The ROS time of planner's seconds, limited to times that a message can carry."""
+        """Returns the ROS time of planner's seconds, limited to times that a message can carry."""
         nanoseconds = self._zero + round(seconds / self.rate * _NS)
         time = genpy.Time(0, min(max(nanoseconds, 0), _END_OF_TIME))
         time.canon()
@@ -52,7 +52,7 @@ class PlanningClock:
 
 def request_of(message: msg.PlanRequest, types: Mapping[str, RobotType], edge_times: Times,
                time_limit: float, longest: float, rate: float = 1.0) -> PlanRequest:
-    """The request in a message. Raises CannotPlan for invalid values.
+    """Returns the request in a message. Raises CannotPlan for invalid values.
 
     types      -- robot types of the fleet, by name
     edge_times -- the table that the message uses, see messages.edge_times
@@ -80,7 +80,8 @@ def request_of(message: msg.PlanRequest, types: Mapping[str, RobotType], edge_ti
 
 def request_message(request: PlanRequest, plan_id: int, stamp: genpy.Time,
                     graph_stamp: genpy.Time, rate: float = 1.0) -> msg.PlanRequest:
-    """A request as a message; `stamp` is the time at which the robots are where the tasks say.
+    """Returns a request as a message; `stamp` is the time at which the robots are where the tasks
+    say.
 
     It has no learned times; messages.edge_times adds them.
     """
@@ -142,7 +143,9 @@ def _area(robot: str, outline: msg.Outline) -> Area:
 
 def allocations_message(allocations: Mapping[str, Allocation],
                         now: genpy.Time) -> msg.FleetAllocations:
-    """The allocations of robots, by name; `now` is the stamp. Those of unknown places are left out.
+    """Returns the allocations of robots, by name; `now` is the stamp.
+
+    Those of unknown places are left out.
     """
     message = msg.FleetAllocations(allocations=[msg.RobotAllocation(
         name, [hold.edge for hold in one.holds], [hold.cleared for hold in one.holds],
@@ -175,7 +178,7 @@ def _type(robot: str, name: str, types: Mapping[str, RobotType]) -> RobotType:
 
 def answer_message(request: msg.PlanRequest, outcome: PlanningOutcome, planning_time: float,
                    rate: float = 1.0) -> msg.PlanAnswer:
-    """The answer to a request, with the plans of `outcome`."""
+    """Returns the answer to a request, with the plans of `outcome`."""
     answer = _answer(request, msg.PlanAnswer.PLANNED)
     write_outcome(answer, outcome, {task.robot: len(task.released) for task in request.tasks}, rate)
     answer.planning_time = planning_time
@@ -199,14 +202,17 @@ def write_outcome(answer: msg.PlanAnswer, outcome: PlanningOutcome, released: Ma
 
 
 def no_plan_message(request: msg.PlanRequest, result: int, reason: str) -> msg.PlanAnswer:
-    """The answer to a request for which nothing was planned; `result` is a code of PlanAnswer."""
+    """Returns the answer to a request for which nothing was planned.
+
+    `result` is a code of PlanAnswer.
+    """
     answer = _answer(request, result)
     answer.reason = reason
     return answer
 
 
 def outcome_of(answer: msg.PlanAnswer, rate: float = 1.0) -> PlanningOutcome:
-    """The plans in an answer whose result is PLANNED."""
+    """Returns the plans in an answer whose result is PLANNED."""
     clock = PlanningClock(answer.header.stamp, rate)
     return PlanningOutcome(
         {plan.robot: tuple(PlannedDrive(drive.edge_id, clock.seconds(drive.start),

@@ -22,18 +22,18 @@ CLAIM_OF_CODE: Mapping[int, ClaimState] = {
 
 
 def resource_messages(views: Iterable[ResourceView]) -> List[msg.FleetResource]:
-    """The resources of a site as messages."""
+    """Returns the resources of a site as messages."""
     return [_message(view) for view in views]
 
 
 def machine_messages(views: Iterable[MachineView]) -> List[msg.FleetMachine]:
-    """The machines of a site as messages."""
+    """Returns the machines of a site as messages."""
     return [msg.FleetMachine(name=one.name, state=int(one.state), vertices=list(one.places),
                              key=one.key, robot=one.robot, serial=one.serial) for one in views]
 
 
 def machine_of(message: msg.FleetMachine) -> MachineView:
-    """The machine in a message. A state that this version does not know is SILENT."""
+    """Returns the machine in a message. A state that this version does not know is SILENT."""
     state = next((one for one in MachineState if one == message.state), MachineState.SILENT)
     return MachineView(message.name, state, tuple(message.vertices), message.key, message.robot,
                        message.serial)
@@ -53,7 +53,7 @@ def _message(view: ResourceView) -> msg.FleetResource:
 
 
 def stations_of(messages: Iterable[msg.FleetResource]) -> Dict[str, Station]:
-    """The stations of a site, by name. Their kind and places are those of the work file."""
+    """Returns the stations of a site, by name. Their kind and places are those of the work file."""
     return {one.name: Station(
         one.name, tuple(one.vertices), tuple(place.vertex for place in one.queue), one.capacity,
         StationKind.GROUP if one.is_group else StationKind.STATION)
@@ -61,21 +61,21 @@ def stations_of(messages: Iterable[msg.FleetResource]) -> Dict[str, Station]:
 
 
 def device_of(message: msg.FleetResource) -> Optional[DeviceView]:
-    """What the device of a resource shows; None: it has none."""
+    """Returns what the device of a resource shows; None: it has none."""
     if not message.has_device:
         return None
     return DeviceView(DeviceMode(message.device_mode), message.device_reason)
 
 
 def look_of(message: msg.FleetResource) -> ResourceLook:
-    """The look of a resource."""
+    """Returns the look of a resource."""
     device = device_of(message)
     return look_of_resource(None if device is None else device.mode,
                             {CLAIM_OF_CODE[claim.state] for claim in message.claims})
 
 
 def words_of(message: msg.FleetResource) -> str:
-    """The kind of a resource, its name, and what its device shows."""
+    """Returns the kind of a resource, its name, and what its device shows."""
     device = device_of(message)
     shows = '' if device is None else f': {DEVICE_WORDS[device.mode]}'
     return f'{KIND_OF_CODE[message.kind].value} {message.name}{shows}'

@@ -25,7 +25,7 @@ class WrongStopMessage(ValueError):
 
 
 def stops_of(messages: Iterable[msg.MissionStop]) -> Tuple[WorkStop, ...]:
-    """The stops in messages. Raises WrongStopMessage."""
+    """Returns the stops in messages. Raises WrongStopMessage."""
     try:
         return tuple(WorkStop(one.vertex, StopKind(one.kind), tuple(map(_step_of, one.steps)),
                           Condition(one.condition), _group_of(one)) for one in messages)
@@ -37,7 +37,7 @@ def stops_of(messages: Iterable[msg.MissionStop]) -> Tuple[WorkStop, ...]:
 
 
 def _group_of(message: msg.MissionStop) -> str:
-    """The group of a stop. Raises WrongStopMessage for a stop with a vertex as well."""
+    """Returns the group of a stop. Raises WrongStopMessage for a stop with a vertex as well."""
     if message.group and message.vertex:
         raise WrongStopMessage(f'a stop has vertex {message.vertex} and also a group: give one of '
                                'them')
@@ -70,7 +70,7 @@ def _step_message(step: WorkStep) -> msg.MissionStep:
 
 
 def dependencies_of(messages: Iterable[msg.MissionDependency]) -> Tuple[Dependency, ...]:
-    """The missions that must end first. Raises WrongStopMessage."""
+    """Returns the missions that must end first. Raises WrongStopMessage."""
     try:
         return tuple(Dependency(one.request_id, Until(one.until)) for one in messages)
     except ValueError as error:
@@ -79,7 +79,7 @@ def dependencies_of(messages: Iterable[msg.MissionDependency]) -> Tuple[Dependen
 
 
 def answer_of(message: msg.MissionCommand) -> StepAnswer:
-    """The answer to a step in a command. Raises WrongStopMessage."""
+    """Returns the answer to a step in a command. Raises WrongStopMessage."""
     try:
         answer = StepDecision(message.answer)
     except ValueError:

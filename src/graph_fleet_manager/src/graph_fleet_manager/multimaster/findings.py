@@ -31,7 +31,8 @@ class Checked:
 
 
 def clock_finding(offset: float, uncertainty: float) -> Checked:
-    """The finding about the other clock, which is `offset` s ahead, with an error of `uncertainty`.
+    """Returns the finding about the other clock, which is `offset` s ahead,
+    with an error of `uncertainty`.
     """
     off = max(abs(offset) - uncertainty, 0.0)
     level = Grade.OK if off < CLOCK_NOTED else Grade.WARN if off < CLOCK_WRONG else Grade.WRONG
@@ -42,7 +43,10 @@ def clock_finding(offset: float, uncertainty: float) -> Checked:
 
 
 def definitions_finding(own: Mapping[str, str], theirs: Mapping[str, str]) -> Checked:
-    """The finding about message definitions that differ or are missing; MD5 sums by type."""
+    """Returns the finding about message definitions that differ or are missing.
+
+    MD5 sums by type.
+    """
     different = sorted(kind for kind in own if kind in theirs and theirs[kind] != own[kind])
     missing = sorted(set(own) - set(theirs))
     problems: List[str] = []

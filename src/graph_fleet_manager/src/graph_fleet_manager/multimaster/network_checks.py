@@ -155,7 +155,7 @@ class NetworkChecks:
         return Checked('nodes', Grade.OK, f'{min(len(local), _ASKED)} nodes there are reached')
 
     def _local_nodes(self) -> Dict[str, str]:
-        """The nodes that run on the other computer: those with the same host as its rosout.
+        """Returns the nodes that run on the other computer: those with the same host as its rosout.
 
         All others were taken over from further masters.
         """
@@ -212,7 +212,10 @@ _ON_EVERY_SIDE = ('/rosout', '/master_discovery', '/master_sync', '/peer_watch')
 
 
 def address_towards(address: str) -> str:
-    """This computer's address on the route to another; empty without a route. Sends nothing."""
+    """Returns this computer's address on the route to another; empty without a route.
+
+    Sends nothing.
+    """
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
         try:
             probe.connect((address, MASTER_PORT))

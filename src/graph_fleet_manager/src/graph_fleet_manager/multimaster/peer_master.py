@@ -43,7 +43,7 @@ class _Transport(xmlrpc.client.Transport):
 
 
 def proxy(uri: str) -> Any:
-    """A proxy for the XML-RPC server at `uri`, with a timeout."""
+    """Returns a proxy for the XML-RPC server at `uri`, with a timeout."""
     return xmlrpc.client.ServerProxy(uri, transport=_Transport())
 
 
@@ -63,32 +63,35 @@ class MasterApi:
         self.api = proxy(uri)
 
     def nodes(self) -> Dict[str, str]:
-        """The URI of the API of each registered node, by its name; raises NoAnswer."""
+        """Returns the URI of the API of each registered node, by its name; raises NoAnswer."""
         state = self.value(lambda: self.api.getSystemState(_CALLER))
         names = _ask(lambda: sorted({str(node) for kind in state for _, nodes in kind
                                      for node in nodes})[:_MOST])
         return {name: self.node_uri(name) for name in names}
 
     def node_uri(self, name: str) -> str:
-        """The URI of a node's API; raises NoAnswer."""
+        """Returns the URI of a node's API; raises NoAnswer."""
         return str(self.value(lambda: self.api.lookupNode(_CALLER, name)))
 
     def service_uri(self, name: str) -> str:
-        """The address of a service (rosrpc://); raises NoAnswer."""
+        """Returns the address of a service (rosrpc://); raises NoAnswer."""
         return str(self.value(lambda: self.api.lookupService(_CALLER, name)))
 
     def topic_types(self) -> Dict[str, str]:
-        """The message type of every topic; raises NoAnswer."""
+        """Returns the message type of every topic; raises NoAnswer."""
         pairs = self.value(lambda: self.api.getTopicTypes(_CALLER))
         return _ask(lambda: {str(topic): str(kind) for topic, kind in pairs[:_MOST]})
 
     def pid(self) -> int:
-        """The process id of the master, which changes at a restart; raises NoAnswer."""
+        """Returns the process id of the master, which changes at a restart; raises NoAnswer."""
         return int(self.value(lambda: self.api.getPid(_CALLER)))
 
     @staticmethod
     def value(question: Callable[[], Any]) -> Any:
-        """The result of a call of the API; raises NoAnswer, also if the master refuses the call."""
+        """Returns the result of a call of the API.
+
+        Raises NoAnswer, also if the master refuses the call.
+        """
         code, said, value = _ask(lambda: _triple(question()))
         if code != 1:
             raise NoAnswer(said)
@@ -111,7 +114,9 @@ class Discovery:
         return ClockOffset(moment - (before + after) / 2.0, (after - before) / 2.0)
 
     def definitions(self, types: Sequence[str]) -> Dict[str, str]:
-        """The MD5 sums of these message types, as far as the other side has them; raises NoAnswer.
+        """Returns the MD5 sums of these message types, as far as the other side has them.
+
+        Raises NoAnswer.
         """
         pairs: List[Any] = _ask(lambda: list(self._api.getTopicsMd5sum(list(types)))[:_MOST])
         return _ask(lambda: {str(kind): str(md5) for kind, md5 in pairs if kind in types})

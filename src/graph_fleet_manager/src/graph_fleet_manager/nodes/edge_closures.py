@@ -127,7 +127,7 @@ class EdgeClosures:
         return frozenset(map(abs, edges)) if graph is None else graph.whole_edges(edges)
 
     def _names(self, edges: FrozenSet[int]) -> str:
-        """The closed edges as a person has drawn them."""
+        """Returns the closed edges as a person has drawn them."""
         graph = self._graph()
         return listed(sorted(edges if graph is None else drawn_ids(graph, edges))) or 'none'
 

@@ -212,7 +212,10 @@ class SupervisorEvents:
         return heapq.heappop(self._reports).event
 
     def _accept(self, trouble: str) -> Event:
-        """An event for up to BATCH requests; `trouble` is the reason if they are refused."""
+        """Returns an event for up to BATCH requests.
+
+        `trouble` is the reason if they are refused.
+        """
         requests = [self._taken(number)
                     for number in list(itertools.islice(self._requests, BATCH))]
         if not self._requests:

@@ -55,7 +55,7 @@ class FleetActs:
             self._asking[status.request_id] = Ask(status.asks, ANSWERS[first:])
 
     def asks(self) -> Dict[str, Ask]:
-        """By robot, the step of its mission that waits for an answer."""
+        """Returns, by robot, the step of its mission that waits for an answer."""
         return {name: self._asking[robot.request_id] for name, robot in self.robots.items()
                 if robot.has_mission and robot.request_id in self._asking}
 

@@ -37,7 +37,7 @@ def report_fleet(supervisor: Optional[Supervisor], trouble: str,
 
 
 def _summary(supervisor: Supervisor, views: Sequence[RobotView]) -> Tuple[int, str]:
-    """The level of the whole fleet, and its most important trouble."""
+    """Returns the level of the whole fleet, and its most important trouble."""
     if supervisor.trouble:
         return DiagnosticStatus.ERROR, ('no mission is accepted and no robot gets anything new to '
                                         f'drive: {supervisor.trouble}')

@@ -10,7 +10,7 @@ from node_lifecycle import ConfigurationError, parameter
 
 
 def fleet_of(name: str = '~fleet_file') -> Fleet:
-    """The fleet in the file that a parameter names.
+    """Returns the fleet in the file that a parameter names.
 
     Raises ConfigurationError if the file is wrong, or if the name of a robot cannot be part of
     topics.

@@ -34,7 +34,7 @@ class FleetPosesTopic:
                                            report.header.stamp)
 
     def message(self, now: genpy.Time) -> FleetPoses:
-        """The message with the last poses; `now` is its stamp."""
+        """Returns the message with the last poses; `now` is its stamp."""
         message = FleetPoses(poses=list(self._poses.values()))
         message.header.stamp, message.header.frame_id = now, FRAME
         return message

@@ -167,7 +167,10 @@ class FleetServices:
         return PauseTimetableResponse(told.success, told.message)
 
     def _mission_status(self, request: GetMissionStatusRequest) -> GetMissionStatusResponse:
-        """The stored status of a mission. Raises ServiceException if it cannot be read now."""
+        """Returns the stored status of a mission.
+
+        Raises ServiceException if it cannot be read now.
+        """
         def find(supervisor: Supervisor, _: float) -> GetMissionStatusResponse:
             status = supervisor.stored_status(request.request_id, request.request_stamp.to_sec())
             return GetMissionStatusResponse() if status is None else (
@@ -175,7 +178,10 @@ class FleetServices:
         return self._found(find)
 
     def _explanation(self, request: ExplainMissionRequest) -> ExplainMissionResponse:
-        """What an open mission waits for. Raises ServiceException if it cannot be said now."""
+        """Returns what an open mission waits for.
+
+        Raises ServiceException if it cannot be said now.
+        """
         def find(supervisor: Supervisor, now: float) -> ExplainMissionResponse:
             mission = supervisor.book.find(request.request_id)
             if mission is None or not mission.state.is_open:
@@ -184,7 +190,10 @@ class FleetServices:
         return self._found(find)
 
     def _found(self, find: Callable[[Supervisor, float], _Found]) -> _Found:
-        """What the supervisor's thread finds. Raises ServiceException if it cannot be read now."""
+        """Returns what the supervisor's thread finds.
+
+        Raises ServiceException if it cannot be read now.
+        """
         found: List[_Found] = []
 
         def read(supervisor: Supervisor, now: float) -> Tuple[str, Sequence[Action]]:
@@ -243,7 +252,7 @@ class FleetServices:
 
 
 def _requested(service: str, request: TriggerRequest) -> str:
-    """The name of a service with the person or program that calls it, for the log."""
+    """Returns the name of a service with the person or program that calls it, for the log."""
     by = caller_of(request)
     return f'{service}, requested by {by}' if by else service
 
@@ -259,7 +268,7 @@ def _warning(supervisor: Supervisor) -> str:
 
 
 def not_stored(trouble: str) -> str:
-    """A warning for a change that is not on the disk; `trouble` is the reason, a clause."""
+    """Returns a warning for a change that is not on the disk; `trouble` is the reason, a clause."""
     return ('If the fleet manager ends before this is stored, it is forgotten: '
             f'{trouble}.')
 

@@ -199,5 +199,5 @@ class FleetTopics:
 
 
 def status_message(status: Status) -> MissionStatus:
-    """A status as a message with the present time as its stamp."""
+    """Returns a status as a message with the present time as its stamp."""
     return messages.status_message(status, rospy.Time.now())

@@ -193,7 +193,10 @@ class PathPlanner:
 
 
 def _is_same(one: PlanRequest, other: PlanRequest) -> bool:
-    """Did one request come twice? A supervisor that connects sends its open request again."""
+    """Returns whether one request came twice.
+
+    A supervisor that connects sends its open request again.
+    """
     return (one.plan_id, one.header.stamp) == (other.plan_id, other.header.stamp)
 
 

@@ -371,7 +371,7 @@ class PathSupervisor:
 
 
 def _step_report(subject: str, message: StepStates) -> Optional[StepReport]:
-    """The report in a message; None: it cannot be used, as the log says."""
+    """Returns the report in a message; None: it cannot be used, as the log says."""
     try:
         return step_report_of(message)
     except WrongStepMessage as wrong:

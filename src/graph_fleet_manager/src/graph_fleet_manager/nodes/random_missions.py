@@ -126,7 +126,7 @@ class RandomMissions:
 
 
 def places_by_edge(graph: Graph) -> Dict[int, List[int]]:
-    """The possible destinations in the connected part of each edge, by the edge's id.
+    """Returns the possible destinations in the connected part of each edge, by the edge's id.
 
     Docks and vertices where no robot may park are omitted. Parts with fewer than two destinations
     have no entries.

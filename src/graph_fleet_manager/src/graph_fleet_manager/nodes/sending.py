@@ -25,5 +25,5 @@ class Newcomers(rospy.SubscribeListener):
 
     def peer_subscribe(self, topic_name: str, topic_publish: Callable[[Any], None],
                        peer_publish: Callable[[Any], None]) -> None:
-        """A subscriber has connected."""
+        """Notes that a subscriber has connected."""
         self._tell(peer_publish)

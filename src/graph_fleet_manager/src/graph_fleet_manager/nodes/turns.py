@@ -60,12 +60,12 @@ class Turns:
             self.due = min(self.due, due)
 
     def put_off(self, due: float) -> None:
-        """The next tick is due at this time, however long it has been due already."""
+        """Puts the next tick off to this time, however long it has been due already."""
         self.due, self._due_since = due, None
         self._free = max(self._free, due)
 
     def next(self, waiting: Waiting, now: float) -> Optional[TurnKind]:
-        """What has its turn; None: nothing before the next tick is due."""
+        """Returns what has its turn; None: nothing before the next tick is due."""
         if self._due_since is None and now >= self.due:
             self._due_since = now
         since = self._due_since
@@ -89,5 +89,5 @@ class Turns:
         return TurnKind.TICK
 
     def ended(self, now: float) -> None:
-        """The tick, as the last event, has ended."""
+        """Notes that the tick, as the last event, has ended."""
         self._free = now

@@ -23,7 +23,8 @@ class WorkFile:
         self.trouble = ''
 
     def read(self, graph: Graph) -> Optional[SiteWork]:
-        """What the file says about the work at the site of a graph; None: it cannot be used.
+        """Returns what the file says about the work at the site of a graph; None: it cannot be
+        used.
 
         Without its devices and stations robots must not drive. So the file is read again until a
         person has mended it.

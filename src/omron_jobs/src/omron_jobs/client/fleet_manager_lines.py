@@ -65,7 +65,7 @@ FleetManagerLine = Union[SegmentLine, AnswerEnd, ErrorBegin, ErrorText]
 
 
 def command_of(job: HandedJob) -> str:
-    """The command that hands a job over."""
+    """Returns the command that hands a job over."""
     stops = job.stops
     priorities = ['default' if stop.priority is None else str(stop.priority) for stop in stops]
     goals = [_quoted(stop.goal) for stop in stops]
@@ -79,17 +79,17 @@ def command_of(job: HandedJob) -> str:
 
 
 def query_of(job: HandedJob) -> str:
-    """The question whether the Fleet Manager knows a job, and what its segments do."""
+    """Returns the question whether the Fleet Manager knows a job, and what its segments do."""
     return f'queueQuery jobId {job.id}'
 
 
 def cancellation_of(job: HandedJob) -> str:
-    """The command that cancels a job."""
+    """Returns the command that cancels a job."""
     return f'queueCancel jobId {job.id}'
 
 
 def modification_of(change: Change) -> str:
-    """The command that changes one value of a segment."""
+    """Returns the command that changes one value of a segment."""
     return f'queueModify {change.segment.id} {change.field} {_quoted(change.value)}'
 
 

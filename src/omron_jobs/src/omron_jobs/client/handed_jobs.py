@@ -169,11 +169,11 @@ class HandedJob:
         return self.is_open and self.state is not HandedState.STORED
 
     def after(self, event: HandedEvent) -> HandedJob:
-        """The job after an event."""
+        """Returns the job after an event."""
         return replace(self, state=TRANSITIONS.get((self.state, event), self.state))
 
     def with_segment(self, segment: HandedSegment, robot: str) -> HandedJob:
-        """The job after a line about one of its segments; an ended job does not change.
+        """Returns the job after a line about one of its segments; an ended job does not change.
 
         A line about one segment more than the job has is ignored.
         """
@@ -185,7 +185,7 @@ class HandedJob:
         return changed.after(_event_of(found, len(self.stops)))
 
     def after_listing(self, listed: Tuple[str, ...]) -> HandedJob:
-        """The job after a listing of the segments that the Fleet Manager still knows.
+        """Returns the job after a listing of the segments that the Fleet Manager still knows.
 
         It forgets segments in the order in which they ended, and a segment begins when the one
         before it is completed. So if no open one is listed, the job has ended as those that are.
@@ -198,7 +198,7 @@ class HandedJob:
     # -- modifications -----------------------------------------------------------------------------
 
     def modified(self, stops: Tuple[HandedStop, ...]) -> HandedJob:
-        """The job with a modification under way."""
+        """Returns the job with a modification under way."""
         return replace(self, wanted=stops, modification=Modification.UNDER_WAY, reason='')
 
     @property
@@ -210,7 +210,10 @@ class HandedJob:
                      for change in _changes_of(stop, segment))
 
     def settled(self) -> HandedJob:
-        """The job after its modification, if that is over; a job that has ended keeps none."""
+        """Returns the job after its modification, if that is over.
+
+        A job that has ended keeps none.
+        """
         if not self.wanted:
             return self
         if self.state is HandedState.STORED or (
@@ -219,7 +222,7 @@ class HandedJob:
         return self if self.is_open else self.refused(self.reason or 'the job has ended')
 
     def refused(self, reason: str) -> HandedJob:
-        """The job after the refusal of its modification; what is shown already stays."""
+        """Returns the job after the refusal of its modification; what is shown already stays."""
         missing = {(change.segment.id, change.field) for change in self.changes}
         stops = self.stops
         if len(self.segments) == len(stops):
@@ -244,7 +247,7 @@ MODIFYING_STATUSES = ('BeforeModify', 'InterruptedByModify', 'AfterModify')
 
 
 def _event_of(segments: Tuple[HandedSegment, ...], count: int) -> HandedEvent:
-    """What the segments say of their job."""
+    """Returns what the segments say of their job."""
     statuses = [one.status for one in segments]
     if len(segments) >= count and all(one.is_final for one in segments):
         if 'Failed' in statuses:

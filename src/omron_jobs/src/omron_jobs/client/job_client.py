@@ -184,7 +184,10 @@ class JobClient:
                 self._errors[question.job] = line.text
 
     def due(self, now: float) -> List[str]:
-        """The lines that are to be sent now, stored before. Raises OSError: nothing is sent."""
+        """Returns the lines that are to be sent now, stored before.
+
+        Raises OSError: nothing is sent.
+        """
         if not self._is_linked or self._question is not None or self.problem:
             return []
         asked = self._next_to_ask(now)
@@ -208,7 +211,7 @@ class JobClient:
         return [line]
 
     def is_stuck(self, now: float) -> bool:
-        """Whether an answer is so late that the link is to be given up."""
+        """Returns whether an answer is so late that the link is to be given up."""
         return self._question is not None and now - self._question.since > ANSWERED_WITHIN
 
     def store_news(self) -> None:
@@ -280,7 +283,7 @@ class JobClient:
             self._put(job.refused(reason))
 
     def _next_modification(self) -> Optional[Tuple[str, str]]:
-        """The job and the command of a modification that is due."""
+        """Returns the job and the command of a modification that is due."""
         for job in self._jobs.values():
             for change in job.changes if job.is_in_hand and not job.is_unwanted else ():
                 line = modification_of(change)
@@ -294,7 +297,10 @@ class JobClient:
                      if job.is_in_hand and self._is_to_be_asked(job, now)), None)
 
     def _is_to_be_asked(self, job: HandedJob, now: float) -> bool:
-        """Whether nothing was heard of a job; a cancellation is repeated until it has its end."""
+        """Returns whether nothing was heard of a job.
+
+        A cancellation is repeated until it has its end.
+        """
         times = self._asked if job.is_unwanted else self._heard
         return (job.id in self._errors or job.id in self._unsure or job.id not in times
                 or now - times[job.id] >= ASKED_EVERY)

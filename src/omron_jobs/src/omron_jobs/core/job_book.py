@@ -154,7 +154,9 @@ class JobBook:
     # -- what clients want -----------------------------------------------------------------------
 
     def swap_at(self, vertex: int) -> Optional[QueuedJob]:
-        """The oldest job whose robot, when it has dropped off at a vertex, has no other job yet."""
+        """Returns the oldest job whose robot, when it has dropped off at a vertex,
+        has no other job yet.
+        """
         running = self.shelf.open
         taken = {'', *(job.robot for job in running)}
         return next((job for job in running if carrier_to(job, vertex) not in taken), None)
@@ -317,7 +319,9 @@ class JobBook:
                 for change in self._show_again(self.shelf[mission])]
 
     def hear_unknown(self, mission: int, stamp: int, asked: float) -> List[SegmentChange]:
-        """The fleet manager, asked at `asked`, does not know a mission that it had accepted."""
+        """Notes that the fleet manager, asked at `asked`, does not know a mission
+        that it had accepted.
+        """
         job = self.shelf.get(mission)
         if job is None or job.queued != stamp or not job.is_open or not job.is_known or (
                 self._heard.get(mission, -math.inf) >= asked):

@@ -135,7 +135,7 @@ class JobCommands:
         return JobReply((*lines, words.END_OF_MULTI), changes_of(job))
 
     def _goal(self, command: CommandLine, kind: SegmentKind, name: int, priority: int) -> JobGoal:
-        """The goal at this argument. `priority`: the argument that is its priority."""
+        """Returns the goal at this argument. `priority`: the argument that is its priority."""
         return JobGoal(kind, *self._place(command.words[name]),
                        command.number(priority, DEFAULT_PRIORITIES[kind]))
 
@@ -216,7 +216,10 @@ class JobCommands:
                          words.END_OF_SHOW_ROBOT))
 
     def _robot(self, command: CommandLine) -> str:
-        """The robot that the first argument names, in lower case; empty: all. Raises JobRefused."""
+        """Returns the robot that the first argument names, in lower case; empty: all.
+
+        Raises JobRefused.
+        """
         name = command.word(0)
         if name and name.lower() not in map(str.lower, self._site.robots):
             raise JobRefused(f'no such robot "{name}"')

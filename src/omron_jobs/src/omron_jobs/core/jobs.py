@@ -253,7 +253,9 @@ def news_of(job: QueuedJob, mission: JobMission, now: int
 
 def _as_placed(job: QueuedJob, segment: JobSegment, index: int, mission: JobMission
                ) -> Tuple[JobSegment, List[SegmentChange]]:
-    """A segment whose change of goal has been done, or goes back because it cannot be done."""
+    """Returns a segment whose change of goal has been done, or goes back
+    because it cannot be done.
+    """
     other = segment.other
     if other is None or index >= len(mission.places):
         return segment, []
@@ -274,7 +276,7 @@ def _replaced(segment: JobSegment, place: Place) -> JobSegment:
 
 def _target(job: QueuedJob, segments: Tuple[JobSegment, ...], index: int, mission: JobMission
             ) -> Told:
-    """What a segment that has not ended is to be shown as."""
+    """Returns what a segment that has not ended is to be shown as."""
     before = segments[index].told
     if index < mission.reached or mission.state is JobMissionState.SUCCEEDED:
         return Told(SegmentStatus.COMPLETED, NONE, mission.robot or before.robot)
@@ -286,7 +288,7 @@ def _target(job: QueuedJob, segments: Tuple[JobSegment, ...], index: int, missio
 
 
 def _unfinished(job: QueuedJob, before: Told, state: JobMissionState) -> Told:
-    """What a segment is shown as that was not completed when its mission ended."""
+    """Returns what a segment is shown as that was not completed when its mission ended."""
     if state is JobMissionState.FAILED:
         return Told(SegmentStatus.FAILED, NONE, before.robot)
     is_refused = state is not JobMissionState.CANCELLED
@@ -296,7 +298,7 @@ def _unfinished(job: QueuedJob, before: Told, state: JobMissionState) -> Told:
 
 def _present(job: QueuedJob, segments: Tuple[JobSegment, ...], index: int, mission: JobMission
              ) -> Told:
-    """What the segment is shown as to which an open mission goes now."""
+    """Returns what the segment is shown as to which an open mission goes now."""
     before, state = segments[index].told, mission.state
     robot = mission.robot or before.robot
     if state is JobMissionState.CANCELLING or job.cancel is not None:
@@ -312,7 +314,7 @@ def _present(job: QueuedJob, segments: Tuple[JobSegment, ...], index: int, missi
 
 
 def _served(segment: JobSegment, robot: str, drive: Optional[JobDrive]) -> Told:
-    """What a segment that a robot serves is shown as: never as less than before."""
+    """Returns what a segment that a robot serves is shown as: never as less than before."""
     course = _course_with(robot, segment.kind)
     seen = 1
     if drive is not None and (drive.robot, drive.vertex) == (robot, segment.vertex):
@@ -327,7 +329,10 @@ def _course_with(robot: str, kind: SegmentKind) -> List[Told]:
 
 
 def _course(before: Told, target: Told, kind: SegmentKind) -> List[Told]:
-    """What is told, one after the other, until the target is shown; nothing if it is already."""
+    """Returns what is told, one after the other, until the target is shown.
+
+    Nothing if it is already.
+    """
     if before == target:
         return []
     status, robot = target.status, target.robot
@@ -399,7 +404,7 @@ def _modified(job: QueuedJob, number: int, change: Callable[[JobSegment], JobSeg
 
 
 def _modification(job: QueuedJob, old: JobSegment, new: JobSegment) -> List[SegmentChange]:
-    """What is told of a segment that is modified."""
+    """Returns what is told of a segment that is modified."""
     robot = old.told.robot
     told = [replace(old, told=old.told._replace(status=SegmentStatus.BEFORE_MODIFY))]
     if new.told.status is not old.told.status:

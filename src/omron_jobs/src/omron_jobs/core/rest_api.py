@@ -192,7 +192,7 @@ class RestApi:
         return record
 
     def _goals_of(self, detail: Any, uses_defaults: bool) -> List[JobGoal]:
-        """The goals of a detail, in one of its two forms."""
+        """Returns the goals of a detail, in one of its two forms."""
         fields = Fields(detail, 'goal', 'segmentType', 'pickupGoal', 'dropoffGoal', 'priority')
         priority = '' if uses_defaults else 'priority'
         fields.number('priority')
@@ -280,7 +280,7 @@ class RestApi:
 
 
 def _written(value: object) -> str:
-    """A value of a field as it stands in a path, in lower case."""
+    """Returns a value of a field as it stands in a path, in lower case."""
     return '' if value is None else str(value).lower()
 
 

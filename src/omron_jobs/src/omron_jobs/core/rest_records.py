@@ -295,7 +295,7 @@ class RestRecords:
                 self._put(RestType.ROBOT_FAULT, {**ended, 'active': False})
 
     def _now(self) -> int:
-        """Times of changes never go back, or `UpdatedSince` would miss some."""
+        """Returns a time of change; these never go back, or `UpdatedSince` would miss some."""
         return max(self._last, self._clock())
 
     def _put(self, kind: RestType, content: Record, at: int = 0) -> Record:

@@ -92,7 +92,7 @@ class DayRun:
         self._start_job_server()
 
     def _named_goals(self) -> Dict[str, int]:
-        """The goals by their names, and by their ids, which commands may have as well."""
+        """Returns the goals by their names, and by their ids, which commands may have as well."""
         goals = dict(self._site.goals or {})
         return {**{str(vertex): vertex for vertex in goals.values()}, **goals}
 

@@ -50,6 +50,6 @@ def goals_of(vertices: Collection[Vertex]) -> Dict[str, int]:
 
 
 def is_name(label: str) -> bool:
-    """Whether a label can be the name of a goal in a line."""
+    """Returns whether a label can be the name of a goal in a line."""
     return (label.isprintable() and '"' not in label and label == label.strip()
             and bool(label) and not label.isdecimal())

@@ -108,7 +108,7 @@ class JobHandover:
             self._tell()
 
     def next_to_send(self, now: float) -> Optional[bytes]:
-        """What is to be sent next; before that, stores what was heard."""
+        """Returns what is to be sent next; before that, stores what was heard."""
         if not self._to_send:
             self._to_send.extend(self._due(now))
         if not self._to_send and now - self._beat >= BEAT:

@@ -35,7 +35,7 @@ def read_peers(text: str) -> Tuple[Network, ...]:
 
 
 def is_peer(address: str, peers: Sequence[Network]) -> bool:
-    """Whether an address is in one of the networks. Loopback is always a peer."""
+    """Returns whether an address is in one of the networks. Loopback is always a peer."""
     found = ipaddress.ip_address(address.partition('%')[0])
     plain = getattr(found, 'ipv4_mapped', None) or found
     return plain.is_loopback or any(plain in network for network in peers)

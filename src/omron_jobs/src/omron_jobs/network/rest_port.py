@@ -224,23 +224,23 @@ class _Connection(asyncio.Protocol):
             self.inner.data_received(data)
 
     def eof_received(self) -> None:
-        """The other side sends no more: the connection ends."""
+        """Notes that the other side sends no more: the connection ends."""
         if self._is_let_in:
             self.inner.eof_received()
 
     def connection_lost(self, exc: Optional[Exception]) -> None:
-        """The connection has ended."""
+        """Notes that the connection has ended."""
         self.pause_deadline()
         self._port.leaves(self)
         if self._is_let_in:
             self.inner.connection_lost(exc)
 
     def pause_writing(self) -> None:
-        """The other side reads slowly."""
+        """Notes that the other side reads slowly."""
         self.inner.pause_writing()
 
     def resume_writing(self) -> None:
-        """The other side has read."""
+        """Notes that the other side has read."""
         self.inner.resume_writing()
 
     def set_deadline(self) -> None:
@@ -249,7 +249,7 @@ class _Connection(asyncio.Protocol):
         self._deadline = asyncio.get_event_loop().call_later(REQUEST_TIME, self.end)
 
     def pause_deadline(self) -> None:
-        """A request is there."""
+        """Notes that a request is there."""
         if self._deadline is not None:
             self._deadline.cancel()
             self._deadline = None

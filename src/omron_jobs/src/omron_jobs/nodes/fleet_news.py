@@ -25,7 +25,7 @@ class WrongStatus(ValueError):
 
 
 def mission_of(status: msg.MissionStatus) -> JobMission:
-    """What a status says. Raises WrongStatus."""
+    """Returns what a status says. Raises WrongStatus."""
     try:
         state = JobMissionState(status.state)
     except ValueError:
@@ -38,17 +38,19 @@ def mission_of(status: msg.MissionStatus) -> JobMission:
 
 
 def stamp_of(status: msg.MissionStatus) -> int:
-    """The stamp of the request of a mission, in ms: the fleet manager rounds less than that."""
+    """Returns the stamp of the request of a mission, in ms: the fleet manager rounds less than
+    that.
+    """
     return round(status.request_stamp.to_nsec() / 1e6)
 
 
 def robots_of(state: msg.FleetState, substatus_of: SubstatusOf) -> Dict[str, RobotNews]:
-    """What is shown of each robot."""
+    """Returns what is shown of each robot."""
     return {robot.name: _robot_of(robot, substatus_of) for robot in state.robots}
 
 
 def drives_of(state: msg.FleetState) -> Dict[int, JobDrive]:
-    """What robots do on their missions, by the mission that each one serves."""
+    """Returns what robots do on their missions, by the mission that each one serves."""
     found = {}
     for robot in state.robots:
         act = act_of(robot.state == _ROBOT.BUSY, robot.waits_for_code, robot.to_destination)

@@ -133,7 +133,7 @@ def _refusal(wanted: QueueJobGoal) -> str:
 
 
 def stops_of(stops: Iterable[JobStop]) -> Tuple[HandedStop, ...]:
-    """The stops of a message. Raises WrongJob."""
+    """Returns the stops of a message. Raises WrongJob."""
     found: List[HandedStop] = []
     for stop in stops:
         if stop.kind not in _KINDS:
@@ -144,7 +144,7 @@ def stops_of(stops: Iterable[JobStop]) -> Tuple[HandedStop, ...]:
 
 
 def status_of(job: HandedJob) -> JobStatus:
-    """The message about a job."""
+    """Returns the message about a job."""
     status = JobStatus(job_id=job.id, request_id=job.request, state=int(job.state),
                        segment_ids=[one.id for one in job.segments],
                        segment_states=[one.status for one in job.segments],

@@ -301,12 +301,12 @@ class JobServerNode:
 
 
 def stamp(job: QueuedJob) -> genpy.Time:
-    """The stamp of the request of a job's mission: it tells requests with one id apart."""
+    """Returns the stamp of the request of a job's mission: it tells requests with one id apart."""
     return genpy.Time(job.queued // 1000, job.queued % 1000 * 1_000_000)
 
 
 def peers() -> Any:
-    """The networks of ~peers. Raises ConfigurationError."""
+    """Returns the networks of ~peers. Raises ConfigurationError."""
     try:
         return read_peers(parameter('~peers', ''))
     except WrongPeer as wrong:
@@ -314,7 +314,7 @@ def peers() -> Any:
 
 
 def outgoing_link(port: JobPort) -> Optional[DialledLink]:
-    """The outgoing connection; None: it is not wanted. Raises ConfigurationError."""
+    """Returns the outgoing connection; None: it is not wanted. Raises ConfigurationError."""
     host, number_of_port = parameter('~outgoing_host', ''), parameter('~outgoing_port', 7179, int)
     commands = parameter('~outgoing_commands', '').split('|')
     seconds = number('~outgoing_seconds', 0.0, 0.0, 86_400.0)
@@ -340,7 +340,10 @@ class RestSettings(NamedTuple):
 
 
 def rest_settings() -> Optional[RestSettings]:
-    """The settings of the REST interface; None: there is none. Raises ConfigurationError."""
+    """Returns the settings of the REST interface; None: there is none.
+
+    Raises ConfigurationError.
+    """
     port = parameter('~rest_port', 0, int)
     host, file = parameter('~rest_host', '127.0.0.1'), parameter('~rest_password_file', '')
     certificate, key = parameter('~rest_certificate', ''), parameter('~rest_key', '')

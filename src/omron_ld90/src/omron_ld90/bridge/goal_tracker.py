@@ -84,8 +84,8 @@ class GoalTracker:
         self._begin(goal, LastWord(command))
 
     def resume(self, goal: str, command: str, number: int, now: float) -> None:
-        """The robot was sent to `goal` before a restart of this program, with a command of this
-        number; 0: the command was not given yet.
+        """Notes that the robot was sent to `goal` before a restart of this program, with a command
+        of this number; 0: the command was not given yet.
         """
         self._begin(goal, LastWord(command, number=number))
         self._judge(now)
@@ -101,7 +101,7 @@ class GoalTracker:
             self.word = LastWord()
 
     def end(self) -> None:
-        """The robot need not drive to a goal of ours any more."""
+        """Notes that the robot need not drive to a goal of ours any more."""
         self._begin(None, self.word if self.word.is_stop else LastWord())
 
     def _begin(self, goal: Optional[str], word: LastWord) -> None:
@@ -112,7 +112,7 @@ class GoalTracker:
     # --- how the command goes on -----------------------------------------------------------------
 
     def ended(self, event: CommandEnded, now: float) -> None:
-        """A command has ended; all but the last one are ignored."""
+        """Notes that a command has ended; all but the last one are ignored."""
         if event.number != self.word.number or self.word.must_be_given:
             return
         self.word.ended(event, now)
@@ -128,7 +128,7 @@ class GoalTracker:
             self._judge(now)
 
     def told(self, number: int, fate: Optional[CommandFate], now: float) -> None:
-        """The controller tells what became of our last command."""
+        """Notes that the controller tells what became of our last command."""
         self._told = number, fate
         self._judge(now)
 

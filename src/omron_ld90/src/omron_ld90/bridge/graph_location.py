@@ -41,7 +41,7 @@ class GraphLocation:
             self.is_docked or self._distance_to(self._dock) <= DOCK_ZONE)
 
     def why_not_from(self, edge: int, being_driven: bool) -> str:
-        """The reason why a route cannot begin here with `edge`; empty if it can.
+        """Returns the reason why a route cannot begin here with `edge`; empty if it can.
 
         A route can begin at the edge's first vertex and anywhere on the edge. It can begin at the
         last vertex only while the edge is `being_driven`: the order may have crossed our report.
@@ -67,7 +67,10 @@ class GraphLocation:
         return ''
 
     def nearest_of(self, edges: Sequence[int]) -> Optional[int]:
-        """Index of the nearest edge whose corridor contains this location; the first of equals."""
+        """Returns the index of the nearest edge whose corridor contains this location.
+
+        The first of equals.
+        """
         distances = [self.graph.curve(edge).project(*self.position).distance for edge in edges]
         if not distances or min(distances) > self.corridor_width / 2.0:
             return None
@@ -75,7 +78,7 @@ class GraphLocation:
                     if distance <= min(distances) + 0.01)
 
     def symbolic_pose(self) -> SymbolicPose:
-        """The nearest edge, driven forwards; edge 0 if the location is in no corridor."""
+        """Returns the nearest edge, driven forwards; edge 0 if the location is in no corridor."""
         if self._dock is not None and self.is_docked and self.graph.edges:
             way_out = self.graph.edges_from(self._dock)[0]
             return SymbolicPose(abs(way_out), 0.0 if way_out > 0 else 100.0)

@@ -59,7 +59,7 @@ class LastWord:
         return self.command == STOP
 
     def due(self, link_stands: bool, now: float) -> bool:
-        """Whether to give it now; the first attempt is made regardless of the link."""
+        """Returns whether to give it now; the first attempt is made regardless of the link."""
         return self.must_be_given and (
             not self._was_tried or link_stands and now >= self._not_before)
 
@@ -70,7 +70,7 @@ class LastWord:
         return Give(number, self.command, epoch if self.epoch is None else self.epoch)
 
     def ended(self, event: CommandEnded, now: float) -> None:
-        """The controller's answer came, or was lost."""
+        """Notes that the controller's answer came, or was lost."""
         if event.ending is Outcome.NEVER_SENT or self.is_stop and event.ending is Outcome.LOST:
             self.give_again(now + RETRY)
             self.problem = event.text or event.ending.value
@@ -82,7 +82,7 @@ class LastWord:
             self.problem = (event.text or event.ending.value) if failed else ''
 
     def give_again(self, not_before: float) -> None:
-        """It must be given once more."""
+        """Notes that it must be given once more."""
         self.must_be_given, self.is_lost, self._was_tried = True, False, True
         self._not_before = not_before
 

@@ -44,23 +44,25 @@ class MotionJudge:
         self._is_driven = False  # by another giver or by hand
 
     def route_ended(self, phase: Phase) -> None:
-        """A route is complete, or was lost or stopped: the robot may roll on for a while."""
+        """Notes that a route is complete, or was lost or stopped:
+        the robot may roll on for a while.
+        """
         self._move(Motion.ON_ROUTE if phase is Phase.COMPLETE else Motion.COMING_TO_REST)
 
     def taken_over(self) -> None:
-        """Something else than a route of ours moves the robot now, or may do so."""
+        """Notes that something else than a route of ours moves the robot now, or may do so."""
         self._move(Motion.MOVED)
 
     def told(self, motion: p.MotionTold) -> None:
-        """The controller tells what the robot does, and which giver drives it."""
+        """Notes that the controller tells what the robot does, and which giver drives it."""
         self._is_driven = motion.state is MotionState.MANUAL or (
             motion.state in _DRIVEN and not motion.is_ours)
         if self._is_driven:
             self.taken_over()
 
     def seen(self, status: p.RobotSeen, location: Optional[MapLocation], runs: bool) -> None:
-        """The robot tells what it did at its last location; `location` is None if that is no new
-        one.
+        """Notes that the robot tells what it did at its last location; `location` is None if that
+        is no new one.
 
         runs -- a route of ours runs
         """

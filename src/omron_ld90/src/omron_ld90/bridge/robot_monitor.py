@@ -55,23 +55,24 @@ class RobotMonitor:
         self.tracker.stop(epoch)
 
     def leave(self) -> None:
-        """Another giver drives the robot: this route does not control it any more."""
+        """Notes that another giver drives the robot: this route does not control it any more."""
         self.tracker.end()
 
     def begin(self) -> None:
-        """A new route begins: earlier failures and stops do not count any more."""
+        """Notes that a new route begins: earlier failures and stops do not count any more."""
         self._taken_over = None
         self.tracker.forget()
 
     def route_extended(self) -> None:
-        """A complete route gets longer. A giver that drove the robot meanwhile does not count as a
-        take-over.
+        """Notes that a complete route gets longer. A giver that drove the robot meanwhile does not
+        count as a take-over.
         """
         self._taken_over = None
 
     def due_commands(self, now: float) -> List[p.Give]:
-        """The commands to give now; they count as given. No drive is given after another giver's
-        epoch, nor while it is unknown why the robot broke off a drive."""
+        """Returns the commands to give now; they count as given. No drive is given after another
+        giver's epoch, nor while it is unknown why the robot broke off a drive.
+        """
         word = self.tracker.word
         if (self._taken_over or self._is_unexplained) and not word.is_stop or not word.due(
                 self.links.stands(p.RobotLink.COMMANDS, now), now):
@@ -86,7 +87,10 @@ class RobotMonitor:
     # --- judging the robot's state ----------------------------------------------------------------
 
     def why_unknown(self, now: float) -> Reason:
-        """The reason why it is unknown whether the robot can drive; empty if it is known."""
+        """Returns the reason why it is unknown whether the robot can drive.
+
+        Empty if it is known.
+        """
         if self.location.last is None:
             return Reason(ReasonCode.NO_LOCATION, 'the robot has not reported its location')
         unusable = self.links.why_unusable(now)
@@ -101,7 +105,7 @@ class RobotMonitor:
         return unusable
 
     def is_heard(self, now: float) -> bool:
-        """Whether the robot's links are up, and its last location is not too old."""
+        """Returns whether the robot's links are up, and its last location is not too old."""
         return (self.location.last is not None and not self.links.why_unusable(now)
                 and not self.is_location_overdue(now))
 
@@ -122,7 +126,9 @@ class RobotMonitor:
         return word.problem if word.is_stop and self.owes_stop else ''
 
     def is_location_overdue(self, now: float) -> bool:
-        """Whether the last location is too old, provided that its link was up for that long."""
+        """Returns whether the last location is too old, provided that its link was up for
+        that long.
+        """
         heard = max(self.location.heard, self.links.up_since(p.RobotLink.OUTGOING))
         return now - heard > self._settings.location_timeout
 

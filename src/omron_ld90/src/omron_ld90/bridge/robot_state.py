@@ -105,17 +105,23 @@ class RobotLinks:
             self._links[report.link].update(report, now, self._restart_timeout)
 
     def stands(self, link: RobotLink, now: float) -> bool:
-        """Whether the link is up and its node alive; always True for a link not expected."""
+        """Returns whether the link is up and its node alive.
+
+        Always True for a link not expected.
+        """
         state = self._links.get(link)
         return state is None or (state.up and not state.node_is_away(now))
 
     def up_since(self, link: RobotLink) -> float:
-        """When the link last came up, or its node came back; -inf for a link not expected."""
+        """Returns when the link last came up, or its node came back.
+
+        -inf for a link not expected.
+        """
         state = self._links.get(link)
         return -math.inf if state is None else state.changed
 
     def why_unusable(self, now: float) -> Reason:
-        """The reason why the robot cannot be driven at this moment; empty if it can."""
+        """Returns the reason why the robot cannot be driven at this moment; empty if it can."""
         for link, state in self._links.items():
             if state.heard is None:
                 return Reason(ReasonCode.NOT_READY,
@@ -127,7 +133,7 @@ class RobotLinks:
         return NO_REASON
 
     def why_lost(self, now: float) -> Reason:
-        """The reason why a link counts as lost; empty if none does."""
+        """Returns the reason why a link counts as lost; empty if none does."""
         for link, state in self._links.items():
             if state.heard is None:
                 continue

@@ -167,7 +167,7 @@ class RouteFollower:
                               self.robot.epoch, self.orders.old_masters.last)
 
     def report(self) -> RouteReport:
-        """The next report for the fleet manager."""
+        """Returns the next report for the fleet manager."""
         last = self.robot.location.last
         return self.vehicle.report(
             last.stamp if last else 0, self.pose, _location_of(last), self.motion,
@@ -340,7 +340,9 @@ class RouteFollower:
         self._drive_on(now)
 
     def _drives_without_route(self) -> bool:
-        """Whether the robot has just begun to obey a drive of ours, but no route needs it."""
+        """Returns whether the robot has just begun to obey a drive of ours,
+        but no route needs it.
+        """
         return (self.robot.drives_for_us and not self.running and self._restored is None
                 and not self.robot.must_stop and not self.robot.stop_problem)
 
@@ -422,7 +424,7 @@ class RouteFollower:
 
 
 def _location_of(last: Optional[MapLocation]) -> Optional[VehicleLocation]:
-    """The location as reports tell it."""
+    """Returns the location as reports tell it."""
     if last is None:
         return None
     return VehicleLocation(last.x, last.y, math.nan if last.heading is None else last.heading)

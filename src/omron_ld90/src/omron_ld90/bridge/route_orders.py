@@ -73,7 +73,8 @@ def _refused(code: ReasonCode, text: str) -> RouteRefused:
 
 
 def first_change(graph: Graph, other: Graph, edges: Tuple[int, ...]) -> str:
-    """A clause that says how `graph` changes the first changed edge of these `edges` of `other`.
+    """Returns a clause that says how `graph` changes the first changed edge of these `edges` of
+    `other`.
 
     Empty if all are the same, except for their speeds.
     """

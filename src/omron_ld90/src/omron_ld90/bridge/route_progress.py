@@ -67,11 +67,13 @@ class RouteProgress:
         return len(self.edges) - 1
 
     def end(self, index: int) -> Vertex:
-        """The vertex at the end of the edge with this index."""
+        """Returns the vertex at the end of the edge with this index."""
         return self.graph.end_vertex(self.edges[index])
 
     def distance_to_end(self, index: int) -> float:
-        """Length of the route from the robot to the end of the edge with this index, m."""
+        """Returns the length of the route from the robot to the end of the edge with this index,
+        m.
+        """
         return self._lengths(self.current, index + 1) - self._arc
 
     def move_to(self, x: float, y: float) -> None:
@@ -98,7 +100,7 @@ class RouteProgress:
             self._arc = self._arc_at(self._place, math.dist(begin, self._place))
 
     def complete_current(self) -> None:
-        """The robot has reached the end of the current edge."""
+        """Notes that the robot has reached the end of the current edge."""
         self.current += 1
         self._arc = 0.0
 
@@ -107,7 +109,7 @@ class RouteProgress:
         self.edges, self.current = tuple(edges), current
 
     def has_overshot(self) -> bool:
-        """Whether the robot went on to the next edge without passing the vertex between."""
+        """Returns whether the robot went on to the next edge without passing the vertex between."""
         if self.current + 1 >= len(self.edges) or self.end(self.current).id in self._by_word:
             return False
         vertex = self.end(self.current)
@@ -117,7 +119,9 @@ class RouteProgress:
                 and math.dist(self._place, vertex.position) > 2.0 * self.tolerance)
 
     def _entry(self, before: Point, from_t: float) -> Optional[float]:
-        """The fraction (0..1) of the segment from `before` at which the next vertex is passed."""
+        """Returns the fraction (0..1) of the segment from `before` at
+        which the next vertex is passed.
+        """
         length = self._curve().length
         tolerance = min(self.tolerance, length / 2.0)
         vertex = self.end(self.current).position
@@ -129,7 +133,7 @@ class RouteProgress:
         return t if length - arc <= 2.0 * tolerance else None
 
     def _arc_at(self, place: Point, moved: float) -> float:
-        """Arc length of `place` on the current edge, reached by moving `moved` m."""
+        """Returns the arc length of `place` on the current edge, reached by moving `moved` m."""
         return self._curve().project(
             *place, start=self._arc, end=self._arc + 2.0 * moved + SLACK).arc_length
 
@@ -146,7 +150,9 @@ def _between(a: Point, b: Point, t: float) -> Point:
 
 def _first_within(a: Point, b: Point, centre: Point, radius: float,
                   from_t: float) -> Optional[float]:
-    """Least t in from_t..1 at which the segment a-b is within `radius` of `centre`, or None."""
+    """Returns the least t in from_t..1 at which the segment a-b is within `radius` of `centre`,
+    or None.
+    """
     if math.dist(_between(a, b, from_t), centre) <= radius:
         return from_t
     dx, dy = b[0] - a[0], b[1] - a[1]

@@ -38,7 +38,8 @@ def continued_route(record: BridgeMemory, here: GraphLocation,
 
 
 def _current_edge(record: BridgeMemory, here: GraphLocation) -> int:
-    """Index of the edge on which the robot is; raises RouteFailed if the robot is elsewhere.
+    """Returns the index of the edge on which the robot is; raises RouteFailed if the robot is
+    elsewhere.
 
     If the robot is on the edges that lead to its last goal, the edges before that were driven.
     """

@@ -78,7 +78,7 @@ class RouteRun:
         return self.progress.edges[max(current - 1, 0):max(current, self.target or 0) + 2]
 
     def is_on(self, edge: int) -> bool:
-        """Whether the robot is on this edge or just past it, or failed on it."""
+        """Returns whether the robot is on this edge or just past it, or failed on it."""
         if self._vehicle.state.phase not in (Phase.RUNNING, Phase.FAILED):
             return False
         current = self.progress.current
@@ -86,7 +86,7 @@ class RouteRun:
             max(current - 1, 0) if self.running else current:current + 1]
 
     def decides_pose(self, here: GraphLocation) -> bool:
-        """Whether the robot is driving the route, or has stayed where the route ended."""
+        """Returns whether the robot is driving the route, or has stayed where the route ended."""
         if self._vehicle.state.phase is not Phase.COMPLETE:
             return self.running
         end = self.progress.end(-1)
@@ -107,7 +107,7 @@ class RouteRun:
         self._allowed = (until, tuple(edge for edge in allowed if abs(edge) in graph.edges))
 
     def can_stop_within(self, edges: int, now: float) -> bool:
-        """Whether the robot stops within this number of edges, the current one included.
+        """Returns whether the robot stops within this number of edges, the current one included.
 
         It does if it was sent no farther, or if it is far enough from their end to brake.
         """
@@ -222,7 +222,7 @@ class RouteRun:
         return f'goto {goal}'
 
     def _send_back(self, now: float) -> str:
-        """The robot missed a vertex by cutting a corner: sends it back there, once."""
+        """Sends the robot back, once, to a vertex that it missed by cutting a corner."""
         current = self.progress.current
         name = vertex_name(self.progress.graph, self.progress.end(current).id)
         if current in self._sent_back:
@@ -248,17 +248,24 @@ class RouteRun:
         self._strayed = strays
 
     def _horizon(self) -> float:
-        """Distance in m in which the robot may begin to brake before its next location."""
+        """Returns the distance in m in which the robot may begin to brake
+        before its next location.
+        """
         return self._braking_distance(self._location.period + LEAD)
 
     def _braking_distance(self, seconds: float) -> float:
-        """Distance in m that the robot drives until it stands, if it brakes after `seconds`."""
+        """Returns the distance in m that the robot drives until it stands, if it brakes
+        after `seconds`.
+        """
         settings = self._settings
         speed = min(settings.top_speed, self._location.speed + settings.acceleration * seconds)
         return speed * speed / (2.0 * settings.braking) + speed * seconds
 
     def _distance_to_target(self) -> float:
-        """Distance to the target in m; infinite while the location or the target is unknown."""
+        """Returns the distance to the target in m.
+
+        Infinite while the location or the target is unknown.
+        """
         last = self._location.last
         if last is None or self.target is None:
             return math.inf

@@ -38,7 +38,8 @@ class StrategyContext:
         return self.target is None or self.progress.current > self.target
 
     def farthest_free(self, first: int, wanted: Callable[[int], bool]) -> int:
-        """The last index from `first` on to which the robot's own path would follow the route.
+        """Returns the last index from `first` on to which the robot's own path would follow the
+        route.
 
         The search continues from an index only if it is `wanted`, and never beyond the next stop.
         """

@@ -20,7 +20,7 @@ class RunningClock:
         self._now = 0.0
 
     def read(self) -> float:
-        """The time in s; must be read several times a second."""
+        """Returns the time in s; must be read several times a second."""
         now = self._monotonic()
         self._now += min(now - self._last, LONGEST_STEP)
         self._last = now

@@ -24,7 +24,8 @@ FARTHEST_CUT = 3.0       # m before a vertex at which the robot may begin to cut
 
 def follows_on(graph: Graph, edges: Sequence[int], arc: float, corridor_width: float,
                tolerance: float) -> bool:
-    """Whether the robot's path from `arc` m on `edges[0]` also follows the last edge to its end.
+    """Returns whether the robot's path from `arc` m on `edges[0]` also follows the last edge to its
+    end.
 
     Its path along the edges before that is known. It must come within `tolerance` (m) of the vertex
     before the last edge.
@@ -39,7 +40,8 @@ _cuts: MutableMapping[Graph, Dict[Tuple[int, int, float], float]] = WeakKeyDicti
 
 
 def corner_cut(graph: Graph, first: int, second: int, slack: float) -> float:
-    """Distance (m) of the shortest path from edge `first` to edge `second` from their vertex.
+    """Returns the distance (m) of the shortest path from edge `first` to edge `second` from their
+    vertex.
 
     The robot's centre may be `slack` m off the curves. The inner corner of its path is the point
     farthest from the vertex that is within `slack` of both curves. At a right angle this is 1.4
@@ -70,7 +72,8 @@ def _corner_cut(graph: Graph, first: int, second: int, slack: float) -> float:
 
 
 def has_detour(graph: Graph, edges: Sequence[int], arc: float, margin: float) -> bool:
-    """Whether another path to the end of `edges[-1]` bypasses some edges and is equally short.
+    """Returns whether another path to the end of `edges[-1]` bypasses some edges and is equally
+    short.
 
     The robot is `arc` m along `edges[0]`. A path is equally short if it is not longer than the
     bypassed part by more than `margin` (m). A path that leaves the edges joins them again

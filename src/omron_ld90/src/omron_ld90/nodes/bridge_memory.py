@@ -69,7 +69,7 @@ class RouteMemory:
         hold(self._file, '~route_file')
 
     def recall(self) -> Optional[Recalled]:
-        """What the program before this one left; None if it left nothing.
+        """Returns what the program before this one left; None if it left nothing.
 
         A record of another launch counts as infinitely old. Exception: it is in the file and no
         person ended that launch, so it died.
@@ -144,7 +144,7 @@ class RouteMemory:
                                          'ROS master does not answer (%s).', error)
 
     def _read(self) -> str:
-        """The content of the file; empty if there is no file, or it is not text."""
+        """Returns the content of the file; empty if there is no file, or it is not text."""
         try:
             with open(self._file, encoding='utf-8') as stream:
                 return stream.read()

@@ -43,7 +43,7 @@ _LINKS: Dict[str, RobotLink] = {link.value: link for link in RobotLink}
 
 
 def robot_seen(status: RobotStatus) -> RobotSeen:
-    """The event for a status."""
+    """Returns the event for a status."""
     position = status.pose.position
     return RobotSeen(
         status.header.stamp.to_nsec(), _KINDS.get(status.activity, ActivityKind.UNKNOWN),
@@ -53,12 +53,12 @@ def robot_seen(status: RobotStatus) -> RobotSeen:
 
 
 def command_ended(number: int, result: ExecuteCommandResult) -> CommandEnded:
-    """The event for the result of a command."""
+    """Returns the event for the result of a command."""
     return CommandEnded(number, _ENDINGS.get(result.outcome, Outcome.FAILED), result.message)
 
 
 def motion_told(message: Motion, own_name: str) -> MotionTold:
-    """The event for a Motion message; `own_name` is the name of this node."""
+    """Returns the event for a Motion message; `own_name` is the name of this node."""
     is_ours = message.giver == own_name or message.cause == Motion.EMERGENCY_STOP
     number, fate = next(((last.number, last.fate) for last in message.last_commands
                          if last.giver == own_name), (0, LastCommand.NOT_OBEYED))
@@ -72,7 +72,7 @@ def motion_told(message: Motion, own_name: str) -> MotionTold:
 
 
 def link_reported(message: LinkState) -> Optional[LinkReported]:
-    """The event for the state of a link; None if the link is not one of the robot's."""
+    """Returns the event for the state of a link; None if the link is not one of the robot's."""
     link = _LINKS.get(message.link)
     if link is None:
         return None

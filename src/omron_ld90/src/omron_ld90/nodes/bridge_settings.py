@@ -9,7 +9,7 @@ from trajectory_graph import Graph
 
 
 def read_settings(graph: Optional[Graph]) -> RouteSettings:
-    """The settings for driving routes; raises ConfigurationError."""
+    """Returns the settings for driving routes; raises ConfigurationError."""
     dock = parameter('~dock_vertex', 0, int)
     if graph is not None and dock and dock not in graph.vertices:
         raise ConfigurationError(

@@ -182,7 +182,9 @@ def _on_refused(address: str) -> None:
 
 
 def _bind_address(robot: str) -> str:
-    """The loopback address for a robot on this computer, so that no other computer can connect."""
+    """Returns the loopback address for a robot on this computer, so
+    that no other computer can connect.
+    """
     try:
         addresses = {entry[4][0] for entry in resolve(robot)}
     except OSError:

@@ -156,30 +156,33 @@ class CommandActions:
         self._goal_ended(goal_id, failure(command, result))
 
     def _handles(self) -> List[actionlib.ServerGoalHandle]:
-        """The handles of the goals whose commands are under way."""
+        """Returns the handles of the goals whose commands are under way."""
         with self._lock:
             return [goal.handle for goal in self._running.values()]
 
     # --- defined by each kind of action ----------------------------------------------------------
 
     def _giver(self, handle: actionlib.ServerGoalHandle) -> Giver:
-        """The program that gave a goal."""
+        """Returns the program that gave a goal."""
         return giver_of(handle.goal)
 
     def _known_epoch(self, goal: Any) -> int:
-        """The epoch in which a goal is valid; 0: any."""
+        """Returns the epoch in which a goal is valid; 0: any."""
         return 0
 
     def _number(self, goal: Any) -> int:
-        """The number of the command at its giver; 0: none."""
+        """Returns the number of the command at its giver; 0: none."""
         return 0
 
     def _command_of(self, goal: Any) -> Tuple[str, float]:
-        """The command of a goal, and its timeout in s (0: the command's own); raises Refused."""
+        """Returns the command of a goal, and its timeout in s (0: the command's own).
+
+        Raises Refused.
+        """
         raise NotImplementedError
 
     def _is_stop(self, goal: Any) -> bool:
-        """Whether a goal stops the robot."""
+        """Returns whether a goal stops the robot."""
         return False
 
     def _on_line(self, handle: actionlib.ServerGoalHandle, line: str) -> None:
@@ -189,7 +192,7 @@ class CommandActions:
         raise NotImplementedError
 
     def _refusal(self, reason: Exception) -> object:
-        """The result of a goal that is refused."""
+        """Returns the result of a goal that is refused."""
         raise NotImplementedError
 
     def _goal_ended(self, goal_id: str, reason: Optional[str]) -> None:

@@ -73,8 +73,9 @@ class ExecuteCommandServer(CommandActions):
                                     lines=list(result.lines))
 
     def _refusal(self, reason: Exception) -> ExecuteCommandResult:
-        """NEVER_SENT if the command is valid and may be given again; OVERRULED if the command of
-        another giver came first."""
+        """Returns NEVER_SENT if the command is valid and may be given again; OVERRULED if the
+        command of another giver came first.
+        """
         if isinstance(reason, Overruled):
             outcome = ExecuteCommandResult.OVERRULED
         elif isinstance(reason, (Busy, NotConnected, NeverSent, Unclear)):

@@ -47,7 +47,7 @@ class GoalComparison:
         self._thread.join(0.5)
 
     def diagnose(self, status: DiagnosticStatusWrapper) -> DiagnosticStatusWrapper:
-        """Task for diagnostic_updater."""
+        """Fills in a status, as a task for diagnostic_updater."""
         status.summary(self._level, self._message)
         status.add('goals of the robot', str(len(self._robot or ())))
         status.add('only in the robot', ', '.join(self._only_robot[:_MAXIMUM_NAMES]) or 'none')
@@ -91,7 +91,10 @@ class GoalComparison:
 
 
 def _without(names: FrozenSet[str], others: FrozenSet[str]) -> List[str]:
-    """`names` that are not in `others`, for a person; case is ignored, as the robot does."""
+    """Returns `names` that are not in `others`, for a person.
+
+    Case is ignored, as the robot does.
+    """
     folded = {name.casefold() for name in others}
     return sorted(printable(name) for name in names if name.casefold() not in folded)
 

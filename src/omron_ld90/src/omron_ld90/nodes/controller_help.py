@@ -40,7 +40,7 @@ class HelpReport:
                       name)
 
     def diagnose(self, status: DiagnosticStatusWrapper) -> DiagnosticStatusWrapper:
-        """Task for diagnostic_updater."""
+        """Fills in a status, as a task for diagnostic_updater."""
         with self._lock:
             help_list, unlisted = self._help, list(self._unlisted)
         if unlisted:

@@ -34,7 +34,8 @@ class MotionFile:
         hold(self._path, '~motion_file')
 
     def read(self) -> Optional[DriveMemory]:
-        """The stored memory; None if there is none, it is of another robot, or it cannot be read.
+        """Returns the stored memory; None if there is none, it is of another robot, or it cannot be
+        read.
 
         If the folder is read-only, the stored epoch may be out of date. Then epoch 0 is returned,
         which no program knows, so that no program drives on because of it. An owed stop still
@@ -102,7 +103,7 @@ class MotionTopic:
 
 
 def message_of(motion: RobotMotion) -> msg.Motion:
-    """A `RobotMotion` as a message, without its stamp."""
+    """Returns a `RobotMotion` as a message, without its stamp."""
     memory = motion.memory
     return msg.Motion(
         epoch=memory.epoch, previous_epoch=memory.previous_epoch, giver=memory.giver.name,

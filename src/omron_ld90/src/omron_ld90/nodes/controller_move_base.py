@@ -27,7 +27,7 @@ OWN_CONNECTION = 5.0  # s to wait until the node is connected to its own topic o
 
 
 def robot_pose(pose: PoseStamped, map_frame: str) -> Tuple[int, int, int]:
-    """x, y (mm), heading (degrees) of a pose in the map frame; raises Refused."""
+    """Returns x, y (mm), heading (degrees) of a pose in the map frame; raises Refused."""
     frame = pose.header.frame_id.lstrip('/')
     if frame != map_frame:
         raise GoalRefused(f'the pose is in the frame "{frame}", not in "{map_frame}"')

@@ -12,7 +12,7 @@ PASSWORD_VARIABLE = 'OMRON_LD90_PASSWORD'
 
 
 def read_password(path: str, is_simulated: bool = False) -> bytes:
-    """The password from `path`, or from the environment; raises ConfigurationError.
+    """Returns the password from `path`, or from the environment; raises ConfigurationError.
 
     No message ever contains it. The variable is removed from this process's environment, so that no
     program inherits it from here. But roslaunch has already written it into its own log. The

@@ -24,7 +24,7 @@ _FAILURES: Mapping[Outcome, str] = {
 
 
 def failure(text: str, result: Result) -> Optional[str]:
-    """A sentence for a person if the command failed, else None."""
+    """Returns a sentence for a person if the command failed, else None."""
     if result.outcome not in _FAILURES:
         return None
     return (f'Command {printable(text)!r} {_FAILURES[result.outcome]}: '

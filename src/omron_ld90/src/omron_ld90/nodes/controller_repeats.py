@@ -28,7 +28,7 @@ class ObeyedDrive:
             self._newest = execution
 
     def same_as(self, text: str, giver: Giver, known_epoch: int = 0) -> Optional[Execution]:
-        """The drive that this command of this giver would only repeat, or None.
+        """Returns the drive that this command of this giver would only repeat, or None.
 
         Another giver's command is never a repetition: it may take the robot over.
         """

@@ -203,7 +203,7 @@ class EdgesToVertices:
 
 
 def _diagnosis(follower: RouteFollower, now: float) -> Diagnosis:
-    """The content of the diagnostic `route`."""
+    """Returns the content of the diagnostic `route`."""
     state, reason, pose = follower.vehicle.state, follower.reason, follower.pose
     robot = follower.robot
     unknown = robot.why_unknown(now)

@@ -319,7 +319,7 @@ class GoalSender:
 
 
 def _is_vertex(target: Target, command: str) -> bool:
-    """Whether a command drives the robot to a vertex of the graph."""
+    """Returns whether a command drives the robot to a vertex of the graph."""
     return target.name.isdigit() and command.split()[0] in ('goto', 'dock')
 
 

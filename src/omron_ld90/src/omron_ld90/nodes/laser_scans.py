@@ -94,14 +94,14 @@ class LaserScans:
 
 def nearest_in_time(stamp: rospy.Time, *candidates: Optional[StampedPose]
                     ) -> Optional[StampedPose]:
-    """The pose nearest to `stamp`, if one is within MAX_SKEW."""
+    """Returns the pose nearest to `stamp`, if one is within MAX_SKEW."""
     known = [candidate for candidate in candidates if candidate is not None]
     nearest = min(known, key=lambda pose: abs(pose.stamp - stamp), default=None)
     return nearest if nearest is not None and abs(nearest.stamp - stamp) <= MAX_SKEW else None
 
 
 def scan_of(ranges: np.ndarray, stamp: rospy.Time, frame: str) -> LaserScan:
-    """The message for ranges from right to left; infinite without a hit (REP 117)."""
+    """Returns the message for ranges from right to left; infinite without a hit (REP 117)."""
     message = LaserScan(
         angle_min=laser_scan.FIRST_ANGLE, angle_increment=laser_scan.INCREMENT,
         angle_max=laser_scan.FIRST_ANGLE + (len(ranges) - 1) * laser_scan.INCREMENT,

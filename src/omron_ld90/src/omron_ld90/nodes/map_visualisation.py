@@ -262,7 +262,7 @@ def _log_warnings(document: MapDocument, file: str) -> None:
 
 
 def _path(url: str) -> str:
-    """The path of a file that is given as a path or as a file:// or package:// URL."""
+    """Returns the path of a file that is given as a path or as a file:// or package:// URL."""
     parts = urlparse(url)
     if parts.scheme == 'package':
         package = rospkg.RosPack().get_path(parts.netloc)

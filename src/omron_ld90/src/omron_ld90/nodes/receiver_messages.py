@@ -28,7 +28,8 @@ _CHARGING = {
 
 def robot_status(status: OneLineStatus, activity: Activity, docking: Optional[DockingStatus],
                  stamp: rospy.Time, frame: str) -> RobotStatus:
-    """The typed status; `activity` is read from its text, `docking` is the last docking state.
+    """Returns the typed status; `activity` is read from its text, `docking` is the last docking
+    state.
 
     `stamp`: when the location came.
     """
@@ -58,7 +59,7 @@ def robot_status(status: OneLineStatus, activity: Activity, docking: Optional[Do
 
 def battery_state(status: OneLineStatus, docking: Optional[DockingStatus],
                   stamp: rospy.Time) -> BatteryState:
-    """The battery state; values that the robot does not measure are NaN."""
+    """Returns the battery state; values that the robot does not measure are NaN."""
     message = BatteryState(
         percentage=_share(status), voltage=_voltage(status), current=math.nan, charge=math.nan,
         capacity=math.nan, design_capacity=math.nan, present=True,
@@ -71,7 +72,7 @@ def battery_state(status: OneLineStatus, docking: Optional[DockingStatus],
 
 def point_cloud(reading: RangeReading, stamp: rospy.Time, frame: str,
                 height: float) -> PointCloud2:
-    """The points of a scan in the map frame; `height`: of the laser above the floor, m."""
+    """Returns the points of a scan in the map frame; `height`: of the laser above the floor, m."""
     points = np.empty((len(reading.points), 3), '<f4')
     points[:, :2] = reading.points / MM_PER_M
     points[:, 2] = height
@@ -84,7 +85,7 @@ def point_cloud(reading: RangeReading, stamp: rospy.Time, frame: str,
 
 
 def _text(text: str) -> str:
-    """A text of the robot without characters that a terminal would take for commands."""
+    """Returns a text of the robot without characters that a terminal would take for commands."""
     return printable(text, _LONGEST_TEXT)
 
 

@@ -75,7 +75,8 @@ class LocationFilter:
         self._last = rospy.Time(0)
 
     def stamp_for(self, received: rospy.Time, now: rospy.Time) -> Optional[rospy.Time]:
-        """The stamp for a location received at `received`; None if it must not be published.
+        """Returns the stamp for a location received at `received`; None if it must not be
+        published.
 
         A location is refused if it is too old, or not newer than the one before. If `now` is
         earlier than the last stamp by more than the greatest age, the clock was set back, and the
@@ -185,7 +186,10 @@ class RobotStatePublisher:
 
 def odometry_of(motion: MeanMotion, pose: Pose, stamp: rospy.Time, map_frame: str,
                 base_frame: str) -> Odometry:
-    """The motion at a location as a message; with variances of the position and of the turns."""
+    """Returns the motion at a location as a message.
+
+    With variances of the position and of the turns.
+    """
     message = Odometry(child_frame_id=base_frame)
     message.header.stamp = stamp
     message.header.frame_id = map_frame

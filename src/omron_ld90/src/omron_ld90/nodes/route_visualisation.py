@@ -202,7 +202,7 @@ class RouteVisualisation:
 
 def destination(status: RobotStatus, targets: List[Target], point: Optional[drawing.XY]
                 ) -> Optional[drawing.XY]:
-    """The robot's destination (m), if it is known; `point` is the last one ordered."""
+    """Returns the robot's destination (m), if it is known; `point` is the last one ordered."""
     target = None
     if status.activity == RobotStatus.GOING_TO_POINT:
         return point

@@ -51,13 +51,13 @@ class View(NamedTuple):
     @classmethod
     def on(cls, west: float, south: float, east: float, north: float,
            size: PixelSize = FULL) -> View:
-        """The view that shows this rectangle (m) as large as possible."""
+        """Returns the view that shows this rectangle (m) as large as possible."""
         scale = min(size.width / (east - west), size.height / (north - south))
         return cls(scale, (west + east) / 2, (south + north) / 2)
 
     def shows(self, west: float, south: float, east: float, north: float,
               size: PixelSize = FULL) -> bool:
-        """Whether the whole rectangle (m) is in view."""
+        """Returns whether the whole rectangle (m) is in view."""
         half_width, half_height = size.width / self.scale / 2, size.height / self.scale / 2
         return (west >= self.x - half_width and east <= self.x + half_width
                 and south >= self.y - half_height and north <= self.y + half_height)
@@ -106,19 +106,19 @@ class RvizConfiguration:
         return bool(narrow)
 
     def text(self) -> str:
-        """The configuration in the format of RViz."""
+        """Returns the configuration in the format of RViz."""
         return yaml.safe_dump(self._root, sort_keys=False, allow_unicode=True, width=math.inf)
 
 
 def view_size(screen: PixelSize) -> PixelSize:
-    """The size of the 3D view when the configuration's window is fitted to the screen."""
+    """Returns the size of the 3D view when the configuration's window is fitted to the screen."""
     rest = PixelSize(screen.width, screen.height - DESKTOP)
     return PixelSize(*(size if size + frame <= whole else max(left - frame, 1)
                        for size, frame, whole, left in zip(FULL, FRAME, screen, rest)))
 
 
 def configuration_for(document: MapDocument, text: str, size: PixelSize = FULL) -> Optional[str]:
-    """The RViz configuration `text` with a view of that size that shows all of the map.
+    """Returns the RViz configuration `text` with a view of that size that shows all of the map.
 
     None if it already does so, or if its view is not from above. Raises ConfigurationError.
     """
@@ -137,14 +137,15 @@ def configuration_for(document: MapDocument, text: str, size: PixelSize = FULL) 
 
 
 def rendering_arguments() -> List[str]:
-    """The arguments that RViz needs to draw fast enough on this computer."""
+    """Returns the arguments that RViz needs to draw fast enough on this computer."""
     software = (os.environ.get('LIBGL_ALWAYS_SOFTWARE', '') not in ('', '0', 'false')
                 or not (glob.glob('/dev/dri/*') or glob.glob('/dev/nvidia[0-9]*')))
     return ['--disable-anti-aliasing'] if software else []
 
 
 def screen_size() -> PixelSize:
-    """The size of the screen; without one, ends the program with a clear message, unlike Qt.
+    """Returns the size of the screen; without one, ends the program with a clear message, unlike
+    Qt.
 
     libX11 is used because RViz also opens the display with it, so the answer is the same as RViz's.
     It also saves a package (python3-xlib reads XAUTHORITY in its own way).
@@ -163,7 +164,8 @@ def screen_size() -> PixelSize:
 
 
 def fitted_copy(map_file: str, path: str, size: PixelSize) -> str:
-    """A copy of the configuration `path` that shows all of the map, or `path` if none is needed.
+    """Returns a copy of the configuration `path` that shows all of the map, or `path` if none is
+    needed.
 
     If the view cannot be fitted, standard error gets the reason.
     """

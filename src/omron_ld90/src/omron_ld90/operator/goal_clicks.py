@@ -51,7 +51,7 @@ class Target:
 
 
 def targets_of(document: MapDocument) -> List[Target]:
-    """Every goal and dock of a map, in file order."""
+    """Returns every goal and dock of a map, in file order."""
     return [
         Target(TargetKind.DOCK if item.is_dock else TargetKind.GOAL, item.label,
                metres(item.x), metres(item.y), item.theta if item.has_heading else None)
@@ -59,12 +59,15 @@ def targets_of(document: MapDocument) -> List[Target]:
 
 
 def target_named(name: str, targets: Iterable[Target]) -> Optional[Target]:
-    """The target that the robot calls `name`, or None."""
+    """Returns the target that the robot calls `name`, or None."""
     return next((target for target in targets if same_name(target.name, name)), None)
 
 
 def extent_in_x(document: MapDocument) -> Tuple[float, float]:
-    """The smallest and largest x (m) that the robot's laser saw; infinite if it saw nothing."""
+    """Returns the smallest and largest x (m) that the robot's laser saw.
+
+    Infinite if it saw nothing.
+    """
     xs = np.concatenate([document.points[:, 0], document.lines[:, ::2].ravel()])
     return (metres(xs.min()), metres(xs.max())) if xs.size else (-math.inf, math.inf)
 
@@ -79,7 +82,7 @@ class Click:
 
 
 def resolve_click(targets: Iterable[Target], x: float, y: float, tolerance: float) -> Click:
-    """The target that a click at (x, y) hits: the nearest, if within `tolerance` (inclusive)."""
+    """Returns the nearest target, and whether a click at (x, y) hits it: within `tolerance`."""
     nearest = min(targets, key=lambda t: math.hypot(t.x - x, t.y - y), default=None)
     if nearest is None:
         return Click(None, math.inf, False)
@@ -88,7 +91,7 @@ def resolve_click(targets: Iterable[Target], x: float, y: float, tolerance: floa
 
 
 def explain_miss(click: Click, tolerance: float) -> str:
-    """The reason why a click had no effect, for a person."""
+    """Returns the reason why a click had no effect, for a person."""
     if click.target is None:
         return 'Nothing there: the map has no goal and no dock.'
     return (f'Nothing within {tolerance:.2f} m of the click: '

@@ -49,7 +49,7 @@ class LocalizeQuestion:
         return True
 
     def forget(self) -> None:
-        """The person has done something else."""
+        """Notes that the person has done something else."""
         self._asked = None
 
 
@@ -60,7 +60,9 @@ class LocalizingWatch:
         self._awaited: Optional[_Awaited] = None
 
     def begin(self, words: str, place: Optional[Place], now: float) -> None:
-        """The robot says that it is localized: its next score shows whether that is right."""
+        """Notes that the robot says that it is localized: its next score shows whether
+        that is right.
+        """
         self._awaited = _Awaited(words, place, now)
 
     def observe(self, reply: Reply) -> Optional[Judged]:

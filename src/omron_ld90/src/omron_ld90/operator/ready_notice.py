@@ -17,7 +17,7 @@ class ReadyNotice:
         self._robot, self._is_said = robot, False
 
     def words(self, targets: Optional[Sequence[Target]], is_connected: bool) -> str:
-        """The sentences; empty: they are said already, or the robot is not ready.
+        """Returns the sentences; empty: they are said already, or the robot is not ready.
 
         targets -- goals and docks of the displayed map; None: no map is displayed
         """
@@ -30,7 +30,7 @@ class ReadyNotice:
 
 
 def _example(targets: Sequence[Target]) -> str:
-    """The command for the first goal that a command can name; else one that names none.
+    """Returns the command for the first goal that a command can name; else one that names none.
 
     At the start a robot often stands in its dock.
     """

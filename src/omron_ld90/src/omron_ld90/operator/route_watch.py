@@ -43,7 +43,7 @@ class RouteWatch:
         return True
 
     def running(self, now: float) -> Optional[int]:
-        """The id of the route being driven at `now`, or None."""
+        """Returns the id of the route being driven at `now`, or None."""
         return self._running if now - self._heard <= SILENCE else None
 
 

@@ -31,12 +31,14 @@ _WAVERING_ON_UNDOCK = (ChargeState.NOT, ChargeState.OVERCHARGE, ChargeState.NOT,
 
 def go_to_goal(robot: SimRobot, goal: MapObject,
                heading: Optional[float] = None) -> ScriptedActivity:
-    """`goto`: leaves the dock first, drives to the goal, turns if the goal has a heading."""
+    """Carries out `goto`: leaves the dock first, drives to the goal, turns
+    if the goal has a heading.
+    """
     return _go(robot, goal.name, *_place(goal, heading), goal=True)
 
 
 def go_to_point(robot: SimRobot, x: float, y: float, heading: Optional[float]) -> ScriptedActivity:
-    """`gotoPoint`."""
+    """Carries out `gotoPoint`."""
     return _go(robot, 'point', x, y, heading)
 
 
@@ -89,7 +91,9 @@ def _reach(robot: SimRobot, name: str, x: float, y: float, heading: Optional[flo
 
 def _near(robot: SimRobot, x: float, y: float, heading: Optional[float]
           ) -> Tuple[float, float, Optional[float]]:
-    """The pose at which the robot stops for a goal: with an arrival error if there is room."""
+    """Returns the pose at which the robot stops for a goal: with an arrival error
+    if there is room.
+    """
     distance, angle = robot.quirks.arrival_error
     place = SimPose(x, y, robot.random.uniform(-180.0, 180.0)).ahead(
         robot.random.uniform(0.0, distance))
@@ -175,7 +179,7 @@ def leave_dock(robot: SimRobot, wavering: Sequence[ChargeState] = _WAVERING_ON_G
 
 
 def dock(robot: SimRobot, station: MapObject) -> ScriptedActivity:
-    """`dock`: drives to the dock's pose, then into the station, and charges.
+    """Carries out `dock`: drives to the dock's pose, then into the station, and charges.
 
     If the robot misses the charger, it backs out and tries again. That is still one `dock`, with
     Undocking and Undocked in between (ARCL manual I617-E-02 p. 71).
@@ -212,7 +216,10 @@ def dock(robot: SimRobot, station: MapObject) -> ScriptedActivity:
 
 
 def undock(robot: SimRobot) -> ScriptedActivity:
-    """`undock`: backs out; if the robot is not docked, it only sends the last three lines."""
+    """Carries out `undock`: backs out.
+
+    If the robot is not docked, it only sends the last three lines.
+    """
     def script() -> Script:
         if robot.docking.state is DockingPhase.UNDOCKED:
             robot.announce(robot.docking.line)
@@ -225,6 +232,6 @@ def undock(robot: SimRobot) -> ScriptedActivity:
 
 
 def nearest_dock(robot: SimRobot) -> Optional[MapObject]:
-    """The dock nearest to the robot; None if the map has none."""
+    """Returns the dock nearest to the robot; None if the map has none."""
     pose, docks = robot.true_pose, robot.document.docks
     return min(docks, key=lambda d: pose.distance_to(d.x, d.y)) if docks else None

@@ -20,7 +20,10 @@ InstantTask = Callable[[SimRobot, RobotTask], None]
 # -- shared with the commands of the same names ----------------------------------------------
 
 def set_fault(robot: SimRobot, fault: ApplicationFault) -> None:
-    """An application raises a fault; a driving fault stops the robot and keeps it from driving."""
+    """Raises a fault of an application.
+
+    A driving fault stops the robot and keeps it from driving.
+    """
     robot.equipment.faults[fault.name] = fault
     robot.announce(f'Fault: {fault}')
     if fault.driving:
@@ -28,7 +31,7 @@ def set_fault(robot: SimRobot, fault: ApplicationFault) -> None:
 
 
 def clear_fault(robot: SimRobot, name: str) -> bool:
-    """An application clears its fault; False if there is none of that name.
+    """Clears a fault of an application; False if there is none of that name.
 
     A robot that may drive again sends a single `Stopping` (ARCL manual I617-E-02 p. 57).
     """
@@ -52,7 +55,7 @@ def localize(robot: SimRobot, pose: SimPose, xy_spread: float, angle_spread: flo
 # -- the tasks -------------------------------------------------------------------------------
 
 def _without_a_word(robot: SimRobot, task: RobotTask) -> None:
-    """A task whose effect is only noticed at the robot itself (I617-E-02 p. 32, 74)."""
+    """Carries out a task whose effect is only noticed at the robot itself (I617-E-02 p. 32, 74)."""
 
 
 def _send_text(robot: SimRobot, task: RobotTask) -> None:
@@ -93,7 +96,10 @@ def _localize_at_goal(robot: SimRobot, task: RobotTask) -> None:
 
 
 def _limit_speed(robot: SimRobot, task: RobotTask, lasting: bool) -> None:
-    """`<importance> <forward mm/s>...` for the present activity, or lasting; 0: the robot's own."""
+    """Limits the speed: `<importance> <forward mm/s>...` for the present activity, or lasting.
+
+    0: the robot's own.
+    """
     speed = task.number(1)
     robot.navigation.speed_limit = speed if speed > 0 else None
     if lasting:

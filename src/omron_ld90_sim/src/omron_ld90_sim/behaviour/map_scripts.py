@@ -46,7 +46,7 @@ def _task(words: List[str]) -> RobotTask:
 
 
 def routes(document: MapDocument) -> List[MapRoute]:
-    """The map's routes that have a goal, in file order."""
+    """Returns the map's routes that have a goal, in file order."""
     found = []
     for name, rows in _blocks(document, 'RouteInfo:', 'Route'):
         goals: List[str] = []
@@ -62,13 +62,13 @@ def routes(document: MapDocument) -> List[MapRoute]:
 
 
 def macros(document: MapDocument) -> Dict[str, List[RobotTask]]:
-    """The map's macros by name, in file order."""
+    """Returns the map's macros by name, in file order."""
     return {name: [_task(words) for kind, *words in rows if kind == 'Task' and words]
             for name, rows in _blocks(document, 'MacroInfo:', 'Macro')}
 
 
 def patrol(robot: SimRobot, route: MapRoute, once: bool, first: int = 0) -> ScriptedActivity:
-    """`patrol` without end, or `patrolOnce` from the goal with index `first`.
+    """Carries out `patrol` without end, or `patrolOnce` from the goal with index `first`.
 
     The goals on the way are not announced (ARCL manual I617-E-02 p. 161-166).
     """

@@ -143,7 +143,7 @@ class SimRobot:
         return self.localization.believed(self.base.pose)
 
     def scan(self) -> np.ndarray:
-        """One laser scan: hits (N, 2) in mm, in the frame of the believed pose."""
+        """Returns one laser scan: hits (N, 2) in mm, in the frame of the believed pose."""
         return self.scanner.scan(self.navigation.floor, self.true_pose, self.pose,
                                  self.navigation.outlines(laser.RANGE))
 
@@ -260,7 +260,7 @@ class SimRobot:
             self.stop()
 
     def push(self, pose: SimPose) -> None:
-        """A person pushes the robot to `pose`, with the motors switched off.
+        """Lets a person push the robot to `pose`, with the motors switched off.
 
         The robot stays localized.
         """

@@ -40,12 +40,12 @@ class StateTimes:
         self._state, self._since = state, now
 
     def total(self, state: WorkState) -> Sum:
-        """Seconds and mm since the start."""
+        """Returns the seconds and mm since the start."""
         self.enter(self._state)
         return self._sums[state]
 
     def trip(self, state: WorkState) -> Sum:
-        """Seconds and mm since the trip reset."""
+        """Returns the seconds and mm since the trip reset."""
         return _minus(self.total(state), self._trip_zero[state])
 
     @property

@@ -59,7 +59,7 @@ class ScriptedActivity:
     goal: bool = False                              # whether that is a goal, named in `status`
 
     def interrupted(self, words: InterruptedWords) -> Optional[str]:
-        """The line about its early end, or None; a point has only coordinates, no name."""
+        """Returns the line about its early end, or None; a point has only coordinates, no name."""
         if words is InterruptedWords.NOTHING:
             return None
         if self.point is None or (self.goal and words is InterruptedWords.NAME):

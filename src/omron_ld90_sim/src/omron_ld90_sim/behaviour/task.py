@@ -12,7 +12,7 @@ _WORD = re.compile(r'"([^"]*)"?|(\S+)')
 
 
 def split_words(text: str) -> List[str]:
-    """The words of a text; a part in double quotes is one word, without the quotes.
+    """Returns the words of a text; a part in double quotes is one word, without the quotes.
 
     A quote that is not closed extends to the end.
     """
@@ -39,7 +39,7 @@ class RobotTask:
         return split_words(self.rest)
 
     def number(self, index: int, default: Optional[float] = None) -> float:
-        """The argument at `index` as a number; raises BadTask."""
+        """Returns the argument at `index` as a number; raises BadTask."""
         if index >= len(self.words) and default is not None:
             return default
         try:
@@ -51,10 +51,10 @@ class RobotTask:
         return value
 
     def bad_arguments(self) -> BadTask:
-        """The error for arguments that the task does not accept."""
+        """Returns the error for arguments that the task does not accept."""
         return BadTask(f"Bad arguments for task '{self}'")
 
 
 def find_goal(document: MapDocument, name: str) -> Optional[MapObject]:
-    """The goal with that name, with case ignored."""
+    """Returns the goal with that name, with case ignored."""
     return next((goal for goal in document.goals if goal.name.lower() == name.lower()), None)

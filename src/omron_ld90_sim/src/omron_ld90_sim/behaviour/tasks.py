@@ -45,7 +45,7 @@ ARGUMENTS: Dict[str, Arguments] = {     # of tasks that need any; checked before
 
 
 def parse(text: str) -> RobotTask:
-    """The task in `<task> <arguments>`; raises BadTask if there is none of that name."""
+    """Returns the task in `<task> <arguments>`; raises BadTask if there is none of that name."""
     name, _, rest = text.strip().partition(' ')
     task = RobotTask(name, rest.strip())
     if name.lower() not in SCRIPTS and name.lower() not in INSTANT:
@@ -70,7 +70,9 @@ def script(robot: SimRobot, task: RobotTask) -> Script:
 # -- the tasks -------------------------------------------------------------------------------
 
 def _move(robot: SimRobot, task: RobotTask) -> Script:
-    """`<mm> <mm/s> <front clearance> <side clearance> <s without progress before it fails>`."""
+    """Carries out `<mm> <mm/s> <front clearance> <side clearance> <s without progress
+    before it fails>`.
+    """
     left, speed = task.number(0, 1000.0), max(abs(task.number(1, 400.0)), MINIMUM_SPEED)
     clearance, timeout = task.number(2, 200.0), task.number(4, 30.0)
     yield from activities.come_to_rest(robot)
@@ -93,7 +95,7 @@ def _move(robot: SimRobot, task: RobotTask) -> Script:
 
 
 def _free_leg(robot: SimRobot, distance: float, clearance: float) -> float:
-    """The part of `distance` (mm, back when negative) that can be driven straight on.
+    """Returns the part of `distance` (mm, back when negative) that can be driven straight on.
 
     All of it, or up to `clearance` before the first obstacle.
     """
@@ -123,7 +125,7 @@ def _turn(robot: SimRobot, turn: Callable[[], Turn]) -> Script:
 
 
 def _delta_heading(robot: SimRobot, task: RobotTask) -> Script:
-    """`<deg, left positive> <deg/s>`; may be more than a whole turn."""
+    """Carries out `<deg, left positive> <deg/s>`; may be more than a whole turn."""
     limits, angle = robot.base.limits, task.number(0)
     wanted = abs(task.number(1, limits.goal_rotation))
     rate = min(max(wanted, MINIMUM_ROTATION), limits.path_rotation)
@@ -131,7 +133,7 @@ def _delta_heading(robot: SimRobot, task: RobotTask) -> Script:
 
 
 def _set_heading(robot: SimRobot, task: RobotTask) -> Script:
-    """`<deg>`; turns in the shorter direction."""
+    """Carries out `<deg>`; turns in the shorter direction."""
     yield from _turn(robot, lambda: Turn(normalise(task.number(0)),
                                          robot.base.limits.goal_rotation))
 
@@ -197,7 +199,7 @@ SCRIPTS: Dict[str, Callable[[SimRobot, RobotTask], Script]] = {
 # -- activities made of tasks ----------------------------------------------------------------
 
 def single(robot: SimRobot, task: RobotTask) -> ScriptedActivity:
-    """`doTask`."""
+    """Carries out `doTask`."""
     def run() -> Script:
         robot.announce(f'Doing task {task}')
         yield from script(robot, task)
@@ -208,7 +210,7 @@ def single(robot: SimRobot, task: RobotTask) -> ScriptedActivity:
 
 
 def macro(robot: SimRobot, name: str, tasks: List[RobotTask]) -> ScriptedActivity:
-    """`executeMacro`."""
+    """Carries out `executeMacro`."""
     def run() -> Script:
         robot.announce(f'Executing macro {name}')
         try:
@@ -224,7 +226,7 @@ def macro(robot: SimRobot, name: str, tasks: List[RobotTask]) -> ScriptedActivit
 
 
 def task_list(robot: SimRobot, tasks: List[RobotTask]) -> ScriptedActivity:
-    """`listExecute`."""
+    """Carries out `listExecute`."""
     def run() -> Script:
         robot.announce('Executing list')
         for task in tasks:

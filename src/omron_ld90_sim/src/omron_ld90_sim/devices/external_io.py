@@ -58,7 +58,7 @@ class IoSet:
 
 
 def parse_value(text: str) -> int:
-    """`0x...` completely, a decimal number up to its 32 bits; else ValueError."""
+    """Reads `0x...` completely, a decimal number up to its 32 bits; else ValueError."""
     value = int(text, 16) if text.lower().startswith('0x') else int(text)
     if value < 0:
         raise ValueError(f"'{text}' is negative")

@@ -27,7 +27,7 @@ class Localization:
         return self.error != _NO_ERROR
 
     def believed(self, true: SimPose) -> SimPose:
-        """The believed pose of a robot whose true pose is `true`."""
+        """Returns the believed pose of a robot whose true pose is `true`."""
         return SimPose(true.x + self.error.x, true.y + self.error.y,
                        normalise(true.theta + self.error.theta))
 

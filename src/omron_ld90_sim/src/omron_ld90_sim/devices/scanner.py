@@ -37,7 +37,7 @@ class Scanner:
         return hits
 
     def cumulative(self, around: SimPose) -> np.ndarray:
-        """The points (N, 2) near `around` that were seen recently."""
+        """Returns the points (N, 2) near `around` that were seen recently."""
         seen = np.concatenate([hits for _, hits in self._kept])
         near = np.hypot(*(seen - [around.x, around.y]).T) <= KEPT_WITHIN
         return seen[near][-KEPT_POINTS:]

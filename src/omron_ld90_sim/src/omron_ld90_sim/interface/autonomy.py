@@ -53,7 +53,9 @@ class Autonomy:
             self._server.broadcast('TextRequestChargeVoltage')
 
     def _give_out(self) -> None:
-        """The battery is empty: the robot shuts down until a person charges and starts it."""
+        """Shuts the robot down because its battery is empty, until a person charges
+        and starts it.
+        """
         self._server.broadcast(EMPTY)
         self._robot.halt()
         self._server.shut_down()

@@ -83,7 +83,7 @@ class _FaultHelp(argparse.Action):
 
 
 def parser() -> argparse.ArgumentParser:
-    """The command line."""
+    """Returns the command line."""
     result = argparse.ArgumentParser(
         prog='ld90_sim', usage='%(prog)s --map FILE [options]',
         description='A simulated OMRON LD-90 that speaks ARCL.')

@@ -64,7 +64,7 @@ class ConfigSection:
     flags: str = ''
 
     def find(self, name: str) -> Optional[ConfigParameter]:
-        """The parameter with this name; case matters."""
+        """Returns the parameter with this name; case matters."""
         return next((p for p in self.parameters if p.name == name), None)
 
 
@@ -76,17 +76,17 @@ class RobotConfiguration:
         self._import: Optional[List[Tuple[str, str]]] = None
 
     def text(self, section: str, name: str) -> str:
-        """A parameter's value."""
+        """Returns a parameter's value."""
         parameter = self.sections[section].find(name)
         assert parameter is not None, f'{section}/{name}'
         return parameter.value
 
     def number(self, section: str, name: str) -> float:
-        """A parameter's value as a number."""
+        """Returns a parameter's value as a number."""
         return float(self.text(section, name))
 
     def flag(self, section: str, name: str) -> bool:
-        """A parameter's value as a bool."""
+        """Returns a parameter's value as a bool."""
         return self.text(section, name).lower() == 'true'
 
     def set(self, section: str, name: str, value: object) -> None:
@@ -100,18 +100,21 @@ class RobotConfiguration:
     # -- importing -----------------------------------------------------------------------------
 
     def start_import(self) -> None:
-        """`configStart`."""
+        """Carries out `configStart`."""
         self._import = []
 
     def add_to_import(self, key: str, value: str) -> bool:
-        """`configAdd`; False if no import was started."""
+        """Carries out `configAdd`; returns False if no import was started."""
         if self._import is None:
             return False
         self._import.append((key, value))
         return True
 
     def finish_import(self) -> Optional[Tuple[List[Change], List[str]]]:
-        """`configParse`: the changes and the errors; None if no import was started."""
+        """Carries out `configParse`: returns the changes and the errors.
+
+        None if no import was started.
+        """
         if self._import is None:
             return None
         lines, self._import = self._import, None

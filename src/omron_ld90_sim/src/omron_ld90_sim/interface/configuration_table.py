@@ -44,7 +44,7 @@ _detailed = partial(ConfigParameter, priority='Detailed')
 
 
 def default_configuration() -> RobotConfiguration:
-    """A robot's configuration before any change."""
+    """Returns a robot's configuration before any change."""
     known = _known()
     return RobotConfiguration({name: known.get(name, ConfigSection('')) for name in SECTIONS})
 

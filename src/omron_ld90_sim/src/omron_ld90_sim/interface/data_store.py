@@ -95,7 +95,7 @@ class DataStore:
         return SimPose(place.real, place.imag, normalise(here.theta - zero.theta))
 
     def speed(self) -> float:
-        """mm/s, negative when driving backwards."""
+        """Returns the speed in mm/s, negative when driving backwards."""
         base = self.robot.base
         return -base.speed if base.track is not None and base.track.reverse else base.speed
 
@@ -130,7 +130,7 @@ def _state_fields(trip: str, spent: Callable[[DataStore, WorkState], Sum]
 
 
 def _pose_fields(names: str, pose: Callable[[DataStore], SimPose]) -> Tuple[StoredValue, ...]:
-    """X and Y (mm) and Th (deg); `names` has a `*` in place of these."""
+    """Returns X and Y (mm) and Th (deg); `names` has a `*` in place of these."""
     x, y, theta = (names.replace('*', axis) for axis in ('X', 'Y', 'Th'))
     return (StoredValue(x, LONG, 'X (mm)', lambda store: round(pose(store).x), ANY_SIGN),
             StoredValue(y, LONG, 'Y (mm)', lambda store: round(pose(store).y), ANY_SIGN),

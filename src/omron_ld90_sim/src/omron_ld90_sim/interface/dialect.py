@@ -34,13 +34,13 @@ class Encoding(Enum):
     LATIN_1 = 'latin-1'
 
     def encode(self, line: str) -> bytes:
-        """The bytes of a line that the robot sends; unknown characters become `?`."""
+        """Returns the bytes of a line that the robot sends; unknown characters become `?`."""
         if self is Encoding.RAW:
             return line.encode('utf-8', 'surrogateescape')
         return line.encode(self.value, 'replace')
 
     def decode(self, line: bytes) -> str:
-        """The text of a line that the robot receives."""
+        """Returns the text of a line that the robot receives."""
         if self is Encoding.RAW:
             return line.decode('utf-8', 'surrogateescape')
         return line.decode(self.value, 'ignore')

@@ -41,7 +41,7 @@ def address(text: str) -> Tuple[str, int]:
 
 
 def read_fleet(path: str) -> List[RobotSpec]:
-    """The robots of a file; raises FleetError if it is malformed."""
+    """Returns the robots of a file; raises FleetError if it is malformed."""
     try:
         with open(path, encoding='utf-8') as file:
             content = yaml.safe_load(file)

@@ -68,7 +68,7 @@ class SimFleetManager:
         return session
 
     def connect_outgoing(self) -> SimSession:
-        """Is never called: there is no address to dial."""
+        """Raises NotImplementedError: there is no address to dial."""
         raise NotImplementedError('a simulated Fleet Manager does not dial out')
 
     def forget(self, session: SimSession) -> None:
@@ -106,7 +106,7 @@ class SimFleetManager:
     # -- jobs ----------------------------------------------------------------------------------
 
     def goal(self, name: str, command: str) -> str:
-        """The goal with that name, in any case. Raises BadJob."""
+        """Returns the goal with that name, in any case. Raises BadJob."""
         found = next((goal for goal in self._goals() if goal.lower() == name.lower()), None)
         if found is None:
             raise BadJob(f'{command} no such goal "{name}"')

@@ -93,7 +93,7 @@ class JobQueue:
     _count: int = 0
 
     def swap_at(self, goal: str) -> Optional[QueueSegment]:
-        """The drop-off of a running job at that goal after which no job is linked yet."""
+        """Returns the drop-off of a running job at that goal after which no job is linked yet."""
         taken = {one.after for one in self.segments if one.is_open}
         running = {one.job for one in self.segments if one.status == 'InProgress'}
         return next((one for one in self.segments if one.is_open and one.job in running
@@ -123,7 +123,7 @@ class JobQueue:
         return added
 
     def check_modifiable(self, id: str) -> QueueSegment:
-        """The segment with that id, in any case. Raises NotModifiable."""
+        """Returns the segment with that id, in any case. Raises NotModifiable."""
         found = next((one for one in self.segments if one.id.lower() == id.lower()), None)
         if found is None or found.status not in ('Pending', 'InProgress'):
             raise NotModifiable(id)
@@ -153,7 +153,7 @@ class JobQueue:
             self.tell(one)
 
     def find(self, kind: str, value: str) -> List[QueueSegment]:
-        """The segments with an id, jobId, robotName or status."""
+        """Returns the segments with an id, jobId, robotName or status."""
         fields = {'id': 'id', 'jobid': 'job', 'robotname': 'robot', 'status': 'status'}
         return [one for one in self.segments
                 if getattr(one, fields[kind.lower()]).lower() == value.lower()]
@@ -189,11 +189,11 @@ class JobQueue:
         return max(waiting, key=lambda one: one.priority) if waiting else None
 
     def _owner(self, segment: QueueSegment) -> str:
-        """The robot that has served the segment before, which serves this one, too."""
+        """Returns the robot that has served the segment before, which serves this one, too."""
         return next((one.robot for one in self.segments if one.id == segment.after), NO_ROBOT)
 
     def _linked(self, job: str) -> List[QueueSegment]:
-        """The open segments of the job that is linked to this one."""
+        """Returns the open segments of the job that is linked to this one."""
         ids = {one.id for one in self.segments if one.job == job and one.is_open}
         jobs = {one.job for one in self.segments if one.after in ids and one.job != job}
         return [one for one in self.segments if one.is_open and one.job in jobs]
@@ -250,7 +250,7 @@ class JobQueue:
 
 
 def line_of(word: str, segment: QueueSegment, echo: Optional[str] = None) -> str:
-    """A line about a segment. `echo` None: a QueueUpdate, which has none."""
+    """Returns a line about a segment. `echo` None: a QueueUpdate, which has none."""
     robot = f'"{segment.robot}"'
     parts: Tuple[str, ...] = (
         f'{word}:', segment.id, segment.job, str(segment.priority), segment.status,

@@ -46,7 +46,7 @@ UNKNOWN = ObjectType('', 'SectorType')      # replaces a type that is used but n
 
 
 def object_types(document: MapDocument) -> List[ObjectType]:
-    """The built-in, declared and used types, by name."""
+    """Returns the built-in, declared and used types, by name."""
     types = {known.name: known for known in BUILT_IN}
     for words in _lines(document, 'mapinfo:'):
         pairs = _pairs(words)
@@ -60,7 +60,7 @@ def object_types(document: MapDocument) -> List[ObjectType]:
 
 
 def arguments(document: MapDocument, kind: str) -> List[TypeArgument]:
-    """The parameters of a type's objects."""
+    """Returns the parameters of a type's objects."""
     described = (_pairs(words) for words in _lines(document, 'mapinfo:') if words[0] == 'ArgDesc')
     return [TypeArgument(pairs.get('Name', ''), pairs.get('Type', ''), pairs.get('Priority', ''),
                          pairs.get('Desc', ''))
@@ -68,7 +68,7 @@ def arguments(document: MapDocument, kind: str) -> List[TypeArgument]:
 
 
 def parameters(document: MapDocument, name: str) -> List[str]:
-    """The parameter values in the map of the object with this name."""
+    """Returns the parameter values in the map of the object with this name."""
     for words in _lines(document, 'cairninfo:'):
         if words[0] == 'Params' and words[1:2] and words[1].lower() == name.lower():
             return words[2:]

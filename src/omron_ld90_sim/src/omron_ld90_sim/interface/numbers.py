@@ -12,7 +12,7 @@ LONGEST = 1e6               # s, for times
 
 
 def number(text: object, minimum: float, maximum: float) -> float:
-    """A number within the limits; ValueError, with a sentence, for any other text."""
+    """Returns a number within the limits; ValueError, with a sentence, for any other text."""
     try:
         value = float(str(text))
     except ValueError:
@@ -23,27 +23,27 @@ def number(text: object, minimum: float, maximum: float) -> float:
 
 
 def length(text: object) -> float:
-    """Millimetres, in either direction."""
+    """Returns the millimetres, in either direction."""
     return number(text, -FARTHEST, FARTHEST)
 
 
 def angle(text: object) -> float:
-    """Degrees, up to a whole turn in either direction."""
+    """Returns degrees, up to a whole turn in either direction."""
     return number(text, -360.0, 360.0)
 
 
 def seconds(text: object) -> float:
-    """A time from now, or since the start."""
+    """Returns a time from now, or since the start."""
     return number(text, 0.0, LONGEST)
 
 
 def percent(text: object) -> float:
-    """A state of charge."""
+    """Returns a state of charge."""
     return number(text, 0.0, 100.0)
 
 
 def speed_factor(text: object) -> float:
-    """The speed of the simulated clock, as a factor of ours."""
+    """Returns the speed of the simulated clock, as a factor of ours."""
     return number(text, 0.1, 20.0)
 
 

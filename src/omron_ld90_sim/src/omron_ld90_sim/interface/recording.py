@@ -21,12 +21,12 @@ _ESCAPED[ord('\\')] = '\\\\'
 
 
 def escape(line: bytes) -> str:
-    """The text of a line in the log."""
+    """Returns the text of a line in the log."""
     return line.decode('latin-1').translate(_ESCAPED)
 
 
 def unescape(text: str) -> bytes:
-    """The line that a text in the log represents."""
+    """Returns the line that a text in the log represents."""
     return _ESCAPE.sub(lambda match: bytes.fromhex(match.group(1).decode()) if match.group(1)
                        else b'\\', text.encode('ascii', 'replace'))
 
@@ -53,7 +53,7 @@ class Transfer:
 
 
 def read_log(lines: List[str]) -> List[Transfer]:
-    """The transfers of a log; LogError names an invalid line."""
+    """Returns the transfers of a log; LogError names an invalid line."""
     transfers = []
     for number, line in enumerate(lines, 1):
         if not line.strip():

@@ -61,7 +61,7 @@ class ArclServer:
         return self.configuration.text(FLEET, 'Identifier')
 
     def next_job(self) -> int:
-        """The number of the next job in the robot's own queue."""
+        """Returns the number of the next job in the robot's own queue."""
         self._jobs += 1
         return self._jobs
 

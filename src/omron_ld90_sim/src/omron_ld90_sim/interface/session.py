@@ -33,7 +33,7 @@ _TELNET = re.compile(rb'^(?:\xff[\xfb-\xfe].|[\x80-\xff])+', re.DOTALL)
 
 
 def said(line: bytes) -> bytes:
-    """A client's line without telnet negotiation and without the blanks around it."""
+    """Returns a client's line without telnet negotiation and without the blanks around it."""
     return _TELNET.sub(b'', line).strip(BLANK)
 
 
@@ -155,7 +155,7 @@ class SimSession:
             self.server.clock.after(CYCLE, self._echo_typed)
 
     def _accepts(self, line: bytes) -> bool:
-        """Whether to process a line; a client that sends a longer one is dropped."""
+        """Returns whether to process a line; a client that sends a longer one is dropped."""
         if len(line) > MAX_COMMAND:
             self.send('String too long')
             self.close()

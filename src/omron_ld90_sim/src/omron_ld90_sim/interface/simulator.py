@@ -60,7 +60,10 @@ class Unit:
 
 def settings_for(map_name: str, outgoing: Optional[Tuple[str, int]], lists: CommandLists,
                  changes: Sequence[Tuple[str, str, str]] = ()) -> RobotConfiguration:
-    """A robot's configuration; ValueError if a change (section, name, value) does not fit."""
+    """Returns a robot's configuration.
+
+    ValueError if a change (section, name, value) does not fit.
+    """
     settings = default_configuration()
     settings.set(FILES, 'Map', map_name)
     if outgoing is not None:
@@ -147,7 +150,7 @@ class Simulator:
         return self._manager.port
 
     def where(self) -> Dict[str, object]:
-        """The simulated time (s), and by name the true pose of every robot (m, m, degrees).
+        """Returns the simulated time (s), and by name the true pose of every robot (m, m, degrees).
 
         Also the distance (m) that it has driven since the start, the sum of both directions.
         """

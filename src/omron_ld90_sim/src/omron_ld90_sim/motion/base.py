@@ -138,7 +138,9 @@ class Base:
 
     def _allowed(self, track: SmoothTrack, slowest: float, fastest: float, now: float,
                  dt: float) -> float:
-        """The highest speed after this step that the track allows at the end of the step."""
+        """Returns the highest speed after this step that the track allows at the end of the
+        step.
+        """
         def fits(speed: float) -> bool:
             return speed <= track.speed_at(self._place + (now + speed) / 2 * dt)
 
@@ -156,5 +158,5 @@ class Base:
         return sum(track.length for track in tracks) - (self._place if self.track else 0.0)
 
     def stopping_distance(self) -> float:
-        """Distance (mm) in which the base stops if it brakes now."""
+        """Returns the distance (mm) in which the base stops if it brakes now."""
         return self.speed * self.speed / (2.0 * self.limits.deceleration) + self.speed * STEP

@@ -66,7 +66,7 @@ class SimFloor:
 
     @classmethod
     def from_map(cls, document: MapDocument) -> SimFloor:
-        """The floor of a `.map` file."""
+        """Returns the floor of a `.map` file."""
         extents = [line.extent for line in document.forbidden_lines if line.extent is not None]
         lines = [[e.from_x, e.from_y, e.to_x, e.to_y] for e in extents]
         places = [[o.x, o.y] for o in (*document.goals, *document.docks)]
@@ -140,11 +140,12 @@ class SimFloor:
         return self.origin + (np.array(self.shape[::-1]) - 1) * self.resolution
 
     def holds(self, x: float, y: float) -> bool:
-        """Whether a point is on the map."""
+        """Returns whether a point is on the map."""
         return bool(self.origin[0] <= x <= self.end[0] and self.origin[1] <= y <= self.end[1])
 
     def clearance_at(self, xy: np.ndarray) -> np.ndarray:
-        """Distance (mm) from each point (N, 2) to the nearest obstacle; 0 outside the map.
+        """Returns the distance (mm) from each point (N, 2) to the nearest obstacle; 0 outside the
+        map.
 
         Interpolated between cells: within a few mm of the true distance, too small on ridges.
         """
@@ -158,11 +159,11 @@ class SimFloor:
                 + (field[r + 1, c] * (1 - u) + field[r + 1, c + 1] * u) * v)
 
     def clearance_of(self, x: float, y: float) -> float:
-        """The clearance of one point."""
+        """Returns the clearance of one point."""
         return float(self.clearance_at(np.array([[x, y]]))[0])
 
     def planning_cell(self, x: float, y: float) -> Tuple[int, int]:
-        """Row and column of the planner's grid nearest to a point."""
+        """Returns the row and column of the planner's grid nearest to a point."""
         # int: before numpy 1.19 round() of its floats returns floats
         column = int(round((x - self.origin[0]) / self.planning_pitch))
         row = int(round((y - self.origin[1]) / self.planning_pitch))
@@ -170,5 +171,5 @@ class SimFloor:
         return min(max(row, 0), rows - 1), min(max(column, 0), columns - 1)
 
     def planning_points(self, cells: np.ndarray) -> np.ndarray:
-        """Points (N, 2) of planning cells that are given as (row, column)."""
+        """Returns points (N, 2) of planning cells that are given as (row, column)."""
         return self.origin + np.asarray(cells)[:, ::-1] * self.planning_pitch

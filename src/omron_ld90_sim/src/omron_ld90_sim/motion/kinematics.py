@@ -14,7 +14,7 @@ Points = Union[np.ndarray, Sequence[Tuple[float, float]]]     # (N, 2)
 
 
 def normalise(angle: float) -> float:
-    """The angle (deg) in (-180, 180]."""
+    """Returns the angle (deg) in (-180, 180]."""
     angle = math.fmod(angle, 360.0)
     if angle <= -180.0:
         return angle + 360.0
@@ -30,13 +30,13 @@ class SimPose:
     theta: float
 
     def ahead(self, distance: float) -> SimPose:
-        """The pose `distance` mm straight ahead (behind when negative)."""
+        """Returns the pose `distance` mm straight ahead (behind when negative)."""
         angle = math.radians(self.theta)
         return SimPose(self.x + distance * math.cos(angle), self.y + distance * math.sin(angle),
                        self.theta)
 
     def distance_to(self, x: float, y: float) -> float:
-        """Distance (mm) to a point."""
+        """Returns the distance (mm) to a point."""
         return math.hypot(x - self.x, y - self.y)
 
 
@@ -63,11 +63,11 @@ class Body:
         return math.hypot(self.length, self.width) / 2
 
     def corners(self, pose: SimPose) -> np.ndarray:
-        """The four corners (4, 2) at `pose`, counter-clockwise from the front left."""
+        """Returns the four corners (4, 2) at `pose`, counter-clockwise from the front left."""
         return self.outlines([pose])[0]
 
     def outlines(self, poses: Sequence[SimPose]) -> np.ndarray:
-        """The corners at each of K poses (K, 4, 2)."""
+        """Returns the corners at each of K poses (K, 4, 2)."""
         x, y, angle = np.array([(pose.x, pose.y, math.radians(pose.theta))
                                 for pose in poses]).T[:, :, None]
         ahead = self.half_length * np.array([1, -1, -1, 1])
@@ -76,7 +76,9 @@ class Body:
                          y + ahead * np.sin(angle) + left * np.cos(angle)], axis=-1)
 
     def distances(self, poses: Sequence[SimPose], points: Points) -> np.ndarray:
-        """Distances from the body at each of M poses to each of N points (mm), 0 inside: (M, N)."""
+        """Returns the distances from the body at each of M poses to each of N points (mm),
+        0 inside: (M, N).
+        """
         at = np.array([(pose.x, pose.y, math.radians(pose.theta)) for pose in poses])
         x, y = (np.asarray(points, float).T[:, None, :] - at[:, :2].T[:, :, None])
         cosine, sine = np.cos(at[:, 2, None]), np.sin(at[:, 2, None])

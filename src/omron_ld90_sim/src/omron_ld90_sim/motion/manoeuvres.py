@@ -25,7 +25,7 @@ NEGLIGIBLE = 0.5                                        # mm
 
 def manoeuvres(way: PlannedWay, planner: Planner, limits: Limits = LD90_LIMITS,
                lead_in: Optional[np.ndarray] = None, entry_speed: float = 0.0) -> List[Manoeuvre]:
-    """The manoeuvres with which the robot follows `way`.
+    """Returns the manoeuvres with which the robot follows `way`.
 
     `lead_in`: samples that end at the start of `way`, straight at their end. The robot moves at
     `entry_speed` at their first sample. It drives them first, and rounds the corner at their end if
@@ -53,7 +53,9 @@ def manoeuvres(way: PlannedWay, planner: Planner, limits: Limits = LD90_LIMITS,
 
 def _stretches(tracks: List[np.ndarray], limits: Limits, direction: float,
                way: PlannedWay) -> List[Manoeuvre]:
-    """The tracks, each begun from standing, with turns before them and at the end of `way`."""
+    """Returns the tracks, each begun from standing, with turns before them
+    and at the end of `way`.
+    """
     result: List[Manoeuvre] = []
     for number, samples in enumerate(tracks):
         result += _turn(direction, float(samples[0, 2]), limits.path_rotation)
@@ -65,7 +67,7 @@ def _stretches(tracks: List[np.ndarray], limits: Limits, direction: float,
 
 
 def _turn(before: float, after: float, rate: float) -> List[Manoeuvre]:
-    """A turn on the spot between two directions (rad), or nothing if they are equal."""
+    """Returns a turn on the spot between two directions (rad), or nothing if they are equal."""
     if abs(math.remainder(after - before, 2 * math.pi)) < 1e-5:
         return []
     return [Turn(normalise(math.degrees(after)), rate)]
@@ -77,7 +79,7 @@ def _without_repeats(points: np.ndarray) -> np.ndarray:
 
 
 def _straight_run(samples: np.ndarray) -> float:
-    """Length of the straight part at the end of `samples`."""
+    """Returns the length of the straight part at the end of `samples`."""
     bent = np.flatnonzero(np.abs(samples[:, 3]) > 1e-9)
     first = bent[-1] + 1 if len(bent) else 0
     first = min(first, len(samples) - 1)
@@ -85,7 +87,7 @@ def _straight_run(samples: np.ndarray) -> float:
 
 
 def _drop_end(samples: np.ndarray, length: float) -> np.ndarray:
-    """`samples` without the straight part of `length` at their end."""
+    """Returns `samples` without the straight part of `length` at their end."""
     away = np.hypot(*(samples[:, :2] - samples[-1, :2]).T)
     bent = np.abs(samples[:, 3]) > 1e-9
     return samples[(away > length - 1e-6) | bent]
@@ -93,7 +95,7 @@ def _drop_end(samples: np.ndarray, length: float) -> np.ndarray:
 
 def _tracks(points: np.ndarray, lines: List[np.ndarray], space: Space,
             clearance: float) -> List[np.ndarray]:
-    """Samples of the tracks along `points`, one track for each stretch without a stop."""
+    """Returns samples of the tracks along `points`, one track for each stretch without a stop."""
     finished: List[np.ndarray] = []
     current: List[np.ndarray] = list(lines)
     at = points[0]
@@ -123,7 +125,10 @@ def _tracks(points: np.ndarray, lines: List[np.ndarray], space: Space,
 
 def _corner(a: np.ndarray, v: np.ndarray, b: np.ndarray, at: np.ndarray, space: Space,
             clearance: float) -> Optional[np.ndarray]:
-    """Samples around the corner a-v-b, beginning at `at`; None if the robot must stop to turn."""
+    """Returns samples around the corner a-v-b, beginning at `at`.
+
+    None if the robot must stop to turn.
+    """
     inward, outward = v - a, b - v
     turn = abs(math.degrees(math.remainder(math.atan2(*outward[::-1]) - math.atan2(*inward[::-1]),
                                            2 * math.pi)))

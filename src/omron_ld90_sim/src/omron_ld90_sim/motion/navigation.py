@@ -40,7 +40,8 @@ class Navigation:
         self.floor, self.planner = floor, planner_for(floor)
 
     def obstacles(self, within: float = PLAN_AROUND) -> List[Disc]:
-        """All obstacles that are not on the map, with the other robots within this distance in mm.
+        """Returns all obstacles that are not on the map, with the other robots within this distance
+        in mm.
 
         A moving robot is present where it is, where it could come to rest, and between.
         """
@@ -49,7 +50,9 @@ class Navigation:
                 *(Disc(place.x, place.y, radius) for place in self._stops(within))]
 
     def _stops(self, within: float) -> List[SimPose]:
-        """Places of the robots within this distance in mm, and where they could come to rest."""
+        """Returns places of the robots within this distance in mm, and
+        where they could come to rest.
+        """
         stops = []
         for other in self._near(within):
             base, track = other.base, other.base.track
@@ -67,7 +70,9 @@ class Navigation:
                 if abs(other.base.pose.x - x) < within and abs(other.base.pose.y - y) < within]
 
     def outlines(self, within: float) -> List[np.ndarray]:
-        """The obstacles for the laser: corners (K, N, 2) of the robots, and of the others."""
+        """Returns the obstacles for the laser: corners (K, N, 2) of the robots,
+        and of the others.
+        """
         robots, rest = [other.base.pose for other in self._near(within)], self.blocks
         outlines = [self.floor.body.outlines(robots)] if robots else []
         if rest:
@@ -109,7 +114,9 @@ class Navigation:
                               and track.length - base.place > SHORTEST_LEAD)
 
     def _join(self, track: SmoothTrack) -> float:
-        """Where on the present track a new one can begin: with room to turn, and to brake."""
+        """Returns where on the present track a new one can begin: with room to turn,
+        and to brake.
+        """
         first = self.base.place + self.base.stopping_distance() + JOIN_AHEAD
         for s in map(float, np.arange(first, track.length, LOOK_STEP)):
             pose = track.pose_at(s)
@@ -119,7 +126,8 @@ class Navigation:
         return track.length
 
     def blocked_ahead(self) -> bool:
-        """Whether the body would come too near to an obstacle if the base went on for a while.
+        """Returns whether the body would come too near to an obstacle if the base went on for a
+        while.
 
         Robots that stop as soon as this is true for one of them never touch each other. Each leaves
         the other enough room to turn, wherever it comes to rest.
@@ -141,12 +149,15 @@ class Navigation:
         return float(gaps[1:].min()) < min(float(gaps[0]), 0.0) - 1.0
 
     def _gaps(self, poses: Sequence[SimPose], obstacles: Sequence[Disc]) -> np.ndarray:
-        """Distances from the body at each pose to the nearest obstacle (mm); negative inside."""
+        """Returns the distances from the body at each pose to the nearest obstacle (mm).
+
+        Negative inside.
+        """
         discs = np.array([(disc.x, disc.y, disc.radius) for disc in obstacles])
         return (self.floor.body.distances(poses, discs[:, :2]) - discs[:, 2]).min(axis=1)
 
     def _circle_taken(self) -> bool:
-        """Whether something is in the turning circle, or could come to rest there."""
+        """Returns whether something is in the turning circle, or could come to rest there."""
         here, body = self.base.pose, self.floor.body
         within = body.half_diagonal
         stops = self._stops(FARTHEST_STOP)

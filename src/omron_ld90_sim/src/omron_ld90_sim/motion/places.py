@@ -17,7 +17,9 @@ START_DISTANCE = 1000.0     # mm between the start places of two robots
 
 
 def docked_pose(floor: SimFloor, dock: MapObject) -> SimPose:
-    """The pose of a robot that charges at `dock`: as far in as there is room, up to 250 mm."""
+    """Returns the pose of a robot that charges at `dock`: as far in as there is room,
+    up to 250 mm.
+    """
     pose = SimPose(dock.x, dock.y, dock.theta)
     steps = np.arange(0.0, DRIVE_IN + 1.0, 10.0)
     fronts = [pose.ahead(float(step) + floor.body.half_length) for step in steps]
@@ -30,7 +32,7 @@ def docked_pose(floor: SimFloor, dock: MapObject) -> SimPose:
 def start_places(document: MapDocument, floor: SimFloor,
                  wanted: Sequence[Optional[Tuple[float, float, float]]], seed: int = 0
                  ) -> List[SimPose]:
-    """The start poses: as wanted (mm, mm, degrees), and the others one after another.
+    """Returns the start poses: as wanted (mm, mm, degrees), and the others one after another.
 
     In the docks, at RobotHome, at goals with heading, at other goals, and then at random free
     places. Each robot keeps clear of the ones before it.

@@ -73,7 +73,10 @@ class Planner:
 
     def plan(self, start: SimPose, goal_x: float, goal_y: float, heading: Optional[float] = None,
              obstacles: Sequence[Disc] = ()) -> PlannedWay:
-        """The path from `start` to a point, turned to `heading` (deg) at its end; or `NoWay`."""
+        """Returns the path from `start` to a point, turned to `heading` (deg) at its end.
+
+        Or `NoWay`.
+        """
         space = Space(self.floor, obstacles)
         escape = self._escape(space, start)
         first = start.ahead(escape)
@@ -98,18 +101,18 @@ class Planner:
         return PlannedWay(start, escape, vertices, heading, space)
 
     def can_turn(self, pose: SimPose, obstacles: Sequence[Disc] = ()) -> bool:
-        """Whether there is room to turn on the spot."""
+        """Returns whether there is room to turn on the spot."""
         return Space(self.floor, obstacles).clearance_of(pose.x, pose.y) >= self.turn_clearance
 
     def straight_is_free(self, start: SimPose, distance: float,
                          obstacles: Sequence[Disc] = ()) -> bool:
-        """Whether the body can drive straight on by `distance` mm (back when negative)."""
+        """Returns whether the body can drive straight on by `distance` mm (back when negative)."""
         space, end = Space(self.floor, obstacles), start.ahead(distance)
         return (space.straight_is_free(np.array([start.x, start.y]), np.array([end.x, end.y]),
                                        self.drive_clearance) and space.body_fits(end, DRIVE_MARGIN))
 
     def _cost_among(self, obstacles: Sequence[Disc]) -> np.ndarray:
-        """A copy of the costs that includes the obstacles."""
+        """Returns a copy of the costs that includes the obstacles."""
         cost, pitch = self._cost.copy(), self.floor.planning_pitch
         for disc in obstacles:
             row, column = self.floor.planning_cell(disc.x, disc.y)
@@ -124,7 +127,7 @@ class Planner:
         return cost
 
     def _escape(self, space: Space, start: SimPose) -> float:
-        """The distance to drive straight before there is room to turn."""
+        """Returns the distance to drive straight before there is room to turn."""
         here = space.clearance_of(start.x, start.y)
         if here >= self.turn_clearance:
             return 0.0
@@ -143,7 +146,9 @@ class Planner:
         return float(min(found, key=abs))
 
     def _approach(self, space: Space, goal: np.ndarray, heading: Optional[float]) -> np.ndarray:
-        """The point at which to turn for the last straight: the goal itself if there is room."""
+        """Returns the point at which to turn for the last straight: the goal itself
+        if there is room.
+        """
         here = space.clearance_of(*goal)
         if here >= self.turn_clearance:
             return goal
@@ -164,7 +169,7 @@ class Planner:
         raise NoWay('no room to turn before the goal')
 
     def _search(self, cost: np.ndarray, start: Tuple[float, float], goal: np.ndarray) -> np.ndarray:
-        """The cheapest chain of points over the planner's grid, with exact ends."""
+        """Returns the cheapest chain of points over the planner's grid, with exact ends."""
         first = self.floor.planning_cell(*start)
         last = self.floor.planning_cell(*goal)
         saved = {cell: cost[cell] for cell in (first, last)}
@@ -183,7 +188,10 @@ class Planner:
 
     def _search_near(self, cost: np.ndarray, first: np.ndarray, last: np.ndarray
                      ) -> Optional[np.ndarray]:
-        """The cheapest cells near both ends, which is faster; None if it might be a detour."""
+        """Returns the cheapest cells near both ends, which is faster.
+
+        None if it might be a detour.
+        """
         margin = int(SEARCH_AROUND / self.floor.planning_pitch)
         low = np.maximum(np.minimum(first, last) - margin, 0)
         high = np.maximum(first, last) + margin + 1
@@ -196,7 +204,10 @@ class Planner:
 
     def _straighten(self, space: Space, raw: np.ndarray
                     ) -> Tuple[np.ndarray, Optional[np.ndarray]]:
-        """Long straights between turnable points of `raw`; or the cells that it could not pass."""
+        """Returns long straights between turnable points of `raw`.
+
+        Or the cells that it could not pass.
+        """
         clear = space.clearance_at(raw)
         last = len(raw) - 1
         turnable = clear >= self.turn_clearance
@@ -219,7 +230,7 @@ class Planner:
         return self._without(spare, vertices, space), None
 
     def _without(self, spare: Set[int], vertices: Sequence[np.ndarray], space: Space) -> np.ndarray:
-        """The vertices without those of `spare` that a straight can bypass."""
+        """Returns the vertices without those of `spare` that a straight can bypass."""
         kept = [vertices[0]]
         for k in range(1, len(vertices)):
             if k not in spare or k + 1 == len(vertices) or not space.straight_is_free(
@@ -228,7 +239,8 @@ class Planner:
         return np.array(kept)
 
     def _through(self, space: Space, a: np.ndarray, b: np.ndarray) -> Optional[List[np.ndarray]]:
-        """The points to turn at before and behind a narrow place, so as to drive through straight.
+        """Returns the points to turn at before and behind a narrow place, so as to drive through
+        straight.
 
         Takes the turnable points near `a` and near `b` with the most room between them, because the
         planner's grid is too coarse for a gap hardly wider than the body.
@@ -247,7 +259,9 @@ class Planner:
                 if not np.array_equal(place, end)]
 
     def _turnable_near(self, space: Space, end: np.ndarray, other: np.ndarray) -> np.ndarray:
-        """(N, 2): `end`, then places to turn that a straight reaches, those nearest to `other`."""
+        """Returns (N, 2): `end`, then places to turn that a straight reaches,
+        those nearest to `other`.
+        """
         if space.clearance_of(*end) < self.turn_clearance:
             return end[None]
         offsets = np.arange(-TURN_NEAR, TURN_NEAR + 1.0, self.floor.resolution)
@@ -285,5 +299,5 @@ def _cheapest(cost: np.ndarray, first: Tuple[int, int], last: Tuple[int, int]
 
 @lru_cache(maxsize=4)
 def planner_for(floor: SimFloor) -> Planner:
-    """The planner of a floor; robots on one floor share it."""
+    """Returns the planner of a floor; robots on one floor share it."""
     return Planner(floor)

@@ -29,7 +29,7 @@ class Space:
         self.obstacles = list(obstacles)
 
     def clearance_at(self, points: np.ndarray) -> np.ndarray:
-        """Distance (mm) from each point (N, 2) to the nearest obstacle."""
+        """Returns the distance (mm) from each point (N, 2) to the nearest obstacle."""
         points = np.asarray(points, float).reshape(-1, 2)
         clear = self.floor.clearance_at(points)
         for disc in self.obstacles:
@@ -38,12 +38,13 @@ class Space:
         return clear
 
     def clearance_of(self, x: float, y: float) -> float:
-        """The clearance of one point."""
+        """Returns the clearance of one point."""
         return float(self.clearance_at(np.array([[x, y]]))[0])
 
     def clearance_along(self, starts: np.ndarray, ends: np.ndarray, fractions: np.ndarray
                         ) -> np.ndarray:
-        """The least clearance (N,) at these fractions of each straight from starts to ends (N, 2).
+        """Returns the least clearance (N,) at these fractions of each straight from starts to ends
+        (N, 2).
 
         A single start or end is used for all.
         """
@@ -51,13 +52,15 @@ class Space:
         return self.clearance_at(points).reshape(points.shape[:2]).min(axis=1)
 
     def straight_is_free(self, a: np.ndarray, b: np.ndarray, clearance: float) -> bool:
-        """Whether the clearance is at least `clearance` all along the straight from a to b."""
+        """Returns whether the clearance is at least `clearance` all along the straight
+        from a to b.
+        """
         count = int(np.hypot(*(b - a)) / LOOK_STEP) + 2
         return bool(self.clearance_along(a[None], b[None], np.linspace(0.0, 1.0, count))[0]
                     >= clearance)
 
     def body_fits(self, pose: SimPose, margin: float) -> bool:
-        """Whether the whole body, with `margin` mm around it, is free at `pose`."""
+        """Returns whether the whole body, with `margin` mm around it, is free at `pose`."""
         corners = self.floor.body.corners(pose)
         outline = np.concatenate([np.linspace(a, b, 15) for a, b in
                                   zip(corners, np.roll(corners, -1, axis=0))])

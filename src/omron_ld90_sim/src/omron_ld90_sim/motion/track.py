@@ -74,19 +74,21 @@ class SmoothTrack:
         return i, (s - self._s[i]) / (self._s[i + 1] - self._s[i])
 
     def speed_at(self, s: float) -> float:
-        """The highest speed (mm/s) allowed at arc length `s` (mm)."""
+        """Returns the highest speed (mm/s) allowed at arc length `s` (mm)."""
         if s >= self.length:
             return 0.0
         i, u = self._segment(s)
         return math.sqrt(max(self._v2[i] * (1 - u) + self._v2[i + 1] * u, 0.0))
 
     def acceleration_at(self, s: float) -> float:
-        """The highest acceleration (mm/s2) that the rotation can follow at arc length `s`."""
+        """Returns the highest acceleration (mm/s2) that the rotation can follow at arc length
+        `s`.
+        """
         i, _ = self._segment(s)
         return min(self._ease[i], self._ease[i + 1])
 
     def pose_at(self, s: float) -> SimPose:
-        """The robot's pose at arc length `s`."""
+        """Returns the robot's pose at arc length `s`."""
         i, u = self._segment(min(max(s, 0.0), self.length))
         a, b = self._rows[i], self._rows[i + 1]
         # heading between two samples: cubic in u would be exact; linear is within 0.01 deg
@@ -95,12 +97,12 @@ class SmoothTrack:
                        normalise(direction + 180.0 if self.reverse else direction))
 
     def curvature_at(self, s: float) -> float:
-        """Signed curvature (1/mm) at arc length `s`."""
+        """Returns signed curvature (1/mm) at arc length `s`."""
         i, u = self._segment(s)
         return self._rows[i][3] * (1 - u) + self._rows[i + 1][3] * u
 
     def cut(self, start: float, end: float) -> np.ndarray:
-        """The samples between two arc lengths, with new samples at both ends."""
+        """Returns the samples between two arc lengths, with new samples at both ends."""
         inner = [row for s, row in zip(self._s, self._rows) if start + 1.0 < s < end - 1.0]
         return np.array([self._row_at(start), *inner, self._row_at(end)])
 
@@ -113,7 +115,7 @@ Manoeuvre = Union[Turn, SmoothTrack]
 
 
 def straight(pose: SimPose, distance: float) -> np.ndarray:
-    """Samples of a straight of `distance` mm from `pose`; backwards if negative."""
+    """Returns samples of a straight of `distance` mm from `pose`; backwards if negative."""
     direction = pose.theta if distance >= 0 else pose.theta + 180.0
     return line(np.array([pose.x, pose.y]), np.array([pose.ahead(distance).x,
                                                        pose.ahead(distance).y]),
@@ -122,14 +124,14 @@ def straight(pose: SimPose, distance: float) -> np.ndarray:
 
 def straight_track(pose: SimPose, distance: float, limits: Limits = LD90_LIMITS,
                    top_speed: Optional[float] = None) -> SmoothTrack:
-    """A straight drive of `distance` mm; backwards if negative."""
+    """Returns a straight drive of `distance` mm; backwards if negative."""
     fastest = limits.speed if distance >= 0 else limits.reverse_speed
     return SmoothTrack(straight(pose, distance), limits, reverse=distance < 0,
                        top_speed=min(fastest, top_speed or fastest))
 
 
 def line(a: np.ndarray, b: np.ndarray, direction: float) -> np.ndarray:
-    """Samples of the straight from a to b, which has the direction `direction` (rad)."""
+    """Returns samples of the straight from a to b, which has the direction `direction` (rad)."""
     count = int(np.hypot(*(b - a)) / STRAIGHT_STEP) + 2
     xy = a + np.linspace(0.0, 1.0, count)[:, None] * (b - a)
     return np.column_stack([xy, np.full(count, direction), np.zeros(count)])

@@ -49,7 +49,10 @@ def _refused_action(trial: Trial) -> Dict[str, Any]:
 
 @must('6.6.1', 'the pose that the vehicle tells is one that an order may begin with')
 def _echo(trial: Trial) -> None:
-    """The vehicle must not call its own pose malformed; it may reject theta for other reasons."""
+    """Checks that the vehicle does not call its own pose malformed.
+
+    It may reject theta for other reasons.
+    """
     _is_no_malformed_theta(trial, _pose(trial.master.state)['theta'])
 
 

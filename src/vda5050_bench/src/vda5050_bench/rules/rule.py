@@ -56,13 +56,13 @@ def must(section: str, sentence: str, start: Start = Start.AT_END,
 
 def should(section: str, sentence: str, start: Start = Start.AT_END,
            versions: Tuple[str, ...] = ALL) -> Callable[[Attempt], Attempt]:
-    """Like `must`, for a recommendation of the standard."""
+    """Does the same as `must`, for a recommendation of the standard."""
     return _rule(RuleLevel.SHOULD, section, sentence, start, versions)
 
 
 def derived(section: str, sentence: str, start: Start = Start.AT_END,
             versions: Tuple[str, ...] = ALL) -> Callable[[Attempt], Attempt]:
-    """Like `must`, for a rule that only follows from what the standard describes."""
+    """Does the same as `must`, for a rule that only follows from what the standard describes."""
     return _rule(RuleLevel.DERIVED, section, sentence, start, versions)
 
 

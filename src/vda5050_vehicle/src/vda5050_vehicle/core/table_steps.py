@@ -30,7 +30,7 @@ class ActionLink(Protocol):
     """Carries out the actions of the table; the end of each is reported by `TableSteps.ended`."""
 
     def is_ready(self, spec: ActionSpec) -> bool:
-        """Would a goal reach its server now?"""
+        """Returns whether a goal would reach its server now."""
 
     def start(self, name: str, spec: ActionSpec, arguments: Mapping[str, Any]) -> None:
         """Begins an action under a name."""
@@ -57,7 +57,7 @@ class TableSteps:
         return self._state.last, self._state.steps
 
     def report(self) -> StepReport:
-        """The next report."""
+        """Returns the next report."""
         self._state, report = self._state.report()
         return report
 
@@ -115,14 +115,14 @@ class TableSteps:
                 self._fail(key, StepCode.NOT_READY, f'there is no action server {server}')
 
     def ended(self, name: str, succeeded: bool, text: str) -> None:
-        """An action has ended."""
+        """Notes that an action has ended."""
         self._state = self._state.end(
             int(name), Word.DONE if succeeded else Word.UNKNOWN,
             StepCode.NONE if succeeded else StepCode.OTHER, '' if succeeded else text)
 
 
 def _seconds(command: StepCommand) -> float:
-    """The duration of a wait. Raises WrongAction."""
+    """Returns the duration of a wait. Raises WrongAction."""
     given = dict(command.parameters)
     for key in given:
         if key != 'seconds':
@@ -134,7 +134,7 @@ def _seconds(command: StepCommand) -> float:
 
 
 def _arguments(spec: ActionSpec, command: StepCommand) -> Mapping[str, Any]:
-    """The arguments of an action. Raises WrongAction."""
+    """Returns the arguments of an action. Raises WrongAction."""
     types = {parameter.key: parameter.type for parameter in spec.parameters}
     given = {key: _value(types.get(key, 'STRING'), text) for key, text in command.parameters}
     spec.check_arguments(given)
@@ -142,7 +142,7 @@ def _arguments(spec: ActionSpec, command: StepCommand) -> Mapping[str, Any]:
 
 
 def _value(type_name: str, text: str) -> Any:
-    """The value that a text means; the text itself if it is not of that type."""
+    """Returns the value that a text means; the text itself if it is not of that type."""
     if type_name == 'STRING':
         return text
     if type_name == 'BOOL':

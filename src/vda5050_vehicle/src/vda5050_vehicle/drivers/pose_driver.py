@@ -175,7 +175,7 @@ class PoseDriver(Driver[PoseDrive]):
             self._go_to(following)
 
     def on_goal_ended(self, number: int, succeeded: bool, text: str, now: float) -> None:
-        """A goal has ended; the end of a goal that a later goal replaced is ignored."""
+        """Notes that a goal has ended; the end of a goal that a later goal replaced is ignored."""
         drive = self.drive_state
         if number != abs(drive.goal):
             return

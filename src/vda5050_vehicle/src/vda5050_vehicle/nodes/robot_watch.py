@@ -125,7 +125,10 @@ class RobotWatch:
                     else item.value)
 
         def last(name: str) -> Any:
-            """The last value of a signal that is sent only on a change; it has no time limit."""
+            """Returns the last value of a signal that is sent only on a change.
+
+            It has no time limit.
+            """
             item = heard.get(name)
             return None if item is None else item.value
 

@@ -152,7 +152,7 @@ class VehicleNode:
         self._put(told)
 
     def _on_robot(self) -> None:
-        """A report of the robot came; several reports at once cause one evaluation."""
+        """Notes that a report of the robot came; several reports at once cause one evaluation."""
         if not self._look_is_due:
             self._look_is_due = True
             self._put(self._show_robot)

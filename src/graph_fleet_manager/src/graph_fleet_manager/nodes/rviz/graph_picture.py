@@ -65,7 +65,8 @@ def place_texts(graph: Graph) -> GraphTexts:
 
 def graph_markers(graph: Graph, texts: GraphTexts, closed: Collection[int],
                   parking: Collection[int], docks: Collection[int]) -> List[Marker]:
-    """All markers of the graph. `closed` has ids of edges, `parking` and `docks` of vertices.
+    """Returns all markers of the graph. `closed` has ids of edges, `parking` and `docks` of
+    vertices.
 
     A vertex that only divides a drawn edge is drawn without its id.
     """
@@ -94,7 +95,7 @@ def graph_markers(graph: Graph, texts: GraphTexts, closed: Collection[int],
 
 
 def closed_boxes(graph: Graph, texts: GraphTexts, closed: Collection[int]) -> Dict[int, Box]:
-    """The boxes of the words beside closed edges, by edge."""
+    """Returns the boxes of the words beside closed edges, by edge."""
     places, boxes = Places(beneath=texts.edges), {}
     for box in texts.names.values():
         places.cover(box)
@@ -107,7 +108,8 @@ def closed_boxes(graph: Graph, texts: GraphTexts, closed: Collection[int]) -> Di
 
 
 def window_of(graph: Graph) -> Box:
-    """What people see of the surroundings of a graph in the view that the fleet's RViz begins with.
+    """Returns what people see of the surroundings of a graph in the view
+    that the fleet's RViz begins with.
     """
     xs = [vertex.x for vertex in graph.vertices.values()]
     ys = [vertex.y for vertex in graph.vertices.values()]

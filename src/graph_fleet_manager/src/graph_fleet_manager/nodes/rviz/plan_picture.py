@@ -50,7 +50,7 @@ def plan_markers(graph: Graph, plan: FleetPlan, state: FleetState,
 
 
 def _plan_of_robot(graph: Graph, drives: Sequence[PlannedDrive], number: int) -> List[Marker]:
-    """The plan of one robot, and the released edges of it."""
+    """Returns the plan of one robot, and the released edges of it."""
     lane = LANE * (number % LANES + 0.5)
     markers = []
     for name, width, released in (('plans', PLAN_WIDTH, False), ('released', RELEASED_WIDTH, True)):

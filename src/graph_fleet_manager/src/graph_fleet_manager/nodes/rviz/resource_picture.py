@@ -77,7 +77,7 @@ def draw_resources(graph: Graph, resources: Sequence[FleetResource],
 
 def _resource(graph: Graph, number: int, one: FleetResource, words: List[Words],
               squares: Container[int]) -> Marker:
-    """`squares`: vertices with a machine, outside of whose square the words are."""
+    """Draws a resource. `squares`: vertices with a machine; words stand outside of its square."""
     paint = PAINTS[look_of(one)]
     curves = [graph.curve(edge) for edge in one.edges if edge in graph.edges]
     places = [graph.vertices[id].position for id in one.vertices if id in graph.vertices]
@@ -92,13 +92,15 @@ def _resource(graph: Graph, number: int, one: FleetResource, words: List[Words],
 
 
 def words_with_claims(one: FleetResource) -> str:
-    """What a resource is and shows, and the robots that claim it."""
+    """Returns what a resource is and shows, and the robots that claim it."""
     return '\n'.join([words_of(one), *(
         f'{claim.robot} ({CLAIM_OF_CODE[claim.state].value})' for claim in one.claims)])
 
 
 def _queue(graph: Graph, number: int, one: FleetResource, words: List[Words]) -> List[Marker]:
-    """The queue places of a station: a thick ring if a robot stands there, else a thin one."""
+    """Returns the queue places of a station: a thick ring if a robot stands there,
+    else a thin one.
+    """
     paint = PAINTS[ResourceLook.PLACE]
     rings = {is_there: [drawing.ring(graph.vertices[place.vertex].position, QUEUE_RADIUS)
                         for place in one.queue
@@ -125,7 +127,7 @@ def _machine(graph: Graph, number: int, message: FleetMachine, words: List[Words
 
 def _placed(words: Iterable[Words], places: Places,
             covered: Iterable[Box]) -> Tuple[List[Marker], List[Box]]:
-    """The texts that find a place, and their boxes. The first ones choose first."""
+    """Returns the texts that find a place, and their boxes. The first ones choose first."""
     for box in covered:
         places.cover(box)
     markers: List[Marker] = []

@@ -46,7 +46,7 @@ class DrawnPose:
 
 
 def place_on_graph(robot: FleetRobot, graph: Graph) -> Optional[DrawnPose]:
-    """The robot's pose from its edge and percentage; None if it is off the graph."""
+    """Returns the robot's pose from its edge and percentage; None if it is off the graph."""
     edge = robot.pose.edge_id
     if abs(edge) not in graph.edges or not math.isfinite(robot.pose.percentage):
         return None
@@ -56,13 +56,16 @@ def place_on_graph(robot: FleetRobot, graph: Graph) -> Optional[DrawnPose]:
 
 
 def label_of(robot: FleetRobot, place: DrawnPose, radius: float, now: float) -> Label:
-    """The label of a robot with a body of this radius (m); `now` in s of the ROS clock."""
+    """Returns the label of a robot with a body of this radius (m); `now` in s of the ROS clock."""
     return Label(place.x, place.y, radius, words_of(robot, now), TEXT_HEIGHT)
 
 
 def robot_markers(robot: FleetRobot, number: int, place: DrawnPose, label: Label, side: int,
                   chosen: bool) -> List[Marker]:
-    """The markers of one robot. `number` selects its colour, `side` is an index in ABOVE_FIRST."""
+    """Returns the markers of one robot.
+
+    `number` selects its colour, `side` is an index in ABOVE_FIRST.
+    """
     radius = label.radius
     gone = robot.state in (FleetRobot.OFFLINE, FleetRobot.OUT_OF_SERVICE)
     paint = GREY if gone else drawing.own_colour(number)
@@ -92,7 +95,9 @@ def robot_markers(robot: FleetRobot, number: int, place: DrawnPose, label: Label
 
 
 def words_of(robot: FleetRobot, now: float) -> str:
-    """The text of a robot's label: name and battery, activity, and the reason why it waits."""
+    """Returns the text of a robot's label: name and battery, activity,
+    and the reason why it waits.
+    """
     charge = '' if math.isnan(robot.battery) else f'  {100.0 * robot.battery:.0f} %'
     state = _STATES.get(robot.state)
     doing = '' if state is None else state.words_with(robot.waits_for_code)
@@ -115,7 +120,7 @@ def needs_person(robot: FleetRobot) -> bool:
 
 
 def load_words(robot: FleetRobot) -> List[str]:
-    """What a robot carries, as a line of its label; none if it carries nothing."""
+    """Returns what a robot carries, as a line of its label; none if it carries nothing."""
     words = LOAD_WORDS.get(LOAD_OF_CODE.get(robot.load, LoadState.UNKNOWN))
     return [] if words is None else [words.format(mission=short_name(robot.load_serial))]
 

@@ -21,7 +21,7 @@ LETTER = 0.6               # mean width of a letter, as a share of its height
 
 
 def stop_markers(graph: Graph, stop: FleetStop, now: float) -> List[Marker]:
-    """The markers of a stop; none if the fleet is not stopped. `now` in s since 1970."""
+    """Returns the markers of a stop; none if the fleet is not stopped. `now` in s since 1970."""
     if not stop.is_in_force:
         return []
     xs = [vertex.x for vertex in graph.vertices.values()]

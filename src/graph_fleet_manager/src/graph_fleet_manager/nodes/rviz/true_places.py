@@ -32,12 +32,12 @@ class TruePlaces:
                 f'/{name}/pose', PoseStamped, self._on_pose, name, queue_size=1)
 
     def of(self, name: str) -> Optional[DrawnPose]:
-        """The robot's pose; None if no pose came within FRESH."""
+        """Returns the robot's pose; None if no pose came within FRESH."""
         at, place = self._heard.get(name, (-math.inf, None))
         return place if time.monotonic() - at <= FRESH else None
 
     def last(self, name: str) -> Optional[DrawnPose]:
-        """The robot's last pose, of any age; None if none came."""
+        """Returns the robot's last pose, of any age; None if none came."""
         return self._heard[name][1] if name in self._heard else None
 
     def _on_pose(self, message: PoseStamped, name: str) -> None:

@@ -19,7 +19,8 @@ PLAIN = drawing.colour(0.6, 0.6, 0.6)  # for shapes without a material
 
 
 def body_markers(urdf: str) -> List[Marker]:
-    """A marker for each visual, in the frame of its link, so that it follows the robot's TF.
+    """Returns a marker for each visual, in the frame of its link, so that it follows the robot's
+    TF.
 
     Boxes and cylinders are drawn if they are not rotated in their link. Raises ParseError, KeyError
     or ValueError if `urdf` is no XML, or lacks a dimension.

@@ -54,32 +54,33 @@ AREA_Z, POINT_Z, LINE_Z, LASER_Z, SQUARE_Z, ARROW_Z, TEXT_Z = (
 
 
 def points(document: MapDocument, frame: str) -> Marker:
-    """The scan points, black."""
+    """Returns the scan points, black."""
     size = metres(document.resolution) if document.resolution else POINT_SIZE
     return _many(frame, 'points', Marker.POINTS, BLACK, (size, size, 0.0),
                  document.points, POINT_Z)
 
 
 def lines(document: MapDocument, frame: str) -> Marker:
-    """The wall lines, neutral: red is only for trouble."""
+    """Returns the wall lines, neutral: red is only for trouble."""
     return _many(frame, 'lines', Marker.LINE_LIST, WALL, (LINE_WIDTH, 0.0, 0.0),
                  document.lines.reshape(-1, 2), LINE_Z)
 
 
 def goals(document: MapDocument, frame: str) -> Marker:
-    """The goals, green squares."""
+    """Returns the goals, green squares."""
     return _many(frame, 'goals', Marker.CUBE_LIST, GREEN, SQUARE, _positions(document.goals),
                  SQUARE_Z)
 
 
 def docks(document: MapDocument, frame: str) -> Marker:
-    """The docks, green squares."""
+    """Returns the docks, green squares."""
     return _many(frame, 'docks', Marker.CUBE_LIST, GREEN, SQUARE, _positions(document.docks),
                  SQUARE_Z)
 
 
 def goal_names(document: MapDocument, frame: str) -> MarkerArray:
-    """The names of goals and docks, white, each at a corner of its handle: edges lead to its sides.
+    """Returns the names of goals and docks, white, each at a corner of its handle:
+    edges lead to its sides.
     """
     names: List[Marker] = []
     places = Places()
@@ -97,7 +98,7 @@ def goal_names(document: MapDocument, frame: str) -> MarkerArray:
 
 
 def goal_headings(document: MapDocument, frame: str) -> MarkerArray:
-    """The robot's heading at docks, and at goals that have one: black arrows."""
+    """Returns the robot's heading at docks, and at goals that have one: black arrows."""
     arrows: List[Marker] = []
     for obj in document.goals + document.docks:
         if obj.has_heading:
@@ -110,7 +111,7 @@ def goal_headings(document: MapDocument, frame: str) -> MarkerArray:
 
 
 def forbidden_areas(document: MapDocument, frame: str) -> MarkerArray:
-    """Forbidden areas as flat orange boxes, forbidden lines as orange lines."""
+    """Returns forbidden areas as flat orange boxes, forbidden lines as orange lines."""
     markers: List[Marker] = []
     for number, area in enumerate(document.forbidden_areas):
         box = area.rectangle
@@ -142,7 +143,10 @@ def sectors(document: MapDocument, frame: str) -> MarkerArray:
 
 
 def laser(places: np.ndarray, header: Header, lifetime: float) -> Marker:
-    """The laser's hits at `places` (N, 2), m, light blue; removed after `lifetime` seconds."""
+    """Returns the laser's hits at `places` (N, 2), m, light blue.
+
+    Removed after `lifetime` seconds.
+    """
     marker = drawing.many(Marker.POINTS, 'laser', 0, LIGHT_BLUE,
                           (LASER_SIZE, LASER_SIZE, 0.0), drawing.at_height(places, LASER_Z))
     marker.header = header
@@ -153,7 +157,10 @@ def laser(places: np.ndarray, header: Header, lifetime: float) -> Marker:
 def _many(frame: str, namespace: str, kind: int, paint: ColorRGBA,
           size: Tuple[float, float, float], positions: np.ndarray, z: float,
           number: int = 0) -> PointsMarker:
-    """A marker of many `positions` (N, 2) in mm; if there are none, it deletes an older one."""
+    """Returns a marker of many `positions` (N, 2) in mm.
+
+    If there are none, it deletes an older one.
+    """
     places = drawing.at_height(positions / MM_PER_M, z)
     return drawing.many(kind, namespace, number, paint, size, places, frame)
 

@@ -52,7 +52,8 @@ class GraphPicture:
         self._route_shapes: Dict[int, _Shape] = {}
 
     def graph_markers(self, named: Optional[Mapping[str, drawing.XY]] = None) -> MarkerArray:
-        """Edges as their curves with an arrowhead to the destination, vertices with their ids.
+        """Returns edges as their curves with an arrowhead to the destination, vertices with their
+        ids.
 
         A vertex has one ring, an end vertex two, the dock three. `named`: the positions (m) of the
         map's goals and docks by name. If one of them already shows a vertex's id, the id is not
@@ -83,7 +84,7 @@ class GraphPicture:
             self._lines('vertices', rings, GRAPH, EDGE_WIDTH, 0), *names])
 
     def route_markers(self, route: Sequence[EdgeProgress]) -> MarkerArray:
-        """The route's edges, each with an arrowhead in the direction of driving.
+        """Returns the route's edges, each with an arrowhead in the direction of driving.
 
         Completed edges are green, the current one (the first that is not complete) yellow, later
         ones blue, failed ones red. Edges that are not in the graph are omitted.
@@ -113,7 +114,7 @@ class GraphPicture:
 
     def _edges(self, lines: str, heads: str, shapes: Sequence[_Shape], paint: ColorRGBA,
                width: float, number: int) -> List[Marker]:
-        """Two markers, with these namespaces, for many edges."""
+        """Returns two markers, with these namespaces, for many edges."""
         return [self._lines(lines, [shape.segments for shape in shapes], paint, width, number),
                 drawing.many(Marker.TRIANGLE_LIST, heads, number, paint, (1.0, 1.0, 1.0),
                              _joined(shape.head for shape in shapes), self._frame)]

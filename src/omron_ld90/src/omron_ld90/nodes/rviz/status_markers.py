@@ -46,7 +46,8 @@ class Banner(NamedTuple):
 
 def banner(robot: str, status: Optional[RobotStatus], silent_for: float,
            links: Sequence[LinkState], silence_limit: float) -> Banner:
-    """Name, battery, state and link of a robot in one line; also the reason if a link is down.
+    """Returns the name, battery, state and link of a robot in one line; also the reason if a link
+    is down.
 
     `silent_for`: seconds since the last status.
     """
@@ -67,7 +68,7 @@ def banner(robot: str, status: Optional[RobotStatus], silent_for: float,
 
 
 def _told(status: RobotStatus) -> Tuple[List[str], ColorRGBA]:
-    """The battery and state of a robot that is heard, and their colour."""
+    """Returns the battery and state of a robot that is heard, and their colour."""
     parts, paint = [], WELL
     if math.isfinite(status.state_of_charge):
         parts.append(f'battery {100 * status.state_of_charge:.0f} %')
@@ -83,7 +84,10 @@ def _told(status: RobotStatus) -> Tuple[List[str], ColorRGBA]:
 
 
 def _doing(status: RobotStatus) -> str:
-    """The robot's status text; at the dock, where it has four fields, a short form of it."""
+    """Returns the robot's status text.
+
+    At the dock, where it has four fields, a short form of it.
+    """
     if status.activity in AT_THE_DOCK and status.docking_state:
         return f'{status.docking_state}, charger {status.charge_state}'
     return status.status
@@ -92,7 +96,7 @@ def _doing(status: RobotStatus) -> str:
 def status_markers(frame: str, words: Banner, banner_at: drawing.XY, pose: Optional[Pose],
                    alive: bool, destination: Optional[Tuple[float, float]],
                    body: Sequence[Marker] = ()) -> MarkerArray:
-    """The banner `words` at `banner_at`, and the robot at `pose`.
+    """Returns the banner `words` at `banner_at`, and the robot at `pose`.
 
     A robot that is `alive` is shown as its body with an arrow, else as a grey box "last seen here".
     """

@@ -17,20 +17,23 @@ class Moment(NamedTuple):
 
     @classmethod
     def now(cls) -> Moment:
-        """The present moment."""
+        """Returns the present moment."""
         return cls(boot_id(), time.clock_gettime(time.CLOCK_BOOTTIME), time.time())
 
     @classmethod
     def read(cls, content: Dict[str, Any]) -> Moment:
-        """The moment in `content`; raises KeyError, TypeError or ValueError."""
+        """Returns the moment in `content`; raises KeyError, TypeError or ValueError."""
         return cls(str(content['boot']), float(content['since_boot']), float(content['time']))
 
     def content(self) -> Dict[str, Any]:
-        """The moment as plain values."""
+        """Returns the moment as plain values."""
         return {'boot': self.boot, 'since_boot': self.since_boot, 'time': self.wall}
 
     def age(self, now: Moment) -> float:
-        """Seconds since then; after another boot by the wall clock, infinite if it was set back."""
+        """Returns the seconds since then.
+
+        After another boot by the wall clock, infinite if it was set back.
+        """
         if self.boot == now.boot:
             return now.since_boot - self.since_boot
         return max(now.wall - self.wall, now.since_boot) if now.wall >= self.wall else math.inf

@@ -10,18 +10,21 @@ from omron_arcl.execution import Giver
 
 
 def caller_of(message: rospy.Message) -> str:
-    """The node that sent a message."""
+    """Returns the node that sent a message."""
     return header_of(message).get('callerid', 'unknown')
 
 
 def header_of(message: rospy.Message) -> Dict[str, str]:
-    """The header of the connection over which a message came; one object per connection."""
+    """Returns the header of the connection over which a message came; one object per connection."""
     header: Dict[str, str] = getattr(message, '_connection_header', {})
     return header
 
 
 def process_of(message: rospy.Message) -> str:
-    """The address of the process that sent a message; a restarted node has another address."""
+    """Returns the address of the process that sent a message.
+
+    A restarted node has another address.
+    """
     header, topic = header_of(message), header_of(message).get('topic', '')
     subscription = get_topic_manager().get_subscriber_impl(topic) if topic else None
     for connection in getattr(subscription, 'connections', ()):
@@ -31,5 +34,5 @@ def process_of(message: rospy.Message) -> str:
 
 
 def giver_of(message: rospy.Message) -> Giver:
-    """The program that gave a command by a message."""
+    """Returns the program that gave a command by a message."""
     return Giver(caller_of(message), process_of(message))

@@ -35,7 +35,10 @@ class ClickRule:
 
     @classmethod
     def of_this_node(cls) -> ClickRule:
-        """The rule for the robot of the node's namespace, by `~allow_takeover`; subscribes now."""
+        """Returns the rule for the robot of the node's namespace, by `~allow_takeover`.
+
+        Subscribes now.
+        """
         rule = cls(rospy.get_namespace().strip('/'), parameter('~allow_takeover', False, bool))
         rospy.Subscriber('/fleet_state', FleetState, rule.on_fleet, queue_size=1)
         rospy.Subscriber('execution_route_states', ExecutionRouteStates, rule.on_route,
@@ -50,7 +53,7 @@ class ClickRule:
                     and self._clock() - self._managed <= SILENCE)
 
     def refusal(self) -> Optional[str]:
-        """Why a click must not move the robot, and what to do instead; None if it may."""
+        """Returns why a click must not move the robot, and what to do instead; None if it may."""
         if self.asks_for_missions:
             return (f'Not sent: the fleet manager drives {self.robot}. Use "rosrun '
                     f'graph_fleet_manager mission VERTEX --robot {self.robot}", or "fleet out '

@@ -114,7 +114,7 @@ class CommandClient:
 
 
 def result_of(handle: ClientGoalHandle) -> ExecuteCommandResult:
-    """The result of a command whose goal is done.
+    """Returns the result of a command whose goal is done.
 
     If a goal was cancelled before it arrived, actionlib itself ends it, with an empty result.
     """

@@ -36,12 +36,12 @@ _LASTING = (LinkPhase.DISCONNECTED, LinkPhase.WRONG_PASSWORD, LinkPhase.CONNECTE
 
 
 def words_of(state: int) -> str:
-    """A LinkState's `state` in words."""
+    """Returns a LinkState's `state` in words."""
     return _WORDS.get(state, f'state {state}')
 
 
 def robot_host() -> str:
-    """`~robot_ip`: a name or an address; raises ConfigurationError if it can be neither."""
+    """Returns `~robot_ip`: a name or an address; raises ConfigurationError if it can be neither."""
     host = parameter('~robot_ip')
     if not is_host(host):
         raise ConfigurationError(f'Parameter {rospy.resolve_name("~robot_ip")} is '
@@ -50,7 +50,7 @@ def robot_host() -> str:
 
 
 def session_log() -> Optional[SessionLog]:
-    """The session log in the file `~session_log`, of `~session_log_size` MB; None for ''.
+    """Returns the session log in the file `~session_log`, of `~session_log_size` MB; None for ''.
 
     Raises ConfigurationError.
     """
@@ -63,7 +63,9 @@ def session_log() -> Optional[SessionLog]:
 
 
 def misconfigured(link: str) -> Callable[[str], rospy.Publisher]:
-    """For `node_lifecycle.run`: publishes once on `link_state` why `link` cannot be set up."""
+    """Returns, for `node_lifecycle.run`, a function
+    that publishes once on `link_state` why `link` cannot be set up.
+    """
     def publish(reason: str) -> rospy.Publisher:
         publisher = _publisher()
         message = LinkState(link=link, state=LinkState.MISCONFIGURED, reason=reason)
@@ -160,7 +162,7 @@ class LinkReporter:
             warn('link', f'Link "{self._name}" to {link.peer} is down: {link.reason}.')
 
     def diagnose(self, status: DiagnosticStatusWrapper) -> DiagnosticStatusWrapper:
-        """Task for diagnostic_updater."""
+        """Fills in a status, as a task for diagnostic_updater."""
         link = self._link
         if link is None:
             status.summary(DiagnosticStatus.WARN, 'starting')

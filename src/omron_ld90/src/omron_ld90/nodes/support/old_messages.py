@@ -58,7 +58,10 @@ class OldMessages:
         self._earlier[topic] = set(self._publishers(topic))
 
     def reason(self, message: rospy.Message, topic: str, is_stop: bool = False) -> Optional[str]:
-        """Why a message is too old; None if it is not. A stop that waited is never too old."""
+        """Returns why a message is too old; None if it is not.
+
+        A stop that waited is never too old.
+        """
         now = self._clock()
         self.tick(now)
         if self.comes_again(message, topic):
@@ -66,7 +69,9 @@ class OldMessages:
         return WAITED if now < self._waited_until and not is_stop else None
 
     def comes_again(self, message: rospy.Message, topic: str) -> bool:
-        """Whether it is the first message of a connection to a latching publisher known before."""
+        """Returns whether it is the first message of a connection to a latching publisher known
+        before.
+        """
         header = header_of(message)
         if header.get('latching') != '1':
             return False
@@ -97,7 +102,7 @@ class OldMessages:
 
 
 def publishers_by_master(topic: str) -> Iterable[str]:
-    """The nodes that publish `topic`, from the ROS master."""
+    """Returns the nodes that publish `topic`, from the ROS master."""
     resolved = rospy.resolve_name(topic)
     published, _, _ = rosgraph.Master(rospy.get_name()).getSystemState()
     return [node for name, nodes in published if name == resolved for node in nodes]

@@ -14,7 +14,7 @@ UNIT_TOLERANCE = 0.01  # of the square of a quaternion's length
 
 
 def is_plausible(pose: Pose) -> bool:
-    """Whether a robot can be there: not at NaN, nor beyond the range of ARCL and maps."""
+    """Returns whether a robot can be there: not at NaN, nor beyond the range of ARCL and maps."""
     place, turn = pose.position, pose.orientation
     norm = turn.x ** 2 + turn.y ** 2 + turn.z ** 2 + turn.w ** 2
     return all(abs(value) <= FARTHEST for value in (place.x, place.y, place.z)) and (
@@ -22,7 +22,7 @@ def is_plausible(pose: Pose) -> bool:
 
 
 def pose_from_robot(x_mm: float, y_mm: float, heading_deg: float) -> Pose:
-    """A pose in the map frame from the robot's x, y (mm) and heading (degrees)."""
+    """Returns a pose in the map frame from the robot's x, y (mm) and heading (degrees)."""
     pose = Pose()
     pose.position.x = metres(x_mm)
     pose.position.y = metres(y_mm)
@@ -31,13 +31,17 @@ def pose_from_robot(x_mm: float, y_mm: float, heading_deg: float) -> Pose:
 
 
 def pose_to_robot(pose: Pose) -> Tuple[int, int, int]:
-    """x, y (mm) and heading (degrees, -180..180) in the form of ARCL, for a pose in `map`."""
+    """Returns x, y (mm) and heading (degrees, -180..180) in the form of ARCL,
+    for a pose in `map`.
+    """
     heading = math.degrees(yaw_from_quaternion(pose.orientation))
     return millimetres(pose.position.x), millimetres(pose.position.y), int(round(heading))
 
 
 def map_to_odom(base_in_map: Pose, base_in_odom: Transform) -> Pose:
-    """The pose of the odometry frame in the map that puts the robot's base at `base_in_map`."""
+    """Returns the pose of the odometry frame in the map
+    that puts the robot's base at `base_in_map`.
+    """
     yaw = yaw_from_quaternion(base_in_map.orientation) - yaw_from_quaternion(base_in_odom.rotation)
     odom = Pose()
     odom.orientation = quaternion_from_yaw(yaw)

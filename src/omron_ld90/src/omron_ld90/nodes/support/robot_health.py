@@ -82,7 +82,7 @@ class RobotHealth:
             self.observe(activity.reply)
 
     def diagnose(self, status: DiagnosticStatusWrapper) -> DiagnosticStatusWrapper:
-        """Task for diagnostic_updater: the worst of all conditions."""
+        """Fills in a status, as a task for diagnostic_updater: the worst of all conditions."""
         status.summary(DiagnosticStatus.OK, self._status or 'well')
         if self._observed is None or time.monotonic() - self._observed > OLD:
             status.summary(DiagnosticStatus.STALE, 'no recent line from the robot')

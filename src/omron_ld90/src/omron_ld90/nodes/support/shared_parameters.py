@@ -10,12 +10,12 @@ from trajectory_graph import Graph, GraphError, load_graph
 
 
 def base_frame() -> str:
-    """`~base_frame`: the robot's frame, by default `<namespace>/base_link`."""
+    """Returns `~base_frame`: the robot's frame, by default `<namespace>/base_link`."""
     return parameter('~base_frame', _frame_of_robot('base_link'))
 
 
 def laser_frame() -> str:
-    """`~laser_frame`: the laser's frame, by default `<namespace>/laser_link`."""
+    """Returns `~laser_frame`: the laser's frame, by default `<namespace>/laser_link`."""
     return parameter('~laser_frame', _frame_of_robot('laser_link'))
 
 
@@ -25,7 +25,7 @@ def _frame_of_robot(link: str) -> str:
 
 
 def trajectory_graph() -> Optional[Graph]:
-    """The graph in `~graph_file`, None if that is empty; raises ConfigurationError."""
+    """Returns the graph in `~graph_file`, None if that is empty; raises ConfigurationError."""
     file = parameter('~graph_file', '')
     try:
         return load_graph(file) if file else None
@@ -34,6 +34,9 @@ def trajectory_graph() -> Optional[Graph]:
 
 
 def map_sources() -> Tuple[str, ...]:
-    """The source files of `~map_file`, for which a node waits; none if `~base_map` is empty."""
+    """Returns the source files of `~map_file`, for which a node waits.
+
+    None if `~base_map` is empty.
+    """
     base_map = parameter('~base_map', '')
     return (base_map, parameter('~graph_file', '')) if base_map else ()

@@ -15,7 +15,8 @@ Found = TypeVar('Found')
 
 
 def wait_for_transform(seconds: float, look: Callable[[], Found]) -> Found:
-    """The result of `look`, which is called until TF has the transform, at most for `seconds`.
+    """Returns the result of `look`, which is called until TF has the transform, at most for
+    `seconds`.
 
     Raises the tf2_ros.TransformException of the last attempt.
     """

@@ -44,7 +44,7 @@ def _gated(handler: Handler) -> Handler:
 
 
 def _section(call: CommandCall) -> ConfigSection:
-    """The section that the command names; case matters, and quotes are not removed."""
+    """Returns the section that the command names; case matters, and quotes are not removed."""
     name = call.rest.strip()
     section = call.server.configuration.sections.get(name)
     if section is None:
@@ -53,7 +53,7 @@ def _section(call: CommandCall) -> ConfigSection:
 
 
 def _own_section(call: CommandCall, name: str) -> ConfigSection:
-    """The section called `name`, added if there is none."""
+    """Returns the section called `name`, added if there is none."""
     return call.server.configuration.sections.setdefault(name, ConfigSection('', flags=ADDED))
 
 

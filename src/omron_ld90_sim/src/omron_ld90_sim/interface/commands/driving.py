@@ -24,7 +24,7 @@ def check_drivable(call: CommandCall) -> None:
 
 
 def find_goal(call: CommandCall, name: str) -> MapObject:
-    """The goal with that name, in any case."""
+    """Returns the goal with that name, in any case."""
     goal = task.find_goal(call.robot.document, name)
     if goal is None:
         raise CommandFailed(f"No goal '{name}'")
@@ -68,7 +68,7 @@ def stop(call: CommandCall) -> None:
 @command('scanStop', 'Stops a scan')
 @command('scanAddGoal', 'Adds a goal to a scan')
 def known_by_name(call: CommandCall) -> None:
-    """A command in the help lists of real robots whose answer no source describes."""
+    """Answers a command in the help lists of real robots whose answer no source describes."""
     raise CommandFailed(f'{call.line.split()[0]} is not simulated: no source describes its answer')
 
 

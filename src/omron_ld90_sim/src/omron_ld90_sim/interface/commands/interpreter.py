@@ -35,7 +35,7 @@ def execute(server: ArclServer, session: SimSession, line: str) -> None:
 
 
 def _variables(server: ArclServer) -> Dict[str, str]:
-    """The values of `$g`, `$y` and so on in a command line (ARCL manual I617-E-01 p. 51).
+    """Returns the values of `$g`, `$y` and so on in a command line (ARCL manual I617-E-01 p. 51).
 
     I617-E-02 p. 45 has them in lower case, so these are accepted, too, except `$m` and `$y`, which
     are the month and the year.

@@ -7,7 +7,7 @@ from omron_map import MapObject
 
 
 def _asked(call: CommandCall) -> map_types.ObjectType:
-    """The type that the command names; case matters, and quotes are not removed."""
+    """Returns the type that the command names; case matters, and quotes are not removed."""
     name = call.rest.split()[0]
     for known in map_types.object_types(call.robot.document):
         if known.name == name:

@@ -36,27 +36,27 @@ INFOS: Dict[str, Callable[[SimRobot], object]] = {
 
 
 def location(robot: SimRobot) -> str:
-    """The Location line: whole mm, mm, degrees."""
+    """Returns the Location line: whole mm, mm, degrees."""
     x, y, theta = (int(round(value)) for value in (robot.pose.x, robot.pose.y, robot.pose.theta))
     return f'Location: {x} {y} {theta}'
 
 
 def _battery(robot: SimRobot, dialect: Dialect) -> str:
-    """The battery's field: percent, or volts as in ARCL manual I617-E-01 p. 240."""
+    """Returns the battery's field: percent, or volts as in ARCL manual I617-E-01 p. 240."""
     percent = robot.docking.percent
     return (f'BatteryVoltage: {EMPTY + percent * (FULL - EMPTY) / 100.0:.1f}' if dialect.volts
             else f'StateOfCharge: {percent:.1f}')
 
 
 def status_lines(robot: SimRobot, dialect: Dialect) -> List[str]:
-    """The lines of `status`, in an LD robot's order; `Temperature:` is the last."""
+    """Returns the lines of `status`, in an LD robot's order; `Temperature:` is the last."""
     extended = [f'ExtendedStatusForHumans: {robot.extended}'] if dialect.extended else []
     return [*extended, f'Status: {robot.status}', _battery(robot, dialect), location(robot),
             f'LocalizationScore: {robot.localization.score:.6f}', f'Temperature: {TEMPERATURE}']
 
 
 def one_line_status(robot: SimRobot, dialect: Dialect) -> str:
-    """The line of `oneLineStatus`."""
+    """Returns the line of `oneLineStatus`."""
     return (f'Status: {robot.status} {_battery(robot, dialect)} {location(robot)} '
             f'Temperature: {TEMPERATURE}')
 

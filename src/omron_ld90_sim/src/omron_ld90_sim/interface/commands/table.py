@@ -52,7 +52,7 @@ class CommandCall:
         self.session.send(line)
 
     def named(self, names: Iterable[str], what: str) -> str:
-        """The one of `names` that equals the first argument with case ignored.
+        """Returns the one of `names` that equals the first argument with case ignored.
 
         Raises CommandFailed; `what`: the kind of thing that is named, for its text.
         """
@@ -62,7 +62,7 @@ class CommandCall:
         return name
 
     def number(self, index: int, default: Optional[float] = None) -> float:
-        """The argument at `index` as a number."""
+        """Returns the argument at `index` as a number."""
         arguments = self.arguments
         if index >= len(arguments) and default is not None:
             return default
@@ -91,7 +91,7 @@ class CommandRow:
     handler: Handler
 
     def help_line(self, layout: HelpLayout) -> str:
-        """The row in the help list."""
+        """Returns the row in the help list."""
         shortcut = f' [{self.shortcut}]' if self.shortcut else ''
         return layout.value.format(self.name, self.description + shortcut)
 
@@ -113,7 +113,7 @@ def command(name: str, description: str, usage: str = '', required: int = 0,
 
 
 def help_lines(dialect: Dialect) -> List[str]:
-    """The command list in the form in which the server prints it."""
+    """Returns the command list in the form in which the server prints it."""
     hidden = dialect.unlisted | dialect.missing
     rows = sorted((row for row in set(TABLE.values()) if row.name.lower() not in hidden),
                   key=lambda row: row.name.lower())
