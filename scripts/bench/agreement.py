@@ -103,8 +103,8 @@ class RandomFlow(Flow):
 def figures_of(observations: Iterable[Observation], seconds: float) -> Dict[str, float]:
     """Returns the figures of so many seconds after the warm-up, by name."""
     missions: Counter[str] = Counter()
-    served: Counter[str] = Counter()   # looks at robots with a mission
-    moving: Counter[str] = Counter()   # of these the looks at which the robot has moved
+    served: Counter[str] = Counter()   # how often a robot was seen with a mission
+    moving: Counter[str] = Counter()   # how often it had then moved since it was seen before
     metres: Dict[str, float] = dict.fromkeys(KINDS, 0.0)
     before: Dict[str, Seen] = {}
     for one in observations:

@@ -3,7 +3,7 @@
 
 Every plan uses true sizes, speeds and conflict sets. Times are CPU times, because other work on the
 machine lengthens them less. Limits are limits of the clock. The speed of a virtual machine changes
-from minute to minute, so the first plans of `stations` are made in many turns over all seeds, and
+from minute to minute. So the first plans of `stations` are made in many turns over all seeds, and
 each turn also times a loop of additions. `--only SECTION` runs one part (see SECTIONS). Rivals come
 from PyPI into virtual environments under build/rivals.
 """

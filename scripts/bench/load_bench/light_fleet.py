@@ -1,8 +1,7 @@
 """Hundreds of robots in one process: they report at 10 Hz and obey routes, and do nothing else.
 
-For a robot on a ring of its own, each order for more edges is timed from the report that made the
-order due. That is the first report by which the robot has no more metres ahead than it needs in
-order not to brake.
+Some robots drive on rings of their own. For these, the time from a report to the order for more
+edges is measured. It begins with the first report by which the robot would soon have to brake.
 """
 from __future__ import annotations
 

@@ -2,8 +2,9 @@
 
 The value of a pixel is that of map_server (image_loader.cpp, mode trinary): the mean of all its
 channels, alpha included. map_server reads images with SDL_image, which takes the high byte of
-16-bit PNG files, refuses 16-bit PGM files, and gives the index of a colour instead of the colour.
-So an image whose value here could differ from that of map_server is refused.
+16-bit PNG files, and refuses 16-bit PGM files. In an image with a palette it gives the index of a
+colour instead of the colour. So an image whose value here could differ from that of map_server is
+refused.
 """
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
 """Work that a node does repeatedly: it follows a clock that never stops and never steps back.
 
 rospy.Timer and rospy.Rate wait for ROS time. Under /use_sim_time this time stands still until the
-first /clock comes and while a simulation pauses, and steps back when a bag is played in a loop or a
+first /clock comes, and while a simulation pauses. It steps back when a bag is played in a loop or a
 world is reset. A timer of rospy then waits for ever, or ends with an exception. A robot and its
 network do not stop with a simulation, so no periodic work of a node may depend on ROS time.
 """

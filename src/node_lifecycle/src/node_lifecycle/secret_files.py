@@ -32,7 +32,7 @@ def read_password_file(path: str, what: str, is_secret: bool = True) -> bytes:
 
 
 def problem_of_password(password: bytes) -> str:
-    """Returns why a text can be no password, as the rest of a clause; empty: it can."""
+    """Returns why a text can be no password, such as 'is empty or not set'; '': it can be one."""
     if not password:
         return 'is empty or not set'
     is_plain = all(0x20 <= byte < 0x7f for byte in password)

@@ -40,7 +40,7 @@ class DriveCourse(Enum):
 _NEVER_MOVE = ('listStart', 'listAdd', 'queueCancelLocal', 'queueModifyLocal', 'stay',
                'applicationBlockDrivingSet')
 
-Predicate = Callable[['Command', Reply], bool]  # is this the line that the command awaits?
+Predicate = Callable[['Command', Reply], bool]  # whether it is the line that the command awaits
 
 
 @dataclass(frozen=True)

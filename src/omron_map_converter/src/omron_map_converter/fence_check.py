@@ -1,9 +1,9 @@
 """Checks the fences of a map, independently of how they were made. All in mm, map frame.
 
-A *leak* is a place at which a robot can leave the corridors. There the centre of a disc as wide as
-the robot, which starts at any vertex, gets farther than half a corridor and ALLOWANCE from every
-curve, outside the zones for turning and docking. The check uses only shapes, widened and cut; it
-uses nothing of the search for fences.
+A *leak* is a place at which a robot can leave the corridors. Imagine a disc as wide as the robot
+that starts at any vertex. At a leak its centre gets farther than half a corridor and ALLOWANCE from
+every curve; the zones for turning and docking do not count. The check uses only shapes, widened and
+cut; it uses nothing of the search for fences.
 """
 from __future__ import annotations
 

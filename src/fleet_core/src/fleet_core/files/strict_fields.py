@@ -17,9 +17,7 @@ ReadEntry = Callable[[str, yaml.Node, Dict[str, yaml.Node]], Entry]
 
 
 def meant(word: str, known: Collection[str]) -> str:
-    """Returns the rest of a clause about an unknown word: the word that is nearest to it,
-    or all.
-    """
+    """Returns a hint about an unknown word: the nearest of the known words, or all of them."""
     near = difflib.get_close_matches(word, known, 1)
     return f'did you mean {near[0]}?' if near else f'there are: {", ".join(known) or "none"}'
 

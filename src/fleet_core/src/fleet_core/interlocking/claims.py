@@ -116,7 +116,7 @@ class Claims:
         """By resource, the request by which its device is open, as a fresh report says."""
         self._clock = clock
         self._number = number
-        # Three reasons for a claim, by robot. What the site does not have any more is not claimed.
+        # The three reasons for claims, by robot. A resource that the site lost is not claimed.
         self._stored = {name: own & needs.resources.keys() for name, own in (stored or {}).items()}
         self._wanted: Dict[str, FrozenSet[str]] = {}
         # Until an allocation is known, its robot may be in all places where it could be.

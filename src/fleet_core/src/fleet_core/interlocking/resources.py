@@ -67,7 +67,7 @@ class Needs:
         self._geometry = geometry
         self._at: Dict[int, FrozenSet[str]] = {}  # by place
         self._vertices: Set[int] = set()  # places of vertices that need anything
-        self._of_edge: Dict[int, FrozenSet[str]] = {}  # kept on demand: each grant asks for it
+        self._of_edge: Dict[int, FrozenSet[str]] = {}  # computed once: each grant asks for it
         for one in self.resources.values():
             vertices = [geometry.index[vertex] for vertex in one.vertices & geometry.index.keys()]
             self._vertices.update(vertices)
@@ -99,8 +99,8 @@ class Needs:
     def of(self, allocation: Allocation) -> FrozenSet[str]:
         """Returns the names of the resources that all places of an allocation need.
 
-        A robot that may stand between vertices needs what an edge needs if its centre may be
-        there, and what a vertex needs if it covers the vertex with any part.
+        A robot that may stand between vertices needs what an edge needs if its centre may be on
+        that edge. It needs what a vertex needs if any part of it covers the vertex.
         """
         if not self._at:
             return NOTHING

@@ -452,7 +452,7 @@ class RouteMaster:
                       had_route)
         self._follow_news(news, said, before)
         heard.is_off_graph = self._off_graph >= 2
-        # A robot that may be anywhere was nowhere astray.
+        # A robot that may be anywhere cannot be at a wrong place.
         heard.is_located = self._locate(report, point, is_covered,
                                         is_stray and not before.unknown)
         self.clock_is_off = report.is_ahead

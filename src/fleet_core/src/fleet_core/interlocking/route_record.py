@@ -157,8 +157,9 @@ class RouteRecord:
             self.cleared = (self.done, 0.0)
 
     def begins_with(self, edge: int) -> None:
-        """Notes that a standing robot is granted this edge first:
-        what it has begun of it stays free.
+        """Notes that a standing robot is granted this edge first.
+
+        The part of the edge behind the robot is not taken.
         """
         self.cleared = (self.done, self.begun(edge, self.position))
 

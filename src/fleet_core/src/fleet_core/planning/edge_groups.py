@@ -4,8 +4,8 @@ Draw the drives of one robot along x and those of another robot along y. Mark ea
 that exclude each other. The two plans are a path through this picture that passes each mark on one
 side. Marks that touch each other, also at a corner, form a *group*. One order holds for all of
 them, whether the robots drive through it one behind the other or against each other. The path may
-pass the group on its other side instead, unless one of the robots was granted a drive in it,
-already stands in it, or ends in it (edge grouping: Feng et al., AAAI 2025).
+pass the group on its other side instead. It may not if one of the robots was granted a drive in the
+group, stands in it already, or ends in it (edge grouping: Feng et al., AAAI 2025).
 """
 from __future__ import annotations
 
@@ -60,10 +60,10 @@ class _Drives(NamedTuple):
     drive: np.ndarray      # (N,)
     rank: np.ndarray       # (N,) number in the order of the plans' times
     cleared: np.ndarray    # (N,) 0..1
-    released: np.ndarray   # (N,) is the drive released?
-    is_next: np.ndarray    # (N,) is it the first drive that is not released?
-    is_between: np.ndarray  # (N,) does the robot stand on it?
-    is_last: np.ndarray    # (N,) is it the robot's last drive?
+    released: np.ndarray   # (N,) whether the drive is released
+    is_next: np.ndarray    # (N,) whether it is the first drive that is not released
+    is_between: np.ndarray  # (N,) whether the robot stands on it
+    is_last: np.ndarray    # (N,) whether it is the robot's last drive
 
 
 class _Marks(NamedTuple):
@@ -73,7 +73,7 @@ class _Marks(NamedTuple):
     then: np.ndarray         # (M,)
     first_clear: np.ndarray  # (M,) the fraction after which the first is out of the other's way
     then_clear: np.ndarray   # (M,)
-    fixed: np.ndarray        # (M,) is the order of the pair fixed?
+    fixed: np.ndarray        # (M,) whether the order of the pair is fixed
 
 
 def edge_groups(network: RoadNetwork, clearance: float,

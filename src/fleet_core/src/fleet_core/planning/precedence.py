@@ -193,9 +193,7 @@ def _check(reservations: ReservationTable, names: Sequence[str], drives: _Drives
 
 
 def _without_what_follows(drives: _Drives, pairs: _Pairs) -> _Pairs:
-    """Returns the pairs that demand more of one robot
-    than earlier drives of the other waited for.
-    """
+    """Returns the pairs that add a condition; the others follow from earlier pairs."""
     first, fraction, then = pairs
     by_demand = np.lexsort((fraction, drives.number[first]))
     demand = np.zeros(len(first), dtype=np.int64)

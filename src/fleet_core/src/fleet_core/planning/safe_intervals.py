@@ -40,8 +40,10 @@ It is a plain tuple, whose fields get their names where they are read: a search 
 a named tuple is made several times more slowly.
 """
 _Entry = Tuple[float, int, float, State]
-"""A state that waits to be expanded: the lowest cost of a path through it that is not followed yet,
-a number that grows with each state, the lowest cost of the paths that are followed, and the state.
+"""A state that waits to be expanded.
+
+The lowest cost of a path through it that is not followed yet; a number that grows with each state;
+the lowest cost of the paths that are followed; the state.
 """
 
 

@@ -96,7 +96,7 @@ class Slots:
         """Returns when `slot` is blocked. At the very ends of these times it is free."""
         busy = self.merged[slot]
         if busy is None:
-            row = self._rows[slot]  # most slots have one: no call for these
+            row = self._rows[slot]  # most slots have a row, and need no call of `row`
             busy = self.merged[slot] = merge(self.row(slot) if row is None else row)
         return busy
 

@@ -12,8 +12,8 @@ from fleet_core.planning.parking import WellFormedSets, named_parking
 from fleet_core.planning.road_network import RoadNetwork
 
 LONG = 3.0
-"""Following distances. An edge of this length lets through less than half of the robots that edges
-of one following distance would, because the next robot waits until the whole edge is free."""
+"""Following distances. The next robot waits until the whole edge is free. So an edge of this length
+lets through less than half of the robots that edges of one following distance would."""
 _SAMPLES = 100  # most vertices from which paths are counted, to bound the time on large graphs
 
 

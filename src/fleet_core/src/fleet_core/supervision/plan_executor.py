@@ -42,10 +42,10 @@ class PlanExecutor:
     """The plan in force, the open questions to the planner, and what each robot waits for.
 
     `advance` runs one step. It asks the interlocking for the edges that are due by the plan's
-    order, and asks the planner for a new plan if the present one is not useful any more.
+    order. It asks the planner for a new plan if the present one is not useful any more.
 
-    Grants go on while the planner works. If they made its last answer useless, then until the next
-    answer only the edges that the question counts as released are granted.
+    Grants go on while the planner works. If they made its last answer useless, only the edges that
+    the question counts as released are granted until the next answer.
 
     switching -- looks for a better order while robots are late; None: the order stays
     rate      -- the factor by which robots are faster than the clock

@@ -52,7 +52,7 @@ def robots_of(fleet: Fleet, settings: Mapping[str, RobotSettings], graph: Graph,
         memory = memories.get(robot.name)
         if memory is not None:
             _restore(managed, memory, graph, before, now)
-        else:  # a journal that was lost does not know its numbers
+        else:  # a new robot; or the journal was lost, and with it the robot's numbers
             managed.master.restore(Memory(), now)
         if robot.absent and managed.outage is not Outage.ABSENT:
             managed.declare_absent(now)

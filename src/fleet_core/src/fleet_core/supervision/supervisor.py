@@ -495,7 +495,7 @@ class Supervisor:
             self._halt(self.robots.values())
             self._out.send()
         elif not robot.master.is_stopping:
-            self._halt([robot])  # to it, the stop from before this report was not a new one
+            self._halt([robot])  # its former stop had a lower number, so the robot ignored it
             self._out.send()
 
     def _doubt_journal(self, why: str, reporting: str = '') -> None:

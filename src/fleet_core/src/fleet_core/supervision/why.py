@@ -90,7 +90,7 @@ def _robot_reason(name: str, hindrance: Hindrance, supervisor: Supervisor,
 
 
 _PAUSED = Wait(WaitCode.RESUME, 'its mission is paused')
-_GOES_ON = Wait(WaitCode.START, 'its own standstill: it was stopped, and goes on when it stands')
+_GOES_ON = Wait(WaitCode.START, 'its own standstill: it gets its next edges as soon as it stands')
 _NEXT_EDGE = Wait(WaitCode.PLAN, 'the next edge of its plan')
 _NEXT_PLAN = Wait(WaitCode.PLAN, 'a plan for its mission')
 

@@ -196,8 +196,8 @@ class WorkDesk:
     def _note_strange(self, name: str, report: StepReport, is_first: bool) -> bool:
         """Notes the running steps that no mission here has ordered. Returns whether they changed.
 
-        Such a step was ordered by another fleet manager, or by a mission that this one ended or
-        does not know any more, and is shown by the first report already.
+        Such a step was ordered by another fleet manager, or by a mission that this one has ended or
+        forgotten. The first report shows it already.
         """
         before = self._strange.pop(name, frozenset())
         running = frozenset(step.key for step in report.steps if not step.word.is_final)

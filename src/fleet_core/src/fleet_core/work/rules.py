@@ -462,14 +462,14 @@ def answer(situation: Situation, said: StepDecision, key: int = 0) -> Tuple[Situ
 
 
 def _no_answer(work: Work, own: StepProgress, said: StepDecision) -> str:
-    """Returns why an answer cannot be taken, as the rest of a clause; empty: it can."""
+    """Returns what a step does that makes an answer impossible, as words after its name; or ''."""
     if said is StepDecision.RETRY and own.state is StepState.RUNNING:
         return 'runs: there is nothing to retry'
     if said is StepDecision.RETRY and work.is_ending:
         return 'is not repeated, because its mission ends'
     if own.seen is Seen.NOTHING:
-        return ('may still reach its robot or device: the driver of that must run and show the '
-                'step before it can be answered')
+        return ('is still on its way to its robot or device: start the driver of that, and answer '
+                'when it shows the step')
     if said is StepDecision.RETRY and not has_ended(own):
         return 'still runs: wait until it ends'
     return ''

@@ -160,7 +160,7 @@ def check_stops(stops: Sequence[WorkStop], on_cancel: Sequence[WorkStop]) -> Non
 
 
 def problem_of(step: WorkStep) -> str:
-    """Returns why a step is refused, as the rest of a clause; empty: it is not."""
+    """Returns why a step is refused, such as 'needs a type'; '': it is not refused."""
     texts = (step.type, step.device, *(text for pair in step.parameters for text in pair))
     names = [name for name, _ in step.parameters]
     rules = (

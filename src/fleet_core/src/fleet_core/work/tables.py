@@ -39,7 +39,7 @@ class StopState(Enum):
     """The state of a stop."""
 
     WAITING = 'waiting'
-    DRIVING = 'driving'   # it is the next one; its steps before the entry run
+    DRIVING = 'driving'   # it is the next one; steps before the entry to it may run
     AT_WORK = 'at work'   # the robot stands there
     DONE = 'done'
     FAILED = 'failed'

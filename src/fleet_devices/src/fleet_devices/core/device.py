@@ -67,7 +67,7 @@ from route_protocol.devices import (
 
 STEADY = 2          # readings alike before they are believed: an input that flaps opens nothing
 MOST_HOLDERS = 100  # requesters that may hold one device
-KEPT = 50           # requesters that hold nothing whose last numbers are kept
+KEPT = 50           # last numbers that are kept of requesters that hold nothing
 
 _SETTLED = {True: DeviceMode.OPEN, False: DeviceMode.CLOSED}
 

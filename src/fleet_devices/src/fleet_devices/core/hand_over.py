@@ -62,7 +62,7 @@ from route_protocol.steps import (
     Word,
 )
 
-_REPORTS = 2 ** 32  # more than a device is reported in one life of its driver
+_REPORTS = 2 ** 32  # more reports than the driver sends about a device until its end
 
 
 class HandOverPhase(Enum):

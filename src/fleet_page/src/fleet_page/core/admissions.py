@@ -28,7 +28,7 @@ class Admissions:
     def __init__(self) -> None:
         self._addresses: Dict[Hashable, str] = {}
         self._of: Dict[str, OrderedDict[Hashable, None]] = {}
-        self._by_size: Dict[int, OrderedDict[str, None]] = {}  # addresses by their connections
+        self._by_size: Dict[int, OrderedDict[str, None]] = {}  # by connections
         self._largest = 0
         self._halves = RateLimit(EACH_SECOND, EACH_SECOND)
 

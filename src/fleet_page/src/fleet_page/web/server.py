@@ -41,7 +41,7 @@ MOST_CLIENTS_OF_ONE = 40
 KEPT_FOR_OPERATORS = 20  # of these, places that the role `see` cannot have
 FRESH = 2.0           # s for which an answer from the journal counts as new
 MOST_HOURS = 24 * 90
-MOST_SOURCES = 10     # most robots whose laser is received at the same time, and the allocations
+MOST_SOURCES = 10     # most sources received at once: lasers of robots, and the allocations
 
 
 class WebServer:

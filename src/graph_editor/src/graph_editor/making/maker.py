@@ -138,7 +138,8 @@ def _placed(site: MappedSite, options: MakingOptions, notes: List[str]) -> List[
                          f'{options.robot_width:g} m wide has no space.')
     if not parts:
         if site.places:
-            notes.append('No place of the map is on the floor: the largest part of it is used.')
+            notes.append('No goal or dock of the map is on the floor: the graph is made for the '
+                         'largest part of the floor.')
         return []
     sizes = np.bincount(labels.ravel())
 

@@ -15,10 +15,10 @@ from graph_editor.making.coverage import Coverage
 from graph_editor.making.options import MakingOptions
 from graph_editor.making.sight import in_sight
 
-LEAST_FLOOR = 1.0  # m2; a dead end stays if only it serves this much floor
+LEAST_FLOOR = 1.0  # m2; a dead end stays if no other lane serves this much floor
 LEAST_IN_CORNER = 6.0  # m2; the same for a dead end into a corner, because bays are better there
 WORTHWHILE_DETOUR = 9.0  # m; a side of a loop stays if it saves this detour
-WORTHWHILE_FLOOR = 3.0  # m2; a side of a loop stays if only it serves this much floor
+WORTHWHILE_FLOOR = 3.0  # m2; a side of a loop stays if no other lane serves this much floor
 NARROW_IS_WORSE = 3.0  # factor of the required use if the corridor of a lane does not fit
 MERGING = 1.0  # m; junctions within this distance become one if there is little space
 DOOR = 0.3  # m; a path that widens again by this much has passed something like a door

@@ -16,7 +16,7 @@ from graph_editor.making.sight import in_sight
 CLOSE = 0.6  # m; nodes within this distance are merged
 TOUCHING = 0.35  # m; a lane that passes a node within this distance leads through the node
 STRAIGHT = math.radians(6.0)  # at a smaller turn a node is unnecessary
-LEAST_FLOOR = 1.5  # m2; a dead end stays if only it serves this much floor
+LEAST_FLOOR = 1.5  # m2; a dead end stays if no other lane serves this much floor
 
 
 def tidy(net: LaneNet, keep: Collection[int] = (), turning: float = 0.0) -> None:

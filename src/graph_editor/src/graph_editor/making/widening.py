@@ -1,9 +1,9 @@
 """Gives robots enough space: lanes lead straight through narrow places, between wider places.
 
 A robot is wider across its corners than across its sides. So there are places that it can pass but
-in which it cannot turn. If a lane bends there, or hardly has the width of the robot, it is replaced
-by new lanes between near places to turn, with the largest margin that is possible. If no margin is
-possible, no lane leads through.
+in which it cannot turn. A lane that bends there, or hardly has the width of the robot, is replaced
+by new lanes between near places to turn. They have the largest margin that is possible. If no
+margin is possible, no lane leads through.
 """
 from __future__ import annotations
 

@@ -10,7 +10,7 @@ from typing import Any, List, Mapping, Optional, Sequence
 from fleet_core.supervision.fleet_stop import FleetStop
 
 WIDTH = 100     # columns of a table that fits
-_SHORTEST = 8   # letters of a cell that is cut
+_SHORTEST = 8   # letters to which a cell is cut at the least
 _INDENT = '    '
 _MORE = '...'
 

@@ -1,6 +1,7 @@
-"""The services of the fleet: stop and resume all robots, take one robot out of service and back,
-declare a robot absent, say what it carries, pause a timetable, get the status of a mission, and
-what it waits for.
+"""The services of the fleet.
+
+They stop and resume all robots, take one robot out of service and back, declare it absent, say what
+it carries, and pause a timetable. They tell the status of a mission, and what it waits for.
 """
 from __future__ import annotations
 

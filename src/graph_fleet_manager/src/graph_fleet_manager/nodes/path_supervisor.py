@@ -235,10 +235,9 @@ class PathSupervisor:
         self._events.put(close)
 
     def _begin(self, now: float) -> Sequence[Action]:
-        """Begins to supervise if that is due and the graph, the closed edges and the journal are
-        there.
+        """Begins to supervise if that is due, with graph, closed edges and journal.
 
-        A new graph has the same effect as a restart: the former supervisor ends, so that nothing
+        A new graph has the same effect as a restart. The former supervisor ends, so that nothing
         is granted by the former graph, and another one begins from the journal. graph_server has
         made sure that the new graph has the routes of all robots.
         """

@@ -1,13 +1,13 @@
 """All jobs: accepts, changes and cancels them, and follows their missions.
 
-A job is stored before its client is told that it is queued, and its request is repeated, with the
-same id and stamp, until the fleet manager has shown its mission. The fleet manager knows repeats by
-id and stamp. So no loss of messages, and no restart of either side, loses a job or does it twice.
-The wish to cancel a job is stored and repeated in the same way, until its mission ends; another
-priority or goal, until its mission shows it, or refuses the goal.
+A job is stored before its client is told that it is queued. Its request is repeated, with the same
+id and stamp, until the fleet manager has shown its mission. The fleet manager knows repeats by id
+and stamp. So no loss of messages, and no restart of either side, loses a job or does it twice.
+The wish to cancel a job is stored and repeated in the same way, until its mission ends. So is a
+wish for another priority or goal, until the mission shows it, or refuses the goal.
 
-What a mission shows is not stored before it is told. If it cannot be stored, it follows again from
-the mission.
+What a mission shows is told to clients at once, and stored later. If it cannot be stored, it
+follows again from the mission.
 """
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ KEEP_ENDED = 60     # min for which they are kept; OMRON's DeleteCompletedItemsM
 
 
 class JobRefused(Exception):
-    """A command that is not carried out. The text is the rest of a clause after its name."""
+    """A command that is not carried out. The text completes a sentence that begins with a name."""
 
 
 class JobCounters(NamedTuple):
@@ -136,7 +136,7 @@ class JobBook:
         self._unstored: Set[int] = set()
         self._restless: Set[int] = {job.mission for job in self.shelf.open}
         self._silent_from = -math.inf   # nothing is silent before this moment
-        self._asked = -math.inf         # since when there might have been more of such questions
+        self._asked = -math.inf         # until when the allowed questions about silence are used up
 
     # -- what clients ask ------------------------------------------------------------------------
 

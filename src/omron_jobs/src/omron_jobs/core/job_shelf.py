@@ -19,9 +19,9 @@ class JobShelf:
     def __init__(self, jobs: Iterable[QueuedJob]) -> None:
         self.on_change: Callable[[int], None] = lambda mission: None
         self._jobs: Dict[int, QueuedJob] = {}
-        self._open: Dict[int, str] = {}     # by its mission, the id of each open job in lower case
+        self._open: Dict[int, str] = {}     # the id of each open job in lower case, by its mission
         self._ids: Set[str] = set()         # those ids
-        self._ended: Dict[int, int] = {}    # when each other job ended, in this order
+        self._ended: Dict[int, int] = {}    # when each ended job ended, the oldest first
         for job in sorted(jobs, key=lambda job: job.segments[0].number):
             self.put(job)
         self._ended = dict(sorted(self._ended.items(), key=lambda one: one[1]))

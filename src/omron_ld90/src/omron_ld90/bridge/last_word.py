@@ -1,8 +1,8 @@
 """The last command for the robot, a drive or a stop, until its fate is known.
 
-A command is given to the controller, which says how it ends. If that answer is lost, with a link,
-the controller or a restart of this program, or if a drive was interrupted, cancelled or overruled,
-`motion` says what became of it: the controller tells the number and the fate of our last command.
+A command is given to the controller, which says how it ends. That answer may be lost, with a link,
+the controller or a restart of this program. Or a drive was interrupted, cancelled or overruled.
+Then `motion` says what became of it: the number and the fate of our last command.
 
     | the answer                        | what follows                                             |
     |-----------------------------------|----------------------------------------------------------|
