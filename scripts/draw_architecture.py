@@ -36,21 +36,23 @@ class Link(NamedTuple):
 
 
 BOXES = (
-    Box(20, 20, 200, 'People', 'page, RViz, commands', PEOPLE),
-    Box(240, 20, 200, 'Warehouse program', 'jobs by ARCL or REST', OUTSIDE),
-    Box(680, 20, 200, 'Doors, machines', 'fleet_devices: Modbus TCP', OUTSIDE),
-    Box(20, 150, 860, 'Fleet manager',
+    Box(20, 20, 190, 'People', 'fleet_page, RViz, commands', PEOPLE),
+    Box(230, 20, 190, 'Warehouse programs', 'omron_jobs: ARCL, REST', OUTSIDE),
+    Box(440, 20, 190, 'Doors, machines', 'fleet_devices: Modbus TCP', OUTSIDE),
+    Box(690, 20, 190, 'VDA 5050 master', 'of another maker', OUTSIDE),
+    Box(20, 140, 610, 'Fleet manager (graph_fleet_manager, fleet_core)',
         'missions  >  planner  >  interlocking: no robot moves where another one may be', FLEET),
-    Box(20, 280, 260, 'LD-90 driver', 'controller, bridge, map in RViz', ROBOT),
-    Box(320, 280, 260, 'AGVs that take routes', 'real, or simulated by agv_sim', ROBOT),
-    Box(620, 280, 260, 'VDA 5050 adapter', 'for masters of others', ROBOT),
-    Box(20, 360, 260, 'LD-90, or ld90_sim', '', OUTSIDE, 30),
-    Box(620, 360, 260, 'any VDA 5050 master', '', OUTSIDE, 30))
+    Box(690, 140, 190, 'vda5050_vehicle', 'in place of a fleet manager', FLEET),
+    Box(20, 260, 290, 'AGVs that take routes', 'a driver of your own, or agv_sim', ROBOT),
+    Box(340, 260, 540, 'LD-90 driver (omron_ld90)',
+        'bridge: routes to drives  >  controller;  status, laser, map in RViz', ROBOT),
+    Box(340, 360, 540, 'LD-90, or the simulator ld90_sim', '', OUTSIDE, 30))
 LINKS = (
-    Link((120, 76), (120, 150), 'missions, stop'), Link((340, 76), (340, 150), 'jobs'),
-    Link((780, 150), (780, 76), 'open, start'), Link((150, 206), (150, 280), 'numbered routes'),
-    Link((450, 206), (450, 280), 'numbered routes'), Link((150, 336), (150, 360), 'ARCL'),
-    Link((750, 360), (750, 336), 'MQTT'))
+    Link((115, 76), (115, 140), 'missions, stop'), Link((325, 76), (325, 140), 'jobs'),
+    Link((535, 140), (535, 76), 'open, start'), Link((785, 76), (785, 140), 'orders over MQTT'),
+    Link((165, 196), (165, 260), 'numbered routes'),
+    Link((485, 196), (485, 260), 'numbered routes'),
+    Link((785, 196), (785, 260), 'routes'), Link((610, 316), (610, 360), 'ARCL over TCP'))
 
 
 def _box(box: Box) -> str:

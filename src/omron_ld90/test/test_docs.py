@@ -45,8 +45,24 @@ def name_of(document: Path) -> str:
 @pytest.mark.parametrize('document', DOCUMENTS, ids=name_of)
 def test_what_is_linked_to_is_there(document: Path):
     links = [link for link in _LINK.findall(document.read_text(encoding='utf-8'))
-             if '://' not in link]
+             if '://' not in link and not is_of_workflow(link)]
     assert [link for link in links if not (document.parent / link).exists()] == []
+
+
+def is_of_workflow(link: str) -> bool:
+    """True for the page or badge of a workflow of ours on GitHub, relative to README there."""
+    words = re.fullmatch(r'\.\./\.\./actions/workflows/([\w.]+\.yml)(?:/badge\.svg)?', link)
+    return words is not None and (ROOT / '.github/workflows' / words.group(1)).is_file()
+
+
+def test_the_headline_figures_stand_on_the_pages_to_which_they_link():
+    text = (ROOT / 'README.md').read_text(encoding='utf-8')
+    head, figures, links = re.search(r'^(\| size .*)\n\|[-|]+\|\n(.*)\n(.*)$', text, re.M).groups()
+    assert head == '| size | speed | proof |'
+    for cell, link in zip(figures.strip('|').split('|'), _LINK.findall(links)):
+        page = (ROOT / link).read_text(encoding='utf-8').replace(',', '')
+        numbers = re.findall(r'\d+', cell.replace(',', ''))
+        assert numbers and [one for one in numbers if not re.search(rf'\b{one}\b', page)] == []
 
 
 def test_each_sentence_names_its_subject():

@@ -33,6 +33,20 @@ def test_the_smallest_graph_of_the_page_is_read(tmp_path):
     assert (len(graph.vertices), len(graph.edges)) == (2, 1)
 
 
+def test_in_the_larger_graph_of_the_page_each_end_vertex_has_the_direction_of_its_edge(tmp_path):
+    (tmp_path / 'graph.yaml').write_text(re.findall(r'```yaml\n(.*?)```', PAGE, re.DOTALL)[1])
+    graph = load_graph(tmp_path / 'graph.yaml')
+    ends = [vertex for vertex in graph.vertices.values() if graph.is_end_vertex(vertex.id)]
+    assert sorted((vertex.id, vertex.dock, vertex.parking) for vertex in ends) == [
+        (6, False, True), (7, True, None)]
+    for vertex in ends:
+        edge, = graph.edges_from(vertex.id)
+        before, after = graph.curve(abs(edge)).points[-2:]
+        assert edge < 0, 'the edge leads to the vertex'
+        turn = math.atan2(*(after - before)[::-1]) - vertex.theta
+        assert math.cos(turn) == pytest.approx(1.0, abs=1e-6)
+
+
 @pytest.mark.parametrize('key', sorted(KEYS))
 def test_a_key_is_required_exactly_if_the_page_says_so(tmp_path, key):
     graph = {
