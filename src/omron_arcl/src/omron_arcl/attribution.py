@@ -194,9 +194,7 @@ class Attribution:
             self._commands.end(execution, Outcome.INTERRUPTED, f'taken over: {text}')
 
     def _activity(self, reply: Reply, text: str, now: float, asked: Sequence[Execution]) -> None:
-        """Notes that the line, or the status that answers the question `asked`,
-        may say what the robot does.
-        """
+        """Notes what the robot does, if the line tells it. `asked`: the requests of a status."""
         if isinstance(reply, (replies.StatusText, replies.OneLineStatus)):
             shown = reply.text if isinstance(reply, replies.StatusText) else reply.status
             if shown:

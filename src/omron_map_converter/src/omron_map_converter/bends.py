@@ -28,8 +28,9 @@ def bends_of(graph: Graph, stretch: float) -> List[Tuple[float, float]]:
 
 
 def corners_of(graph: Graph, least: float) -> Set[int]:
-    """Returns the vertices through which a path that does not turn back turns by more
-    than `least` rad.
+    """Returns the vertices at which a path turns by more than `least` rad.
+
+    A path that turns back there does not count.
     """
     ways = _Ways(graph)
     return {id for id in graph.vertices if ways.is_corner(id, least)}

@@ -160,9 +160,7 @@ class Claims:
                      self._is_ready(name, resource)).state
 
     def lost(self) -> Iterator[Tuple[str, str]]:
-        """Yields the robots that may be where a device does not say that it is open,
-        and the resources.
-        """
+        """Yields the claims that are LOST, as pairs of robot and resource."""
         for name in sorted(self.robots):
             for resource in sorted(self.of(name)):
                 has_device = self.needs.resources[resource].has_device

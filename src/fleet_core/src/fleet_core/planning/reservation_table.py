@@ -212,9 +212,9 @@ class ReservationTable:
                  ready: float) -> List[Tuple[int, float, int, float]]:
         """Returns the first drives of a robot that is not booked and stands between two vertices.
 
-        For each drive by which it may leave, and each time in which that drive is free: (drive,
-        when it may begin, vertex at its end, when it arrives there). It must leave before another
-        robot passes its point.
+        There is one entry for each time in which one of its drives is free: the drive, when it may
+        begin, the vertex at its end, and when it arrives there. It must leave before another robot
+        passes its point.
         """
         found = []
         leave = min((start for _, start in self.passing(kind, mid_edge)), default=inf)

@@ -132,8 +132,9 @@ class ShortestPaths:
         return paths
 
     def _descents(self, targets: Iterable[int]) -> Dict[int, float]:
-        """Returns the seconds to the nearest target from each vertex
-        that leads to one by descending rounds.
+        """Returns the seconds to the nearest target, from the vertices with a descending path.
+
+        Each step of such a path leads to a vertex that was removed in an earlier round.
         """
         found = dict.fromkeys(targets, 0.0)
         waiting = sorted((self._round[target], target) for target in found)

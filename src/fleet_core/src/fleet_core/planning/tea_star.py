@@ -205,8 +205,9 @@ def is_too_late(deadline: float, drives: int = 0) -> bool:
 def by_length(agents: Iterable[Agent]) -> List[Agent]:
     """Returns the first order: by priority, then the shortest path.
 
-    A robot that waits for others that are soon out of its way waits less than they would wait for
-    it. A robot with nothing to do comes last, because it is only in the way.
+    Robots with short paths are soon out of the way. So it costs less if a robot with a long path
+    waits for them than if they wait for it. A robot with nothing to do comes last, because it is
+    only in the way.
     """
     return sorted(agents, key=lambda t: (-t.priority, not t.query.destinations,
                                          t.query.lower_bound))

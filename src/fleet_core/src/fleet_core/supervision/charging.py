@@ -217,9 +217,7 @@ class ChargerDesk:
                          doing=tuple(map(self._doing, robots)))
 
     def _doing(self, name: str) -> str:
-        """Returns what a robot does that takes a place of a charger, in words
-        that follow its name.
-        """
+        """Returns what a robot at a charger does there, in words that follow its name."""
         robot, mission = self._robots.get(name), self._book.of_robot(name)
         if robot is None or robot.outage is not None:
             return 'which is not in service'

@@ -44,7 +44,7 @@ def due_edges(name: str, plan: PlanInForce, records: Mapping[str, RouteRecord],
               goal: GrantGoal) -> Due:
     """Returns the edges that one robot is to be granted.
 
-    The first edge that ends farther ahead than the goal says is the last one that is due.
+    Edges are due until one ends farther ahead than the goal demands; this edge is the last one.
     """
     own, record = plan.plans[name], records[name]
     edges: List[int] = []

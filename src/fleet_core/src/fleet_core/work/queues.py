@@ -27,8 +27,8 @@ claim have their turns, and robots at queue places have arrived, the first place
 
 Invariants, for each state after any events (`test_queues.py`):
 
-- The robots with a turn, and others that claim the station, are not more than its capacity, unless
-  those that claim it alone are.
+- The robots with a turn, and others that claim the station, are never more than its capacity. The
+  exception: those that claim it are already more.
 - No two robots have one target. No robot has a turn for a place where another one stands.
 - A queue place is not used while a queue place before it is free.
 - The order of those that have arrived never changes. None of them waits while a robot behind it

@@ -5,8 +5,9 @@ only if it is known to have ended without being done, or if a person says so, or
 If it is not known whether it has been done, a person is asked. While a step waits for an answer, no
 other step begins.
 
-The load of a robot counts as unknown from the moment at which a step that takes or gives is
-ordered until it is known how that step has ended. So it is right whenever the master is ended.
+When a step is ordered that takes or gives a load, the load of the robot counts as unknown. It is
+known again when it is known how the step has ended. So the stored load is never wrong, at whatever
+moment the master ends.
 """
 from __future__ import annotations
 

@@ -152,9 +152,7 @@ def machines_of(settings: Settings) -> HandOvers:
 
 
 def message_of(report: DeviceReport, behind: float) -> DeviceState:
-    """Returns a report whose times are of a clock that is `behind` s behind that of ROS,
-    as a message.
-    """
+    """Returns a report as a message. `behind`: s by which its clock is behind that of ROS."""
     read_at = None if report.read_at is None else report.read_at + behind
     return fill_device_report(
         DeviceState(), report.at(report.since + behind, read_at), DeviceUse,

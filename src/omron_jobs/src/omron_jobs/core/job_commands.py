@@ -195,7 +195,7 @@ class JobCommands:
         return _list(words.QUERY, found, echo, words.END_OF_QUERY)
 
     def queue_show(self, command: CommandLine) -> JobReply:
-        """Lists the robots, and all segments that have not ended; of the others the last ones."""
+        """Lists the robots, all open segments, and the last `SHOWN_ENDED` that have ended."""
         echo = command.text(0, 'echo')
         every = [change for job in self._book.jobs for change in changes_of(job)]
         ended = [one.segment.number for one in every if one.segment.told.status.is_final]

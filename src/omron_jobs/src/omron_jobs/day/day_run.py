@@ -21,7 +21,7 @@ from omron_jobs.day.fleet_desk import FleetDesk
 from omron_jobs.day.judge import GoalPlace, Judge, WatchedJob
 from omron_jobs.fleet.missions import goals_of
 
-TICK = 0.5              # s between two checks for what is due, as for what is seen of the robots
+TICK = 0.5              # s between two looks at the robots, and at what is due
 LONGEST_REST = 7200.0   # s after the last line
 _UPDATE = 'QueueUpdate: '
 _MINUTE = 60.0
