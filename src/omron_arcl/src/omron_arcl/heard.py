@@ -73,7 +73,7 @@ class RobotWords:
         self.stops_itself: Optional[SelfStop] = None
         """Why the robot may say `Stopping` next."""
         self._docking: Optional[replies.DockingState] = None
-        self._ours: Set[bool] = set()  # of the `Stopping`s that the next `Stopped` ends
+        self._ours: Set[bool] = set()  # whether each `Stopping` before the next `Stopped` is ours
 
     @property
     def emergency_told(self) -> bool:

@@ -36,9 +36,9 @@ class ExistingGoals(Enum):
     """The treatment of goals and docks that are already in the base map."""
 
     REPLACE = 'replace'
-    """Those named like a vertex move to the vertex; the others stay."""
+    """A goal with the name of a vertex moves to the vertex; the others stay."""
     KEEP = 'keep'
-    """All stay where they are; only vertices without one get a goal."""
+    """All goals stay where they are; only a vertex without a goal gets one."""
     DROP = 'drop'
     """All goals and docks are removed."""
 

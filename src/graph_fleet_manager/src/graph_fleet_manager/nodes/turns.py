@@ -51,7 +51,7 @@ class Turns:
         self.heard = now
         """At the last tick, the time until which all reports were handled."""
         self._due_since: Optional[float] = None
-        """The next tick is due after the reports that arrived until this time; None: it is not."""
+        """When the next tick became due: it comes after the reports until then. None: not due."""
         self._had_turn = False  # whether requests had a turn since the last tick
 
     def hurry(self, due: Optional[float]) -> None:
