@@ -77,6 +77,28 @@ def test_each_sentence_names_its_subject():
     assert found == [], 'name the person, program or robot instead'
 
 
+def sentences_of(document: Path) -> List[str]:
+    """The sentences, and parts of sentences, of the prose: not of code, tables and headings."""
+    text = re.sub(r'```.*?```', '', document.read_text(encoding='utf-8'), flags=re.DOTALL)
+    prose = '\n'.join(line if not line.startswith(('|', '#', '    ')) else ''
+                      for line in text.splitlines())
+    blocks = re.split(r'\n\s*(?:[-*]|\d+\.) |\n\s*\n', prose)
+    return [sentence for block in blocks
+            for sentence in re.split(r'(?<=[.!?:;])\)?\s+', ' '.join(block.split()))]
+
+
+def length_of(sentence: str) -> int:
+    """The number of words: a link counts as its text, code as one word, brackets do not count."""
+    plain = re.sub(r'`[^`]*`', 'code', re.sub(r'\[([^\]]*)\]\([^)]*\)', r'\1', sentence))
+    return len(re.findall(r'\S*\w\S*', re.sub(r'\([^()]*\)', '', plain)))
+
+
+def test_no_sentence_of_the_prose_has_more_than_30_words():
+    assert length_of('A [long link](page.md#place) and `some code` (or not) count.') == 6
+    assert [(name_of(document), sentence) for document in DOCUMENTS
+            for sentence in sentences_of(document) if length_of(sentence) > 30] == []
+
+
 def test_every_page_stands_in_the_folder_of_its_kind():
     pages = [page.relative_to(ROOT / 'docs') for page in (ROOT / 'docs').rglob('*.md')]
     assert [str(page) for page in pages
