@@ -28,7 +28,10 @@ def simulate(site: StudiedSite, robots: int, seed: int, hours: float) -> Figures
 
 
 class Run:
-    """One fleet that works in virtual time. It watches the virtual world and counts."""
+    """One fleet that works in virtual time. It watches the virtual world and counts.
+
+    Its attributes are the parts of the world, and the counters that one event may change together.
+    """
 
     def __init__(self, site: StudiedSite, robots: int, seed: int) -> None:
         self._site = site

@@ -91,6 +91,8 @@ class Doubt:
 class DriveRecord:
     """One drive or stop, or what others did.
 
+    All that is known of a drive is in this one value, because its parts change together.
+
     goal -- the goal for people
     names -- the names by which the robot may confirm a drive, in lower case: `` if the robot needs
         no name for it

@@ -66,6 +66,8 @@ class ShownSite:
 class Page:
     """Owns all data that browsers see. One thread uses it, except for `missions`.
 
+    It has an attribute for each kind of data: one message may change several of them.
+
     tell_areas -- is called with all areas, by name, at first and after each change
     """
 

@@ -79,7 +79,10 @@ class HistorySums:
 
 
 class Records:
-    """The records in one SQLite file; `:memory:`: without a file. One thread at a time uses it."""
+    """The records in one SQLite file; `:memory:`: without a file. One thread at a time uses it.
+
+    It has methods for each kind of record, because no other class reads or writes the file.
+    """
 
     def __init__(self, path: str) -> None:
         self._db = sqlite3.connect(path, isolation_level=None, timeout=1.0,

@@ -45,7 +45,10 @@ MOST_SOURCES = 10     # most sources received at once: lasers of robots, and the
 
 
 class WebServer:
-    """The routes and streams of one page. One event loop uses it."""
+    """The routes and streams of one page. One event loop uses it.
+
+    Its attributes are what more than one route needs: page, clients, finished answers and limits.
+    """
 
     def __init__(self, page: Page, do: Do, watch: Watch = lambda sources: None) -> None:
         self._page, self._do, self._watch = page, do, watch

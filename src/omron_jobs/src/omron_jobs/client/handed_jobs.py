@@ -133,7 +133,7 @@ class Change(NamedTuple):
 
 @dataclass(frozen=True)
 class HandedJob:
-    """A job.
+    """A job. It is one value, because it is stored as one.
 
     id        -- of the job at the Fleet Manager; never used twice
     request   -- the caller's id of the job, or empty

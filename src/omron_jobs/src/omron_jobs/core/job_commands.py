@@ -67,7 +67,10 @@ class JobReply(NamedTuple):
 
 
 class JobCommands:
-    """Carries out command lines. `local_time`: returns the clock on the wall."""
+    """Carries out command lines. `local_time`: returns the clock on the wall.
+
+    It has a method for each command, which the table of commands names.
+    """
 
     def __init__(self, book: JobBook, site: JobSite,
                  local_time: Callable[[], time.struct_time] = time.localtime) -> None:

@@ -149,6 +149,8 @@ def updated(kind: RestType, record: Mapping[str, Any]) -> int:
 class RestRecords:
     """All records, each with the time of its last change.
 
+    Its attributes are the records by type, and what each type needs to number and date them.
+
     clock -- returns ms since 1970
     posted -- as stored
     listeners -- are told each record that is new or has changed

@@ -71,7 +71,10 @@ class MemoryDisk:
 
 
 class DayRun:
-    """One day on a site. Each run with the same seed is the same."""
+    """One day on a site. Each run with the same seed is the same.
+
+    Its attributes are the parts that one moment of the day joins: jobs, fleet, program and judge.
+    """
 
     def __init__(self, site: StudiedSite, robots: int, seed: int, lines: Sequence[DayLine]) -> None:
         self._lines = lines

@@ -68,7 +68,7 @@ class JobHandover:
         """Stores a job, and hands it over as soon as it can. Raises as `JobClient.request`."""
         with self._lock:
             job = self._jobs.request(stops, request)
-            self._tell()
+            self._report_changes()
         self._link.wake()
         return job
 
@@ -76,7 +76,7 @@ class JobHandover:
         """Gives a job other goals or priorities. Raises as `JobClient.modify`."""
         with self._lock:
             job = self._jobs.modify(request, stops)
-            self._tell()
+            self._report_changes()
         self._link.wake()
         return job
 
@@ -84,7 +84,7 @@ class JobHandover:
         """Cancels a job. Raises OSError."""
         with self._lock:
             self._jobs.cancel(id)
-            self._tell()
+            self._report_changes()
         self._link.wake()
 
     # -- in the thread of the link -----------------------------------------------------------------
@@ -105,7 +105,7 @@ class JobHandover:
         """Reads a line of the Fleet Manager, and tells what has changed."""
         with self._lock:
             self._jobs.hear_line(line.text, now)
-            self._tell()
+            self._report_changes()
 
     def next_to_send(self, now: float) -> Optional[bytes]:
         """Returns what is to be sent next; before that, stores what was heard."""
@@ -130,9 +130,9 @@ class JobHandover:
                 self.problem = self._jobs.problem
             except OSError as problem:
                 self.problem, lines = f'jobs cannot be stored: {problem.strerror}', []
-            self._tell()
+            self._report_changes()
             return lines
 
-    def _tell(self) -> None:
+    def _report_changes(self) -> None:
         for job in self._jobs.pop_changes():
             self._on_change(job)

@@ -91,7 +91,10 @@ _NAME = 'job_server'
 
 
 class JobServerNode:
-    """The node: see the module's text. One thread owns the jobs and the clients."""
+    """The node: see the module's text. One thread owns the jobs and the clients.
+
+    Its attributes are the topics, ports, files and records that one thread serves together.
+    """
 
     def __init__(self) -> None:
         password = read_password_file(parameter('~password_file'), 'password of the job server')

@@ -44,7 +44,7 @@ class QueueRobot(Protocol):
 
 @dataclass
 class QueueSegment:
-    """A segment of a job."""
+    """A segment of a job. Its attributes are the fields of the lines about it, and two counters."""
 
     id: str
     job: str
