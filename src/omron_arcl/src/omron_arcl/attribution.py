@@ -265,7 +265,7 @@ def _not_begun(commands: CommandQueue) -> List[Execution]:
 
 
 def _not_refused(commands: CommandQueue) -> List[Execution]:
-    """Returns the same without those whose refusal was told."""
+    """Returns the commands of `_not_begun`, without those whose refusal was told."""
     return [e for e in _not_begun(commands) if e.progress.rejected_at is None]
 
 

@@ -85,7 +85,9 @@ def search_lacam(reservations: ReservationTable, given: Sequence[Agent], deadlin
 
 
 def _next_forced(node: _Node, pibt: Pibt) -> _Forced:
-    """Takes the moves that the next step must contain, and puts those with one more robot behind.
+    """Returns the moves that the next step must contain.
+
+    Later steps must contain these moves and one of each move of a further robot.
     """
     forced = node.tree.popleft()
     if len(forced) < len(node.order):

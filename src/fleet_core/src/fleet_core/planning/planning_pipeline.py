@@ -265,7 +265,7 @@ class PlanningPipeline:
         return list(failed)
 
     def _use_unfinished(self) -> List[Agent]:
-        """Uses the unfinished paths: better for some robots than for none. Returns the others."""
+        """Uses the paths that were found for some robots only. Returns the robots without one."""
         self._old.clear()  # of each robot it says only that it stands
         self._paths.update(self._unfinished)
         mobile = self._mobile()

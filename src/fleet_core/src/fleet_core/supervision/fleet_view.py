@@ -42,7 +42,7 @@ class RobotState(IntEnum):
         return _WORDS.get(self, self.name.lower().replace('_', ' '))
 
     def words_with(self, waits_for: int) -> str:
-        """Returns the same of a robot that waits for something (WaitCode): one at a step works."""
+        """Returns `words`, but `working` for a busy robot that waits for a step (WaitCode)."""
         return WORKING if self is self.BUSY and waits_for == WaitCode.STEP else self.words
 
 

@@ -109,8 +109,7 @@ class Outbox:
         return [*orders, *steps, *requests, *actions]
 
     def actions_unless_due_later(self, now: float) -> List[Action]:
-        """Returns the same as `actions`, if nothing is to be stored or orders are to be sent at
-        once.
+        """Returns `actions` if orders are to be sent at once, or if nothing is to be stored.
 
         Otherwise all actions wait until `due`, so that many reports share one commit.
         """

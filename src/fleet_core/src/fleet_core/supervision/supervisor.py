@@ -230,11 +230,14 @@ class Supervisor:
     # -- missions ---------------------------------------------------------------------------------
 
     def request(self, request: Request, now: float) -> List[Action]:
-        """Accepts, refuses or repeats. An accepted mission is stored before it is confirmed."""
+        """Accepts or refuses a request, or repeats its answer.
+
+        An accepted mission is stored before it is confirmed.
+        """
         return self.requests((request,), now)
 
     def requests(self, requests: Iterable[Request], now: float) -> List[Action]:
-        """Returns the same for several requests, with one commit of the journal."""
+        """Handles several requests as `request` does, with one commit of the journal."""
         acceptance = self._acceptance_now()
         accepted: List[Tuple[Mission, Optional[Mission]]] = []
         for request in requests:

@@ -74,7 +74,7 @@ class Settings:
         return {name: self._line(device) for name, device in self.devices.items()}
 
     def machine_lines(self) -> Dict[str, Tuple[Hashable, HandOverPort]]:
-        """Returns the same for each machine."""
+        """Returns for each machine the connection that it shares with others, and its driver."""
         return {name: self._machine_line(machine) for name, machine in self.machines.items()}
 
     def _machine_line(self, machine: StepDevice) -> Tuple[Hashable, HandOverPort]:

@@ -267,7 +267,7 @@ class JobClient:
             self._put(job.after(HandedEvent.WITHDRAWN) if job.is_unwanted else job)
 
     def _judge_modification(self, job: HandedJob) -> None:
-        """Ends a modification that a listing after its answer does not show."""
+        """Ends a modification if the newest listing of the job shows that it was not done."""
         for change in job.changes:
             if change.segment.status in FINAL_STATUSES:
                 self._end_modification(job.id, f'{change.segment.id} has ended')
