@@ -114,7 +114,7 @@ def waiting_by_edge(size: SizeResults) -> Dict[int, float]:
 
 
 def waiting_by_drawn_edge(size: SizeResults, graph: Graph) -> Dict[int, float]:
-    """Returns the share (0..1) of all waiting by drawn edge: a cut edge has that of its sections."""
+    """Returns the share (0..1) of all waiting by drawn edge, with that of all its sections."""
     return _shares((graph.edges[edge].drawn_id if edge in graph.edges else edge, seconds)
                    for run in size.runs for (edge, _), seconds in run.waiting.items())
 

@@ -76,7 +76,7 @@ class Doubt:
     since, why -- when it first contradicted the command, and in which words
     outcome -- how the command ends if the doubt lasts; `count`: how often it was contradicted
     broken_off -- the robot sent an `Interrupted` that names something unknown
-    is_certain -- after which it said `Stopped`
+    is_certain -- it sent such an `Interrupted`, and then said `Stopped`
     """
 
     since: float

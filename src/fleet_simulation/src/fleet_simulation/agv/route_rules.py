@@ -28,7 +28,9 @@ def check_order(order: RouteOrder, drive: AgvMotion) -> None:
 
 
 def check_change(state: VehicleState, order: RouteOrder, graph: Graph) -> None:
-    """Raises RouteRefused if an order without a number, with the route's id, cannot change it so.
+    """Raises RouteRefused if an order without a number cannot change the route of the same id.
+
+    It must begin with the edges that are done and the present one.
     """
     if state.phase is Phase.FAILED:
         raise RouteRefused(Reason(
