@@ -22,7 +22,7 @@ class Docstring(NamedTuple):
     place: str
     text: str
     is_of_function: bool
-    """Of a property it names the value, as that of a class or an attribute does."""
+    """False for a property, too: there it names the value, as that of an attribute does."""
 
 
 def docstrings_in(path: Path) -> List[Docstring]:

@@ -44,11 +44,11 @@ class StationRoom:
 
     @property
     def key(self) -> Tuple[Occupancy, ...]:
-        """Is equal while the room is."""
+        """A value that stays equal as long as the room does not change."""
         return tuple(self._occupancies.values())
 
     def copy(self) -> StationRoom:
-        """Returns the same room, to try what follows from more missions."""
+        """Returns a copy, on which the effect of more missions can be tried."""
         return StationRoom(self._at, self._group_of, self._occupancies)
 
     def full(self, mission: Mission) -> Optional[Target]:
