@@ -49,7 +49,7 @@ BOXES = (
     Box(340, 360, 540, 'LD-90, or the simulator ld90_sim', '', OUTSIDE, 30))
 LINKS = (
     Link((115, 76), (115, 140), 'missions, stop'), Link((325, 76), (325, 140), 'jobs'),
-    Link((535, 140), (535, 76), 'open, start'), Link((785, 76), (785, 140), 'orders over MQTT'),
+    Link((535, 140), (535, 76), 'open, start'), Link((785, 76), (785, 140), 'orders, MQTT'),
     Link((165, 196), (165, 260), 'numbered routes'),
     Link((485, 196), (485, 260), 'numbered routes'),
     Link((785, 196), (785, 260), 'routes'), Link((610, 316), (610, 360), 'ARCL over TCP'))

@@ -6,8 +6,8 @@ If it is not known whether it has been done, a person is asked. While a step wai
 other step begins.
 
 When a step is ordered that takes or gives a load, the load of the robot counts as unknown. It is
-known again when it is known how the step has ended. So the stored load is never wrong, at whatever
-moment the master ends.
+known again when it is known how the step has ended. So the stored load is right at each moment at
+which the master may end.
 """
 from __future__ import annotations
 
