@@ -98,7 +98,13 @@ class RobotInOrder:
             assert (self._obeyed.result, memory.giver) == (None, self._obeyed.giver)
 
     def check_records(self) -> None:
-        """Each drive that the robot has still to read has a record, and so has a stop behind it."""
+        """Each drive that the robot has still to read has a record, and so has a stop behind it.
+
+        Each drive that its giver waits for is under way.
+        """
+        records = self.bench.records
+        under_way = {records.record_of(execution) for execution in self._given}
+        assert all(r in under_way for r in self.bench.memory.records if r.pending)
         unread = self.bench.sent[self._read:]
         drives = [text for text in unread if text.startswith('goto')]
         known = [f'goto {r.goal}' for r in self.bench.memory.records if r.may_move]
