@@ -53,6 +53,8 @@ OCCASIONS: Dict[str, Occasion] = {
     'attempt to dock': Occasion('Going to 5', ['dock'], ['Going to Dock1', DOCKING, 'Stopping'],
                                 ['under way'], OURS),
     'replacement': Occasion('Going to 5', ['goto 12'], ['Stopping'], ['sent']),
+    'our stop after all': Occasion('Going to 5', ['goto 12', 'stop'], ['Stopping', 'Stopped'],
+                                   ['sent', 'under way'], MotionCause.STOP),
     'stands unasked': Occasion('Going to 5', ['goto 12'], ['Stopping', 'Stopped'],
                                ['sent'], OTHERS),
     'stop of another client': Occasion('Going to 5', [], ['Stopping'], [], OTHERS),

@@ -500,14 +500,21 @@ def _fails_to_begin(commands: CommandQueue, reply: Any) -> Found:
 
 # --- what the robot does --------------------------------------------------------------------------
 
+def _stands_for_us(commands: CommandQueue, reply: Reply) -> Found:
+    """The robot stands instead of replacing its motion, and a stop of ours has no `Stopping`."""
+    heard = commands.records.heard
+    return heard.will_not_stand and heard.unheard_stops > 0
+
+
 def _stops_for_us(commands: CommandQueue, reply: Reply) -> Found:
     """The oldest stop of ours without a `Stopping`; or whether there was one that has ended. A
     robot with a reason of its own halts for that first, if it has to answer a drive before the
-    stop."""
-    heard = commands.records.heard
+    stop. It may also halt to replace its motion by that drive."""
+    records, heard = commands.records, commands.records.heard
     stops = [e for e in _not_begun(commands) if e.command.spec.stops]
-    waits = bool(stops) and commands.records.waits_for_a_drive(stops[0])
-    if not heard.unheard_stops or waits and heard.stops_itself is not None:
+    if not heard.unheard_stops or stops and (
+            heard.stops_itself is not None and records.waits_for_a_drive(stops[0])
+            or records.replaces_a_drive_before(stops[0])):
         return False
     return stops[:1] if len(stops) == heard.unheard_stops else True
 
@@ -544,6 +551,8 @@ ATTRIBUTIONS: Mapping[LinePart, Tuple[Row, ...]] = {
         Row('replacement', _HALTS,
             lambda commands, reply: commands.records.replaces_a_drive, StopOf.REPLACEMENT,
             'assumed: some robots stop for an instant to replace a drive'),
+        Row('our stop after all', (replies.Stopped,), _stands_for_us, StopOf.US,
+            'p. 242: a robot that stands was stopped'),
         Row('stands unasked', (replies.Stopped,),
             lambda commands, reply: commands.records.heard.will_not_stand, StopOf.OTHERS,
             'p. 242: a robot that stands was stopped'),

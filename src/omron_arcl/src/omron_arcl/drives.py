@@ -573,8 +573,7 @@ class Drives:
         if whose is not StopOf.OTHERS:
             return
         # a drive of which the robot has said nothing reaches it after that
-        crosses = any(r.pending and self._was_sent(r) and not self._executions[r.number].has_lines
-                      for r in self._records)
+        crosses = any(r.pending and self._is_unread(r) for r in self._records)
         self._foreign(MotionCause.OTHER_CLIENT, False, _STOPPED_BY_OTHERS)
         if crosses:
             self._owe_for_what_comes(_STOPPED_BY_OTHERS)
@@ -587,8 +586,11 @@ class Drives:
     @property
     def replaces_a_drive(self) -> bool:
         """Whether a drive is under way to a robot that moves."""
-        return self.heard.moves and any(
-            r.pending and self._was_sent(r) for r in self._records)
+        return self.heard.moves and any(map(self._is_to_come, self._records))
+
+    def replaces_a_drive_before(self, stop: Execution) -> bool:
+        """Whether one of which the robot has said nothing was sent before this stop."""
+        return self.heard.moves and any(map(self._is_unread, self._before(stop)))
 
     @property
     def drives_for_others(self) -> bool:
@@ -608,9 +610,18 @@ class Drives:
 
     def waits_for_a_drive(self, stop: Execution) -> bool:
         """Whether the robot may still have to answer a drive that was sent before this stop."""
-        return any(record.pending and self._was_sent(record)
+        return any(self._is_to_come(record)
                    or record.kind is RecordKind.DRIVE and record.fate is Fate.UNKNOWN
                    for record in self._before(stop))
+
+    def _is_to_come(self, record: DriveRecord) -> bool:
+        """Whether the robot has still to answer a drive that was sent."""
+        return record.pending and self._was_sent(record) or self._has_to_answer(record)
+
+    def _is_unread(self, record: DriveRecord) -> bool:
+        """The same, and the robot has said nothing about it."""
+        execution = self._executions.get(record.number)
+        return self._is_to_come(record) and not (execution and execution.has_lines)
 
     def _is_open(self, record: DriveRecord) -> bool:
         """Whether the robot carries out a drive of this connection, or may still do so."""
@@ -641,8 +652,7 @@ class Drives:
         """The drive with one of these names whose command has ended and that the robot has to
         answer next; `verb`: the name of its command, if it is known."""
         record = next((r for r in self._records if set(names).intersection(r.names)
-                       and verb in ('', r.verb) and (
-            self._has_to_answer(r) or r.pending and self._was_sent(r))), None)
+                       and verb in ('', r.verb) and self._is_to_come(r)), None)
         return None if record is None or record.pending else record
 
     def may_begin_late(self, activity: Activity) -> bool:
@@ -810,7 +820,6 @@ class Drives:
         if record is None or record.fate is Fate.OBEYED:
             return
         ruling, at = self._memory.ruling, self._records.index(record)
-        self.heard.will_not_stand = False
         # the robot answers in order: all stops sent before are answered, and none sent after
         self.heard.unheard_stops = sum(
             r.kind is RecordKind.STOP and r.number > number

@@ -110,7 +110,7 @@ class RobotWords:
             self.broke_off = False
             self.activity = activity_of(reply)
             if self.activity.kind in MOVING:
-                self.stops_itself = None
+                self.stops_itself, self.will_not_stand = None, False
 
     def showed(self, activity: Activity) -> None:
         """The robot sends a status."""
