@@ -100,6 +100,16 @@ class TestAMotionWithoutAName:
         bench.status('Going to point')
         assert bench.memory.giver == ROUTE
 
+    @pytest.mark.parametrize('text, line, shown', [
+        ('gotoPoint 1 2', 'Going to point', 'Going to 7'), ('undock', UNDOCKING, 'Going to point'),
+        ('gotoPoint 1 2', 'Going to point', 'Patrolling route r')])
+    def test_of_another_kind_is_not_that_of_a_drive_without_one(self, bench, text, line, shown):
+        driving(bench, text, line)
+        after_outage(bench)
+        known = bench.epoch
+        bench.status(shown)
+        assert (bench.epoch != known, bench.memory.giver) == (True, NO_GIVER)
+
     def test_a_robot_that_leaves_its_dock_may_do_so_for_a_drive_that_was_on_its_way(self, bench):
         bench.status(DOCKED)
         bench.drive(ROUTE)

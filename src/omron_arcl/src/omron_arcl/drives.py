@@ -96,6 +96,7 @@ from typing import (
 
 from omron_arcl import replies
 from omron_arcl.activity import MOVING, STANDING, Activity, ActivityKind
+from omron_arcl.command_table import spec_of
 from omron_arcl.commands import Command, DriveCourse
 from omron_arcl.errors import ArclError, Busy
 from omron_arcl.execution import NO_GIVER, Execution, Giver, Outcome
@@ -222,16 +223,22 @@ def _may_cause(drive: DriveRecord, activity: Activity) -> bool:
     """Whether a drive may be the cause of this motion of the robot.
 
     Decides by the name of the motion's goal, route or task. A motion of any name may be that of a
-    drive that needs no name, or leads to the dock, while it is under way or its fate is unknown.
+    task, or lead to the dock, while the drive is under way or its fate is unknown.
     """
     kind, goal, names = activity.kind, activity.goal.casefold(), drive.names
     if kind is ActivityKind.DOCKING or kind in _NEVER_OURS:
         return kind is ActivityKind.DOCKING and _DOCK in names
     if goal and goal in names:
         return True
-    to_dock = kind in (ActivityKind.GOING_TO_GOAL, ActivityKind.UNDOCKING) and _DOCK in names
-    leaves_dock = kind is ActivityKind.UNDOCKING and not drive.acknowledged_by
-    return drive.may_move and ('' in names or to_dock or leaves_dock)
+    if kind is ActivityKind.UNDOCKING:
+        may_be = '' in names or _DOCK in names or not drive.acknowledged_by
+    elif '' in names:
+        course = spec_of(drive.verb).course
+        may_be = course is DriveCourse.OF_TASKS or (
+            course is DriveCourse.TO_A_PLACE and kind is ActivityKind.GOING_TO_POINT)
+    else:
+        may_be = kind is ActivityKind.GOING_TO_GOAL and _DOCK in names
+    return drive.may_move and may_be
 
 
 def _cause_of(activity: Activity) -> MotionCause:

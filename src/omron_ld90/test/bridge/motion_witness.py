@@ -384,10 +384,9 @@ class Witness(DelayedDrive):
         (memory, _, emergency_stop), drive = self._controller.motion, self._obeyed
         if emergency_stop is not self.robot.status.startswith('EStop'):
             return f'{emergency_stop} is told of the emergency stop at "{self.robot.status}"'
-        records = self._controller.records
-        under_way = {records.record_of(execution) for execution in records._executions.values()}
+        under_way = self._controller.records._executions
         for record in memory.records:
-            if record.pending and record not in under_way:
+            if record.pending and record.number not in under_way:
                 return f'{record.words} is to be answered, but it is not under way'
         told, goal = '', self.robot.goal
         if (self._anothers and goal is not None and goal not in memory.names
