@@ -327,7 +327,7 @@ class VirtualFleet(Generic[Body]):
         return True
 
     def _hang(self, seconds: float) -> None:
-        """Returns the supervisor hangs for so long in an event, while the world goes on."""
+        """Lets the supervisor hang for so long in an event, while the world goes on."""
         end, self.hangs = self.now + seconds, True
         while self.now < end - _TOGETHER:
             self.step()

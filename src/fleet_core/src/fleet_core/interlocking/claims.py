@@ -178,7 +178,7 @@ class Claims:
 
     def keeping_out(self, name: str, edge: int, is_inside: bool,
                     here: AbstractSet[str] = NOTHING) -> str:
-        """Returns name of a resource that keeps a robot from driving a signed edge now; empty: none
+        """Returns the name of a resource that keeps a robot from driving a signed edge now; empty: none
         does.
 
         A robot that is already where a resource is needed may leave without its device.
