@@ -191,7 +191,7 @@ def measure(processes: Dict[str, subprocess.Popen], port: int, relay_port: int,
 
     from omron_ld90_msgs.msg import RobotStatus
     latencies: Dict[str, List[float]] = {
-        f'{who}{what}': [] for who in ('ours', 'bare', 'relay') for what in ('', ' scan')}
+        f'{sender}{what}': [] for sender in ('ours', 'bare', 'relay') for what in ('', ' scan')}
     sent = [0]
 
     def heard(message: String, name: str) -> None:
@@ -238,7 +238,7 @@ def measure(processes: Dict[str, subprocess.Popen], port: int, relay_port: int,
 def latency_row(what: str, latencies: Dict[str, List[float]], of: str) -> Row:
     """Returns one row: p50 and p99 of the nodes, of the floor, and of the bare relay."""
     (p50, p99), (bare50, bare99), (relay50, relay99) = (
-        np.percentile(latencies[f'{who}{of}'], (50, 99)) for who in ('ours', 'bare', 'relay'))
+        np.percentile(latencies[f'{sender}{of}'], (50, 99)) for sender in ('ours', 'bare', 'relay'))
     return Row(f'socket to subscriber: {what}',
                f'p50 {p50:.2f} ms ({p50 / bare50:.2f} x; {p50 / relay50:.2f} x the relay), '
                f'p99 {p99:.2f} ms',

@@ -23,12 +23,13 @@ class WallClock:
 
 def ready_pairs(count: int) -> List[Tuple[socket.socket, socket.socket]]:
     pairs = [socket.socketpair() for _ in range(count)]
-    for ours, theirs in pairs:
+    for _, theirs in pairs:
         theirs.send(b'.')
     return pairs
 
 
-def test_inputs_that_take_long_do_not_keep_statuses_waiting(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_inputs_that_take_long_do_not_keep_statuses_waiting(
+        monkeypatch: pytest.MonkeyPatch) -> None:
     wall = WallClock()
     monkeypatch.setattr(loop_module, 'time', wall)
     clock, happened = SimClock(), []
