@@ -25,7 +25,7 @@ import pytest
 from hypothesis import HealthCheck, settings
 
 sys.path.append(str(Path(__file__).parent / 'test'))
-pytest_plugins = ['proofs']
+pytest_plugins = ['proofs', 'second_python']
 LONG = os.environ.get('LD90_LONG_TESTS') == '1'
 
 settings.register_profile('project', deadline=None, max_examples=500 if LONG else 60,

@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# Builds wheels and sdists of the libraries that need no ROS: build/dist/*.whl and *.tar.gz.
+# Builds wheels and sdists of the libraries that need no ROS: build/dist/*.whl and *.tar.gz. A library is built anew if a file of it
+# has changed.
 #
 #   scripts/make_wheels.sh                       builds them
 #   scripts/make_wheels.sh python3.8 python3.12  then, for each of these Pythons, installs both kinds, with dependencies from PyPI
@@ -10,7 +11,7 @@ set -euo pipefail
 . "$(dirname "${BASH_SOURCE[0]}")/common.sh"
 
 case "${1:-}" in
-  -h | --help) sed -n '2,8s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"; exit 0 ;;
+  -h | --help) sed -n '2,9s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"; exit 0 ;;
   -*) die "unknown option $1: see scripts/make_wheels.sh --help" ;;
 esac
 
@@ -20,14 +21,25 @@ mkdir -p "$root/build"
 install_missing 1 "python3-venv python3-venv"
 virtual_environment wheels /usr/bin/python3 --system-site-packages ||
   die "build and setuptools could not be installed from PyPI (offline?): see build/pip.log"
-rm -rf "$here"
-mkdir -p "$here/sources"
-cp -r "${pure_libraries[@]/#/$root/src/}" "$here/sources"  # a copy, because building leaves files beside the sources
+sources="$root/build/wheel_sources" keys="$root/build/wheel_keys"  # by library, what its files were built from
+mkdir -p "$here" "$keys"
 for library in "${pure_libraries[@]}"; do
-  "$root/build/wheels/bin/python" -I -m build --no-isolation --outdir "$here" "$here/sources/$library" >>"$log" 2>&1 ||
+  key="$(cd "$root" && find "src/$library" scripts/pins/wheels.txt scripts/make_wheels.sh -type f -not -name '*.pyc' -print0 |
+    LC_ALL=C sort -z | xargs -0 sha256sum)"
+  built=("$here/$library"-[0-9]*)
+  if [ "${#built[@]}" = 2 ] && [ "$key" = "$(cat "$keys/$library" 2>/dev/null)" ]; then continue; fi
+  rm -rf "$sources" "${built[@]}"
+  mkdir "$sources"
+  cp -r "$root/src/$library" "$sources"  # a copy, because building leaves files beside the sources
+  "$root/build/wheels/bin/python" -I -m build --no-isolation --outdir "$here" "$sources/$library" >>"$log" 2>&1 ||
     die "$library was not built: see $log"
+  echo "$key" >"$keys/$library"
 done
-rm -rf "$here/sources"
+rm -rf "$sources"
+for file in "$here"/*-[0-9]*; do  # of a library that is there no more
+  library="$(basename "$file")"
+  [[ " ${pure_libraries[*]} " = *" ${library%%-*} "* ]] || rm "$file"
+done
 say "Built:" "$here"/*
 
 # drive ENVIRONMENT: starts the installed simulated robot, and drives it with a client that uses the installed library

@@ -30,11 +30,14 @@ unit_pytest() {  # unit_pytest OPTION...
 }
 
 python38_pytest() {  # python38_pytest OPTION...: without this system's ROS, and without real maps (one Python tests them)
-  local selection=()
-  [ -n "${LD90_LONG_TESTS:-}" ] || selection=(-m 'hypothesis or every_python')
+  local selection=() files=(src)
+  if [ -z "${LD90_LONG_TESTS:-}" ]; then  # only these files are read, because reading all takes longer than their tests
+    selection=(-m 'hypothesis or every_python')
+    mapfile -t files < <(grep -rlE --include='test_*.py' 'hypothesis|every_python|[.]TestCase' src | grep -v /test/nodes/)
+  fi
   env -u LD90_LONG_TESTS -u LD90_REAL_MAPS HYPOTHESIS_PROFILE=compatibility PYTHONPATH="$(printf '%s\n' "$root"/src/*/src | paste -sd:)" \
     build/python3.8/bin/python -m pytest -q -o cache_dir="$results/cache/python38" \
-    --ignore-glob='*/test/nodes/*' ${selection[@]+"${selection[@]}"} src "$@"
+    --ignore-glob='*/test/nodes/*' ${selection[@]+"${selection[@]}"} "${files[@]}" "$@"
 }
 
 unit_tests() {
@@ -110,7 +113,9 @@ system_test() {  # system_test NAME ARCL_PORT OUTGOING_PORT: one rostest on free
     [ ! -f "$file" ] || mv "$file" "$results"
   done
   if grep -q '<skipped' "$results/rosunit-$name.xml" 2>/dev/null; then verdict="$verdict, some skipped"; fi
-  say "  $name: $verdict ($((SECONDS - begun)) s)"
+  times >"$log.times"  # its second line has the processor time of all programs of this test
+  say "  $name: $verdict ($((SECONDS - begun)) s, $(awk -F'[ms ]+' 'NR == 2 {printf "%.0f", 60 * ($1 + $3) + $2 + $4}' "$log.times") s of a processor)"
+  rm "$log.times"
   echo "$((SECONDS - begun)) $name" >>"$results/system_tests.seconds"
   case "$verdict" in
     failed*)
@@ -164,7 +169,7 @@ failed_system_tests_once_more() {
     mv "$root/build/ros_home/$name" "$root/build/ros_home/$name.first_try"
     rm -f "$results"/ros{unit,test}-*"$name.xml" "$results/check-$name.xml"
     echo "system test $name failed beside another one, and ran once more, alone" >>"$results/once_more.note"
-    system_test "$name" "$(free_port)" "$(free_port)"
+    (system_test "$name" "$(free_port)" "$(free_port)")
   done
   keep_seconds
 }

@@ -21,10 +21,10 @@ def visited(first: State, key: Callable[[State], object],
     check  -- raises Broken for a state that is wrong
     """
     seen: Dict[object, Tuple[Optional[object], str]] = {key(first): (None, 'start')}
-    waiting: Deque[State] = deque([first])
+    waiting: Deque[Tuple[object, State]] = deque([(key(first), first)])
     while waiting:
-        state = waiting.popleft()
-        here, name = key(state), ''
+        here, state = waiting.popleft()
+        name = ''
         try:
             check(state)
             for name, event in events(state):
@@ -32,7 +32,7 @@ def visited(first: State, key: Callable[[State], object],
                 there = key(after)
                 if there not in seen:
                     seen[there] = here, name
-                    waiting.append(after)
+                    waiting.append((there, after))
         except Broken as broken:
             way: List[str] = [name]
             at: Optional[object] = here

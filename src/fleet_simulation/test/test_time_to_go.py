@@ -13,6 +13,7 @@ from fleet_core.supervision.fleet_view import robot_views
 from fleet_core.supervision.missions import CommandKind, Request
 from fleet_core.supervision.settings import RobotSettings
 from fleet_simulation.driven_robot import AGV, LD90, Delays, DrivenRobot, RandomStops
+from fleet_simulation.studied_fleet import RHYTHM
 from fleet_simulation.virtual_fleet import VirtualFleet
 from trajectory_graph import load_graph, split_edges
 
@@ -40,7 +41,7 @@ class Driving:
                                random.Random(5), 1.0)
         self.fleet = VirtualFleet(self.graph, {'a': (kind, PLACES[0])}, make, check_every=100,
                                   planning=planning, settings=RobotSettings(release_ahead=8.0),
-                                  parking=parking)
+                                  parking=parking, rhythm=RHYTHM)
         self._random, self._count, self._at = random.Random(1), 0, PLACES[0]
 
     def run(self, seconds: float) -> None:

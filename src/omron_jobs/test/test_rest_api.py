@@ -366,7 +366,7 @@ def same_in_both(site: Site) -> None:
             assert line[7:9] == [f'"{one["goalName"]}"', f'"{one["robot"] or "None"}"']
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=settings.default.max_examples)
 @given(steps=st.lists(st.tuples(st.sampled_from((
     'rest', 'arcl', 'exchange', 'drive', 'reach', 'cancel', 'fail', 'modify')),
     st.integers(0, 5)), max_size=25))
@@ -531,7 +531,7 @@ VALUE = st.recursive(
     max_leaves=8)
 
 
-@settings(max_examples=400, deadline=None)
+@settings(max_examples=settings.default.max_examples * 20 // 3)
 @given(method=st.sampled_from(('GET', 'POST', 'PUT', 'DELETE', 'X')),
        parts=st.lists(st.sampled_from(NAMES) | st.sampled_from(
            ('ByKey', 'ByStatus', 'UpdatedSince', 'History', 'ByJob', 'By', 'ByActive', 'x'))

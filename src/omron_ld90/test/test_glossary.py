@@ -5,9 +5,7 @@ A class name stands for one thing in all packages.
 from __future__ import annotations
 
 import ast
-import io
 import re
-import tokenize
 from functools import lru_cache
 from pathlib import Path
 from typing import Dict, Iterator, List, NamedTuple, Set
@@ -45,17 +43,42 @@ def plain(identifier: str) -> str:
     return word[:-1] if word.endswith('s') else word
 
 
+class Names(NamedTuple):
+    """The names in a module: of its classes, and all identifiers, also of modules."""
+
+    classes: Set[str]
+    identifiers: Set[str]
+
+
+def identifiers_of(node: ast.AST) -> Iterator[str]:
+    """The identifiers that stand in a node itself."""
+    for field in ('id', 'attr', 'arg', 'name', 'asname', 'module'):
+        value = getattr(node, field, None)
+        if isinstance(value, str):
+            yield from value.split('.')
+    if isinstance(node, (ast.Global, ast.Nonlocal)):
+        yield from node.names
+
+
+@lru_cache(maxsize=None)
+def names() -> Dict[Path, Names]:
+    """The names in each module."""
+    found: Dict[Path, Names] = {}
+    for path in MODULES:
+        nodes = list(ast.walk(ast.parse(path.read_text(encoding='utf-8'))))
+        found[path] = Names(
+            {node.name for node in nodes if isinstance(node, ast.ClassDef)},
+            {name for node in nodes for name in identifiers_of(node)})
+    return found
+
+
 @lru_cache(maxsize=None)
 def identifiers() -> Dict[str, Set[str]]:
     """Plain identifiers, with names of modules, and the packages in which they occur."""
     found: Dict[str, Set[str]] = {}
     for path in MODULES:
         package, *module = path.relative_to(ROOT / 'src').with_suffix('').parts[2:]
-        names = {package, *module}
-        source = io.StringIO(path.read_text(encoding='utf-8'))
-        names.update(token.string for token in tokenize.generate_tokens(source.readline)
-                     if token.type == tokenize.NAME)
-        for name in names:
+        for name in {package, *module, *names()[path].identifiers}:
             found.setdefault(plain(name), set()).add(package)
     return found
 
@@ -86,9 +109,9 @@ def test_a_replaced_word_is_no_identifier(word):
 def test_a_class_name_stands_for_one_thing():
     modules: Dict[str, Set[Path]] = {}
     for path in MODULES:
-        for node in ast.walk(ast.parse(path.read_text(encoding='utf-8'))):
-            if isinstance(node, ast.ClassDef) and not node.name.startswith('_'):
-                modules.setdefault(node.name, set()).add(path)
+        for name in names()[path].classes:
+            if not name.startswith('_'):
+                modules.setdefault(name, set()).add(path)
     assert {name: paths for name, paths in modules.items() if len(paths) > 1} == {}
 
 

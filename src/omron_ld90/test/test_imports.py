@@ -21,9 +21,8 @@ COMES_WITH_ROS = ('rospy', 'rosgraph', 'rosmaster', 'rospkg', 'roslib', 'roslaun
                   'actionlib', 'diagnostic_updater', 'interactive_markers', 'std_srvs', 'tf2_ros',
                   'PyQt5')
 
-pytestmark = pytest.mark.every_python
 
-
+@pytest.mark.every_python
 @pytest.mark.parametrize('package', PACKAGES, ids=lambda package: package.name)
 def test_every_module_of_a_package_can_be_imported(package: Path):
     failed: List[str] = []

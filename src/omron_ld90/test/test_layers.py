@@ -2,6 +2,7 @@
 from __future__ import annotations
 
 import ast
+from functools import lru_cache
 from pathlib import Path
 from typing import Dict, FrozenSet, Iterator, NamedTuple, Set
 
@@ -191,6 +192,7 @@ def files_of(name: str) -> Iterator[Path]:
     return PACKAGES[package].glob('*.py')
 
 
+@lru_cache(maxsize=None)
 def imported_by(file: Path) -> Set[str]:
     """Names of the modules that a file imports, on any line."""
     names: Set[str] = set()

@@ -1,4 +1,7 @@
-"""Proofs run whole when a file that they read has changed since they passed, and with --long."""
+"""Proofs run whole when a file that they read has changed since they passed, and with --long.
+
+Under a second Python version, tests run again when something that they read has changed.
+"""
 from __future__ import annotations
 
 import os
@@ -12,6 +15,9 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[3]
 FILES = {
+    'pytest.ini': '[pytest]\npythonpath = test\n',
+    # without libraries, so that each run starts fast
+    'conftest.py': "pytest_plugins = ['proofs', 'second_python']\n",
     'src/one/src/one/__init__.py': '',
     'src/one/src/one/inner.py': 'from two.limits import MOST\n',
     'src/two/src/two/__init__.py': '',
@@ -40,10 +46,8 @@ class Workspace:
         """Writes its files."""
         for name, text in FILES.items():
             self.write(name, text)
-        self.write('pytest.ini', '[pytest]\n')
-        for name in ('conftest.py', 'test/proofs.py'):
-            (self.folder / name).parent.mkdir(exist_ok=True)
-            shutil.copy(str(ROOT / name), str(self.folder / name))
+        for name in ('test/proofs.py', 'test/second_python.py'):
+            self.write(name, (ROOT / name).read_text())
 
     def write(self, name: str, text: str) -> None:
         (self.folder / name).parent.mkdir(parents=True, exist_ok=True)
@@ -51,18 +55,29 @@ class Workspace:
 
     def extent(self, *options: str, **environment: str) -> str:
         """How the proof ran: `whole` or `default`."""
+        told = self.run(*options, **environment)
+        is_whole = '1 proofs ran whole' in told
+        assert '-n' in options or is_whole == ('whole\n' in told), told  # workers print nothing
+        return 'whole' if is_whole else 'default'
+
+    def runs_under_the_second_python(self, *options: str, **environment: str) -> bool:
+        """Did the tests run, and were they not left out?"""
+        told = self.run(*options, HYPOTHESIS_PROFILE='compatibility', **environment)
+        is_left_out = '1 files of tests were not repeated' in told
+        assert is_left_out == ('default\n' not in told), told
+        return not is_left_out
+
+    def run(self, *options: str, **environment: str) -> str:
+        """Runs the tests of the workspace. Returns what that printed."""
         known = {name: value for name, value in os.environ.items()
                  if name not in ('LD90_LONG_TESTS', 'HYPOTHESIS_PROFILE', 'PYTEST_XDIST_WORKER')}
         path = os.pathsep.join(str(self.folder / 'src' / name / 'src') for name in ('one', 'two'))
-        told = subprocess.run(
+        return subprocess.run(
             [sys.executable, '-m', 'pytest', '-s', '-q', '-p', 'no:cacheprovider',
              *(('-p', 'xdist') if '-n' in options else ()), *(options or ('src',))],
             cwd=str(self.folder), check=False, text=True, stdout=subprocess.PIPE,
             env={**known, 'PYTHONPATH': path, 'PYTEST_DISABLE_PLUGIN_AUTOLOAD': '1',
                  'PYTHONDONTWRITEBYTECODE': '1', **environment}).stdout
-        is_whole = '1 proofs ran whole' in told
-        assert '-n' in options or is_whole == ('whole\n' in told), told  # workers print nothing
-        return 'whole' if is_whole else 'default'
 
 
 @pytest.fixture(scope='module')
@@ -124,6 +139,46 @@ def test_a_second_python_version_proves_nothing(tested):
     assert tested.extent() == 'whole'
 
 
+@pytest.fixture(scope='module')
+def passed_there(passed: Workspace, tmp_path_factory: pytest.TempPathFactory) -> Workspace:
+    """A workspace whose tests have passed under the second Python. Tests change copies of it."""
+    folder = tmp_path_factory.mktemp('there') / 'workspace'
+    workspace = Workspace(Path(shutil.copytree(str(passed.folder), str(folder))))
+    assert workspace.runs_under_the_second_python()
+    return workspace
+
+
+@pytest.fixture
+def tested_there(passed_there: Workspace, tmp_path: Path) -> Workspace:
+    """A copy of it, of this test alone."""
+    return Workspace(Path(shutil.copytree(str(passed_there.folder), str(tmp_path / 'workspace'))))
+
+
+def test_under_a_second_python_tests_are_repeated_after_a_change_of_what_they_read(tested_there):
+    assert not tested_there.runs_under_the_second_python()
+    tested_there.write('src/two/src/two/limits.py', 'MOST = 4\n')
+    assert tested_there.runs_under_the_second_python('src', '-k', 'test_a')  # is not recorded
+    assert tested_there.runs_under_the_second_python()
+    assert not tested_there.runs_under_the_second_python()
+    tested_there.write('src/two/sites/yard.yaml', 'a file that a test may read')
+    assert tested_there.runs_under_the_second_python()
+
+
+def test_under_a_second_python_tests_are_repeated_until_they_pass(tested_there):
+    tested_there.write('src/two/src/two/limits.py', 'MOST = 11\n')
+    assert all(tested_there.runs_under_the_second_python() for _ in range(2))
+    tested_there.write('src/two/src/two/limits.py', 'MOST = 3\n')
+    assert not tested_there.runs_under_the_second_python()
+
+
+def test_under_a_second_python_what_looks_at_the_whole_workspace_always_runs(tested_there):
+    tested_there.write('pytest.ini', FILES['pytest.ini'] + 'markers = every_python\n')
+    proof = FILES['src/one/test/test_proof.py'].replace(
+        'def test_b', 'import pytest\n@pytest.mark.every_python\ndef test_b')
+    tested_there.write('src/one/test/test_proof.py', proof)
+    assert all(tested_there.runs_under_the_second_python() for _ in range(2))
+
+
 @pytest.mark.parametrize('name', ['fleet_simulation/test/test_guards.py',
                                   'fleet_core/test/interlocking/test_yard.py'])
 def test_all_that_is_loaded_with_a_proof_is_read_by_it(name, tmp_path):
@@ -136,7 +191,9 @@ def pytest_collection_finish(session):
     read = proofs.read_by(Path(str(session.items[0].fspath)))
     for module in list(sys.modules.values()):
         file = Path(getattr(module, '__file__', None) or '/')
-        if proofs.ROOT in file.parents and file.suffix == '.py' and file not in read:
+        # second_python leaves tests out under another Python alone
+        if proofs.ROOT in file.parents and file.suffix == '.py' and file not in read and (
+                file.stem != 'second_python'):
             print('not read:', file)
 ''')
     environment: Dict[str, str] = {**os.environ, 'PYTHONPATH': os.pathsep.join(

@@ -29,7 +29,6 @@ from __future__ import annotations
 from enum import Enum
 from typing import (
     Any,
-    Dict,
     FrozenSet,
     Iterator,
     NamedTuple,
@@ -39,12 +38,11 @@ from typing import (
 )
 
 from yard_model import (
-    CLEARANCE,
+    Answer,
     Bounds,
     Site,
     State,
     Yard,
-    _Stored,
 )
 
 from fleet_core.interlocking.allocation import Allocation, Knowledge
@@ -209,16 +207,24 @@ class DoorYard(Yard):
 
     def _committed(self, site: Site, ids: Tuple[int, ...]) -> Tuple[Site, Tuple[int, ...]]:
         """Claims are stored with the robots that have them, as in `Outbox`."""
-        claims = self._claims(site.door, ids)
-        changed = frozenset(map(self.names.index, claims.to_store))
-        written = claims.number
+        key = ('committed', site.door, *self._allocated_to(ids))
+        if key not in self._known:
+            claims = self._claims(site.door, ids)
+            changed, written = frozenset(map(self.names.index, claims.to_store)), claims.number
+            claims.stored()
+            self._known[key] = changed, self._door(site.door._replace(written=written), claims)
+        changed, door = self._known[key]
         site, ids = super()._committed(site._replace(to_store=site.to_store | changed), ids)
-        claims.stored()
-        return site._replace(door=self._door(site.door._replace(written=written), claims)), ids
+        return site._replace(door=door), ids
+
+    def _allocated_to(self, ids: Sequence[int]) -> Tuple[int, ...]:
+        return tuple(self._views[self._view[id]].allocated for id in ids)
 
     def _entering(self, door: Door, name: str, id: int, sent: int) -> int:
         """A robot after orders were sent, with the flaw that the door is not ready for a new one.
         """
+        if sent == id:
+            return sent
         before, after = self._sides[id], self._sides[sent]
         known = {edge for order in before.orders for edge in order.edges}
         new = {edge.label for order in after.orders - before.orders for edge in order.edges
@@ -234,13 +240,16 @@ class DoorYard(Yard):
     def steps(self, state: State) -> Iterator[Tuple[str, State]]:
         """Each event that is possible now, and the state after it."""
         for event, (number, *ids) in super().steps(state):
-            site = self._sites[number]
-            door = self._followed_by_claims(site.door, tuple(ids))
-            yield event, (number if door == site.door else self._with(site, door), *ids)
+            key = ('followed', number, *self._allocated_to(ids))
+            if key not in self._known:
+                site = self._sites[number]
+                door = self._followed_by_claims(site.door, tuple(ids))
+                self._known[key] = number if door == site.door else self._with(site, door)
+            yield event, (self._known[key], *ids)
 
     def _followed_by_claims(self, door: Door, ids: Tuple[int, ...]) -> Door:
         """The door after the claims have followed the robots' allocations."""
-        key = ('claims', door, *(self._views[self._view[id]].allocated for id in ids))
+        key = ('claims', door, *self._allocated_to(ids))
         if key not in self._known:
             self._known[key] = self._door(door, self._claims(door, ids))
         return self._known[key]
@@ -269,59 +278,26 @@ class DoorYard(Yard):
 
     def _decisions(self, site: Site, number: int, ids: Tuple[int, ...],
                    k: int) -> Iterator[Tuple[str, State]]:
-        yield from super()._decisions(site._replace(grants=0), number, ids, k)
-        name = self.names[k]
+        yield from super()._decisions(site, number, ids, k)
         ended = self._ends_before_door(site, ids[k])
         if ended != ids[k]:
-            yield f'{name}: its route ends before the door', self._taken(
+            yield f'{self.names[k]}: its route ends before the door', self._taken(
                 site, (*ids[:k], ended, *ids[k + 1:]))
-        if site.grants:
-            for edge in self._edges:
-                yield from self._asks(site, ids, k, edge)
-        claims = self._claims(site.door, ids)
-        claims.want(name, ())
-        door = self._door(site.door, claims)
-        if door != site.door:
-            yield f'{name}: asks for nothing', (self._with(site, door), *ids)
-
-    def _asks(self, site: Site, ids: Tuple[int, ...], k: int,
-              edge: int) -> Iterator[Tuple[str, State]]:
-        """A robot asks for an edge, and is granted it or not."""
-        side, name = self._sides[ids[k]], self.names[k]
-        key = ('ask', side.belief, side.drawn, edge, site.is_stopped, site.trouble, site.door, *(
-            (self._views[self._view[id]].allocated, self._sides[id].listed)
-            for j, id in enumerate(ids) if j != k))
+        key = ('nothing', k, site.door, *self._allocated_to(ids))
         if key not in self._known:
-            self._known[key] = self._asked(site, ids, k, edge)
-        belief, to_store, door = self._known[key]
-        if belief is not None:
-            after = self._put(side._replace(belief=belief, stale=True,
-                                            flaw=self._wrong_grant(site, ids, k, edge)))
-            there, robots = site._replace(
-                grants=site.grants - 1, to_store=site.to_store | to_store, door=door), (
-                    *ids[:k], after, *ids[k + 1:])
-            yield f'{name}: is granted {edge}', self._taken(there, robots)
-            yield from self._granted_in_vain(f'{name}: is granted {edge}', there, robots)
-        elif door != site.door:
-            yield f'{name}: asks for {edge}', (self._with(site, door), *ids)
+            claims = self._claims(site.door, ids)
+            claims.want(self.names[k], ())
+            self._known[key] = self._door(site.door, claims)
+        door = self._known[key]
+        if door != site.door:
+            yield f'{self.names[k]}: asks for nothing', (self._with(site, door), *ids)
 
-    def _asked(self, site: Site, ids: Tuple[int, ...], k: int,
-               edge: int) -> Tuple[Optional[int], FrozenSet[int], Door]:
-        robot = self._robot(self._sides[ids[k]])
-        robots: Dict[str, Any] = {
-            name: _Stored(self.kind, self._allocations[self._sides[id].listed])
-            for name, id in zip(self.names, ids)}
-        claims = self._claims(site.door, ids)
-        interlocking = Interlocking(self._geometry, CLEARANCE, robots)
-        interlocking.stored(self.names)
-        robots.update({**self._robots(ids), robot.name: robot})
-        interlocking.claims = claims
-        interlocking.is_stopped, interlocking.closed = site.is_stopped, self.closed
-        interlocking.trouble = 'a full disk' * site.trouble
-        given = interlocking.grant(robot, (edge,)).edges
-        return (self._belief_id(robot) if given else None,
-                frozenset(map(self.names.index, interlocking.to_store)),
-                self._door(site.door, claims))
+    def _ask(self, interlocking: Interlocking, robot: ManagedRobot, site: Site,
+             ids: Tuple[int, ...], edge: int) -> Answer:
+        """A robot asks for an edge, and claims the door if it lacks only that."""
+        interlocking.claims = self._claims(site.door, ids)
+        answer = super()._ask(interlocking, robot, site, ids, edge)
+        return answer._replace(door=self._door(site.door, interlocking.claims))
 
     def _of_all(self, site: Site, number: int,
                 ids: Tuple[int, ...]) -> Iterator[Tuple[str, State]]:
@@ -333,9 +309,12 @@ class DoorYard(Yard):
             yield 'claims are stored', (self._site_id(committed), *stored)
         known = all(self._allocations[self._allocated(self._sides[id].belief)].knowledge
                     is not Knowledge.UNKNOWN for id in ids)
-        for event, after in self._door_events(door, known, self._bounds.kept):
-            if after != door:
-                yield event, (self._with(site, after), *ids)
+        key = 'door', door, known, self._bounds.kept
+        if key not in self._known:
+            self._known[key] = [(event, after.ranked()) for event, after in self._door_events(
+                door, known, self._bounds.kept) if after != door]
+        for event, after in self._known[key]:
+            yield event, (self._site_id(site._replace(door=after)), *ids)
         if site.faults and DoorFault.RESTART in self._bounds.of:
             anew = door._replace(obeyed=door.obeyed._replace(number=0), sent=frozenset())
             yield DoorFault.RESTART.value, (
@@ -379,12 +358,18 @@ class DoorYard(Yard):
         door: Door = self._sites[state[0]].door
         if len(door.stored) > 1:
             return f'CAPACITY: {sorted(door.stored)} claim the door'
-        inside = [name for name, id in zip(self.names, state[1:]) if self._may_be_inside(id)]
+        inside = []
         for name, id in zip(self.names, state[1:]):
-            side = self._sides[id]
-            for allocation in (self._allocated(side.belief), self._restored(side)):
-                if name not in door.stored and self._holds(self._allocations[allocation]):
-                    return f'CLAIMED: {name} holds a place that needs a claim, but has none'
+            key = 'needs', id
+            if key not in self._known:
+                side = self._sides[id]
+                self._known[key] = self._may_be_inside(id), any(
+                    self._holds(self._allocations[allocation])
+                    for allocation in (self._allocated(side.belief), self._restored(side)))
+            may_be_inside, holds = self._known[key]
+            if holds and name not in door.stored:
+                return f'CLAIMED: {name} holds a place that needs a claim, but has none'
+            inside += [name] * may_be_inside
         return self._wrong_inside(inside, door)
 
     def _may_be_inside(self, id: int) -> bool:

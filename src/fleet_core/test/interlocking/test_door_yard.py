@@ -149,7 +149,7 @@ def test_a_restart_with_a_planted_fault_is_found(kind: Type[DoorYard]) -> None:
 def without_the_guards(patch: pytest.MonkeyPatch) -> None:
     """Neither a grant nor an order is judged by claims. Each alone would do: see `test_gates`."""
     patch.setattr(interlocking, 'CONDITIONS', interlocking.WITHOUT_CLAIMS)
-    patch.setattr(Interlocking, '_kept_out', lambda *_: None)
+    patch.setattr(Interlocking, '_kept_out', lambda *_, may_leave: None)
 
 
 def more_than_there_is(patch: pytest.MonkeyPatch) -> None:
@@ -181,14 +181,14 @@ def test_a_planted_fault_of_claims_is_found(plant: Callable[[pytest.MonkeyPatch]
 @pytest.mark.parametrize('name', ('a slow disk', 'a restart of the fleet manager'))
 def test_an_order_that_is_sent_by_old_reports_is_found(
         name: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(Interlocking, '_kept_out', lambda *_: None)
+    monkeypatch.setattr(Interlocking, '_kept_out', lambda *_, may_leave: None)
     found = SEARCHES[name].of()
     assert found.flaw.startswith('ENTERED'), str(found)
 
 
 def test_a_grant_that_waits_for_a_full_disk_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
     """It is granted anew, and each order is judged when it is sent: both must be left out."""
-    monkeypatch.setattr(Interlocking, '_kept_out', lambda *_: None)
+    monkeypatch.setattr(Interlocking, '_kept_out', lambda *_, may_leave: None)
     monkeypatch.setattr(RouteMaster, 'not_stored', lambda master: None)
     found = SEARCHES['a full disk'].of()
     assert found.flaw.startswith('ENTERED'), str(found)

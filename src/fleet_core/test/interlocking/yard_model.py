@@ -217,6 +217,20 @@ class Site(NamedTuple):
     door: Hashable = None
 
 
+class Answer(NamedTuple):
+    """What comes of a robot's request for an edge.
+
+    belief   -- number of the ManagedRobot after a grant; None: it is granted nothing
+    to_store -- the robots that must be stored with the grant
+    door     -- what a DoorYard knows afterwards
+    """
+
+    edge: int
+    belief: Optional[int]
+    to_store: FrozenSet[int]
+    door: Hashable
+
+
 State = Tuple[int, ...]
 """The numbers of a Site, and of the Side of each robot."""
 
@@ -798,15 +812,18 @@ class Yard:
         side = self._sides[id]
         robot = self._beliefs[side.belief]
         if site.grants:
-            for edge in self._edges:
-                granted = self._granted(site, ids, k, edge)
-                if granted is not None:
-                    after, to_store = granted
-                    there, robots = site._replace(
-                        grants=site.grants - 1, to_store=site.to_store | to_store), (
-                            *ids[:k], after, *ids[k + 1:])
-                    yield f'{name}: is granted {edge}', self._taken(there, robots)
-                    yield from self._granted_in_vain(f'{name}: is granted {edge}', there, robots)
+            for edge, belief, to_store, door in self._answers(site, ids, k):
+                if belief is None:
+                    yield f'{name}: asks for {edge}', (
+                        self._site_id(site._replace(door=door)), *ids)
+                    continue
+                after = self._put(side._replace(belief=belief, stale=True,
+                                                flaw=self._wrong_grant(site, ids, k, edge)))
+                there, robots = site._replace(
+                    grants=site.grants - 1, to_store=site.to_store | to_store, door=door), (
+                        *ids[:k], after, *ids[k + 1:])
+                yield f'{name}: is granted {edge}', self._taken(there, robots)
+                yield from self._granted_in_vain(f'{name}: is granted {edge}', there, robots)
         if robot.master.order is not None:
             sent = self._sent(site, id)
             if sent != id:
@@ -868,23 +885,29 @@ class Yard:
     def _robots(self, ids: Tuple[int, ...]) -> Dict[str, ManagedRobot]:
         return {name: self._beliefs[self._sides[id].belief] for name, id in zip(self.names, ids)}
 
-    def _granted(self, site: Site, ids: Tuple[int, ...], k: int,
-                 edge: int) -> Optional[Tuple[int, FrozenSet[int]]]:
-        """The state of a robot after a grant, and who must be stored with it; None: no grant."""
+    def _answers(self, site: Site, ids: Tuple[int, ...], k: int) -> Tuple[Answer, ...]:
+        """What comes of a robot's requests for all edges, without those that change nothing."""
         side = self._sides[ids[k]]
-        key = ('grant', side.belief, side.drawn, edge, site.is_stopped, site.trouble, *(
+        key = ('ask', side.belief, side.drawn, site.is_stopped, site.trouble, site.door, *(
             (self._views[self._view[id]].allocated, self._sides[id].listed)
             for j, id in enumerate(ids) if j != k))
         if key not in self._known:
-            self._known[key] = self._grant(site, ids, k, edge)
-        if self._known[key] is None:
-            return None
-        belief, to_store = self._known[key]
-        return self._put(side._replace(
-            belief=belief, stale=True, flaw=self._wrong_grant(site, ids, k, edge))), to_store
+            self._known[key] = tuple(one for one in self._asked(site, ids, k)
+                                     if one.belief is not None or one.door != site.door)
+        answers: Tuple[Answer, ...] = self._known[key]
+        return answers
 
-    def _grant(self, site: Site, ids: Tuple[int, ...], k: int,
-               edge: int) -> Optional[Tuple[int, FrozenSet[int]]]:
+    def _asked(self, site: Site, ids: Tuple[int, ...], k: int) -> Iterator[Answer]:
+        robot, interlocking = self._asking(site, ids, k)
+        for edge in self._edges:
+            answer = self._ask(interlocking, robot, site, ids, edge)
+            yield answer
+            if answer.belief is not None:  # the robot is another one now
+                robot, interlocking = self._asking(site, ids, k)
+
+    def _asking(self, site: Site, ids: Tuple[int, ...],
+                k: int) -> Tuple[ManagedRobot, Interlocking]:
+        """A robot and the interlocking of which it may request an edge."""
         robot = self._robot(self._sides[ids[k]])
         robots: Dict[str, Any] = {
             name: _Stored(self.kind, self._allocations[self._sides[id].listed])
@@ -894,10 +917,13 @@ class Yard:
         robots.update({**self._robots(ids), robot.name: robot})
         interlocking.is_stopped, interlocking.closed = site.is_stopped, self.closed
         interlocking.trouble = 'a full disk' * site.trouble
-        if not interlocking.grant(robot, (edge,)).edges:
-            return None
-        return self._belief_id(robot), frozenset(
-            self.names.index(name) for name in interlocking.to_store)
+        return robot, interlocking
+
+    def _ask(self, interlocking: Interlocking, robot: ManagedRobot, site: Site,
+             _: Tuple[int, ...], edge: int) -> Answer:
+        is_granted = bool(interlocking.grant(robot, (edge,)).edges)
+        return Answer(edge, self._belief_id(robot) if is_granted else None,
+                      frozenset(map(self.names.index, interlocking.to_store)), site.door)
 
     def _wrong_grant(self, site: Site, ids: Tuple[int, ...], k: int, edge: int) -> str:
         """Why an edge should not have been granted, from the situation."""
@@ -1097,15 +1123,13 @@ class Yard:
         found: Optional[bool] = None
         while found is None:
             passed.append(state)
-            key = 'live', state
-            after = self._helped(state)
-            if key in self._known:
-                found = self._known[key]
-            elif self._may_drive(state):
+            found = self._known.get(('live', state))
+            if found is None and self._may_drive(state):
                 found = True
-            elif after in passed:
-                found = False
-            state = after
+            if found is None:
+                state = self._helped(state)
+                if state in passed:
+                    found = False
         self._known.update({('live', one): found for one in passed})
         return found
 
@@ -1122,11 +1146,13 @@ class Yard:
 
     def _helped(self, state: State) -> State:
         """The state after each event that helps, tried once for each robot."""
+        steps = list(self.steps(state))
         for kind in HELPS:
             for subject in ('', *(f'{name}: ' for name in self.names)):
-                helped = [after for event, after in self.steps(state)
-                          if event.startswith(subject + kind)]
-                state = helped[-1] if helped else state
+                helped = [after for event, after in steps if event.startswith(subject + kind)]
+                if helped and helped[-1] != state:
+                    state = helped[-1]
+                    steps = list(self.steps(state))
         return state
 
     def search(self, bounds: Bounds, most: Optional[int] = None, live: bool = False) -> Found:

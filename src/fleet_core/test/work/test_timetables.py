@@ -39,7 +39,7 @@ timetables = st.builds(
     st.integers(0, DAY - 1), st.frozensets(st.integers(0, 6), min_size=1))
 
 
-@settings(deadline=None, max_examples=300)
+@settings(max_examples=5 * settings.default.max_examples)
 @given(timetables, st.integers(0, 3 * DAY), st.integers(1, 4 * DAY))
 def test_the_newest_run_is_due_and_the_others_are_counted(timetable, offset, length):
     last, now = BEGIN + offset, BEGIN + offset + length
@@ -50,7 +50,7 @@ def test_the_newest_run_is_due_and_the_others_are_counted(timetable, offset, len
     assert found.last == (found.run or last) and not found.is_set_back
 
 
-@settings(deadline=None, max_examples=300)
+@settings(max_examples=5 * settings.default.max_examples)
 @given(timetables, st.lists(st.one_of(st.integers(0, 90), st.integers(-DAY, 2 * DAY)),
                             min_size=1, max_size=60))
 def test_whatever_the_clock_shows_no_run_is_made_twice_and_none_is_lost_in_silence(
@@ -69,7 +69,7 @@ def test_whatever_the_clock_shows_no_run_is_made_twice_and_none_is_lost_in_silen
     assert len(made) + missed == len(list(runs_by_the_day(timetable, begin + 1, latest)))
 
 
-@settings(deadline=None, max_examples=300)
+@settings(max_examples=5 * settings.default.max_examples)
 @given(timetables, st.integers(0, 3 * DAY), st.integers(0, DAY))
 def test_the_next_run_that_is_told_is_the_next_that_becomes_due(timetable, offset, behind):
     now = BEGIN + offset
@@ -174,7 +174,7 @@ def test_an_hour_that_the_clock_shows_twice_has_its_runs_once(berlin):
     assert set(site.requests.values()) == {1} and site.missed == 0
 
 
-@settings(deadline=None, max_examples=200)
+@settings(max_examples=settings.default.max_examples * 10 // 3)
 @given(st.lists(st.tuples(st.integers(0, 5400), st.booleans(), st.booleans()), max_size=80))
 def test_over_a_change_of_the_clock_with_restarts_each_run_is_made_or_counted(steps):
     with pytest.MonkeyPatch.context() as patch:

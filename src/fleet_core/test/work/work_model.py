@@ -11,20 +11,34 @@ Persons look before they answer, so their answers are true.
 """
 from __future__ import annotations
 
+import gc
 from dataclasses import dataclass, field
-from typing import Dict, FrozenSet, Iterator, List, NamedTuple, Optional, Set, Tuple
+from typing import (
+    Any,
+    Callable,
+    Dict,
+    FrozenSet,
+    Iterator,
+    List,
+    NamedTuple,
+    Optional,
+    Set,
+    Tuple,
+    TypeVar,
+)
 
 from fleet_core.work import rules
 from fleet_core.work.rules import StepDecision, Where, WorkPhase
 from fleet_core.work.stops import Actor, LoadEffect, StepBlocking, When, WorkStep, WorkStop
 from fleet_core.work.tables import LoadState
-from fleet_core.work.work import Situation, work_of
+from fleet_core.work.work import Situation, Work, work_of
 from route_protocol.steps import ActorState, Reaction, StepCommand, StepReport, Word
 
 SERIAL = 7
 AWAY = 0
 LATER = 10 ** 9   # ms: all timeouts are over, and the time to break off as well
 NOT_MUCH_LATER = 1500
+NO_WAY = 'no way'
 FINAL = {WorkPhase.SUCCEEDED, WorkPhase.FAILED, WorkPhase.CANCELLED}
 
 
@@ -127,6 +141,28 @@ class Found:
         return f'{self.flaw}:\n' + '\n'.join(self.way)
 
 
+Answer = TypeVar('Answer')
+
+
+class Once:
+    """Answers of the rules, each computed once: the same question comes in very many states.
+
+    What is asked about are parts of states, which `States` keeps as one object each. So a question
+    is known by the identity of its parts. If one is not found, it is only answered once more.
+    """
+
+    def __init__(self) -> None:
+        self._answers: Dict[Tuple[object, ...], Tuple[Any, Tuple[object, ...]]] = {}
+
+    def __call__(self, rule: Callable[..., Answer], *asked: object) -> Answer:
+        key = (rule, *map(id, asked))
+        known = self._answers.get(key)
+        if known is None:  # keeps what was asked about: another object may not get its identity
+            known = self._answers[key] = rule(*asked), asked
+        answer: Answer = known[0]
+        return answer
+
+
 class States:
     """The states that were visited, each once, with the event by which it came.
 
@@ -171,15 +207,23 @@ def search(bounds: Bounds, live: bool = False, most: Optional[int] = None) -> Fo
     """Visits all states, or the `most` nearest ones. With `live`, it also checks that the mission
     can end from each, if it has visited all.
     """
-    visited, before = States(), []  # type: States, List[List[int]]
+    gc.disable()
+    try:
+        return _search(bounds, live, most)
+    finally:
+        gc.enable()
+
+
+def _search(bounds: Bounds, live: bool, most: Optional[int]) -> Found:
+    visited, once, before = States(), Once(), []  # type: States, Once, List[List[int]]
     visited.number(bounds.begin, 0, '')
     number = 0
     while number < len(visited.states) and number != most:
         state = visited.states[number]
         try:
-            for name, after in events(state, bounds):
-                check(state, after, name, bounds)
-                other, _ = visited.number(_without_what_is_lost(after), number, name)
+            for name, after in events(state, bounds, once):
+                check(state, after, name, bounds, once)
+                other, _ = visited.number(_without_what_is_lost(after, once), number, name)
                 if live:
                     before += [[] for _ in range(other + 1 - len(before))]
                     before[other].append(number)
@@ -200,66 +244,86 @@ def search(bounds: Bounds, live: bool = False, most: Optional[int] = None) -> Fo
     return Found(number)
 
 
-def _without_what_is_lost(state: State) -> State:
+def _without_what_is_lost(state: State, once: Once) -> State:
     """The state without messages that have no effect any more, whenever they arrive."""
-    sent = frozenset(command for command in state.sent
-                     if state.actor.obey(command) != (state.actor, Reaction.NOTHING))
-    told = state.told if state.left[0] else tuple(
-        report for report in state.told[:-1] if report.is_newer_than(state.known)
-    ) + state.told[-1:]
-    return state._replace(sent=sent, told=told)
+    return state._replace(
+        sent=once(_with_effect, state.sent, state.actor),
+        told=state.told if state.left[0] else once(_newer, state.told, state.known))
+
+
+def _with_effect(sent: FrozenSet[StepCommand], actor: ActorState) -> FrozenSet[StepCommand]:
+    return frozenset(command for command in sent
+                     if actor.obey(command) != (actor, Reaction.NOTHING))
+
+
+def _newer(told: Tuple[StepReport, ...], known: Optional[StepReport]) -> Tuple[StepReport, ...]:
+    return tuple(report for report in told[:-1] if report.is_newer_than(known)) + told[-1:]
 
 
 # -- events ---------------------------------------------------------------------------------------
 
 
-def events(state: State, bounds: Bounds) -> Iterator[Tuple[str, State]]:
+def events(state: State, bounds: Bounds, once: Once) -> Iterator[Tuple[str, State]]:
     """All events that may come now, each with the state after it."""
-    yield from _manager(state, bounds)
-    yield from _robot(state, bounds)
-    yield from _people(state)
+    yield from _manager(state, bounds, once)
+    yield from _robot(state, bounds, once)
+    yield from _people(state, once)
     if state.memory != state.disk:
         yield 'the manager stores', state._replace(disk=state.memory)
-    yield from _limited(state, bounds)
+    yield from _limited(state, bounds, once)
 
 
 def _where(state: State) -> Where:
     work = state.memory.work
     if work.current == len(work.stops):
-        return Where(True)
+        return _STANDS[False, False]
     place = work.stops[work.current].place
-    return Where(True, state.place == place, state.place in (place, place - 1))
+    return _STANDS[state.place == place, state.place in (place, place - 1)]
 
 
-def _manager(state: State, bounds: Bounds) -> Iterator[Tuple[str, State]]:
+_STANDS = {(is_there, is_near): Where(True, is_there, is_near)
+           for is_there in (False, True) for is_near in (False, True)}
+
+
+def _manager(state: State, bounds: Bounds, once: Once) -> Iterator[Tuple[str, State]]:
     memory, where = state.memory, _where(state)
-    after = rules.follow(memory, where)
+    after = once(rules.follow, memory, where)
     if after != memory:
         yield 'the manager looks where the robot is', state._replace(memory=after)
         return
-    place = rules.due_step(memory, where)
+    place = once(rules.due_step, memory, where)
     if place is not None and state.orders < bounds.orders and (
             state.known is not None or memory.work.step(place).actor is not Actor.ROBOT):
         run, last = (0, 0) if state.known is None else (state.known.run, state.known.last)
-        key = rules.next_key(memory.work, last, 0)  # its clock does not go on
+        key = once(rules.next_key, memory.work, last, 0)  # its clock does not go on
         yield (f'the manager begins {memory.work.step(place).type} under key {key}',
-               state._replace(memory=rules.begin(memory, place, key, run, 0),
+               state._replace(memory=once(rules.begin, memory, place, key, run, 0),
                               orders=state.orders + 1))
     if state.known is not None:
         source = state.memory if bounds.sends_unstored else state.disk
-        sent = state.sent | set(rules.commands(source.work, state.known))
+        sent = once(_sent, state.sent, source.work, state.known)
         if sent != state.sent:
             yield 'the manager sends', state._replace(sent=sent)
     for report in state.told:
         if report.is_newer_than(state.known):
             yield (f'report {report.run}.{report.number} arrives',
-                   state._replace(known=report, memory=rules.heard(memory, report)))
+                   state._replace(known=report, memory=once(rules.heard, memory, report)))
 
 
-def _robot(state: State, bounds: Bounds) -> Iterator[Tuple[str, State]]:
-    for command in sorted(state.sent, key=repr):
-        actor, reaction = state.actor.obey(command)
-        after = _told(state._replace(actor=actor))
+def _sent(sent: FrozenSet[StepCommand], work: Work,
+          report: StepReport) -> FrozenSet[StepCommand]:
+    """The messages on their way after the manager has sent what is due."""
+    return sent | set(rules.commands(work, report))
+
+
+def _in_order(sent: FrozenSet[StepCommand]) -> List[StepCommand]:
+    return sorted(sent, key=repr)
+
+
+def _robot(state: State, bounds: Bounds, once: Once) -> Iterator[Tuple[str, State]]:
+    for command in once(_in_order, state.sent):
+        actor, reaction = once(ActorState.obey, state.actor, command)
+        after = _told(state._replace(actor=actor), once)
         if reaction is Reaction.BEGIN:
             after = _begun(after, command, bounds)
         elif reaction is Reaction.BREAK_OFF:
@@ -275,15 +339,15 @@ def _robot(state: State, bounds: Bounds) -> Iterator[Tuple[str, State]]:
                 if happened and gives_nothing:
                     continue
                 after = _over(state, step, happened, bounds)
-                after = after._replace(actor=state.actor.end(body.key, word))
-                yield f'{step} ends {word.name}, {happened}', _told(after)
+                after = after._replace(actor=once(ActorState.end, state.actor, body.key, word))
+                yield f'{step} ends {word.name}, {happened}', _told(after, once)
     work, place = state.memory.work, state.place
-    if rules.gate_is_closed(work) or work.current == len(work.stops):
+    if once(rules.gate_is_closed, work) or work.current == len(work.stops):
         return
     stop = work.stops[work.current]
     enters = [step for step in stop.steps if step.when is When.BEFORE_ENTRY]
     ends = [AWAY, *([stop.place - 1] if enters and place != stop.place else [])]
-    if rules.place_not_to_enter(work) != stop.place:
+    if once(rules.place_not_to_enter, work) != stop.place:
         ends.append(stop.place)
     for end in ends:
         if place != end:
@@ -324,16 +388,20 @@ def _over(state: State, step: str, happened: bool, bounds: Bounds) -> State:
     return after._replace(carried=state.carried + effect * happened)
 
 
-def _told(state: State) -> State:
+def _told(state: State, once: Once) -> State:
     """The robot reports what has changed. Every report may arrive at any time."""
     last = state.told[-1]
     if (state.actor.run, state.actor.last, state.actor.steps) == (last.run, last.last, last.steps):
         return state
-    actor, report = state.actor.report()
-    return state._replace(actor=actor, told=(*state.told, report))
+    actor, report = once(ActorState.report, state.actor)
+    return state._replace(actor=actor, told=once(_and, state.told, report))
 
 
-def _people(state: State) -> Iterator[Tuple[str, State]]:
+def _and(told: Tuple[StepReport, ...], report: StepReport) -> Tuple[StepReport, ...]:
+    return (*told, report)
+
+
+def _people(state: State, once: Once) -> Iterator[Tuple[str, State]]:
     memory = state.memory
     place = memory.work.answerable
     if place is not None:
@@ -345,11 +413,11 @@ def _people(state: State) -> Iterator[Tuple[str, State]]:
                 StepDecision.RETRY: not body.times}  # who says so need not see that it still runs
         for said, is_true in true.items():
             if is_true or step.actor is not Actor.ROBOT:
-                after, problem = rules.answer(memory, said)
+                after, problem = once(rules.answer, memory, said)
                 if not problem:
                     yield (f'a person says {said.name} of {step.type}',
                            state._replace(memory=after))
-    elif rules.phase_of(memory) is WorkPhase.NEEDS_PERSON:
+    elif once(rules.phase_of, memory) is WorkPhase.NEEDS_PERSON:
         unloads = memory.load.state is LoadState.LOADED or not state.carried
         load = (rules.said_empty(memory.load) if unloads
                 else rules.said_loaded(memory.load, SERIAL))
@@ -358,13 +426,13 @@ def _people(state: State) -> Iterator[Tuple[str, State]]:
             memory=after, disk=after, carried=0 if unloads else state.carried))
 
 
-def _limited(state: State, bounds: Bounds) -> Iterator[Tuple[str, State]]:
+def _limited(state: State, bounds: Bounds, once: Once) -> Iterator[Tuple[str, State]]:
     left = dict(zip(LIMITS, state.left))
 
-    def once(name: str, after: State) -> Tuple[str, State]:
+    def used(name: str, after: State) -> Tuple[str, State]:
         return name, after._replace(left=tuple({**left, name: left[name] - 1}.values()))
     if left['manager']:
-        yield once('manager', state._replace(memory=state.disk, known=None))
+        yield used('manager', state._replace(memory=state.disk, known=None))
     if left['driver']:
         gives_nothing = any(bounds.steps[step].load is LoadEffect.GIVES for step in state.running
                             ) and not state.carried
@@ -372,30 +440,31 @@ def _limited(state: State, bounds: Bounds) -> Iterator[Tuple[str, State]]:
             after = state
             for step in state.running:
                 after = _over(after, step, happened, bounds)
-            yield once('driver', _told(after._replace(actor=ActorState(state.actor.run + 1))))
-    if rules.phase_of(state.memory) in FINAL:
+            yield used('driver', _told(after._replace(
+                actor=ActorState(state.actor.run + 1)), once))
+    if once(rules.phase_of, state.memory) in FINAL:
         return
     if left['timeout']:
         for now in (NOT_MUCH_LATER, LATER):
-            after = rules.expire(state.memory, now)
+            after = once(rules.expire, state.memory, now)
             if after != state.memory:
-                yield once('timeout', state._replace(memory=after))
+                yield used('timeout', state._replace(memory=after))
     if left['cancel']:
-        yield once('cancel', state._replace(memory=rules.cancel(state.memory)))
+        yield used('cancel', state._replace(memory=once(rules.cancel, state.memory)))
     if left['fail']:
-        yield once('fail', state._replace(memory=rules.fail(state.memory, 'no way')))
+        yield used('fail', state._replace(memory=once(rules.fail, state.memory, NO_WAY)))
     if left['changed']:
-        after, problem = rules.changed(state.memory, bounds.others)
+        after, problem = once(rules.changed, state.memory, bounds.others)
         if not problem and after != state.memory:
-            yield once('changed', state._replace(memory=after))
+            yield used('changed', state._replace(memory=after))
     if left['moved'] and state.place != AWAY:
-        yield once('moved', state._replace(place=AWAY))
+        yield used('moved', state._replace(place=AWAY))
 
 
 # -- invariants -----------------------------------------------------------------------------------
 
 
-def check(before: State, after: State, name: str, bounds: Bounds) -> None:
+def check(before: State, after: State, name: str, bounds: Bounds, once: Once) -> None:
     """Raises Flaw if an event did what must not happen."""
     load, carried = after.memory.load, after.carried
     moves_load = any(bounds.steps[step].load for step in after.running)
@@ -409,16 +478,16 @@ def check(before: State, after: State, name: str, bounds: Bounds) -> None:
                    if bounds.steps[step].blocking is not StepBlocking.NONE]
         if blocked:
             raise Flaw(f'(g) the robot drives while {blocked} is carried out')
-    _check_final(before, after)
+    _check_final(before, after, once)
 
 
-def _check_final(before: State, after: State) -> None:
+def _check_final(before: State, after: State, once: Once) -> None:
     """(j) What has ended and is stored does not change any more."""
     if before.disk is after.disk and not after.running:
         return
-    phase = rules.phase_of(after.disk)
-    if rules.phase_of(before.disk) in FINAL and phase is not rules.phase_of(before.disk):
-        raise Flaw(f'(j) the mission was {rules.phase_of(before.disk)}, and changed')
+    was, phase = once(rules.phase_of, before.disk), once(rules.phase_of, after.disk)
+    if was in FINAL and phase is not was:
+        raise Flaw(f'(j) the mission was {was}, and changed')
     ended = {step.type: own.state for _, step, own in before.disk.work.steps if own.state.is_final}
     for _, step, own in after.disk.work.steps:
         if ended.get(step.type, own.state) is not own.state:

@@ -178,8 +178,9 @@ class Claims:
 
     def keeping_out(self, name: str, edge: int, is_inside: bool,
                     here: AbstractSet[str] = NOTHING) -> str:
-        """Returns the name of a resource that keeps a robot from driving a signed edge now; empty: none
-        does.
+        """Returns the name of a resource that keeps a robot from driving a signed edge now.
+
+        It is empty if none does.
 
         A robot that is already where a resource is needed may leave without its device.
 

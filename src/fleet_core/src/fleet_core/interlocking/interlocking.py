@@ -302,18 +302,19 @@ class Interlocking:
             master = robot.master
             if not master.protocol.ahead or master.takes_away or robot.needs_person:
                 continue
-            first = self._kept_out(robot, min(master.protocol.shown, 1))
+            first = self._kept_out(robot, min(master.protocol.shown, 1), may_leave=True)
             if first is not None and master.end_after(first):
                 found.append(name)
         return found
 
-    def _kept_out(self, robot: InterlockedRobot, begin: int) -> Optional[int]:
+    def _kept_out(self, robot: InterlockedRobot, begin: int, may_leave: bool) -> Optional[int]:
         """Returns which edge ahead leads first to where the robot may not get now; None: none does.
 
-        begin -- only edges from this one on count
+        begin     -- only edges from this one on count
+        may_leave -- the robot may drive on where the device is needed that its present edge needs
         """
         protocol, needs = robot.master.protocol, self.claims.needs
-        here = needs.of_edge(protocol.ahead[0]) if protocol.shown else NOTHING
+        here = needs.of_edge(protocol.ahead[0]) if protocol.shown and may_leave else NOTHING
         start = robot.master.record.position
         for number, edge in enumerate(protocol.ahead[begin:], begin):
             is_inside = not number and not protocol.shown and (
@@ -351,7 +352,9 @@ class Interlocking:
         if not self.claims.needs.has_devices:
             return False
         self._refresh()
-        return self._kept_out(robot, robot.master.protocol.shown) is not None
+        # By a new order the robot could come back to a device that it has just left.
+        return self._kept_out(robot, robot.master.protocol.shown,
+                              may_leave=not robot.master.is_new_motion) is not None
 
     def forget(self, name: str) -> None:
         """Removes a robot that is not a robot of the site any more."""

@@ -148,7 +148,29 @@ def _report(message: DeviceState) -> DeviceReport:
 def _list(states: TopicListener, is_json: bool) -> int:
     fleet = TopicListener('/fleet_state', FleetState)
     steps = {topic: TopicListener(topic, StepStates) for topic in machine_topics()}
-    until = time.monotonic() + (PATIENCE if not steps else ALL_REPORTS)
+    latest = _newest_reports(states, ALL_REPORTS if steps else PATIENCE)
+    machines = listed_machines(
+        {machine_of_topic(topic): heard.messages[-1] for topic, heard in steps.items()
+         if heard.messages}, fleet.messages[-1] if fleet.messages else None)
+    if not latest and not machines:
+        raise CommandProblem('No device is reported: is fleet_devices running, and does its work '
+                             'file have devices?')
+    reports, now = [latest[name] for name in sorted(latest)], time.time()
+    if is_json:
+        print(as_json({'devices': [values(report) for report in reports],
+                       'machines': [machine_values(one, now) for one in machines]}))
+    else:
+        tables = (reports and listed(reports, now), machines and machine_table(machines, now))
+        print('\n\n'.join(table for table in tables if table))
+    return OK
+
+
+def _newest_reports(states: TopicListener, patience: float) -> Dict[str, DeviceReport]:
+    """The newest report of each device, by its name.
+
+    patience -- s to wait for the first report; the others follow within ALL_REPORTS
+    """
+    until = time.monotonic() + patience
     latest: Dict[str, DeviceReport] = {}
     while time.monotonic() < until:
         states.wait(until - time.monotonic())
@@ -158,19 +180,7 @@ def _list(states: TopicListener, is_json: bool) -> int:
             report = _report(message)
             if report.is_newer_than(latest.get(report.device)):
                 latest[report.device] = report
-    machines = listed_machines(
-        {machine_of_topic(topic): heard.messages[-1] for topic, heard in steps.items()
-         if heard.messages}, fleet.messages[-1] if fleet.messages else None)
-    if not latest and not machines:
-        raise CommandProblem('No device is reported: is fleet_devices running, and does its work '
-                             'file have devices?')
-    reports = [latest[name] for name in sorted(latest)]
-    now = time.time()
-    print(as_json({'devices': [values(report) for report in reports],
-                   'machines': [machine_values(one, now) for one in machines]}) if is_json
-          else '\n\n'.join(([listed(reports, now)] if reports else [])
-                           + ([machine_table(machines, now)] if machines else [])))
-    return OK
+    return latest
 
 
 def listed(reports: Sequence[DeviceReport], now: float) -> str:
