@@ -234,7 +234,8 @@ def _edges(field: Field, graph: Graph) -> Tuple[int, ...]:
     """Returns the edges of a list, each with all its sections if it was cut."""
     def edge(text: str) -> int:
         if not text.isdecimal() or not graph.edges.keys() >= graph.whole_edges((int(text),)):
-            raise ValueError(f'the graph has no edge {text}')
+            shown = text if text.isdecimal() else repr(text)
+            raise ValueError(f'the graph has no edge {shown}')
         return int(text)
     return tuple(sorted(graph.whole_edges(_distinct(field, edge))))
 
