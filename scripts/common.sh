@@ -187,7 +187,7 @@ _build() {
   touch "$begun"
   # without --force-cmake, CMake does not notice a new Python package
   : >"$log"
-  with_progress "$log" env -C "$root" catkin_make --force-cmake -DPYTHON_EXECUTABLE=/usr/bin/python3 || {
+  with_progress "$log" catkin_make -C "$root" --force-cmake -DPYTHON_EXECUTABLE=/usr/bin/python3 || {
     tail -20 "$log" >&2
     die "the build failed; the whole log is $log"
   }

@@ -1,12 +1,15 @@
 """A site of 1.0.0 goes on with this version: its own backup is restored, and each file is read.
 
-test/vectors/release_1_0_0/site.tar.gz was written by the backup command of 1.0.0, with files that
-the code of 1.0.0 wrote: graph, graph in force, closed edges, journal, records of the page. The
-fleet file and the site file were accepted by the readers of 1.0.0. The journal as it stands on a
+test/vectors/release_1_0_0 has files that the code of 1.0.0 wrote: graph, graph in force, closed
+edges, and the dumps of journal and records of the page. Its readers accepted the fleet file and the
+site file. `archive` packs them as the backup command of 1.0.0 did. The journal as it stands on a
 disk, with an open mission, is the subject of test_journal.py.
 """
 from __future__ import annotations
 
+import sqlite3
+import tarfile
+from contextlib import closing
 from pathlib import Path
 
 import pytest
@@ -22,17 +25,36 @@ from fleet_services.backup import JOURNAL, main
 from fleet_services.site_file import read_site
 from trajectory_graph import load_graph
 
-ARCHIVE = Path(__file__).resolve().parents[3] / 'test/vectors/release_1_0_0/site.tar.gz'
+ROOT = Path(__file__).resolve().parents[3]
+FILES = ROOT / 'test/vectors/release_1_0_0'
+DATABASES = {JOURNAL: ROOT / 'src/fleet_simulation/test/supervision/journal_1_0_0.sql',
+             'fleet_page/page.sqlite': FILES / 'ros_home/fleet_page/page.sql'}
 
 
 @pytest.fixture
-def home(tmp_path, monkeypatch) -> Path:
+def archive(tmp_path) -> Path:
+    """A backup of 1.0.0: each file under its path, with its mode."""
+    path = tmp_path / 'backup.tar.gz'
+    with tarfile.open(path, 'w:gz') as target:
+        for file in sorted(FILES.rglob('*/*')):
+            if file.suffix in ('.yaml', '.json'):
+                target.add(str(file), str(file.relative_to(FILES)))
+        for name, dump in DATABASES.items():
+            copy = tmp_path / name.replace('/', '_')
+            with closing(sqlite3.connect(copy)) as database:
+                database.executescript(dump.read_text(encoding='utf-8'))
+            target.add(str(copy), f'ros_home/{name}')
+    return path
+
+
+@pytest.fixture
+def home(tmp_path, monkeypatch, archive) -> Path:
     """The restored ROS_HOME; the files of the site are in the folder `site` beside it."""
     home = tmp_path / 'home'
     home.mkdir()
     (tmp_path / 'site').mkdir()
     monkeypatch.setenv('ROS_HOME', str(home))
-    assert main(['restore', str(ARCHIVE), str(tmp_path / 'site')]) == 0
+    assert main(['restore', str(archive), str(tmp_path / 'site')]) == 0
     return home
 
 
@@ -68,7 +90,9 @@ def test_the_graph_in_force_of_1_0_0_is_known_after_the_update(home):
 
 def test_the_history_of_missions_of_1_0_0_is_kept(home):
     journal = Journal(str(home / JOURNAL))
-    assert (journal.missions(), journal.robots(), journal.last_serial()) == ([], {}, 2)
+    assert [mission.state for mission in journal.missions()] == [
+        MissionState.CANCELLED, MissionState.SUCCEEDED]
+    assert (journal.robots(), journal.last_serial()) == ({}, 2)
     journal.close()
     assert [(line.request_id, line.state) for line in history(str(home / JOURNAL))] == [
         (7, MissionState.CANCELLED), (8, MissionState.SUCCEEDED)]

@@ -154,6 +154,18 @@ def progress_of(tmp_path, output):
          f'with_progress {tmp_path}/log bash -c "$1" || exit $?', 'bash', command], stdout=output)
 
 
+def test_the_workspace_is_built_from_any_folder(tmp_path):
+    """catkin_make takes the working directory from the variable PWD, unless it is told a folder."""
+    for folder in ('scripts', 'src', 'elsewhere'):
+        (tmp_path / folder).mkdir()
+    shutil.copy(ROOT / 'scripts' / 'common.sh', tmp_path / 'scripts')
+    subprocess.run(['bash', '-euc', f'. {tmp_path}/scripts/common.sh; _build; false'],
+                   cwd=tmp_path / 'elsewhere', check=False, timeout=120)
+    log = (tmp_path / 'build/build.log').read_text()
+    assert f'Base path: {tmp_path}\n' in log
+    assert f'Source space: {tmp_path}/src\n' in log
+
+
 def test_a_step_that_takes_its_time_shows_how_far_it_is_on_a_terminal(tmp_path):
     ours, theirs = pty.openpty()
     script = progress_of(tmp_path, theirs)
