@@ -2,6 +2,7 @@
 # This file is sourced, never run. After `prepare` the environment is the same as after `source devel/setup.bash`.
 
 root="$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)"
+[ -n "${HOME:-}" ] || { unset HOME; export HOME=~; }  # services and containers may lack it; then ~ is the home of the user's account
 
 full_stack=("$root/scripts/run.sh")  # starts a robot; an installed workspace has installed_common.sh in place of this file
 
@@ -81,6 +82,12 @@ say() { printf '== %s\n' "$*"; }
 python_module() { /usr/bin/python3 -I "$root/scripts/run_module.py" "$@"; }  # python_module MODULE ARGUMENT...
 die() { printf '\nCannot go on: %s\n' "$*" >&2; exit 1; }
 
+# need_localhost: ends the script if this computer has no address for the name localhost. Programs of ROS and browsers use it.
+need_localhost() {
+  getent hosts localhost >/dev/null ||
+    die "this computer has no address for the name localhost, which ROS and browsers need: add the line '127.0.0.1 localhost' to /etc/hosts."
+}
+
 # operating_system: prints the id and the version of the system, such as "debian 12"
 operating_system() { (. /etc/os-release 2>/dev/null; echo "${ID:-an unknown system} ${VERSION_ID:-}"); }
 
@@ -113,6 +120,13 @@ _tell_progress() {
 
 # prepare PACKAGE_LINE...: installs those of these packages that are missing, and builds the workspace.
 prepare() {
+  install_packages "$@"
+  _build
+  _source "$root/devel/setup.bash"
+}
+
+# install_packages PACKAGE_LINE...: installs those of these packages that are missing, under their names on this system.
+install_packages() {
   export PATH="/usr/bin:$PATH"  # ROS needs /usr/bin/python3, even if another python3 comes first in PATH
   if [ -f /opt/ros/noetic/setup.bash ]; then
     install_missing 2 "$@"
@@ -124,8 +138,6 @@ prepare() {
     esac
     install_missing 1 "$@"
   fi
-  _build
-  _source "$root/devel/setup.bash"
 }
 
 _source() { set +u; . "$1"; set -u; }  # ROS's own scripts read unset variables
@@ -175,7 +187,7 @@ _build() {
   touch "$begun"
   # without --force-cmake, CMake does not notice a new Python package
   : >"$log"
-  with_progress "$log" env -C "$root" catkin_make --force-cmake -DPYTHON_EXECUTABLE=/usr/bin/python3 || {
+  with_progress "$log" catkin_make -C "$root" --force-cmake -DPYTHON_EXECUTABLE=/usr/bin/python3 || {
     tail -20 "$log" >&2
     die "the build failed; the whole log is $log"
   }

@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
-# Builds Debian 12 packages of this workspace, and checks them with lintian.
+# Builds packages of this workspace for the Debian that runs it, 12 or 13, and checks them with lintian.
 #
 #   scripts/make_deb.sh            the packages are build/deb/*.deb
-#   scripts/make_deb.sh --try      then installs them in a bare Debian 12 system (build/deb/root) and drives a simulated
+#   scripts/make_deb.sh --try      then installs them in a bare system of the same Debian (build/deb/root) and drives a simulated
 #                                  robot there; needs root rights and a network
 #
 # Exit status: 0 success; 1 the build failed, lintian found an error, or the robot did not drive.
@@ -13,8 +13,10 @@ case "${1:-}" in
   '' | --try) ;;
   *) sed -n '2,8s/^# \{0,1\}//p' "${BASH_SOURCE[0]}"; [ "$1" = -h ] || [ "$1" = --help ]; exit ;;
 esac
-[ "$(operating_system)" = "debian 12" ] ||
-  die "the packages need Debian 12, whose packages they depend on; this is $(operating_system)."
+case "$(operating_system)" in
+  'debian 12' | 'debian 13') release="$(. /etc/os-release; echo "$VERSION_CODENAME")" ;;
+  *) die "the packages depend on those of Debian 12 or 13; this is $(operating_system)." ;;
+esac
 
 install_missing 1 "${run_packages[@]}" "${deb_packages[@]}"
 here="$root/build/deb" log="$root/build/deb.log"
@@ -37,14 +39,14 @@ say "The packages:" "$here"/*.deb
 [ "${1:-}" = --try ] || exit 0
 
 # A folder with nothing but Debian's base system; apt installs the packages as on a user's machine.
-[ "$(id -u)" = 0 ] || die "only root can make the bare Debian 12 system: run this as root."
+[ "$(id -u)" = 0 ] || die "only root can make the bare Debian system: run this as root."
 install_missing 1 "debootstrap debootstrap" "iproute2 iproute2"
 bare="$here/root"
-if [ ! -f "$bare/.bare" ]; then
-  say "Making a bare Debian 12 system: $bare"
+if [ "$(cat "$bare/.bare" 2>/dev/null)" != "$release" ]; then
+  say "Making a bare system of Debian's release $release: $bare"
   rm -rf "$bare"
-  debootstrap --force-check-gpg --variant=minbase --include=ca-certificates bookworm "$bare" >>"$log" 2>&1 || die "debootstrap failed: see $log"
-  touch "$bare/.bare"
+  debootstrap --force-check-gpg --variant=minbase --include=ca-certificates "$release" "$bare" >>"$log" 2>&1 || die "debootstrap failed: see $log"
+  echo "$release" >"$bare/.bare"
 fi
 rm -rf "$bare/debs" && mkdir "$bare/debs" && cp "$here"/*.deb "$bare/debs"
 cp /etc/resolv.conf "$bare/etc/resolv.conf"

@@ -29,6 +29,9 @@ fi
 
 [ -z "${ROS_NAMESPACE:-}" ] ||
   die "ROS_NAMESPACE is $ROS_NAMESPACE in this shell, so neither a fleet manager nor the tools of RViz would reach the robot: unset ROS_NAMESPACE."
+need_localhost
+[ -n "${ROS_IP:-}${ROS_HOSTNAME:-}" ] || getent hosts "$(uname -n)" >/dev/null ||
+  say "This computer's own name, $(uname -n), has no address, so commands in other terminals would not be heard: run 'export ROS_IP=127.0.0.1' there, or add the line '127.0.1.1 $(uname -n)' to /etc/hosts"
 
 # refuse_what_runs LAUNCH...: fails if one of the launch's nodes runs already. Two launches with nodes of the same name under
 # one ROS master would end each other's nodes for ever.

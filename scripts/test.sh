@@ -31,6 +31,7 @@ while [ $# -gt 0 ]; do
   esac
 done
 
+need_localhost
 prepare "${run_packages[@]}" "${test_packages[@]}" "${multimaster_packages[@]}"
 cd "$root"
 results="$root/build/test_results/omron_ld90"

@@ -23,7 +23,7 @@ def _schema(version: str, topic: str) -> Optional[Dict[str, Any]]:
     folder = next((place / version for place in _FOLDERS if (place / version).is_dir()), None)
     if folder is None:
         pytest.skip(f'the JSON schemas of {version} are neither in {_FOLDERS[0]} (scripts/test.sh '
-                    'gets them) nor in VDA5050_SCHEMAS')
+                    'gets them from PyPI and GitHub, if it can) nor in VDA5050_SCHEMAS')
     file = next(folder.glob(f'{topic}.*'), None)
     return None if file is None else json.loads(file.read_text(encoding='utf-8'))
 

@@ -3,6 +3,7 @@ from __future__ import annotations
 
 import os
 import pty
+import pwd
 import re
 import shutil
 import socket
@@ -153,6 +154,18 @@ def progress_of(tmp_path, output):
          f'with_progress {tmp_path}/log bash -c "$1" || exit $?', 'bash', command], stdout=output)
 
 
+def test_the_workspace_is_built_from_any_folder(tmp_path):
+    """catkin_make takes the working directory from the variable PWD, unless it is told a folder."""
+    for folder in ('scripts', 'src', 'elsewhere'):
+        (tmp_path / folder).mkdir()
+    shutil.copy(ROOT / 'scripts' / 'common.sh', tmp_path / 'scripts')
+    subprocess.run(['bash', '-euc', f'. {tmp_path}/scripts/common.sh; _build; false'],
+                   cwd=tmp_path / 'elsewhere', check=False, timeout=120)
+    log = (tmp_path / 'build/build.log').read_text()
+    assert f'Base path: {tmp_path}\n' in log
+    assert f'Source space: {tmp_path}/src\n' in log
+
+
 def test_a_step_that_takes_its_time_shows_how_far_it_is_on_a_terminal(tmp_path):
     ours, theirs = pty.openpty()
     script = progress_of(tmp_path, theirs)
@@ -199,6 +212,33 @@ def test_a_namespace_of_the_shell_is_refused_in_a_sentence(tmp_path, monkeypatch
     result = run('rviz:=false', folder=tmp_path)
     assert result.returncode == 1
     assert 'unset ROS_NAMESPACE' in result.stdout
+
+
+def test_a_computer_without_localhost_is_told_before_anything_is_installed(tmp_path, monkeypatch):
+    """As in a system that debootstrap has made."""
+    monkeypatch.setenv('BASH_FUNC_getent%%', '() { return 2; }')
+    result = run(folder=tmp_path)
+    assert result.returncode == 1
+    assert "add the line '127.0.0.1 localhost' to /etc/hosts" in result.stdout
+
+
+def test_a_computer_without_an_address_for_its_own_name_is_told_what_other_terminals_need(
+        tmp_path, monkeypatch):
+    """As in a system that debootstrap has made: `rostopic pub` would not be heard."""
+    monkeypatch.setenv('BASH_FUNC_getent%%', '() { [ "$2" = localhost ]; }')
+    told = "run 'export ROS_IP=127.0.0.1' there"
+    monkeypatch.setenv('ROS_IP', '127.0.0.1')
+    assert told not in run('sim_speed=2', folder=tmp_path).stdout
+    monkeypatch.delenv('ROS_IP')
+    monkeypatch.delenv('ROS_HOSTNAME', raising=False)
+    assert told in run('sim_speed=2', folder=tmp_path).stdout
+
+
+def test_without_a_variable_home_the_home_is_that_of_the_account(tmp_path, monkeypatch):
+    monkeypatch.delenv('HOME')
+    result = run('sim:=false', 'map_file:=~/no_such.map', folder=tmp_path)
+    home = pwd.getpwuid(os.getuid()).pw_dir
+    assert f'map_file:={home}/no_such.map cannot be read' in result.stdout
 
 
 def test_new_site_works_in_an_install_space_too(tmp_path):
