@@ -114,6 +114,7 @@ class Conversation:
     def __init__(self) -> None:
         self.dispatcher = Dispatcher()
         self.now = 0.0
+        self.dispatcher.on_connected(self.now)
         self.sent: List[str] = []
 
     def give(self, text: str, **options: Any) -> Execution:

@@ -46,14 +46,16 @@ OCCASIONS: Dict[str, Occasion] = {
                          MotionCause.STOP),
     'undocked': Occasion('Docked', ['undock'], [UNDOCKING, UNDOCKED, 'Stopping'], ['succeeded'],
                          OURS),
-    'motors enabled': Occasion('Stopped', ['enableMotors'], ['Motors enabled', 'Stopping'],
+    'motors enabled': Occasion('Motors disabled', ['enableMotors'], ['Motors enabled', 'Stopping'],
                                ['succeeded']),
     'cleared fault': Occasion('Stopped', ['applicationFaultClear f'], [FAULT, 'Stopping'],
                               ['sent']),
     'attempt to dock': Occasion('Going to 5', ['dock'], ['Going to Dock1', DOCKING, 'Stopping'],
                                 ['under way'], OURS),
     'replacement': Occasion('Going to 5', ['goto 12'], ['Stopping'], ['sent']),
-    'no replacement': Occasion('Going to 5', ['goto 12'], ['Stopping', 'Stopped'],
+    'our stop after all': Occasion('Going to 5', ['goto 12', 'stop'], ['Stopping', 'Stopped'],
+                                   ['sent', 'under way'], MotionCause.STOP),
+    'stands unasked': Occasion('Going to 5', ['goto 12'], ['Stopping', 'Stopped'],
                                ['sent'], OTHERS),
     'stop of another client': Occasion('Going to 5', [], ['Stopping'], [], OTHERS),
     # a drive whose command has ended
@@ -93,9 +95,6 @@ OCCASIONS: Dict[str, Occasion] = {
     'interrupted in other words': Occasion(
         'Stopped', ['goto 12'], ['Going to 12', 'Interrupted: something'], ['interrupted'],
         MotionCause.INTERRUPTED),
-    'error: emergency stop': Occasion(
-        'Stopped', ['goto 12'], ['Going to 12', 'Error: Emergency stop pressed'],
-        ['emergency stop'], MotionCause.EMERGENCY_STOP),
     'error': Occasion('Stopped', ['goto 12'], ['Going to 12', 'Error: Stalled'], ['failed'], OURS),
     'failed going to a goal': Occasion('Stopped', ['goto 12'],
                                        ['Going to 12', 'Failed going to 12'], ['failed'], OURS),

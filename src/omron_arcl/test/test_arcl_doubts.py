@@ -110,10 +110,12 @@ def test_meanwhile_no_program_drives(bench):
 
 def test_a_stop_that_is_sent_again_is_not_doubted_for_what_was_shown_before(bench):
     driving(bench)
+    bench.status('Going to 12')
     stop = bench.stop(PERSON)
     bench.status('Going to 13', 1.5)
     assert bench.records.record_of(stop).doubt.outcome is Outcome.INTERRUPTED
     bench.status('Going to 13', SETTLE_OVERTAKEN)
+    bench.pass_time(0.1)
     assert stop.result.outcome is Outcome.INTERRUPTED
     again = bench.stop(PERSON)
     assert bench.records.record_of(again).doubt is None

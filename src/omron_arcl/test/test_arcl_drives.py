@@ -776,7 +776,7 @@ class TestWhoseStopping:
         self.obeys(bench, 'Stopping', 'ApplicationFaultClear cleared f')
 
     def test_one_whose_motors_were_enabled_stops(self, bench):
-        bench.status('Stopped')
+        bench.status('Motors disabled')
         bench.robot('Motors enabled')
         bench.pass_time(3.0)
         self.obeys(bench, 'Stopping', 'Stopped')
@@ -793,7 +793,7 @@ class TestWhoseStopping:
         (['Stopping', 'Motors enabled', 'Stopping'], 2)])
     def test_a_robot_that_begins_to_stop_twice_may_stand_once(self, bench, said, says_stopped):
         """The result of the stop came after 15 s, as a failure."""
-        bench.status('Stopped')
+        bench.status('Motors disabled')
         stop = bench.stop(ROUTE)
         bench.robot(*said, 'Stopped')
         assert (outcome(stop), bench.memory.stop_owed) == (Outcome.SUCCEEDED, False)
@@ -900,7 +900,7 @@ class TestWhoseStopping:
         assert outcome(stop) is Outcome.SUCCEEDED
 
     def test_the_pair_of_the_motors_is_none_of_a_stop_behind_an_unanswered_drive(self, bench):
-        bench.status('Stopped')
+        bench.status('Motors disabled')
         for text in ('goto 3', 'stop', 'stop'):
             last = bench.give(text, giver=PERSON)
         known = bench.epoch
@@ -960,7 +960,7 @@ class TestWhoseStopping:
         assert (newer.result, bench.memory.giver) == (None, PERSON)
 
     def test_the_pair_of_the_motors_is_none_of_a_stop_behind_a_drive_that_timed_out(self, bench):
-        bench.status('Stopped')
+        bench.status('Motors disabled')
         bench.drive(PERSON, 'goto 3')
         bench.pass_time(61.0)
         stop = bench.stop(PERSON)

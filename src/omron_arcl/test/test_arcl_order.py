@@ -25,12 +25,13 @@ class RobotInOrder:
 
     names -- whether it names the drive that it breaks off
     refuses -- whether it answers a drive that it cannot carry out
+    halts -- whether it says `Stopping` to replace a drive
     """
 
-    def __init__(self, names: bool, refuses: bool) -> None:
+    def __init__(self, names: bool, refuses: bool, halts: bool) -> None:
         self.bench = Bench()
         self.bench.status('Stopped')
-        self._names, self._refuses = names, refuses
+        self._names, self._refuses, self._halts = names, refuses, halts
         self._read = 0  # number of commands that it has read
         self._given: List[Execution] = []
         self._pressed = False
@@ -60,7 +61,9 @@ class RobotInOrder:
             self._break_off()
             self._say('Stopping', 'Stopped')
         elif not self._pressed:
+            replaces = self._obeyed is not None
             self._break_off()
+            self._say(*['Stopping'] if replaces and self._halts else [])
             same = [e for e in self._given if e.sent and e.command.text == text]
             self._obeyed = same[self.bench.sent[:self._read].count(text) - 1]
             self._say(text.replace('goto', 'Going to'))
@@ -98,7 +101,13 @@ class RobotInOrder:
             assert (self._obeyed.result, memory.giver) == (None, self._obeyed.giver)
 
     def check_records(self) -> None:
-        """Each drive that the robot has still to read has a record, and so has a stop behind it."""
+        """Each drive that the robot has still to read has a record, and so has a stop behind it.
+
+        Each drive that its giver waits for is under way.
+        """
+        records = self.bench.records
+        under_way = {records.record_of(execution) for execution in self._given}
+        assert all(r in under_way for r in self.bench.memory.records if r.pending)
         unread = self.bench.sent[self._read:]
         drives = [text for text in unread if text.startswith('goto')]
         known = [f'goto {r.goal}' for r in self.bench.memory.records if r.may_move]
@@ -126,8 +135,9 @@ ACTS: List[Callable[[RobotInOrder], None]] = [
     *3 * [RobotInOrder.press, RobotInOrder.release], *4 * [RobotInOrder.read], RobotInOrder.arrive]
 
 
-def live(names: bool, refuses: bool, acts: List[Callable[[RobotInOrder], None]]) -> None:
-    robot = RobotInOrder(names, refuses)
+def live(names: bool, refuses: bool, halts: bool,
+         acts: List[Callable[[RobotInOrder], None]]) -> None:
+    robot = RobotInOrder(names, refuses, halts)
     for act in acts:
         act(robot)
         robot.check_records()
@@ -135,7 +145,7 @@ def live(names: bool, refuses: bool, acts: List[Callable[[RobotInOrder], None]])
     robot.check()
 
 
-LIVES = given(st.booleans(), st.booleans(),
+LIVES = given(st.booleans(), st.booleans(), st.booleans(),
               st.lists(st.sampled_from(ACTS), min_size=6, max_size=14))
 test_what_is_told_of_each_drive_is_true = LIVES(live)
 

@@ -29,14 +29,14 @@ from omron_arcl.heard import SelfStop, StopOf
 from omron_arcl.judgements import ABOUT_THE_DOCK, Observation, acknowledges, fits
 from omron_arcl.parser import parse_line
 from omron_arcl.records import DriveRecord, MotionCause
-from omron_arcl.replies import Reply, coordinates, readable
+from omron_arcl.replies import Reply, coordinates, names_emergency_stop, readable
 from omron_arcl.secret import redact_passwords
 
+_TO_GOAL = ActivityKind.GOING_TO_GOAL
 _CUT_NAME = 16  # length to which the robot shortens the name of an unknown command
 _ROUNDED = 2.0  # mm or degrees by which the robot may repeat a point otherwise
 _NO_GOAL = re.compile(r'\bno (such )?goal\b|\bgoal\b.*\b(not found|not exist|unknown)\b|'
                       r'\b(unknown|invalid) goal\b', re.IGNORECASE)
-_EMERGENCY_STOP = re.compile(r'e-?stop|emergency stop', re.IGNORECASE)
 _ABOUT_DRIVING = re.compile(r'\b(path|goal|plan|route|drive|driving|reach|dock)\b', re.IGNORECASE)
 _ABOUT_LOCALIZING = re.compile(r'locali[sz]', re.IGNORECASE)
 # Activities that some robots report with a word of their own instead of a docking state.
@@ -160,10 +160,12 @@ class Attribution:
         dock; once it docks, no other name can be.
         """
         activity = activity_of(reply)
-        before = execution.progress.shown_when_sent
-        if activity.kind in ABOUT_THE_DOCK and before is not None and before.kind in STANDING:
+        before, to_goal = execution.progress.shown_when_sent, activity.kind is _TO_GOAL
+        to_dock = to_goal and execution.command.spec.course is DriveCourse.INTO_THE_DOCK
+        if before is not None and before.kind in STANDING and (
+                to_dock or activity.kind in ABOUT_THE_DOCK):
             execution.progress.set_out = True
-        if activity.kind is ActivityKind.GOING_TO_GOAL:
+        if to_goal:
             execution.progress.dock_name = activity.goal.casefold()
         stands = execution in self._commands.begun_drives and activity.kind in STANDING
         self._commands.add_line(execution, text, now, sign_of_life=not stands)
@@ -289,8 +291,16 @@ def _began(commands: CommandQueue) -> List[Execution]:
 
 
 def _next(commands: CommandQueue) -> List[Execution]:
-    """Returns the drives that the robot may acknowledge or complete now, the oldest first."""
-    return [e for e in _fresh(commands) if not commands.records.comes_earlier(e)]
+    """The drives that the robot may acknowledge or complete now, the oldest first. A line without
+    a name is about none behind a drive of which the robot has said nothing."""
+    first = _first_unanswered(commands)
+    return [e for e in _fresh(commands) if not commands.records.comes_earlier(e)
+            and (e.order <= first or e.command.arguments)]
+
+
+def _first_unanswered(commands: CommandQueue) -> float:
+    """The order of the oldest drive of which the robot has said nothing."""
+    return next((e.order for e in _fresh(commands) if not e.has_lines), math.inf)
 
 
 def _next_first(commands: CommandQueue) -> List[Execution]:
@@ -302,8 +312,13 @@ def _began_first(commands: CommandQueue) -> List[Execution]:
 
 
 def _present(commands: CommandQueue) -> Sequence[Execution]:
-    """Returns the drive that the robot carries out, or else the first one to come."""
-    return commands.begun_drives[-1:] or commands.drives[:1]
+    """The drive that the robot carries out, or else the first one to come, unless the robot carries
+    out a drive of others."""
+    return commands.begun_drives[-1:] or _to_come(commands)
+
+
+def _to_come(commands: CommandQueue) -> Sequence[Execution]:
+    return [] if commands.records.drives_for_others else commands.drives[:1]
 
 
 def _refused(commands: CommandQueue) -> Sequence[Execution]:
@@ -334,7 +349,7 @@ def _obeyed_stops(commands: CommandQueue, reply: Reply) -> List[Execution]:
     """
     if not commands.records.heard.stopped_by_us:
         return []
-    first = next((e.order for e in _fresh(commands) if not e.has_lines), math.inf)
+    first = _first_unanswered(commands)
     return [e for e in commands.motion_executions if e.command.spec.stops and e.order < first
             and not commands.records.answers_a_drive_before(e)]
 
@@ -346,9 +361,10 @@ def _ended_drive(commands: CommandQueue, reply: Reply) -> Optional[DriveRecord]:
     if not isinstance(reply, replies.CommandError):
         return None
     try:
-        return commands.records.ended_drive(names_of(parse_command(reply.command)))
+        command = parse_command(reply.command)
     except InvalidCommand:
         return None
+    return commands.records.ended_drive(names_of(command), command.name)
 
 
 # --- does a line fit a command? -------------------------------------------------------------------
@@ -375,7 +391,7 @@ def _leads_elsewhere(execution: Execution, reply: Reply) -> bool:
     """
     activity = activity_of(reply)
     return (execution.command.spec.course is DriveCourse.INTO_THE_DOCK
-            and activity.kind is ActivityKind.GOING_TO_GOAL
+            and activity.kind is _TO_GOAL
             and activity.goal.casefold() != execution.progress.dock_name)
 
 
@@ -433,7 +449,7 @@ def _goal_named(commands: CommandQueue, reply: replies.CommandErrorDescription) 
 
 
 def _lacks_power(execution: Execution, reply: Any) -> bool:
-    return execution.command.spec.drives and bool(_EMERGENCY_STOP.search(reply.text))
+    return execution.command.spec.drives and names_emergency_stop(reply.text)
 
 
 def _is_unknown(execution: Execution, reply: replies.UnknownCommand) -> bool:
@@ -479,26 +495,36 @@ def _fails_to_localize(execution: Execution, reply: replies.Failure) -> bool:
         _ABOUT_LOCALIZING.search(reply.text))
 
 
-def _fails_to_begin(commands: CommandQueue, reply: replies.Failure) -> Found:
-    """Returns the drive that fails before it begins.
+def _loses_power(commands: CommandQueue, reply: replies.Motors) -> Found:
+    """A drive that is on its way reaches the robot later, perhaps after its motors are on again."""
+    begun = commands.begun_drives
+    return [e for e in _need_motors(commands)
+            if not reply.enabled and (e in begun or not e.command.spec.drives)]
 
-    One that has begun goes on: the status decides.
-    """
+
+def _fails_to_begin(commands: CommandQueue, reply: Any) -> Found:
+    """A drive that has begun goes on: the robot's status decides."""
     about = _ABOUT_DRIVING.search(reply.text) and not commands.begun_drives
-    return commands.drives[:1] if about else []
+    return _to_come(commands) if about else []
 
 
 # --- what the robot does --------------------------------------------------------------------------
 
-def _stops_for_us(commands: CommandQueue, reply: Reply) -> Found:
-    """Returns the oldest stop of ours without a `Stopping`; or whether there was one that has
-    ended. A robot with a reason of its own halts for that first, if it has to answer a drive before
-    the stop.
-    """
+def _stands_for_us(commands: CommandQueue, reply: Reply) -> Found:
+    """The robot stands instead of replacing its motion, and a stop of ours has no `Stopping`."""
     heard = commands.records.heard
+    return heard.will_not_stand and heard.unheard_stops > 0
+
+
+def _stops_for_us(commands: CommandQueue, reply: Reply) -> Found:
+    """The oldest stop of ours without a `Stopping`; or whether there was one that has ended. A
+    robot with a reason of its own halts for that first, if it has to answer a drive before the
+    stop. It may also halt to replace its motion by that drive."""
+    records, heard = commands.records, commands.records.heard
     stops = [e for e in _not_begun(commands) if e.command.spec.stops]
-    waits = bool(stops) and commands.records.waits_for_a_drive(stops[0])
-    if not heard.unheard_stops or waits and heard.stops_itself is not None:
+    if not heard.unheard_stops or stops and (
+            heard.stops_itself is not None and records.waits_for_a_drive(stops[0])
+            or records.replaces_a_drive_before(stops[0])):
         return False
     return stops[:1] if len(stops) == heard.unheard_stops else True
 
@@ -508,8 +534,7 @@ def _stops_by_itself(why: SelfStop) -> Find:
 
 
 def _begins_late(commands: CommandQueue, reply: Reply) -> bool:
-    activity, records = activity_of(reply), commands.records
-    return records.may_be_ours(activity) and (bool(activity.goal) or records.is_idle)
+    return commands.records.may_begin_late(activity_of(reply))
 
 
 def _docks_by_itself(commands: CommandQueue, reply: Reply) -> bool:
@@ -536,8 +561,10 @@ ATTRIBUTIONS: Mapping[LinePart, Tuple[Row, ...]] = {
         Row('replacement', _HALTS,
             lambda commands, reply: commands.records.replaces_a_drive, StopOf.REPLACEMENT,
             'assumed: some robots stop for an instant to replace a drive'),
-        Row('no replacement', (replies.Stopped,),
-            lambda commands, reply: commands.records.heard.replacing, StopOf.OTHERS,
+        Row('our stop after all', (replies.Stopped,), _stands_for_us, StopOf.US,
+            'p. 242: a robot that stands was stopped'),
+        Row('stands unasked', (replies.Stopped,),
+            lambda commands, reply: commands.records.heard.will_not_stand, StopOf.OTHERS,
             'p. 242: a robot that stands was stopped'),
         Row('stop of another client', _HALTS, lambda commands, reply: True, StopOf.OTHERS,
             'p. 46: all clients receive it')),
@@ -565,7 +592,7 @@ ATTRIBUTIONS: Mapping[LinePart, Tuple[Row, ...]] = {
             Outcome.EMERGENCY_STOPPED, 'p. 87: `Estop pressed cannot enable motors`'),
         Row('refused', (replies.CommandErrorDescription,), _first(_refused, _any),
             Outcome.REJECTED, 'p. 46: the description follows the error'),
-        Row('unknown command', (replies.UnknownCommand,), _first(_sent, _is_unknown),
+        Row('unknown command', (replies.UnknownCommand,), _first(_not_begun, _is_unknown),
             Outcome.UNKNOWN_COMMAND, 'observed: the name follows, cut after 16 characters'),
         Row('unknown command without a name', (replies.UnknownCommand,),
             _first(_unanswered, lambda execution, reply: not _name(reply)),
@@ -582,11 +609,11 @@ ATTRIBUTIONS: Mapping[LinePart, Tuple[Row, ...]] = {
         Row('interrupted in other words', (replies.Interrupted,),
             _first(lambda commands: commands.begun_drives[-1:], _was_interrupted_in_words),
             Outcome.INTERRUPTED, 'assumed: only what the robot does can be interrupted'),
-        Row('error: emergency stop', (replies.RobotError,),
-            lambda commands, reply: (
-                _need_motors(commands) if _EMERGENCY_STOP.search(reply.text) else []),
-            Outcome.EMERGENCY_STOPPED, 'p. 251: `Error: Emergency stop pressed`'),
-        Row('error', (replies.RobotError,), _first(_present, _any), Outcome.FAILED,
+        Row('emergency stop', (replies.EStop, replies.RobotError),
+            lambda commands, reply: _need_motors(commands) if reply.pressed else [],
+            Outcome.EMERGENCY_STOPPED, 'p. 190; p. 251: `Error: Emergency stop pressed`'),
+        Row('error', (replies.RobotError,),
+            lambda commands, reply: commands.begun_drives[-1:], Outcome.FAILED,
             'p. 251: an error while the robot drives names no command'),
         Row('failed going to a goal', (replies.FailedGoingTo,), _first(_drives, _is_for_it),
             Outcome.FAILED, 'observed'),
@@ -594,14 +621,10 @@ ATTRIBUTIONS: Mapping[LinePart, Tuple[Row, ...]] = {
             Outcome.FAILED, 'observed: `Failed going to goal`'),
         Row('failed to localize', (replies.Failure,), _first(_sent, _fails_to_localize),
             Outcome.FAILED, 'observed'),
-        Row('failed to begin', (replies.Failure,), _fails_to_begin, Outcome.FAILED,
+        Row('failed to begin', (replies.Failure, replies.RobotError), _fails_to_begin,
+            Outcome.FAILED,
             'p. 251: `Cannot find path`'),
-        Row('emergency stop', (replies.EStop,),
-            lambda commands, reply: _need_motors(commands) if reply.pressed else [],
-            Outcome.EMERGENCY_STOPPED, 'p. 190'),
-        Row('motors disabled', (replies.Motors,),
-            lambda commands, reply: [] if reply.enabled else _need_motors(commands),
-            Outcome.FAILED, 'p. 191'),
+        Row('motors disabled', (replies.Motors,), _loses_power, Outcome.FAILED, 'p. 191'),
         # drives
         Row('completed', _ANY, _first(_began_first, _completes), Outcome.SUCCEEDED, _TABLE),
         Row('acknowledged', _ANY, _first(_next_first, acknowledges), Means.ACKNOWLEDGED, _TABLE),

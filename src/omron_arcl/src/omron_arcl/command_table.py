@@ -109,7 +109,7 @@ _ROWS: Tuple[CommandSpec, ...] = (
              names(replies.FinishedPatrolling, 'route'),
              is_one_of(*_TO_A_GOAL, *_OF_TASKS), goal_at=0)
       for syntax in ('patrolOnce <route> [index]', 'patrolResume <route>')),
-    _tasks('doTask <task> [arguments]', same_task(replies.WillDoTask, replies.DoingTask),
+    _tasks('doTask <task> [arguments]', same_task(replies.DoingTask),
            same_task(replies.CompletedTask),
            any_of(same_task(replies.WillDoTask, replies.DoingTask),
                   is_one_of(replies.WaitState, replies.PauseState, *_ON_THE_WAY))),

@@ -15,6 +15,7 @@ on the meaning of lines. The rules:
 """
 from __future__ import annotations
 
+import math
 from typing import Callable, List, Optional
 
 from omron_arcl.attribution import Attribution
@@ -116,7 +117,7 @@ class Dispatcher:
         """Processes a line of the robot."""
         self._commands.now = now
         self._attribution.on_reply(reply, text, now)
-        self._end_doubted(now)
+        self._end_doubted(-math.inf)  # lines behind this one may have waited as long, and refute it
         self._stop_if_cancelled(now)
         self._stop_if_owed(now)
 
@@ -131,7 +132,7 @@ class Dispatcher:
         self._stop_if_owed(now)
 
     def _end_doubted(self, now: float) -> None:
-        """Ends the commands that the robot has contradicted for long enough."""
+        """Ends the commands that the robot has contradicted for long enough, or for certain."""
         for execution, doubt in self.records.settled(now):
             if execution in self._commands.sent:  # it may have ended with another command
                 self._commands.end(execution, doubt.outcome, doubt.why)
@@ -150,16 +151,11 @@ class Dispatcher:
             limit = execution.timeout if begun else execution.acknowledge_timeout
             longest = _LONGEST_START if spec.drives else _LONGEST_ANSWER
             if unheard > limit:
-                self._time_out(execution, f'the robot said nothing about it for {limit:.0f} s')
+                self._commands.end(execution, Outcome.TIMED_OUT,
+                                   f'the robot said nothing about it for {limit:.0f} s')
             elif now - progress.sent_at > max(longest, limit) and not may_take_longer:
-                self._time_out(execution, f'it was not done within {max(longest, limit):.0f} s')
-
-    def _time_out(self, execution: Execution, words: str) -> None:
-        newest = execution in self._commands.drives[-1:] and not any(
-            other.command.spec.drives for other in self._commands.waiting)
-        self._commands.end(execution, Outcome.TIMED_OUT, words)
-        if execution.stop_on_timeout and newest:
-            self._stop()
+                self._commands.end(execution, Outcome.TIMED_OUT,
+                                   f'it was not done within {max(longest, limit):.0f} s')
 
     def on_lost(self, reason: str) -> None:
         """Notes that the link broke: every command ends,

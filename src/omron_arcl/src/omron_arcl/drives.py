@@ -48,6 +48,8 @@ Derived:
   robot. While its fate is unknown, the published giver is empty.
 - An *epoch*, a random number, lasts as long as one giver drives. A new one begins when the ruling
   record becomes a stop, or comes from another giver, another client or the robot itself.
+- A motion of the robot is that of a drive if their names agree. A motion without a goal's name is
+  that of a drive without one, also after an outage.
 - If the robot breaks a drive off (`Interrupted`), an epoch begins at once, and the robot's next
   line or status about its motion begins another: an emergency stop may be the reason, or another
   client. Until then no drive that names an epoch is sent.
@@ -94,6 +96,7 @@ from typing import (
 
 from omron_arcl import replies
 from omron_arcl.activity import MOVING, STANDING, Activity, ActivityKind
+from omron_arcl.command_table import spec_of
 from omron_arcl.commands import Command, DriveCourse
 from omron_arcl.errors import ArclError, Busy
 from omron_arcl.execution import NO_GIVER, Execution, Giver, Outcome
@@ -171,6 +174,10 @@ _STATES = {
     ActivityKind.UNDOCKING: MotionState.UNDOCKING, ActivityKind.TELEOPERATED: MotionState.MANUAL}
 # A robot that is found like this has ended its drive by itself; otherwise, another client did.
 _GAVE_UP = (ActivityKind.FAILED, ActivityKind.LOST, ActivityKind.MOTORS_DISABLED)
+_NEVER_OURS = (ActivityKind.TELEOPERATED, ActivityKind.PARKING)
+# A stop is owed for a robot that is found in such a motion, which may be that of any drive.
+_WITHOUT_A_GOAL = MOVING - {
+    ActivityKind.GOING_TO_GOAL, ActivityKind.DOCKING, ActivityKind.TELEOPERATED}
 _DOCK = 'dock'
 _UNSEEN = 'during an outage of the link another client may have driven or stopped the robot'
 _STOPPED_BY_OTHERS = 'another client of the robot stopped it'
@@ -210,6 +217,33 @@ def _shortened(values: Tuple[_T, ...], most: int, needless: Sequence[_T]) -> Tup
 
 def _shown(activity: Activity) -> str:
     return f'{activity.kind.name} {activity.goal.casefold()}'
+
+
+def _may_cause(drive: DriveRecord, activity: Activity) -> bool:
+    """Whether a drive may be the cause of this motion of the robot.
+
+    Decides by the name of the motion's goal, route or task. A motion of any name may be that of a
+    task, or lead to the dock, while the drive is under way or its fate is unknown.
+    """
+    kind, goal, names = activity.kind, activity.goal.casefold(), drive.names
+    if kind is ActivityKind.DOCKING or kind in _NEVER_OURS:
+        return kind is ActivityKind.DOCKING and _DOCK in names
+    if goal and goal in names:
+        return True
+    if kind is ActivityKind.UNDOCKING:
+        may_be = '' in names or _DOCK in names or not drive.acknowledged_by
+    elif '' in names:
+        course = spec_of(drive.verb).course
+        may_be = course is DriveCourse.OF_TASKS or (
+            course is DriveCourse.TO_A_PLACE and kind is ActivityKind.GOING_TO_POINT)
+    else:
+        may_be = kind is ActivityKind.GOING_TO_GOAL and _DOCK in names
+    return drive.may_move and may_be
+
+
+def _cause_of(activity: Activity) -> MotionCause:
+    """Who ended a drive of ours, if the robot shows this."""
+    return MotionCause.ROBOT if activity.kind in _GAVE_UP else MotionCause.OTHER_CLIENT
 
 
 def draw_epoch() -> int:
@@ -351,7 +385,7 @@ class Drives:
         if command.spec.drives:
             self._add(RecordKind.DRIVE, giver, f'"{command.text}" of {giver.name}', execution,
                       goal=command.goals[0] if command.goals else '', names=names_of(command),
-                      command=execution.number)
+                      verb=command.name, command=execution.number)
             self._keep(self._records[-1])
         elif command.spec.stops:
             self._owe(giver, MotionCause.STOP, f'"stop" of {giver.name}', execution,
@@ -384,7 +418,8 @@ class Drives:
         if any(record.may_move for record in self._records) or self._memory.stop_owed:
             self._owe(canceller, MotionCause.CANCEL, words)
         else:
-            self._records = (self._record(RecordKind.STOP, canceller, words, fate=Fate.OVER),)
+            if not self.drives_for_others:
+                self._records = (self._record(RecordKind.STOP, canceller, words, fate=Fate.OVER),)
             self._begin_epoch(canceller, MotionCause.CANCEL, words, False)
 
     def own_stop_given(self, stop: Execution) -> None:
@@ -430,6 +465,7 @@ class Drives:
         if record.kind is RecordKind.STOP:
             self._stop_ended(record, outcome, now)
         elif outcome is Outcome.INTERRUPTED and record is self._records[-1]:
+            self._records = self._records[:-1]
             self._foreign(MotionCause.INTERRUPTED if self.heard.broke_off
                           else MotionCause.OTHER_CLIENT, False, words)
         else:
@@ -459,7 +495,8 @@ class Drives:
             self._foreign(MotionCause.OTHER_CLIENT, False, f'{ruling.words} was interrupted')
         if event is Event.LOST and record.pending:
             self._rules(record, before)  # the robot may carry it out
-        if outcome is Outcome.TIMED_OUT and execution.stop_on_timeout:
+        newer = any(r.kind is RecordKind.DRIVE and r.number > record.number for r in self._records)
+        if outcome is Outcome.TIMED_OUT and execution.stop_on_timeout and not newer:
             self._owe(execution.giver, MotionCause.STOP, words)
         elif event is Event.EMERGENCY_STOP and record.pending and execution.sent:
             self._owe_for_what_comes(words)
@@ -555,7 +592,7 @@ class Drives:
         Called before the line ends commands.
         """
         self.heard.said(reply)
-        if isinstance(reply, replies.EStop) and reply.pressed:
+        if isinstance(reply, (replies.EStop, replies.RobotError)) and reply.pressed:
             self.note_emergency('emergency stop')
 
     def begins_to_stop(self, whose: StopOf) -> None:
@@ -565,8 +602,8 @@ class Drives:
         self.heard.begins_to_stop(whose)
         if whose is not StopOf.OTHERS:
             return
-        # a drive that the robot has not answered reaches it after that
-        crosses = any(r.pending and self._was_sent(r) for r in self._records)
+        # a drive of which the robot has said nothing reaches it after that
+        crosses = any(r.pending and self._is_unread(r) for r in self._records)
         self._foreign(MotionCause.OTHER_CLIENT, False, _STOPPED_BY_OTHERS)
         if crosses:
             self._owe_for_what_comes(_STOPPED_BY_OTHERS)
@@ -579,23 +616,42 @@ class Drives:
     @property
     def replaces_a_drive(self) -> bool:
         """Whether a drive is under way to a robot that moves."""
-        return self.heard.moves and any(
-            r.pending and r.number in self._executions for r in self._records)
+        return self.heard.moves and any(map(self._is_to_come, self._records))
+
+    def replaces_a_drive_before(self, stop: Execution) -> bool:
+        """Whether one of which the robot has said nothing was sent before this stop."""
+        return self.heard.moves and any(map(self._is_unread, self._before(stop)))
+
+    @property
+    def drives_for_others(self) -> bool:
+        """Whether the robot carries out a drive of others, and has not broken it off."""
+        ruling = self._memory.ruling
+        heard, others = self.heard, RecordKind.FOREIGN_DRIVE
+        return (ruling is not None and ruling.kind is others and (heard.moves or heard.moved)
+                and not heard.broke_off)
 
     @property
     def is_about_the_dock(self) -> bool:
         """Whether the robot docks or leaves its dock for a command of ours."""
-        return any(e.command.spec.course in (DriveCourse.INTO_THE_DOCK, DriveCourse.OUT_OF_THE_DOCK)
-                   or e.progress.set_out and not self.has_begun(e)
+        into, out = DriveCourse.INTO_THE_DOCK, DriveCourse.OUT_OF_THE_DOCK
+        return any(e.command.spec.course in (into, out) if self.has_begun(e)
+                   else e.progress.set_out and e.command.spec.course is not into
                    for e in self._executions.values())
 
     def waits_for_a_drive(self, stop: Execution) -> bool:
-        """Returns whether the robot may still have to answer a drive that was sent
-        before this stop.
-        """
-        return any(record.pending and self._was_sent(record)
+        """Whether the robot may still have to answer a drive that was sent before this stop."""
+        return any(self._is_to_come(record)
                    or record.kind is RecordKind.DRIVE and record.fate is Fate.UNKNOWN
                    for record in self._before(stop))
+
+    def _is_to_come(self, record: DriveRecord) -> bool:
+        """Whether the robot has still to answer a drive that was sent."""
+        return record.pending and self._was_sent(record) or self._has_to_answer(record)
+
+    def _is_unread(self, record: DriveRecord) -> bool:
+        """The same, and the robot has said nothing about it."""
+        execution = self._executions.get(record.number)
+        return self._is_to_come(record) and not (execution and execution.has_lines)
 
     def _is_open(self, record: DriveRecord) -> bool:
         """Returns whether the robot carries out a drive of this connection, or may still do so."""
@@ -626,13 +682,18 @@ class Drives:
             stop is not None and r.fate is Fate.UNKNOWN and r.number < stop.number))
             for r in before)
 
-    def ended_drive(self, names: Sequence[str]) -> Optional[DriveRecord]:
-        """Returns the drive with one of these names whose command has ended and that the robot has
-        to answer next.
-        """
-        record = next((r for r in self._records if set(names).intersection(r.names) and (
-            self._has_to_answer(r) or r.pending and self._was_sent(r))), None)
+    def ended_drive(self, names: Sequence[str], verb: str = '') -> Optional[DriveRecord]:
+        """The drive with one of these names whose command has ended and that the robot has to
+        answer next; `verb`: the name of its command, if it is known."""
+        record = next((r for r in self._records if set(names).intersection(r.names)
+                       and verb in ('', r.verb) and self._is_to_come(r)), None)
         return None if record is None or record.pending else record
+
+    def may_begin_late(self, activity: Activity) -> bool:
+        """Whether the robot may set out for a drive of ours whose command has ended for its giver.
+        """
+        return any(r.may_move and r.number not in self._executions and _may_cause(r, activity)
+                   for r in self._records)
 
     def refused_late(self, record: DriveRecord) -> None:
         """Notes that the robot refuses a drive whose command has ended for its giver."""
@@ -655,15 +716,11 @@ class Drives:
         self._foreign(cause, True, text, activity)
 
     def showed(self, activity: Activity, text: str) -> None:
-        """Notes that the robot sends a status."""
-        heard, kind = self.heard, activity.kind
-        before, heard.shown = heard.shown, activity
-        heard.activity = activity
-        if kind is ActivityKind.EMERGENCY_STOP:
+        """The robot sends a status."""
+        before = self.heard.shown
+        self.heard.showed(activity)
+        if activity.kind is ActivityKind.EMERGENCY_STOP:
             self.note_emergency(text)
-        elif kind not in (ActivityKind.UNKNOWN, ActivityKind.MOTORS_DISABLED):
-            heard.emergency = False
-        heard.broke_off = False
         if self.is_unexplained:  # an emergency stop would have been shown
             self._begin_epoch(None, MotionCause.OTHER_CLIENT, self._memory.reason, False)
         if self._unseen:
@@ -680,9 +737,14 @@ class Drives:
             owed = self._memory.stop_owed and record.number < max(
                 r.number for r in self._records if r.owed)
             if not owed:
-                moves = activity.kind in MOVING
-                self._records = (replace(record, fate=Fate.OBEYED if moves else Fate.OVER,
-                                         ending=CommandFate.COMPLETED, acknowledged_by=text),)
+                moves, leaves = activity.kind in MOVING, activity.kind is ActivityKind.UNDOCKING
+                ruling = self._memory.ruling
+                self._records = (replace(
+                    record, fate=Fate.OBEYED if moves else Fate.OVER,
+                    ending=CommandFate.COMPLETED,
+                    acknowledged_by=record.acknowledged_by if leaves else text),)
+                if moves and ruling and ruling.giver != record.giver:  # whose drive was lost
+                    self._begin_epoch(record.giver, MotionCause.OTHER_GIVER, record.words, True)
                 self._keep()
         elif not self.heard.emergency:
             words = f'after an outage the robot shows "{text}"'
@@ -691,17 +753,15 @@ class Drives:
             elif self._is_to_be_stopped(activity):
                 self._begin_epoch(None, MotionCause.OTHER_CLIENT, words, False)
             else:
-                gave_up = activity.kind in _GAVE_UP
-                self._foreign(MotionCause.ROBOT if gave_up else MotionCause.OTHER_CLIENT,
-                              activity.kind in MOVING, words, activity)
+                self._foreign(_cause_of(activity), activity.kind in MOVING, words, activity)
 
     def _is_to_be_stopped(self, activity: Activity) -> bool:
-        """Returns whether the robot shows the drive of others for which a stop is owed,
-        and no newer one.
-        """
-        return any(drive.shown == _shown(activity) and any(
-            stop.owed and stop.number > drive.number for stop in self._records)
-            for drive in self._records if drive.kind is RecordKind.FOREIGN_DRIVE)
+        """Whether a stop is owed for what the robot shows: perhaps for a drive of ours, or for that
+        of others which it shows as before."""
+        newest = max((r.number for r in self._records if r.owed), default=0)
+        return any(r.number < newest and (
+            r.shown == _shown(activity) or r.may_move and activity.kind in _WITHOUT_A_GOAL)
+            for r in self._records)
 
     def _stands_as_we_stopped_it(self, activity: Activity) -> bool:
         """Returns whether our last command was a stop, and the robot shows nothing else."""
@@ -714,12 +774,17 @@ class Drives:
         if before is not None and self._leaves_our_goal(before, activity):
             self._foreign(MotionCause.OTHER_CLIENT, False, text)
         ruling, moves = self._memory.ruling or _NOTHING, activity.kind in MOVING
-        if moves:
-            strange = ruling.kind is not RecordKind.FOREIGN_DRIVE and not self.may_be_ours(activity)
+        shown, strange = self._shown_drive(activity), False
+        if moves and shown and shown.fate is Fate.UNKNOWN and not self._memory.stop_owed and (
+                activity.goal and activity.goal.casefold() in shown.names):
+            self._obeyed(shown.number, text)
+        elif moves:
+            strange = ruling.kind is not RecordKind.FOREIGN_DRIVE and not any(
+                _may_cause(record, activity) for record in self._records)
         else:
             strange = self._ends_unlike(ruling, activity)
         if strange and self.heard.strange:  # one status may have crossed a line
-            self._foreign(MotionCause.OTHER_CLIENT, moves, text, activity)
+            self._foreign(_cause_of(activity), moves, text, activity)
         self.heard.strange = strange
 
     def _leaves_our_goal(self, before: Activity, activity: Activity) -> bool:
@@ -796,7 +861,6 @@ class Drives:
         if record is None or record.fate is Fate.OBEYED:
             return
         ruling, at = self._memory.ruling, self._records.index(record)
-        self.heard.replacing = False
         # the robot answers in order: all stops sent before are answered, and none sent after
         self.heard.unheard_stops = sum(
             r.kind is RecordKind.STOP and r.number > number
@@ -867,7 +931,7 @@ class Drives:
     def _keep(self, given: Optional[DriveRecord] = None) -> None:
         """Stores the memory. `given`: a command that was given, or overruled, just now."""
         last = self._memory.last_commands
-        if given and given.command:
+        if given and given.command > self._last_number(given.giver):  # a stop may come late
             last = (*(one for one in last if one.giver != given.giver.name),
                     LastCommand(given.giver.name, given.command, CommandFate.GIVEN))
         told = tuple(replace(one, fate=self._fate_of(one)) for one in last)
@@ -917,33 +981,15 @@ class Drives:
         return _STATES.get(kind, MotionState.DRIVING)
 
     def _shown_drive(self, activity: Activity) -> Optional[DriveRecord]:
-        """Returns the drive that the robot visibly carries out, or has visibly completed."""
-        if activity.kind in MOVING and not self.may_be_ours(activity):
-            return None
-        goal = activity.goal.casefold()
-        name = {ActivityKind.ARRIVED_AT_GOAL: goal, ActivityKind.GOING_TO_GOAL: goal,
-                ActivityKind.DOCKED: _DOCK, ActivityKind.ARRIVED_AT_POINT: '',
-                ActivityKind.STOPPED: goal or None}.get(activity.kind)
+        """The drive that the robot visibly carries out, or has visibly completed."""
+        moves, goal = activity.kind in MOVING, activity.goal.casefold()
+        name = goal if moves else {
+            ActivityKind.ARRIVED_AT_GOAL: goal, ActivityKind.DOCKED: _DOCK,
+            ActivityKind.ARRIVED_AT_POINT: '', ActivityKind.STOPPED: goal or None,
+        }.get(activity.kind)
         over = max((i for i, r in enumerate(self._records)
                     if r.kind is RecordKind.STOP and r.fate is Fate.OVER), default=-1)
         drives = [r for r in reversed(self._records[over + 1:]) if r.kind is RecordKind.DRIVE and (
-            r.fate is not Fate.OVER or activity.kind not in MOVING)]
+            r.may_move and _may_cause(r, activity) if moves else name in r.names)]
         named = [r for r in drives if name in r.names]
-        return next(iter(named or (drives if activity.kind in MOVING else [])), None)
-
-    def may_be_ours(self, activity: Activity) -> bool:
-        """Returns whether a command of ours may have caused this motion of the robot.
-
-        Decides by the motion's goal. A motion without a name may be ours while a drive of ours is
-        under way, or while the outcome of our last drive is unknown.
-        """
-        names = self._memory.names
-        if activity.kind is ActivityKind.TELEOPERATED:
-            return False
-        if activity.kind is ActivityKind.DOCKING:
-            return _DOCK in names
-        is_named = activity.kind is ActivityKind.GOING_TO_GOAL
-        if is_named and activity.goal.casefold() in names:
-            return True
-        return any(record.may_move and (not is_named or '' in record.names or _DOCK in record.names)
-                   for record in self._records)
+        return next(iter(named or drives), None)

@@ -5,10 +5,10 @@ These are facts about the lines. `attribution` decides whose a line is, and `dri
 from __future__ import annotations
 
 from enum import Enum
-from typing import Optional, Set
+from typing import Optional, Set, Union
 
 from omron_arcl import replies
-from omron_arcl.activity import MOVING, STANDING, Activity, activity_of
+from omron_arcl.activity import MOVING, STANDING, Activity, ActivityKind, activity_of
 from omron_arcl.replies import Reply
 
 # Lines that say what the robot does from now on; the others are answers, or belong to a command.
@@ -60,20 +60,25 @@ class RobotWords:
         """Whether the last status showed a motion that is not ours; it may have crossed a line."""
         self.emergency = False
         """Whether the emergency stop is pressed, or the motors are still off after it."""
+        self.moved = False
+        """Whether the robot moved, or may have moved, before its last line."""
         self.broke_off = False
         """Whether the robot broke off a motion, and has not said yet what it does now."""
         self.sets_out = False
         """Whether the last line begins a motion."""
+        self.powered: Optional[bool] = None
+        """Whether the motors are on; None: the robot has not said it."""
         self.unheard_stops = 0
         """Number of stops that were sent and whose `Stopping` has not come."""
         self.stopped_by_us = False
         """Whether the last `Stopped` may end a stop of ours."""
-        self.replacing = False
-        """Whether the robot began to stop, perhaps only to replace its drive by a newer one."""
+        self.will_not_stand = False
+        """Whether the robot said `Stopping`, and has no reason to say `Stopped` after it."""
         self.stops_itself: Optional[SelfStop] = None
         """Why the robot may say `Stopping` next."""
         self._docking: Optional[replies.DockingState] = None
-        self._ours: Set[bool] = set()  # whether each `Stopping` before the next `Stopped` is ours
+        self._released = False  # whether the emergency stop was released while the motors are off
+        self._halts: Set[StopOf] = set()  # whose the `Stopping`s are that the next `Stopped` ends
 
     @property
     def emergency_told(self) -> bool:
@@ -87,15 +92,17 @@ class RobotWords:
         return self.activity is not None and self.activity.kind not in STANDING
 
     def said(self, reply: Reply) -> None:
-        """Notes that the robot sends a line that is no status."""
-        self.sets_out = isinstance(reply, _SETTING_OUT)
+        """The robot sends a line that is no status."""
+        self.moved, self.sets_out = self.moves, isinstance(reply, _SETTING_OUT)
         if isinstance(reply, replies.DockingStatus):
             self._docking_said(reply)
         elif isinstance(reply, replies.Stopped):
             self._stands()
-        elif isinstance(reply, replies.Motors) and reply.enabled:
-            self.emergency, self.stops_itself = False, SelfStop.MOTORS_ENABLED
-        elif isinstance(reply, replies.Fault) and reply.cleared:
+        elif isinstance(reply, replies.Motors):
+            self._motors_said(reply.enabled)
+        elif isinstance(reply, (replies.EStop, replies.RobotError)):
+            self._emergency_stop_said(reply)
+        elif isinstance(reply, replies.Fault) and reply.cleared and reply.driving:
             self.stops_itself = SelfStop.FAULT_CLEARED
         if isinstance(reply, replies.Interrupted):
             self.broke_off = True
@@ -103,12 +110,35 @@ class RobotWords:
             self.broke_off = False
             self.activity = activity_of(reply)
             if self.activity.kind in MOVING:
-                self.stops_itself = None
+                self.stops_itself, self.will_not_stand = None, False
+
+    def showed(self, activity: Activity) -> None:
+        """The robot sends a status."""
+        self.activity = self.shown = activity
+        self.moved = self.broke_off = False
+        if activity.kind in (ActivityKind.EMERGENCY_STOP, ActivityKind.MOTORS_DISABLED):
+            self.powered = False
+        elif activity.kind is not ActivityKind.UNKNOWN:
+            self.powered, self.emergency = True, False
+
+    def _motors_said(self, enabled: bool) -> None:
+        """Takes up a change of the motors. The same state again says nothing: it is also sent as an
+        answer."""
+        if enabled and not self.powered:
+            self.stops_itself = SelfStop.MOTORS_ENABLED
+        self.powered, self.emergency = enabled, self.emergency and not enabled
+
+    def _emergency_stop_said(self, reply: Union[replies.EStop, replies.RobotError]) -> None:
+        if reply.pressed:
+            self.emergency = self.emergency and not self._released  # else it is pressed once more
+            self.powered, self._released = False, False
+        elif isinstance(reply, replies.EStop):
+            self.powered, self._released = False, True
 
     def begins_to_stop(self, whose: StopOf) -> None:
-        """Notes that the robot says `Stopping`."""
-        self._ours.add(whose in (StopOf.US, StopOf.CLEARED_FAULT))
-        self.replacing = whose is StopOf.REPLACEMENT
+        """The robot says `Stopping`."""
+        self._halts.add(whose)
+        self.will_not_stand = whose is StopOf.REPLACEMENT or self._halts == {StopOf.CLEARED_FAULT}
         if whose is StopOf.US:
             self.unheard_stops -= 1
         elif whose is StopOf.CLEARED_FAULT:
@@ -119,10 +149,11 @@ class RobotWords:
         self.unheard_stops = max(self.unheard_stops - 1, 0)
 
     def _stands(self) -> None:
-        if False in self._ours:  # else the robot's own pair is still to come
+        ours = self._halts & {StopOf.US, StopOf.CLEARED_FAULT}
+        if ours != self._halts:  # else the robot's own pair is still to come
             self.stops_itself = None
-        self.stopped_by_us, self._ours = self._ours != {False}, set()
-        self.replacing = False
+        self.stopped_by_us, self._halts = bool(ours) or not self._halts, set()
+        self.will_not_stand = False
 
     def _docking_said(self, reply: replies.DockingStatus) -> None:
         """Takes up a change of the docking state.

@@ -193,7 +193,8 @@ def _judge_stop(stop: Execution, seen: Observation, drives: Sequence[Execution])
         return Outcome.SUCCEEDED
     if not seen.is_status or kind not in MOVING:
         return DriveSign.NONE
-    is_elsewhere = seen.activity != stop.progress.shown_when_sent and not any(
+    before = stop.progress.shown_when_sent
+    is_elsewhere = before is not None and seen.activity != before and not any(
         acknowledges(drive, seen.activity.reply) for drive in drives)
     return Outcome.INTERRUPTED if is_elsewhere else DriveSign.CONFIRMED
 

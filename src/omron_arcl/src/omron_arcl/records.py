@@ -113,6 +113,8 @@ class DriveRecord:
     """The motion of a drive of others, by which it is recognised."""
     acknowledged_by: str = ''
     """The line or status by which the robot acknowledged a drive."""
+    verb: str = ''
+    """The name of its command."""
     doubt: Optional[Doubt] = field(default=None, compare=False)
     """Set while the robot seems not to obey a command under way. It is not stored."""
 

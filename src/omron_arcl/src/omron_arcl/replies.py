@@ -11,6 +11,7 @@ them to SI). Names (goals, routes, ...) are spelt as the robot spelt them. Compa
 from __future__ import annotations
 
 import math
+import re
 from dataclasses import dataclass
 from enum import Enum
 from typing import TYPE_CHECKING, Optional, Tuple
@@ -58,6 +59,14 @@ def coordinates(name: str) -> Tuple[float, ...]:
     except ValueError:
         return ()
     return numbers if all(map(math.isfinite, numbers)) else ()
+
+
+def names_emergency_stop(text: str) -> bool:
+    """Whether the robot's words are about its emergency stop, which it spells in many ways."""
+    return bool(_EMERGENCY_STOP.search(text))
+
+
+_EMERGENCY_STOP = re.compile(r'e-?stop|emergency stop', re.IGNORECASE)
 
 
 @dataclass(frozen=True)
@@ -216,6 +225,11 @@ class RobotError(Reply):
     """`Error: <text>`: something failed while it ran; the line names no command."""
 
     text: str
+
+    @property
+    def pressed(self) -> bool:
+        """Whether it tells of the emergency stop."""
+        return names_emergency_stop(self.text)
 
 
 @dataclass(frozen=True)

@@ -61,6 +61,11 @@ class ModelledController:
         self._memory = memory
 
     @property
+    def records(self) -> Drives:
+        """The records of drives."""
+        return self._dispatcher.records
+
+    @property
     def motion(self) -> RobotMotion:
         """The published motion, which late subscribers also receive."""
         return self._dispatcher.records.motion

@@ -159,10 +159,15 @@ class Witness(DelayedDrive):
         self._obeyed: Optional[Execution] = None
         # time since when something else is told of it than what the robot does
         self._untrue_since: Optional[float] = None
+        # time since when the robot drives for the bridge without a route
+        self._routeless_since: Optional[float] = None
+        # the last word when another client acted during an outage, until the next status
+        self._unheard: Optional[Word] = None
         super().__init__(YARD, 1, strategy, delays, interruption, braking)
         self._time.every(TICK, self._watch_owed_stop)
         self._time.every(TICK, self._watch_robot)
         self._time.every(TICK, self._watch_stop_of_bridge)
+        self._time.every(TICK, self._watch_drive_without_route)
         self._time.every(TICK, self._watch_what_is_told)
 
     _controller: WitnessedController
@@ -326,6 +331,8 @@ class Witness(DelayedDrive):
         self.foreign, self.is_alone = True, False
         self._anothers = self._anothers or command != 'stop'
         self._another_gave[command] = self.now + self._controller.on_the_way(0.0)
+        if not self._controller.connected:
+            self._unheard = self._newest_word
         self.robot.hear_another(command)
         self.foreign, self._obeyed, self._stalls = False, None, 0.0
 
@@ -377,8 +384,15 @@ class Witness(DelayedDrive):
         (memory, _, emergency_stop), drive = self._controller.motion, self._obeyed
         if emergency_stop is not self.robot.status.startswith('EStop'):
             return f'{emergency_stop} is told of the emergency stop at "{self.robot.status}"'
-        told = ''
-        if drive and self.robot.goal is not None and not memory.stop_owed:
+        under_way = self._controller.records._executions
+        for record in memory.records:
+            if record.pending and record.number not in under_way:
+                return f'{record.words} is to be answered, but it is not under way'
+        told, goal = '', self.robot.goal
+        if (self._anothers and goal is not None and goal not in memory.names
+                and memory.giver != NO_GIVER and not memory.stop_owed):
+            return f'{memory.giver.name} is told, but another client drives the robot to {goal}'
+        if drive and goal is not None and not memory.stop_owed:
             if memory.giver not in (NO_GIVER, drive.giver):
                 told = f'{memory.giver.name} is told as the giver'
             elif drive.result and drive.result.outcome not in OPEN_OUTCOMES:
@@ -400,6 +414,8 @@ class Witness(DelayedDrive):
             arrives(seconds, self._hear_stopped)
         if line == 'Motors enabled':
             arrives(seconds, self._hear_motors)
+        if line.startswith('Status'):
+            arrives(seconds, self._hear_status)
         stopped = self._stopped
         if line == 'EStop pressed' or self.foreign and line.startswith('Going to'):
             arrives(seconds, lambda: self._heard(line, stopped),
@@ -427,6 +443,18 @@ class Witness(DelayedDrive):
 
     def _hear_motors(self) -> None:
         self._powered_at = self.now
+
+    def _hear_status(self) -> None:
+        """Notes what another client did during an outage, if the status shows it: the robot neither
+        carries out a drive of ours, nor stands as we stopped it, and nobody gave a command since.
+        """
+        before, self._unheard, status = self._unheard, None, self.robot.status
+        last, names = self._last_word(), self._controller.motion.memory.names
+        if before is None or before is not self._newest_word or status.split()[-1] in names:
+            return
+        if status.startswith(('Going to', 'Arrived at')) or status == 'Stopped' and (
+                last is None or last.drives):
+            self.words.append(Word(None, self.robot.goal is not None))
 
     def _heard(self, line: str, stopped: Word) -> None:
         """Notes another client's command, unless ours has the same effect at the same time.
@@ -537,6 +565,17 @@ class Witness(DelayedDrive):
             self._ignored_since = self.now
         elif self.now > self._ignored_since + SENT_WITHIN + GIVEN_WITHIN:
             self.broken.append(f'{self.now:.1f} the robot drives on after a stop of the bridge')
+
+    def _watch_drive_without_route(self) -> None:
+        """Checks that a robot which obeys a drive of a route that has ended is stopped."""
+        if (self._obeyed is None or self._obeyed.giver.name != BRIDGE or self.robot.goal is None
+                or not self.has_ended or not self.is_well or not self.is_heard
+                or not self._can_be_reached):
+            self._routeless_since = None
+        elif self._routeless_since is None:
+            self._routeless_since = self.now
+        elif self.now > self._routeless_since + SENT_WITHIN + GIVEN_WITHIN:
+            self.broken.append(f'{self.now:.1f} the robot drives for a route that has ended')
 
     def _came_later(self, known: Word, drives: int) -> bool:
         """Tells whether somebody drives of whom the bridge did not know when it gave its stop.

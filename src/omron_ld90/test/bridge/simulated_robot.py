@@ -73,11 +73,11 @@ class SimulatedRobot:
 
     @property
     def goal(self) -> Optional[str]:
-        """The goal to which it drives."""
+        """The goal to which it drives; `point` if it drives to a point."""
         activity = self._robot.activity
         if activity is None or activity.status.startswith(('Arrived', 'Undocking')):
             return None
-        return activity.status.split()[-1] if activity.goal else 'dock'
+        return 'dock' if 'dock' in activity.status else activity.status.split()[-1]
 
     def receive(self, line: str) -> None:
         """Takes a command over our connection."""

@@ -32,6 +32,7 @@ DELAYS = st.builds(Delays, commands=SECONDS, ends=SECONDS, motions=SECONDS,
 STRATEGIES = st.sampled_from(['rolling', 'rolling', 'vertex_by_vertex'])
 GOALS = st.sampled_from(['3', '4', '5', '6'])
 COMMANDS = st.sampled_from(['stop', 'goto 3', 'goto 4'])  # of another client
+WITHOUT_A_GOAL = st.sampled_from(['gotoPoint 3000 3000 0', 'dock', 'undock'])  # the same
 PROGRAMS = ['/adapter', '/joystick']
 SETTLED = 20.0  # s in which a robot that can be reached has obeyed, in any dialect
 
@@ -227,6 +228,10 @@ class SimulatedRobots(Robots):
     @rule(program=st.sampled_from(PROGRAMS), late=SECONDS)
     def program_gives_what_the_robot_refuses(self, program: str, late: float) -> None:
         self.give(program, 'goto 99', late)
+
+    @rule(command=WITHOUT_A_GOAL)
+    def another_client_drives_without_a_goal(self, command: str) -> None:
+        self.world.another_client(command)
 
     @precondition(lambda self: not self.world.robot.status.startswith('EStop'))
     @rule()

@@ -75,15 +75,17 @@ def test_a_stop_lost_before_the_foreign_drive_is_heard_is_obeyed_once_it_is_sent
     assert world.robot.goal is None
 
 
-def test_a_drive_broken_off_while_the_controller_has_no_link_is_not_heard():
+def test_what_another_client_does_in_an_outage_is_heard_by_the_first_status_after_it():
     robots = Robots()
     robots.begin('rolling', 'name', 0.0, Delays())
     robots.person_drives('3')
     robots.controller_restarts(0.0)
     robots.passes(0.3)
     robots.another_client_is_heard_in_parts('stop', 3.0)
-    robots.passes(3.0)
+    robots.passes(1.0)
     assert _givers(robots.world) == [PERSON]
+    robots.passes(3.0)
+    assert _givers(robots.world) == [PERSON, None]
 
 
 def _robots_with_an_unheard_stop_of_the_bridge() -> Robots:

@@ -14,6 +14,8 @@ from hypothesis.stateful import run_state_machine_as_test
 from modelled_controller import ModelledController
 from test_motion_property import SimulatedRobots
 
+from omron_arcl import drives
+from omron_arcl.activity import ActivityKind
 from omron_arcl.command_queue import CommandQueue
 from omron_arcl.commands import Command
 from omron_arcl.drives import Drives
@@ -87,6 +89,10 @@ def _begun_is_done(self: Any, execution: Execution, line: str) -> None:
         self.end(execution, Outcome.SUCCEEDED, '')
 
 
+def _whatever_is_shown_is_ours(self: Any, activity: Any, text: str) -> None:
+    self._unseen = False
+
+
 _GIVER_OF_THE_NEWEST = property(
     lambda memory: memory.records[-1].giver if memory.records else NO_GIVER)
 
@@ -113,6 +119,11 @@ FAULTS = {
         Drives, '_begin_epoch', _interrupted_is_ignored),
     'a drive succeeds as soon as the robot sets out': (CommandQueue, 'begin', _begun_is_done),
     'who gave the newest command is the giver': (DriveMemory, 'giver', _GIVER_OF_THE_NEWEST),
+    'an outage begins no epoch': (Drives, '_first_shown', _whatever_is_shown_is_ours),
+    'a motion without a name is ours': (
+        drives, '_may_cause', lambda drive, activity: drive.may_move and (
+            activity.kind is not ActivityKind.GOING_TO_GOAL
+            or activity.goal.casefold() in drive.names)),
     'a drive is sent again over a new link': (ModelledController, 'connect', _sends_again),
 }
 
