@@ -291,15 +291,16 @@ def _began(commands: CommandQueue) -> List[Execution]:
 
 
 def _next(commands: CommandQueue) -> List[Execution]:
-    """The drives that the robot may acknowledge or complete now, the oldest first. A line without
-    a name is about none behind a drive of which the robot has said nothing."""
+    """Returns the drives that the robot may acknowledge or complete now, the oldest first. A line
+    without a name is about none behind a drive of which the robot has said nothing.
+    """
     first = _first_unanswered(commands)
     return [e for e in _fresh(commands) if not commands.records.comes_earlier(e)
             and (e.order <= first or e.command.arguments)]
 
 
 def _first_unanswered(commands: CommandQueue) -> float:
-    """The order of the oldest drive of which the robot has said nothing."""
+    """Returns the order of the oldest drive of which the robot has said nothing."""
     return next((e.order for e in _fresh(commands) if not e.has_lines), math.inf)
 
 
@@ -312,8 +313,9 @@ def _began_first(commands: CommandQueue) -> List[Execution]:
 
 
 def _present(commands: CommandQueue) -> Sequence[Execution]:
-    """The drive that the robot carries out, or else the first one to come, unless the robot carries
-    out a drive of others."""
+    """Returns the drive that the robot carries out, or else the first one to come, unless the robot
+    carries out a drive of others.
+    """
     return commands.begun_drives[-1:] or _to_come(commands)
 
 
@@ -496,14 +498,21 @@ def _fails_to_localize(execution: Execution, reply: replies.Failure) -> bool:
 
 
 def _loses_power(commands: CommandQueue, reply: replies.Motors) -> Found:
-    """A drive that is on its way reaches the robot later, perhaps after its motors are on again."""
+    """Returns the commands that end when the motors go off.
+
+    A drive that is on its way does not: it reaches the robot later, perhaps after its motors are on
+    again.
+    """
     begun = commands.begun_drives
     return [e for e in _need_motors(commands)
             if not reply.enabled and (e in begun or not e.command.spec.drives)]
 
 
 def _fails_to_begin(commands: CommandQueue, reply: Any) -> Found:
-    """A drive that has begun goes on: the robot's status decides."""
+    """Returns the drive that fails before it begins.
+
+    One that has begun goes on: the status decides.
+    """
     about = _ABOUT_DRIVING.search(reply.text) and not commands.begun_drives
     return _to_come(commands) if about else []
 
@@ -511,15 +520,18 @@ def _fails_to_begin(commands: CommandQueue, reply: Any) -> Found:
 # --- what the robot does --------------------------------------------------------------------------
 
 def _stands_for_us(commands: CommandQueue, reply: Reply) -> Found:
-    """The robot stands instead of replacing its motion, and a stop of ours has no `Stopping`."""
+    """Returns whether the robot stands for a stop of ours without `Stopping`,
+    and replaces no motion.
+    """
     heard = commands.records.heard
     return heard.will_not_stand and heard.unheard_stops > 0
 
 
 def _stops_for_us(commands: CommandQueue, reply: Reply) -> Found:
-    """The oldest stop of ours without a `Stopping`; or whether there was one that has ended. A
-    robot with a reason of its own halts for that first, if it has to answer a drive before the
-    stop. It may also halt to replace its motion by that drive."""
+    """Returns the oldest stop of ours without a `Stopping`; or whether there was one that has
+    ended. A robot with a reason of its own halts for that first, if it has to answer a drive before
+    the stop. It may also halt to replace its motion by that drive.
+    """
     records, heard = commands.records, commands.records.heard
     stops = [e for e in _not_begun(commands) if e.command.spec.stops]
     if not heard.unheard_stops or stops and (

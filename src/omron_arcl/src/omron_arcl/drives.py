@@ -220,7 +220,7 @@ def _shown(activity: Activity) -> str:
 
 
 def _may_cause(drive: DriveRecord, activity: Activity) -> bool:
-    """Whether a drive may be the cause of this motion of the robot.
+    """Returns whether a drive may be the cause of this motion of the robot.
 
     Decides by the name of the motion's goal, route or task. A motion of any name may be that of a
     task, or lead to the dock, while the drive is under way or its fate is unknown.
@@ -242,7 +242,7 @@ def _may_cause(drive: DriveRecord, activity: Activity) -> bool:
 
 
 def _cause_of(activity: Activity) -> MotionCause:
-    """Who ended a drive of ours, if the robot shows this."""
+    """Returns who ended a drive of ours, if the robot shows this."""
     return MotionCause.ROBOT if activity.kind in _GAVE_UP else MotionCause.OTHER_CLIENT
 
 
@@ -619,7 +619,7 @@ class Drives:
         return self.heard.moves and any(map(self._is_to_come, self._records))
 
     def replaces_a_drive_before(self, stop: Execution) -> bool:
-        """Whether one of which the robot has said nothing was sent before this stop."""
+        """Returns whether a drive of which the robot has said nothing was sent before this stop."""
         return self.heard.moves and any(map(self._is_unread, self._before(stop)))
 
     @property
@@ -639,17 +639,19 @@ class Drives:
                    for e in self._executions.values())
 
     def waits_for_a_drive(self, stop: Execution) -> bool:
-        """Whether the robot may still have to answer a drive that was sent before this stop."""
+        """Returns whether the robot may still have to answer a drive that was sent
+        before this stop.
+        """
         return any(self._is_to_come(record)
                    or record.kind is RecordKind.DRIVE and record.fate is Fate.UNKNOWN
                    for record in self._before(stop))
 
     def _is_to_come(self, record: DriveRecord) -> bool:
-        """Whether the robot has still to answer a drive that was sent."""
+        """Returns whether the robot has still to answer a drive that was sent."""
         return record.pending and self._was_sent(record) or self._has_to_answer(record)
 
     def _is_unread(self, record: DriveRecord) -> bool:
-        """The same, and the robot has said nothing about it."""
+        """Returns whether a drive is to come, and the robot has said nothing about it."""
         execution = self._executions.get(record.number)
         return self._is_to_come(record) and not (execution and execution.has_lines)
 
@@ -683,14 +685,16 @@ class Drives:
             for r in before)
 
     def ended_drive(self, names: Sequence[str], verb: str = '') -> Optional[DriveRecord]:
-        """The drive with one of these names whose command has ended and that the robot has to
-        answer next; `verb`: the name of its command, if it is known."""
+        """Returns the drive with one of these names whose command has ended and that the robot has
+        to answer next; `verb`: the name of its command, if it is known.
+        """
         record = next((r for r in self._records if set(names).intersection(r.names)
                        and verb in ('', r.verb) and self._is_to_come(r)), None)
         return None if record is None or record.pending else record
 
     def may_begin_late(self, activity: Activity) -> bool:
-        """Whether the robot may set out for a drive of ours whose command has ended for its giver.
+        """Returns whether the robot may set out for a drive of ours whose command has ended for
+        its giver.
         """
         return any(r.may_move and r.number not in self._executions and _may_cause(r, activity)
                    for r in self._records)
@@ -716,7 +720,7 @@ class Drives:
         self._foreign(cause, True, text, activity)
 
     def showed(self, activity: Activity, text: str) -> None:
-        """The robot sends a status."""
+        """Notes that the robot sends a status."""
         before = self.heard.shown
         self.heard.showed(activity)
         if activity.kind is ActivityKind.EMERGENCY_STOP:
@@ -756,8 +760,9 @@ class Drives:
                 self._foreign(_cause_of(activity), activity.kind in MOVING, words, activity)
 
     def _is_to_be_stopped(self, activity: Activity) -> bool:
-        """Whether a stop is owed for what the robot shows: perhaps for a drive of ours, or for that
-        of others which it shows as before."""
+        """Returns whether a stop is owed for what the robot shows: perhaps for a drive of ours, or
+        for that of others which it shows as before.
+        """
         newest = max((r.number for r in self._records if r.owed), default=0)
         return any(r.number < newest and (
             r.shown == _shown(activity) or r.may_move and activity.kind in _WITHOUT_A_GOAL)
@@ -981,7 +986,7 @@ class Drives:
         return _STATES.get(kind, MotionState.DRIVING)
 
     def _shown_drive(self, activity: Activity) -> Optional[DriveRecord]:
-        """The drive that the robot visibly carries out, or has visibly completed."""
+        """Returns the drive that the robot visibly carries out, or has visibly completed."""
         moves, goal = activity.kind in MOVING, activity.goal.casefold()
         name = goal if moves else {
             ActivityKind.ARRIVED_AT_GOAL: goal, ActivityKind.DOCKED: _DOCK,

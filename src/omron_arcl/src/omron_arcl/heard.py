@@ -92,7 +92,7 @@ class RobotWords:
         return self.activity is not None and self.activity.kind not in STANDING
 
     def said(self, reply: Reply) -> None:
-        """The robot sends a line that is no status."""
+        """Notes that the robot sends a line that is no status."""
         self.moved, self.sets_out = self.moves, isinstance(reply, _SETTING_OUT)
         if isinstance(reply, replies.DockingStatus):
             self._docking_said(reply)
@@ -113,7 +113,7 @@ class RobotWords:
                 self.stops_itself, self.will_not_stand = None, False
 
     def showed(self, activity: Activity) -> None:
-        """The robot sends a status."""
+        """Notes that the robot sends a status."""
         self.activity = self.shown = activity
         self.moved = self.broke_off = False
         if activity.kind in (ActivityKind.EMERGENCY_STOP, ActivityKind.MOTORS_DISABLED):
@@ -136,7 +136,7 @@ class RobotWords:
             self.powered, self._released = False, True
 
     def begins_to_stop(self, whose: StopOf) -> None:
-        """The robot says `Stopping`."""
+        """Notes that the robot says `Stopping`."""
         self._halts.add(whose)
         self.will_not_stand = whose is StopOf.REPLACEMENT or self._halts == {StopOf.CLEARED_FAULT}
         if whose is StopOf.US:
