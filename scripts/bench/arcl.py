@@ -2,7 +2,8 @@
 
 Each figure stands beside its floor from the same run. The benchmark plays the robot: it sends 10
 statuses and 10 scans of 1,000 points each second. The floor of latency and CPU is a bare rospy
-publisher of the same lines.
+publisher of the same lines. A bare relay, which publishes the lines of a socket unparsed, shows how
+much of the latency is that one more process must wake up.
 """
 from __future__ import annotations
 
@@ -14,7 +15,7 @@ import tempfile
 import threading
 import time
 from pathlib import Path
-from typing import Callable, Dict, Iterator, List, Tuple
+from typing import Callable, Dict, Iterator, List, Sequence, Tuple
 
 import numpy as np
 from measuring.processes import cpu_seconds
@@ -49,6 +50,23 @@ while not rospy.is_shutdown():
     for publisher, line in zip(publishers, lines):
         publisher.publish(line.replace('STAMP', '%019d' % now))
     rate.sleep()
+'''
+
+
+# A bare relay: it publishes each line of a socket as a plain String.
+BARE_RELAY = '''
+import socket, sys
+import rospy
+from std_msgs.msg import String
+server = socket.create_server(('127.0.0.1', int(sys.argv[1])))
+rospy.init_node('relay')
+words = ['Status', 'ExtendedStatusForHumans', 'StateOfCharge', 'Location', 'LocalizationScore',
+         'Temperature', 'RangeDeviceGetCurrent']
+publishers = {word: rospy.Publisher('/relay/' + word, String, queue_size=10, tcp_nodelay=True)
+              for word in words}
+connection = server.accept()[0]
+for line in connection.makefile():
+    publishers[line.split(':', 1)[0]].publish(line)
 '''
 
 
@@ -131,7 +149,7 @@ class Robot:
 def nodes() -> List[Row]:
     """Measures latency and CPU of the nodes, and those of the bare publisher."""
     import rospy
-    receiver_port = free_port()
+    receiver_port, relay_port = free_port(), free_port()
     quiet = {'stdout': subprocess.DEVNULL, 'stderr': subprocess.DEVNULL}
     points = ' '.join(map(str, np.random.default_rng(2).integers(-15_000, 15_000, 2000)))
     robot = Robot()
@@ -146,13 +164,15 @@ def nodes() -> List[Row]:
             rospy.init_node('bench', anonymous=True, disable_signals=True)
             processes['bare'] = subprocess.Popen([sys.executable, '-c', BARE_NODE, str(lines)],
                                                  **quiet)
+            processes['relay'] = subprocess.Popen(
+                [sys.executable, '-c', BARE_RELAY, str(relay_port)], **quiet)
             processes['receiver'] = subprocess.Popen(
                 [sys.executable, str(NODES / 'omron_connection_receiver'),
                  '_robot_ip:=127.0.0.1', f'_port:={receiver_port}'], **quiet)
             processes['controller'] = subprocess.Popen(
                 [sys.executable, str(NODES / 'omron_controller'), '_robot_ip:=127.0.0.1',
                  f'_port:={robot.port}', f'_password_file:={password}'], **quiet)
-            return measure(processes, receiver_port, points)
+            return measure(processes, receiver_port, relay_port, points)
         finally:
             for process in reversed(list(processes.values())):
                 process.terminate()
@@ -162,60 +182,68 @@ def nodes() -> List[Row]:
                     process.kill()
 
 
-def measure(processes: Dict[str, subprocess.Popen], port: int, points: str) -> List[Row]:
+def measure(processes: Dict[str, subprocess.Popen], port: int, relay_port: int,
+            points: str) -> List[Row]:
     """Sends lines to the receiver for a while, and measures latency and CPU."""
     import rospy
     from sensor_msgs.msg import PointCloud2
     from std_msgs.msg import String
 
     from omron_ld90_msgs.msg import RobotStatus
-    latencies: Dict[str, List[float]] = {'ours': [], 'bare': [], 'ours scan': [], 'bare scan': []}
+    latencies: Dict[str, List[float]] = {
+        f'{sender}{what}': [] for sender in ('ours', 'bare', 'relay') for what in ('', ' scan')}
     sent = [0]
 
     def heard(message: String, name: str) -> None:
         stamp = int(message.data.split(' ', 4)[-1 if 'scan' not in name else 1])
         latencies[name].append((time.monotonic_ns() - stamp) / 1e6)
 
-    def scan_heard(_message: String) -> None:
-        latencies['ours scan'].append((time.monotonic_ns() - sent[0]) / 1e6)
+    def scan_heard(_message: object, name: str) -> None:
+        latencies[name].append((time.monotonic_ns() - sent[0]) / 1e6)
     rospy.Subscriber('status/state', String, heard, 'ours', tcp_nodelay=True)
     rospy.Subscriber('/bare/state', String, heard, 'bare', tcp_nodelay=True)
-    rospy.Subscriber('laser_points', String, scan_heard, tcp_nodelay=True)
+    rospy.Subscriber('/relay/Status', String, heard, 'relay', tcp_nodelay=True)
+    rospy.Subscriber('laser_points', String, scan_heard, 'ours scan', tcp_nodelay=True)
+    rospy.Subscriber('/relay/RangeDeviceGetCurrent', String, scan_heard, 'relay scan',
+                     tcp_nodelay=True)
     rospy.Subscriber('/bare/scan', String, heard, 'bare scan', tcp_nodelay=True)
     for topic, kind in (('robot_status', RobotStatus), ('laser_cloud', PointCloud2),
                         ('status/location', String), ('/bare/location', String)):
         rospy.Subscriber(topic, kind, lambda _: None, tcp_nodelay=True)
-    connection = connect(port)
+    connections = [connect(port), connect(relay_port)]
     deadline = time.monotonic() + 30.0
     while not all(latencies.values()):
-        feed(connection, points, sent, 1)
+        feed(connections, points, sent, 1)
         if time.monotonic() > deadline:
             raise RuntimeError(f'nothing came: {latencies}')
     for values in latencies.values():
         values.clear()
     before = {name: cpu_seconds(process.pid) for name, process in processes.items()}
     begin = time.monotonic()
-    feed(connection, points, sent, int(SECONDS * RATE))
+    feed(connections, points, sent, int(SECONDS * RATE))
     elapsed = time.monotonic() - begin
     share = {name: 100.0 * (cpu_seconds(process.pid) - before[name]) / elapsed
              for name, process in processes.items()}
-    connection.close()
+    for connection in connections:
+        connection.close()
     together = share['controller'] + share['receiver']
     return [
-        latency_row('status line (6 lines at 10 Hz)', latencies['ours'], latencies['bare']),
-        latency_row('scan of 1,000 points at 10 Hz', latencies['ours scan'],
-                    latencies['bare scan']),
+        latency_row('status line (6 lines at 10 Hz)', latencies, ''),
+        latency_row('scan of 1,000 points at 10 Hz', latencies, ' scan'),
         Row('CPU of controller + receiver, 10 Hz status and 1,000-point scans',
             f'{together:.1f} % of a core ({share["controller"]:.1f} + {share["receiver"]:.1f})',
             f'bare publisher of the same lines: {share["bare"]:.1f} %', 'under 6 %')]
 
 
-def latency_row(what: str, ours: List[float], bare: List[float]) -> Row:
-    """Measures one row: p50 and p99 of the nodes and of the floor."""
-    (p50, p99), (bare50, bare99) = (np.percentile(values, (50, 99)) for values in (ours, bare))
+def latency_row(what: str, latencies: Dict[str, List[float]], of: str) -> Row:
+    """Returns one row: p50 and p99 of the nodes, of the floor, and of the bare relay."""
+    (p50, p99), (bare50, bare99), (relay50, relay99) = (
+        np.percentile(latencies[f'{sender}{of}'], (50, 99)) for sender in ('ours', 'bare', 'relay'))
     return Row(f'socket to subscriber: {what}',
-               f'p50 {p50:.2f} ms ({p50 / bare50:.2f} x), p99 {p99:.2f} ms',
-               f'bare rospy hop: p50 {bare50:.2f} ms, p99 {bare99:.2f} ms',
+               f'p50 {p50:.2f} ms ({p50 / bare50:.2f} x; {p50 / relay50:.2f} x the relay), '
+               f'p99 {p99:.2f} ms',
+               f'bare rospy hop: p50 {bare50:.2f} ms, p99 {bare99:.2f} ms; '
+               f'bare relay: p50 {relay50:.2f} ms, p99 {relay99:.2f} ms',
                'p50 within 1.5 x, p99 under 5 ms')
 
 
@@ -233,20 +261,21 @@ def connect(port: int) -> socket.socket:
             time.sleep(0.05)
 
 
-def feed(connection: socket.socket, points: str, sent: List[int], times: int) -> None:
-    """Sends the given number of statuses and scans, each half a period after the other."""
-    half = 0.5 / RATE
+def feed(connections: Sequence[socket.socket], points: str, sent: List[int], times: int) -> None:
+    """Sends statuses and scans to each connection in turn, at equal distances in time."""
+    pause = 0.5 / RATE / len(connections)
     due = time.monotonic()
     for _ in range(times):
-        status, scan = burst(time.monotonic_ns(), points)
-        connection.sendall('\r\n'.join([*status, '']).encode())
-        due += half
-        time.sleep(max(due - time.monotonic(), 0.0))
-        data = f'{scan}\r\n'.encode()
-        sent[0] = time.monotonic_ns()
-        connection.sendall(data)
-        due += half
-        time.sleep(max(due - time.monotonic(), 0.0))
+        for connection in connections:
+            status, scan = burst(time.monotonic_ns(), points)
+            connection.sendall('\r\n'.join([*status, '']).encode())
+            due += pause
+            time.sleep(max(due - time.monotonic(), 0.0))
+            data = f'{scan}\r\n'.encode()
+            sent[0] = time.monotonic_ns()
+            connection.sendall(data)
+            due += pause
+            time.sleep(max(due - time.monotonic(), 0.0))
 
 
 def main() -> None:

@@ -112,8 +112,8 @@ def plan_of_20(graph: Graph) -> float:
     random, ids = Random(0), list(corner.vertices)
     request = PlanRequest(tuple(
         Task(name, AGV, vertex, destinations=(random.choice(ids),))
-        for name, vertex in starts(corner, 20).items()), (), frozenset(), {},
-        service.parking_by_name(), time_limit=30.0, improvement=0.0, seed=0)
+        for name, vertex in starts(corner, 20).items()),
+        parking=service.parking_by_name(), time_limit=30.0, improvement=0.0)
     return lowest(lambda: service.answer(request), 3)
 
 

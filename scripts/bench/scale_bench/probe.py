@@ -41,7 +41,7 @@ class Probe:
         number = 0
         while not self._closed.wait(PERIOD):
             number += 1
-            line = f'Location: {number} 0 0'
+            line = f'Location: {number} -900000 0'  # mm: robots that it is near to would stop
             self._sent[line] = time.monotonic()
             self._socket.sendall(line.encode() + b'\r\n')
 

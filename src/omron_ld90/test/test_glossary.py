@@ -10,7 +10,7 @@ import re
 import tokenize
 from functools import lru_cache
 from pathlib import Path
-from typing import Dict, List, NamedTuple, Set
+from typing import Dict, Iterator, List, NamedTuple, Set
 
 import pytest
 
@@ -90,3 +90,26 @@ def test_a_class_name_stands_for_one_thing():
             if isinstance(node, ast.ClassDef) and not node.name.startswith('_'):
                 modules.setdefault(node.name, set()).add(path)
     assert {name: paths for name, paths in modules.items() if len(paths) > 1} == {}
+
+
+def test_a_message_to_people_names_no_class():
+    """A class that is renamed in bulk must not rename a word of a sentence."""
+    trees = {path: ast.parse(path.read_text(encoding='utf-8')) for path in MODULES}
+    classes = {node.name for tree in trees.values() for node in ast.walk(tree)
+               if isinstance(node, ast.ClassDef)}
+    found = [(path.name, text) for path, tree in trees.items() for text in texts(tree)
+             if ' ' in text.strip() and classes.intersection(TWO_HUMPS.findall(text))]
+    assert found == []
+
+
+# 'WaitState: ' is ARCL's, and 'nav_msgs/OccupancyGrid' a type of ROS
+TWO_HUMPS = re.compile(r'(?<!/)\b[A-Z][a-z]+(?:[A-Z][a-z]+)+\b(?!:)')
+
+
+def texts(tree: ast.AST) -> Iterator[str]:
+    """The texts in a module that are no docstrings: a text that stands alone is a docstring."""
+    docstrings = {id(node.value) for node in ast.walk(tree) if isinstance(node, ast.Expr)}
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Constant) and isinstance(node.value, str) and (
+                id(node) not in docstrings):
+            yield node.value

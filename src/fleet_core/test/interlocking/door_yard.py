@@ -10,12 +10,16 @@ Events, besides those of the yard
     * A report of the door arrives at once, or never. One may be kept on its way and come late.
     * The door is silent, so that its last report is not fresh any more. It restarts, and forgets
       which request it has obeyed.
+    * A grant is stored, and that takes so long that the last report of the door is not fresh any
+      more when the order is sent.
+    * The route of a robot ends before the door, because no fresh report tells that it is open.
 
 Properties, besides those of the yard
     OPEN      The door is open for each robot that is on its edges, or whose route leads there.
     CLAIMED   Each robot with an edge of the door in its allocation claims it, also by the journal.
     CAPACITY  One robot at most claims the door, by the journal.
     ENTERED   A robot is sent into the door only while a fresh report tells that it is open for it.
+              So is an order that is stored and was never sent before a restart.
 
 In the yard with a charger, which has no device and two places, ALONE takes the place of OPEN: one
 robot at most is in the charger, or has a route that leads there.
@@ -37,7 +41,6 @@ from typing import (
 from yard_model import (
     CLEARANCE,
     Bounds,
-    Fault,
     Site,
     State,
     Yard,
@@ -49,6 +52,7 @@ from fleet_core.interlocking.claims import Claims
 from fleet_core.interlocking.interlocking import Interlocking
 from fleet_core.interlocking.resources import Needs, Resource, ResourceKind
 from fleet_core.interlocking.route_master import ME
+from fleet_core.supervision.robots import ManagedRobot
 from route_protocol.devices import DeviceMode, DeviceRequest
 
 DOOR = 'door'
@@ -132,6 +136,7 @@ class DoorFault(Enum):
     """What goes wrong with the door."""
 
     RESTART = 'the door restarts'
+    SLOW = 'the commit takes long'
 
 
 class DoorYard(Yard):
@@ -188,6 +193,17 @@ class DoorYard(Yard):
             asked=tuple(sorted((name, number) for (name, _), number in claims._asked.items()))
         ).ranked()
 
+    def _interlocking_of(self, site: Site, robot: ManagedRobot) -> Interlocking:
+        interlocking = super()._interlocking_of(site, robot)
+        interlocking.claims = self._claims(site.door, ())
+        return interlocking
+
+    def _sent(self, site: Site, id: int) -> int:
+        sent = super()._sent(site, id)
+        if sent == id or not self._needs.resources[DOOR].has_device:
+            return sent
+        return self._entering(site.door, self._beliefs[self._sides[id].belief].name, id, sent)
+
     def _with(self, site: Site, door: Door) -> int:
         return self._site_id(site._replace(door=door.ranked()))
 
@@ -199,13 +215,6 @@ class DoorYard(Yard):
         site, ids = super()._committed(site._replace(to_store=site.to_store | changed), ids)
         claims.stored()
         return site._replace(door=self._door(site.door._replace(written=written), claims)), ids
-
-    def _taken(self, site: Site, ids: Tuple[int, ...]) -> State:
-        number, *after = super()._taken(site, ids)
-        if not self._needs.resources[DOOR].has_device:
-            return (number, *after)
-        return (number, *(self._entering(site.door, name, id, sent)
-                          for name, id, sent in zip(self.names, ids, after)))
 
     def _entering(self, door: Door, name: str, id: int, sent: int) -> int:
         """A robot after orders were sent, with the flaw that the door is not ready for a new one.
@@ -236,10 +245,36 @@ class DoorYard(Yard):
             self._known[key] = self._door(door, self._claims(door, ids))
         return self._known[key]
 
+    def _granted_in_vain(self, what: str, site: Site,
+                         ids: Tuple[int, ...]) -> Iterator[Tuple[str, State]]:
+        yield from super()._granted_in_vain(what, site, ids)
+        if site.faults and not site.trouble and DoorFault.SLOW in self._bounds.of:
+            site, ids = self._committed(site._replace(faults=site.faults - 1), ids)
+            late = site._replace(door=site.door._replace(told=0))
+            yield f'{what}, but {DoorFault.SLOW.value}', (
+                self._site_id(late), *(self._sent(late, id) for id in ids))
+
+    def _ends_before_door(self, site: Site, id: int) -> int:
+        """A robot whose route ends before the door, if that does not report that it is open."""
+        side = self._sides[id]
+        if not self._beliefs[side.belief].record.ahead:
+            return id
+        key = 'keep out', side.belief, side.drawn, site.door
+        if key not in self._known:
+            robot = self._robot(side)
+            self._known[key] = (self._belief_id(robot) if self._interlocking_of(
+                site, robot).keep_out() else side.belief)
+        return id if self._known[key] == side.belief else self._put(
+            side._replace(belief=self._known[key], stale=True))
+
     def _decisions(self, site: Site, number: int, ids: Tuple[int, ...],
                    k: int) -> Iterator[Tuple[str, State]]:
         yield from super()._decisions(site._replace(grants=0), number, ids, k)
         name = self.names[k]
+        ended = self._ends_before_door(site, ids[k])
+        if ended != ids[k]:
+            yield f'{name}: its route ends before the door', self._taken(
+                site, (*ids[:k], ended, *ids[k + 1:]))
         if site.grants:
             for edge in self._edges:
                 yield from self._asks(site, ids, k, edge)
@@ -291,10 +326,7 @@ class DoorYard(Yard):
     def _of_all(self, site: Site, number: int,
                 ids: Tuple[int, ...]) -> Iterator[Tuple[str, State]]:
         door: Door = site.door
-        for event, (there, *after) in super()._of_all(site, number, ids):
-            if event == Fault.RESTART.value:
-                there = self._with(self._sites[there], self._restarted_claims(door))
-            yield event, (there, *after)
+        yield from super()._of_all(site, number, ids)
         is_stale = any(self._sides[id].stale for id in ids)
         if not site.trouble and not is_stale and (door.changed or not door.begun):
             committed, stored = self._committed(site, ids)
@@ -327,6 +359,10 @@ class DoorYard(Yard):
         if door.kept is not None:
             yield 'the kept report of the door is heard', door.heard(door.kept)._replace(kept=None)
         yield 'the door is silent', door._replace(told=0)
+
+    def _restarted_all(self, site: Site, ids: Tuple[int, ...]) -> State:
+        return super()._restarted_all(
+            site._replace(door=self._restarted_claims(site.door).ranked()), ids)
 
     def _restarted_claims(self, door: Door) -> Door:
         claims = Claims(self._needs, {name: frozenset({DOOR}) for name in door.stored},

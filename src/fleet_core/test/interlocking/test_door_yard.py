@@ -13,6 +13,7 @@ from yard_model import Bounds, Fault, State
 
 from fleet_core.interlocking import interlocking
 from fleet_core.interlocking.claims import Claims
+from fleet_core.interlocking.interlocking import Interlocking
 from fleet_core.interlocking.route_master import RouteMaster
 from trajectory_graph import Graph
 
@@ -20,7 +21,7 @@ WHOLE = is_whole(__file__)
 NEAREST = 400_000 if LONG else 60_000 if WHOLE else 5_000
 """Number of states that a search visits."""
 WALKS = 2000 if LONG else 200 if WHOLE else 8
-FAULTS: FrozenSet[Any] = frozenset({Fault.RESTART, Fault.DISK, DoorFault.RESTART})
+FAULTS: FrozenSet[Any] = frozenset({Fault.RESTART, Fault.DISK, *DoorFault})
 WIDE = Bounds(grants=40, faults=12, acts=0, of=FAULTS)
 
 
@@ -45,6 +46,7 @@ SEARCHES = {
     'a restart of the fleet manager': Search(LINE, 2, frozenset({Fault.RESTART})),
     'a restart of the door': Search(LINE, 2, frozenset({DoorFault.RESTART})),
     'a full disk': Search(LINE, 2, frozenset({Fault.DISK})),
+    'a slow disk': Search(LINE, 2, frozenset({DoorFault.SLOW})),
 }
 
 
@@ -144,8 +146,10 @@ def test_a_restart_with_a_planted_fault_is_found(kind: Type[DoorYard]) -> None:
     assert any(found.flaw for found in walks(kind, FAR))
 
 
-def without_the_guard(patch: pytest.MonkeyPatch) -> None:
+def without_the_guards(patch: pytest.MonkeyPatch) -> None:
+    """Neither a grant nor an order is judged by claims. Each alone would do: see `test_gates`."""
     patch.setattr(interlocking, 'CONDITIONS', interlocking.WITHOUT_CLAIMS)
+    patch.setattr(Interlocking, '_kept_out', lambda *_: None)
 
 
 def more_than_there_is(patch: pytest.MonkeyPatch) -> None:
@@ -161,7 +165,7 @@ def counts_any_answer(patch: pytest.MonkeyPatch) -> None:
         resource in claims.stored_of(name) and resource in claims.open_for))
 
 
-PLANTED = (without_the_guard, more_than_there_is, ends_while_a_place_needs_it, counts_any_answer)
+PLANTED = (without_the_guards, more_than_there_is, ends_while_a_place_needs_it, counts_any_answer)
 
 
 @pytest.mark.parametrize('plant, kind', [
@@ -174,7 +178,17 @@ def test_a_planted_fault_of_claims_is_found(plant: Callable[[pytest.MonkeyPatch]
     assert any(found.flaw for found in walks(kind, FAR))
 
 
+@pytest.mark.parametrize('name', ('a slow disk', 'a restart of the fleet manager'))
+def test_an_order_that_is_sent_by_old_reports_is_found(
+        name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(Interlocking, '_kept_out', lambda *_: None)
+    found = SEARCHES[name].of()
+    assert found.flaw.startswith('ENTERED'), str(found)
+
+
 def test_a_grant_that_waits_for_a_full_disk_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
+    """It is granted anew, and each order is judged when it is sent: both must be left out."""
+    monkeypatch.setattr(Interlocking, '_kept_out', lambda *_: None)
     monkeypatch.setattr(RouteMaster, 'not_stored', lambda master: None)
     found = SEARCHES['a full disk'].of()
     assert found.flaw.startswith('ENTERED'), str(found)

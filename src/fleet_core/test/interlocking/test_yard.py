@@ -181,7 +181,7 @@ def test_a_rule_of_the_protocol_that_robots_leave_out_is_found(rule):
 
 class SendsBeforeItStores(Yard):
     def _taken(self, site: Site, ids: Tuple[int, ...]) -> State:
-        sent = tuple(self._sent(id, site.is_stopped, site.trouble) for id in ids)
+        sent = tuple(self._sent(site, id) for id in ids)
         return super()._taken(site, sent)
 
 

@@ -18,8 +18,9 @@ Events
     * A report arrives at once, or never. One report of each robot may be kept on its way: it
       arrives at any time, again and again, before or after newer ones.
     * The fleet manager is asked for any edge of the yard, makes a route shorter, stores what
-      reports have changed, and restarts from its journal, or from the first one. Its disk fills,
-      also before a grant is stored, and is freed.
+      reports have changed, and restarts from its journal, or from the first one. It also dies when
+      a grant is stored and the order is not sent. Its disk fills, also before a grant is stored,
+      and is freed.
     * A person stops the fleet and resumes it, takes a robot out of service, and brings it back
       where it stands.
 
@@ -726,16 +727,20 @@ class Yard:
         """All changes are stored, and then orders are sent, as in `Outbox.actions`."""
         if not site.trouble:
             site, ids = self._committed(site, ids)
-        return (self._site_id(site), *(
-            self._sent(id, site.is_stopped, site.trouble) for id in ids))
+        return (self._site_id(site), *(self._sent(site, id) for id in ids))
 
     def _granted_in_vain(self, what: str, site: Site,
                          ids: Tuple[int, ...]) -> Iterator[Tuple[str, State]]:
-        """The disk fills before a grant is stored, as in `Outbox`."""
-        if site.faults and not site.trouble and Fault.DISK in self._bounds.of:
-            full = site._replace(faults=site.faults - 1, trouble=True)
+        """What comes between a grant and its order, as in `Outbox`."""
+        if not site.faults or site.trouble:
+            return
+        site = site._replace(faults=site.faults - 1)
+        if Fault.DISK in self._bounds.of:
             yield f'{what}, but the disk is full', self._taken(
-                full, tuple(map(self._not_stored, ids)))
+                site._replace(trouble=True), tuple(map(self._not_stored, ids)))
+        if Fault.RESTART in self._bounds.of:
+            yield f'{what}, but {Fault.RESTART.value}', self._restarted_all(
+                *self._committed(site, ids))
 
     def _not_stored(self, id: int) -> int:
         side = self._sides[id]
@@ -756,14 +761,15 @@ class Yard:
         return self._put(side._replace(memory=self._entry(side.belief), stale=False,
                                        listed=self._allocated(side.belief)))
 
-    def _sent(self, id: int, is_stopped: bool, trouble: bool) -> int:
+    def _sent(self, site: Site, id: int) -> int:
         """The order of a robot that is due now leaves the fleet manager."""
         side = self._sides[id]
-        key = 'send', side.belief, is_stopped, trouble
+        if self._beliefs[side.belief].master.order is None:
+            return id
+        key = 'send', side.belief, site.is_stopped, site.trouble, site.door
         if key not in self._known:
             robot = self._robot(side)
-            interlocking = Interlocking(self._geometry, CLEARANCE, {robot.name: robot})
-            interlocking.is_stopped, interlocking.trouble = is_stopped, 'a full disk' * trouble
+            interlocking = self._interlocking_of(site, robot)
             sent = [sending.order for _, sending in interlocking.orders(LATER)]
             self._known[key] = self._belief_id(robot), sent, robot.master.takes_away
         belief, sent, takes_away = self._known[key]
@@ -776,6 +782,13 @@ class Yard:
         return self._put(side._replace(
             belief=belief, orders=side.orders | {order},
             flaw=f'STORED: {one} is sent, but is not stored' if is_wrong else side.flaw))
+
+    def _interlocking_of(self, site: Site, robot: ManagedRobot) -> Interlocking:
+        """The interlocking, as far as it concerns one robot alone."""
+        interlocking = Interlocking(self._geometry, CLEARANCE, {robot.name: robot})
+        interlocking.is_stopped = site.is_stopped
+        interlocking.trouble = 'a full disk' * site.trouble
+        return interlocking
 
     # -- decisions about several robots ------------------------------------------------------------
 
@@ -795,7 +808,7 @@ class Yard:
                     yield f'{name}: is granted {edge}', self._taken(there, robots)
                     yield from self._granted_in_vain(f'{name}: is granted {edge}', there, robots)
         if robot.master.order is not None:
-            sent = self._sent(id, site.is_stopped, site.trouble)
+            sent = self._sent(site, id)
             if sent != id:
                 yield f'{name}: its order is sent', (number, *ids[:k], sent, *ids[k + 1:])
         if not site.is_stopped and (robot.is_halted or robot.outage is not None):
@@ -936,16 +949,19 @@ class Yard:
         there, kinds = site._replace(faults=site.faults - 1), self._bounds.of
         if Fault.DISK in kinds:
             yield Fault.DISK.value, (self._site_id(there._replace(trouble=True)), *ids)
-        there = there._replace(is_starting=True, to_store=frozenset())
         if Fault.RESTART in kinds:
-            yield Fault.RESTART.value, (self._site_id(there), *(
-                self._restarted(self._sides[id], site.is_stopped, site.is_wrong_run)
-                for id in ids))
+            yield Fault.RESTART.value, self._restarted_all(there, ids)
+        there = there._replace(is_starting=True, to_store=frozenset())
         if Fault.JOURNAL in kinds:
             yield Fault.JOURNAL.value, (
                 self._site_id(there._replace(is_wrong_run=True, is_stopped=False)), *(
                     self._restarted(self._sides[id]._replace(memory=first), False, True)
                     for first, id in zip(self._first, ids)))
+
+    def _restarted_all(self, site: Site, ids: Tuple[int, ...]) -> State:
+        """The fleet manager restarts from its journal."""
+        return (self._site_id(site._replace(is_starting=True, to_store=frozenset())), *(
+            self._restarted(self._sides[id], site.is_stopped, site.is_wrong_run) for id in ids))
 
     def _restarted(self, side: Side, is_stopped: bool, is_wrong_run: bool) -> int:
         key = 'restart', side.memory, side.drawn, is_stopped, is_wrong_run

@@ -14,6 +14,7 @@ from fleet_core.work.chargers import Charger
 from fleet_core.work.devices import Device, DeviceKind
 from fleet_core.work.site_work import SiteWork
 from fleet_core.work.stations import Station
+from fleet_core.work.zones import Zone
 
 DOORS = (DeviceKind.DOOR, DeviceKind.AIR_LOCK, DeviceKind.LIGHT)  # edges lead through them
 WORK = SiteWork(
@@ -31,6 +32,12 @@ def test_a_station_is_a_resource_for_as_many_robots_as_its_capacity_says() -> No
     assert resources_of(WORK)[3:] == (
         Resource('press', ResourceKind.STATION, vertices=frozenset({2})),
         Resource('shelves', ResourceKind.STATION, vertices=frozenset({5, 6}), capacity=2))
+
+
+def test_a_zone_is_a_resource_of_edges_and_vertices_without_a_device() -> None:
+    work = SiteWork(zones={'hall': Zone('hall', (1, 2), (4,), 2)})
+    assert resources_of(work) == (
+        Resource('hall', ResourceKind.ZONE, frozenset({1, 2}), frozenset({4}), 2),)
 
 
 def test_the_planner_is_told_the_places_of_resources_for_one_robot_if_there_are_several() -> None:

@@ -32,6 +32,7 @@ from fleet_core.work.stops import (
 )
 from fleet_core.work.templates import filled
 from fleet_core.work.timetables import Timetable
+from fleet_core.work.zones import Zone
 from trajectory_graph import Graph, split_edges
 
 FILE = '''step_types: [engage, disengage]
@@ -243,6 +244,40 @@ def test_a_charger_has_room_at_all_its_places_unless_its_capacity_is_less(tmp_pa
 def test_a_wrong_charger_is_refused_with_its_line(tmp_path, right, wrong, line, told):
     with pytest.raises(FileError, match=f'line {line}: .*{told}'):
         read_chargers(tmp_path, CHARGERS.replace(right, wrong, 1))
+
+
+# -- zones -----------------------------------------------------------------------------------------
+
+ZONES = '''stations:
+- {name: press, places: [3]}
+zones:
+- {name: hall, edges: [4, 5], vertices: [7], capacity: 2}
+- {name: bridge, edges: [1]}
+'''
+
+
+def test_a_zone_is_for_one_robot_unless_it_says_more(tmp_path):
+    found = read(tmp_path, ZONES)
+    assert found.zones == {'hall': Zone('hall', (4, 5), (7,), 2), 'bridge': Zone('bridge', (1,))}
+    assert {'hall', 'bridge', 'press'} == found.names
+
+
+@pytest.mark.parametrize('right, wrong, line, told', [
+    ('edges: [1]', 'edges: [44]', 5, 'the graph has no edge 44'),
+    ('edges: [1]', 'edges: [1, 1]', 5, '1 occurs twice in edges'),
+    ('edges: [1]', 'vertices: [99]', 5, 'the graph has no vertex 99'),
+    ('edges: [1]', 'capacity: 1', 5, 'zone bridge has neither edges nor vertices'),
+    ('edges: [1]', 'edges: []', 5, 'zone bridge has neither edges nor vertices'),
+    ('edges: [1]', 'edge: [1]', 5, "a zone has an unknown key 'edge'; did you mean edges"),
+    ('capacity: 2', 'capacity: 0', 4, 'capacity of zone hall is 0, but must be 1 or more'),
+    ('name: bridge', 'name: press', 5, 'a station, device or charger is called press already'),
+    ('name: bridge', 'name: hall', 5, 'zone hall occurs twice, first in line 4')])
+def test_a_wrong_zone_is_refused_with_its_line(tmp_path, right, wrong, line, told):
+    with pytest.raises(FileError, match=f'line {line}: .*{told}'):
+        read(tmp_path, ZONES.replace(right, wrong, 1))
+
+
+# -- the whole file --------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize('text', ['stations: []', 'templates: []\ntimetables: []', '{}'])

@@ -10,25 +10,30 @@ from fleet_core.supervision.journal import Journal
 
 
 class _CountingJournal(Journal):
-    """A journal that counts its completed writes."""
+    """A journal that counts its completed writes, and calls `wait` after each of them."""
 
-    commits = 0
+    def __init__(self, path: str, clock: Callable[[], float], wait: Callable[[], None]) -> None:
+        super().__init__(path, clock)
+        self.commits, self._wait = 0, wait
 
     def store(self, *given: Any, **named: Any) -> None:
         super().store(*given, **named)
         self.commits += 1
+        self._wait()
 
 
 class VirtualDisk:
     """Holds the journal of the supervisor that runs now, in a folder that ends with the world.
 
     clock    -- returns the right time, s since 1970
+    hang     -- lets so many s pass, for a write that takes long
     set_back -- s by which the clock of the supervisor's computer was set back
+    seconds  -- s that the next write takes; those after it take no time
     """
 
-    def __init__(self, clock: Callable[[], float]) -> None:
-        self._clock = clock
-        self.set_back = 0.0
+    def __init__(self, clock: Callable[[], float], hang: Callable[[float], None]) -> None:
+        self._clock, self._hang = clock, hang
+        self.set_back = self.seconds = 0.0
         self._folder = tempfile.TemporaryDirectory()
         self.journal_path = os.path.join(self._folder.name, 'journal.sqlite')
         self._commits_before = 0
@@ -46,11 +51,11 @@ class VirtualDisk:
         self.journal._db.execute(f'PRAGMA query_only={int(fails)}')
 
     def reopen(self) -> None:
-        """Opens the journal again for the next supervisor. It can be written again."""
+        """Opens the journal again for the next supervisor. It can be written again, at once."""
         self._commits_before = self.commits
         self.journal.close()
         self.journal = self._open()
-        self.is_full = False
+        self.is_full, self.seconds = False, 0.0
 
     def copy(self) -> sqlite3.Connection:
         """Returns a copy of the journal as it is now."""
@@ -71,7 +76,13 @@ class VirtualDisk:
         self.journal.close()
         self._folder.cleanup()
 
+    def _wait(self) -> None:
+        seconds, self.seconds = self.seconds, 0.0
+        if seconds:
+            self._hang(seconds)
+
     def _open(self) -> _CountingJournal:
-        journal = _CountingJournal(self.journal_path, lambda: self._clock() - self.set_back)
+        journal = _CountingJournal(self.journal_path, lambda: self._clock() - self.set_back,
+                                   self._wait)
         journal._db.execute('PRAGMA synchronous=OFF')  # no test here cuts the power
         return journal

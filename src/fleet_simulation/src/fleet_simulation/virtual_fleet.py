@@ -207,7 +207,7 @@ class VirtualFleet(Generic[Body]):
         self.network = VirtualNetwork(self.random, loss, repeats)
         self.planner = VirtualPlanner(self.fleet, planning, parking)
         self.wall = wall
-        self.disk = VirtualDisk(lambda: self.wall + self.now)
+        self.disk = VirtualDisk(lambda: self.wall + self.now, self._hang)
         self.clocks: Dict[str, float] = {}
         """By robot: s by which its clock is ahead."""
         self.ages: Dict[str, float] = {}
@@ -254,7 +254,8 @@ class VirtualFleet(Generic[Body]):
         self.supervisor = Supervisor(self.graph, self.fleet, self.settings, self.disk.journal,
                                      self.now, switching=switching,
                                      conformance=StrictConformance(self._check_every),
-                                     resources=self.resources, work=self.work)
+                                     resources=self.resources, work=self.work,
+                                     clock=lambda: self.now)
         self.do(self.supervisor.close_edges(self.closed, self.now))
 
     def end(self) -> None:
@@ -324,6 +325,13 @@ class VirtualFleet(Generic[Body]):
             return False
         self._told[name] = self.now, news
         return True
+
+    def _hang(self, seconds: float) -> None:
+        """Lets the supervisor hang for so long in an event, while the world goes on."""
+        end, self.hangs = self.now + seconds, True
+        while self.now < end - _TOGETHER:
+            self.step()
+        self.hangs = False
 
     def _supervise(self) -> None:
         """Gives the supervisor all messages that have arrived by now, then its tick.

@@ -186,7 +186,8 @@ class RandomWork(SupervisedFleet):
         """Does the door report that it is open although it is not?"""
         self._deceived: Set[str] = set()  # robots on their way into a door that is not open
         self._failed = -math.inf          # when the door closed by itself
-        self._doors = Random(f'doors {seed}')
+        self._doors, self._disks = Random(f'doors {seed}'), Random(f'disks {seed}')
+        self._is_slow = False             # the commit of the next tick takes long
         self._dead: Set[str] = set()      # machines that report nothing
         self._by_key: Dict[Tuple[str, int], Identity] = {}
         self._known: Dict[int, Work] = {}
@@ -241,7 +242,22 @@ class RandomWork(SupervisedFleet):
 
     def beat(self) -> None:
         """Time passes: robots and devices move, and messages come in any order."""
-        period = self.draw.choice(PERIODS)
+        self._pass(self.draw.choice(PERIODS))
+        for at, end in [one for one in self._ends if one[0] <= self.now]:
+            self._ends.remove((at, end))
+            end()
+        if not self.is_calm and self._fails_now():
+            self._fail_unseen()
+        messages = [*self._late_messages(), *self._messages()]
+        self.draw.shuffle(messages)
+        for send in messages:
+            send()
+        if self._is_slow:  # nothing else is stored before the grant, most probably
+            self._is_slow, self.disk.seconds = False, FRESH + 1.5
+        self.do(self.supervisor.tick(self.now))
+
+    def _pass(self, period: float) -> None:
+        """Robots and devices move, while the fleet manager does nothing."""
         self.now += period
         for order in self.network.arrived_orders(self.now):
             self._deliver(order)
@@ -254,16 +270,12 @@ class RandomWork(SupervisedFleet):
         for device in self.devices.values():
             device.advance(period)
         self._check_places()
-        for at, end in [one for one in self._ends if one[0] <= self.now]:
-            self._ends.remove((at, end))
-            end()
-        if not self.is_calm and self._fails_now():
-            self._fail_unseen()
-        messages = [*self._late_messages(), *self._messages()]
-        self.draw.shuffle(messages)
-        for send in messages:
-            send()
-        self.do(self.supervisor.tick(self.now))
+
+    def _hang(self, seconds: float) -> None:
+        """A commit of the fleet manager takes so long."""
+        self.log('the commit takes long')
+        for _ in range(round(seconds / min(PERIODS))):
+            self._pass(min(PERIODS))
 
     def _late_messages(self) -> List[Message]:
         """Those that come now: some come again later, so messages are repeated and reordered."""
@@ -553,11 +565,13 @@ class RandomWork(SupervisedFleet):
     def _fail_unseen(self) -> None:
         """The door reports that it is open, and fails. The robot waits for longer than that counts.
 
-        The robot waits because the disk is full.
+        The robot waits because the disk is full, or slow.
         """
         self.log('the door fails unseen')
         gate, self._failed = self.devices['gate'], self.now
-        self.disk.fails()
+        self._is_slow = self._disks.random() < 0.5
+        if not self._is_slow:
+            self.disk.fails()
         for one in gate.reports(self.now):
             self._say_device(one)
         gate.is_silent, gate.request = True, None

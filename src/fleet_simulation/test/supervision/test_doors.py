@@ -18,6 +18,7 @@ from fleet_core.supervision.why import mission_reason
 from fleet_core.work.devices import Device, DeviceKind
 from fleet_core.work.site_work import SiteWork
 from fleet_core.work.stations import Station
+from fleet_core.work.zones import Zone
 from fleet_simulation.virtual_fleet import Crash
 from route_protocol.devices import DeviceMode
 from world.chaos import PARKING, ROBOTS, VERTICES, YARD
@@ -143,6 +144,65 @@ def test_a_robot_in_a_silent_door_keeps_its_claim_whatever_time_passes() -> None
     assert state(fleet) is ClaimState.LOST and fleet.devices['gate'].is_held
 
 
+def fails(fleet: FleetWithDoors) -> None:
+    """The door closes by itself, and reports nothing."""
+    fleet.devices['gate'].is_silent, fleet.devices['gate'].request = True, None
+
+
+def goes_on_when_the_door_works(fleet: FleetWithDoors) -> None:
+    """The robot waits before the door, without an outage, until that works again."""
+    fleet.run(20.0)
+    assert not fleet.entered and state(fleet) is ClaimState.ASKED
+    assert fleet.supervisor.robots['a'].outage is None
+    assert fleet.supervisor.plan_executor.waits_for['a'] == 'door gate'
+    fleet.devices['gate'].is_silent = False
+    fleet.devices['gate'].restart()
+    fleet.run_until_done(1)
+
+
+def test_a_route_that_leads_into_a_door_ends_before_it_when_the_door_falls_silent() -> None:
+    fleet = fleet_at_a_door()
+    fleet.request(1, 6)
+    fleet.run_until(lambda: state(fleet) is ClaimState.IN_USE)
+    assert not fleet.entered
+    fleet.agvs['a'].stalled = FRESH + 2.0
+    fails(fleet)
+    goes_on_when_the_door_works(fleet)
+
+
+def fleet_that_waits_at_a_slow_door() -> FleetWithDoors:
+    fleet = fleet_at_a_door()
+    fleet.devices['gate'].seconds = 12.0
+    fleet.request(1, 6)
+    fleet.run_until(lambda: state(fleet) is ClaimState.ASKED)
+    fleet.run(8.0)
+    assert state(fleet) is ClaimState.ASKED and not fleet.agvs['a'].is_driving
+    return fleet
+
+
+def test_an_order_that_was_stored_before_a_restart_is_not_sent_into_a_door_that_has_closed(
+        ) -> None:
+    fleet = fleet_that_waits_at_a_slow_door()
+    fleet.crash = Crash(fleet.disk.commits + 1)
+    fleet.run_until(lambda: fleet.crash is None)
+    assert fleet.supervisor.robots['a'].record.ahead, 'the order is stored'
+    fails(fleet)
+    goes_on_when_the_door_works(fleet)
+
+
+def test_an_order_whose_commit_takes_long_does_not_leave_by_an_old_report() -> None:
+    fleet = fleet_that_waits_at_a_slow_door()
+    hang = fleet.disk._hang
+
+    def fails_and_hangs(seconds: float) -> None:
+        fails(fleet)
+        hang(seconds)
+
+    fleet.disk.seconds, fleet.disk._hang = FRESH + 1.0, fails_and_hangs
+    fleet.run_until(lambda: fleet.devices['gate'].is_silent)
+    goes_on_when_the_door_works(fleet)
+
+
 def test_after_a_restart_a_door_is_asked_anew_before_a_robot_is_let_in() -> None:
     fleet = fleet_at_a_door()
     fleet.request(1, 6)
@@ -211,6 +271,21 @@ def test_the_supervisor_may_die_at_any_commit_and_no_door_closes_on_a_robot(comm
         fleet.request(1, 6)
     fleet.run_until_done(1)
     assert fleet.entered == ['a']
+
+
+def test_a_zone_of_a_work_file_is_for_one_robot_at_a_time() -> None:
+    hall = Zone('hall', (3,), (4, 6))
+    fleet = FleetWithDoors(corridor(8), {'a': (AGV, 1), 'b': (AGV, 8)}, resources=(), work=SiteWork(
+        zones={'hall': hall}), settings=RobotSettings(release_ahead=3.0))
+    fleet.run(2.0)
+    fleet.request(1, 4, robot='a', dwells=(30.0,))
+    fleet.run_until(lambda: state(fleet, 'a', 'hall') is ClaimState.IN_USE)
+    fleet.request(2, 6, robot='b')
+    fleet.run(20.0)
+    assert state(fleet, 'b', 'hall') is not ClaimState.IN_USE
+    assert fleet.agvs['b'].visited[-1] == 7
+    fleet.run_until_done(1, 2)
+    assert state(fleet, 'b', 'hall') is ClaimState.IN_USE
 
 
 def test_the_devices_and_stations_of_a_work_file_are_claimed() -> None:

@@ -14,7 +14,7 @@ from proofs import LONG, is_whole
 from random_work import lived
 
 from fleet_core.interlocking.claims import Claims
-from fleet_core.interlocking.route_master import RouteMaster
+from fleet_core.interlocking.interlocking import Interlocking
 from fleet_core.supervision import device_desk
 from fleet_core.supervision.work_desk import WorkDesk
 
@@ -54,9 +54,9 @@ AROUND: Mapping[str, Tuple[Any, str, Any]] = {
     'claims never exceed the capacity': (Claims, '_is_free', lambda self, name, resource: True),
     'a claim is ready when its device is open': (
         Claims, '_is_ready', lambda self, name, resource: resource in self.stored_of(name)),
-    'an edge needs its claims': (Claims, 'keeping_out', lambda self, name, edge, is_inside: ''),
+    'an edge needs its claims': (Claims, 'keeping_out', lambda *_: ''),
     'a claim ends by the place': (Claims, 'follow', _claims_nothing),
-    'what could not be stored is granted anew': (RouteMaster, 'not_stored', lambda self: None),
+    'an order is judged when it is sent': (Interlocking, '_kept_out', lambda *_: None),
     'a report of a device counts while it is fresh': (
         device_desk, '_is_fresh', lambda report, now: True),
     'a robot at work stands': (WorkDesk, 'at_work', property(lambda self: frozenset())),
@@ -75,7 +75,7 @@ SOON = {
     'a hard step runs alone': 0, 'the load is unknown while it moves': 0,
     'a claim is ready when its device is open': 0, 'a claim ends by the place': 0,
     'the gate is closed while a step runs': 14, 'a robot at work stands': 14,
-    'what could not be stored is granted anew': 76,
+    'an order is judged when it is sent': 76,
     'a report of a device counts while it is fresh': 76}
 """By guard, the life that finds within 700 steps that it is left out."""
 LATER = {

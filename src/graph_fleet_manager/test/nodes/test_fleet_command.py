@@ -12,6 +12,7 @@ from fleet_core.supervision.waits import WaitCode
 from graph_fleet_manager.commands import fleet
 from graph_fleet_manager.commands.command_line import NOT_DONE, OK, WRONG, CommandProblem
 from graph_fleet_manager.commands.fleet_client import name_problem
+from graph_fleet_manager.commands.mission_names import MissionName
 from graph_fleet_manager.commands.tables import as_json
 from itrci_nav_msgs.msg import FleetRobot, FleetState, FleetStop, SymbolicPose
 from itrci_nav_msgs.srv import ChargeRobot, DeclareAbsent, SetLoad
@@ -189,7 +190,13 @@ def test_no_robot_charges_beyond_what_it_can(called, until):
     assert end.value.code == WRONG and not called
 
 
-@pytest.mark.parametrize('words', [['b'], ['b', 'full'], ['b', '-1']])
+def test_a_person_names_the_mission_of_a_load_by_its_short_name(called, monkeypatch):
+    monkeypatch.setattr(fleet, 'request_id', lambda name: 7 if name == MissionName(42, True) else 0)
+    assert fleet._fleet(['load', 'b', 'M42']) == OK
+    assert called == [('/b/set_load', True, 7)]
+
+
+@pytest.mark.parametrize('words', [['b'], ['b', 'full'], ['b', '3000000000']])
 def test_a_load_is_nothing_or_that_of_a_mission(called, words):
     with pytest.raises(SystemExit) as end:
         fleet._fleet(['load', *words])

@@ -16,7 +16,13 @@ from fleet_core.supervision.history import HistoryLine
 from fleet_core.supervision.mission_commands import not_done, not_stored
 from fleet_core.supervision.missions import CommandKind, MissionState, RequestRefused, Status
 from fleet_requests import NotSent
-from graph_fleet_manager.commands import fleet_client, mission, place_names, timetables
+from graph_fleet_manager.commands import (
+    fleet_client,
+    mission,
+    mission_names,
+    place_names,
+    timetables,
+)
 from graph_fleet_manager.commands.command_line import NOT_DONE, OK, WRONG, CommandProblem
 from graph_fleet_manager.commands.mission_names import mission_name
 from graph_fleet_manager.messages.graphs import graph_message
@@ -182,6 +188,21 @@ def test_a_change_that_is_refused_is_told_with_its_reason(monkeypatch):
     assert failed.value.status == NOT_DONE
 
 
+@pytest.mark.parametrize('words', [
+    ['18', '--id', '3000000000'], ['18', '--priority', '-3000000000'], ['why', '3000000000'],
+    ['18', '--after', '3000000000'], ['cancel', '-3000000000']])
+def test_a_number_that_no_message_can_hold_is_refused(words, capsys):
+    with pytest.raises(SystemExit) as end:
+        mission.main(words)
+    assert end.value.code == WRONG
+    assert 'is not from -2147483647 to 2147483647' in capsys.readouterr().err
+
+
+def test_a_vertex_that_no_message_can_hold_is_refused():
+    with pytest.raises(CommandProblem, match='the graph has no vertex 3000000000'):
+        place_names.PlaceNames().destination('3000000000')
+
+
 @pytest.mark.parametrize('word, state', [
     ('pause', MissionState.PAUSED), ('resume', MissionState.ACTIVE),
     ('resume', MissionState.PENDING)])
@@ -198,9 +219,9 @@ def test_a_mission_comes_after_one_that_is_named_by_its_short_name(monkeypatch):
     sent, known = [], status(MissionState.ACTIVE)
     known.serial = 42
     monkeypatch.setattr(Nobody, 'send', lambda _, message: sent.append(message))
-    monkeypatch.setattr(mission, '_open_mission',
+    monkeypatch.setattr(mission_names, 'open_mission',
                         lambda name, _: known if name.is_of(known) else None)
-    monkeypatch.setattr(mission, 'TopicListener', lambda *_: None)
+    monkeypatch.setattr(mission_names, 'TopicListener', lambda *_: None)
     found = mission._conditions(argparse.Namespace(
         type='', robot='', priority=0, id=None, not_before=None, before=None,
         after=[mission_name('M42')], after_end=[mission_name('5')]))

@@ -498,10 +498,8 @@ def _fails_to_localize(execution: Execution, reply: replies.Failure) -> bool:
 
 
 def _loses_power(commands: CommandQueue, reply: replies.Motors) -> Found:
-    """Returns the commands that end when the motors go off.
-
-    A drive that is on its way does not: it reaches the robot later, perhaps after its motors are on
-    again.
+    """Returns the drives that need the motors which went off. One that is on its way reaches the
+    robot later, perhaps after its motors are on again.
     """
     begun = commands.begun_drives
     return [e for e in _need_motors(commands)
@@ -509,10 +507,7 @@ def _loses_power(commands: CommandQueue, reply: replies.Motors) -> Found:
 
 
 def _fails_to_begin(commands: CommandQueue, reply: Any) -> Found:
-    """Returns the drive that fails before it begins.
-
-    One that has begun goes on: the status decides.
-    """
+    """Returns the drive that fails before it begins. For one that has begun the status decides."""
     about = _ABOUT_DRIVING.search(reply.text) and not commands.begun_drives
     return _to_come(commands) if about else []
 
@@ -520,8 +515,8 @@ def _fails_to_begin(commands: CommandQueue, reply: Any) -> Found:
 # --- what the robot does --------------------------------------------------------------------------
 
 def _stands_for_us(commands: CommandQueue, reply: Reply) -> Found:
-    """Returns whether the robot stands for a stop of ours without `Stopping`,
-    and replaces no motion.
+    """Returns whether the robot stands instead of replacing its motion, and a stop of ours has no
+    `Stopping`.
     """
     heard = commands.records.heard
     return heard.will_not_stand and heard.unheard_stops > 0

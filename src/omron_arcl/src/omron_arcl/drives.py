@@ -619,7 +619,7 @@ class Drives:
         return self.heard.moves and any(map(self._is_to_come, self._records))
 
     def replaces_a_drive_before(self, stop: Execution) -> bool:
-        """Returns whether a drive of which the robot has said nothing was sent before this stop."""
+        """Returns whether one of which the robot has said nothing was sent before this stop."""
         return self.heard.moves and any(map(self._is_unread, self._before(stop)))
 
     @property
@@ -639,8 +639,8 @@ class Drives:
                    for e in self._executions.values())
 
     def waits_for_a_drive(self, stop: Execution) -> bool:
-        """Returns whether the robot may still have to answer a drive that was sent
-        before this stop.
+        """Returns whether the robot may still have to answer a drive that was sent before this
+        stop.
         """
         return any(self._is_to_come(record)
                    or record.kind is RecordKind.DRIVE and record.fate is Fate.UNKNOWN
@@ -693,8 +693,8 @@ class Drives:
         return None if record is None or record.pending else record
 
     def may_begin_late(self, activity: Activity) -> bool:
-        """Returns whether the robot may set out for a drive of ours whose command has ended for
-        its giver.
+        """Returns whether the robot may set out for a drive of ours whose command has ended for its
+        giver.
         """
         return any(r.may_move and r.number not in self._executions and _may_cause(r, activity)
                    for r in self._records)

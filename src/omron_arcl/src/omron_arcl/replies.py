@@ -62,8 +62,7 @@ def coordinates(name: str) -> Tuple[float, ...]:
 
 
 def names_emergency_stop(text: str) -> bool:
-    """Returns whether the robot's words are about its emergency stop,
-    which it spells in many ways.
+    """Returns whether the robot's words are about its emergency stop, which it spells in many ways.
     """
     return bool(_EMERGENCY_STOP.search(text))
 

@@ -44,6 +44,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import takewhile
 from typing import NamedTuple, Optional, Tuple
 
 from route_protocol.messages import WrongReport
@@ -150,6 +151,14 @@ class MasterState:
         """The edges of that route from the one under way on."""
         route = self.farthest
         return () if route is None else tuple(step.edge for step in route.steps(self.done))
+
+    @cached_property
+    def shown(self) -> int:
+        """How many of these edges are on the route that the vehicle follows, as a report shows."""
+        followed = next((order for order in self.open if order.number == self.order), None)
+        known = () if followed is None else followed.steps(self.done)
+        return sum(1 for _ in takewhile(lambda pair: pair[0] == pair[1].edge,
+                                        zip(self.ahead, known)))
 
     @cached_property
     def end(self) -> int:

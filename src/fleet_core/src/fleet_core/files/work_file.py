@@ -1,4 +1,4 @@
-"""The work file: stations, chargers, devices, templates of missions, and timetables of a site.
+"""The work file: stations, chargers, devices, zones, templates of missions, and timetables.
 
     stations:
     - {name: press, places: [18], queue: [20, 22], capacity: 1}
@@ -10,6 +10,8 @@
        is_open: 11, timeout: 30}
     - {name: press_1, kind: machine, at: [press], driver: modbus, host: 10.0.0.41, start_coil: 5,
        key_register: 100, done: 12, failed: 13, timeout: 10}
+    zones:
+    - {name: crossing, edges: [4, 5], vertices: [7], capacity: 1}
     templates:
     - name: pallet
       parameters: [from, to]
@@ -84,12 +86,15 @@ from fleet_core.work.templates import (
     parameters_in,
 )
 from fleet_core.work.timetables import DAY, DAYS, WEEK, Timetable, minute_of_day
+from fleet_core.work.zones import Zone
 from trajectory_graph import Graph, strict_yaml
 from trajectory_graph.strict_yaml import Field, WrongYaml
 
-_FILE = ('step_types', 'stations', 'chargers', 'devices', 'templates', 'timetables', 'job_steps')
+_FILE = ('step_types', 'stations', 'chargers', 'devices', 'zones', 'templates', 'timetables',
+         'job_steps')
 _STATION = ('name', 'places', 'queue', 'capacity', 'kind')
 _CHARGER = ('name', 'places', 'capacity')
+_ZONE = ('name', 'edges', 'vertices', 'capacity')
 _ADDRESS = {DeviceDriver.MODBUS: ('host', 'port', 'unit', 'open_coil', 'is_open'),
             DeviceDriver.LD90: ('robot', 'output', 'input')}
 _HAND_OVER = ('host', 'port', 'unit', 'start_coil', 'key_register', 'done', 'failed')
@@ -116,6 +121,8 @@ def load_work(path: Union[str, os.PathLike], graph: Graph) -> SiteWork:
         devices = {name: one for name, one in found.items() if isinstance(one, Device)}
         machines = {name: one for name, one in found.items() if isinstance(one, StepDevice)}
         chargers = _chargers(fields, (*stations, *found), graph)
+        zones = _entries(fields, 'zones', 'zone',
+                         partial(_zone, (*stations, *found, *chargers), graph))
         templates = _entries(fields, 'templates', 'template',
                              partial(_template, stations, types, (*devices, *machines), machines,
                                      graph))
@@ -123,7 +130,7 @@ def load_work(path: Union[str, os.PathLike], graph: Graph) -> SiteWork:
                               partial(_timetable, templates, stations, graph), 'template')
         return SiteWork(stations, devices, machines, templates, timetables, types,
                         _job_steps(stations, types, devices, machines, graph,
-                                   optional_items(fields, 'job_steps')), chargers)
+                                   optional_items(fields, 'job_steps')), chargers, zones)
     except WrongYaml as wrong:
         raise FileError.of(path, wrong) from None
 
@@ -223,6 +230,15 @@ def _vertices(field: Field, graph: Graph) -> Tuple[int, ...]:
     return found
 
 
+def _edges(field: Field, graph: Graph) -> Tuple[int, ...]:
+    """Returns the edges of a list, each with all its sections if it was cut."""
+    def edge(text: str) -> int:
+        if not text.isdecimal() or not graph.edges.keys() >= graph.whole_edges((int(text),)):
+            raise ValueError(f'the graph has no edge {text}')
+        return int(text)
+    return tuple(sorted(graph.whole_edges(_distinct(field, edge))))
+
+
 def _distinct(field: Field, read: Callable[[str], int]) -> Tuple[int, ...]:
     """Returns the numbers of a list. Raises WrongYaml also for one that occurs twice."""
     found: List[int] = []
@@ -235,6 +251,27 @@ def _distinct(field: Field, read: Callable[[str], int]) -> Tuple[int, ...]:
             raise WrongYaml(f'{number} occurs twice in {field[0]}', node)
         found.append(number)
     return tuple(found)
+
+
+# -- zones ----------------------------------------------------------------------------------------
+
+
+def _zone(names: Container[str], graph: Graph, name: str, node: yaml.Node,
+          fields: Dict[str, yaml.Node]) -> Zone:
+    """Returns a zone; `names`: of the stations, devices and chargers."""
+    known_fields(node, 'a zone', _ZONE)
+    if name in names:
+        raise WrongYaml(f'a station, device or charger is called {name} already; give the zone '
+                        'another name', node)
+    edges = _edges(('edges', fields['edges']), graph) if 'edges' in fields else ()
+    vertices = _vertices(('vertices', fields['vertices']), graph) if 'vertices' in fields else ()
+    if not (edges or vertices):
+        raise WrongYaml(f'zone {name} has neither edges nor vertices; give at least one', node)
+    capacity = strict_yaml.optional(fields, 'capacity', strict_yaml.whole, 1)
+    if capacity < 1:
+        raise WrongYaml(f'capacity of zone {name} is {capacity}, but must be 1 or more',
+                        fields['capacity'])
+    return Zone(name, edges, vertices, capacity)
 
 
 # -- devices --------------------------------------------------------------------------------------
@@ -250,13 +287,7 @@ def _device(stations: Mapping[str, Station], graph: Graph, name: str, node: yaml
     if kind is DeviceKind.MACHINE:
         return _machine(stations, graph, name, node, fields)
     _refuse_keys(name, kind, _MACHINE, fields)
-    strict_yaml.require(fields, ('edges',), node)
-
-    def edge(text: str) -> int:
-        if not text.isdecimal() or not graph.edges.keys() >= graph.whole_edges((int(text),)):
-            raise ValueError(f'the graph has no edge {text}')
-        return int(text)
-    edges = tuple(sorted(graph.whole_edges(_distinct(('edges', fields['edges']), edge))))
+    edges = _edges(strict_yaml.field(fields, 'edges', node), graph)
     if not edges:
         raise WrongYaml(f'device {name} has no edges', fields['edges'])
     driver = word(fields, 'driver', DeviceDriver, DeviceDriver.SIMULATED)

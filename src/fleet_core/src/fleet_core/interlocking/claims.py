@@ -41,7 +41,8 @@ Invariants (`test_claim_proof.py` proves them for any number of robots, places a
 (a) an allocated or stored place has all claims that it needs
 (b) claims never exceed the capacity, except by evidence: a robot that is in a place has its claim
 (c) a claim is stored before the device is asked, and ends by the place only
-(d) an edge into a resource is granted only with a claim that is READY or IN_USE
+(d) an edge into a resource is granted only with a claim that is READY or IN_USE, and the order for
+    it is sent only with such a claim
 """
 from __future__ import annotations
 
@@ -124,7 +125,7 @@ class Claims:
         self._changed: Set[str] = set()  # robots whose claims are not in the journal as they are
         self._asked: Dict[Tuple[str, str], int] = {}  # the first request with this robot
         self._requests: Dict[str, DeviceRequest] = {}
-        self._is_begun = not any(one.has_device for one in needs.resources.values())
+        self._is_begun = not needs.has_devices
         if not self._is_begun:
             self._draw()
 
@@ -175,16 +176,20 @@ class Claims:
         asked = self._asked.get((name, resource))
         return asked is not None and self.open_for.get(resource, 0) >= asked
 
-    def keeping_out(self, name: str, edge: int, is_inside: bool) -> str:
-        """Returns the name of a resource that keeps a robot from driving a signed edge now; empty:
-        none does.
+    def keeping_out(self, name: str, edge: int, is_inside: bool,
+                    here: AbstractSet[str] = NOTHING) -> str:
+        """Returns the name of a resource that keeps a robot from driving a signed edge now; empty: none
+        does.
 
         A robot that is already where a resource is needed may leave without its device.
+
+        is_inside -- it stands on the edge, between the ends
+        here      -- what is needed on the edge that it drives before this one
         """
         needed = self.needs.of_edge(edge)
         if not needed:
             return ''
-        entered = self.needs.on_entry(edge, is_inside)
+        entered = self.needs.on_entry(edge, is_inside) - here
         for resource in sorted(needed):
             if resource not in self.stored_of(name) or resource in entered and (
                     self.state(name, resource) not in (ClaimState.READY, ClaimState.IN_USE)):

@@ -33,7 +33,7 @@ from fleet_core.interlocking.claims import Claims
 from fleet_core.interlocking.conformance import Conformance, Violation
 from fleet_core.interlocking.held_places import HeldPlace, HeldPlaces
 from fleet_core.interlocking.reports import GraphPosition
-from fleet_core.interlocking.resources import Needs, Resource
+from fleet_core.interlocking.resources import NOTHING, Needs, Resource
 from fleet_core.interlocking.route_master import RouteMaster, Sending
 
 _REMEMBERED = 1000  # number of areas of which the near places are remembered
@@ -289,10 +289,46 @@ class Interlocking:
 
     # -- orders that are sent ---------------------------------------------------------------------
 
-    def orders(self, now: float) -> List[Tuple[str, Sending]]:
-        """Returns all orders that are due now.
+    def keep_out(self) -> List[str]:
+        """Ends routes before devices that do not report now that they are open. Returns whose.
 
-        Orders that stop a robot or shorten its route pass no gate.
+        A robot that is where the device is needed may leave, and keeps its route.
+        """
+        if not self.claims.needs.has_devices:
+            return []
+        self._refresh()
+        found: List[str] = []
+        for name, robot in self._robots.items():
+            master = robot.master
+            if not master.protocol.ahead or master.takes_away or robot.needs_person:
+                continue
+            first = self._kept_out(robot, min(master.protocol.shown, 1))
+            if first is not None and master.end_after(first):
+                found.append(name)
+        return found
+
+    def _kept_out(self, robot: InterlockedRobot, begin: int) -> Optional[int]:
+        """Returns which edge ahead leads first to where the robot may not get now; None: none does.
+
+        begin -- only edges from this one on count
+        """
+        protocol, needs = robot.master.protocol, self.claims.needs
+        here = needs.of_edge(protocol.ahead[0]) if protocol.shown else NOTHING
+        start = robot.master.record.position
+        for number, edge in enumerate(protocol.ahead[begin:], begin):
+            is_inside = not number and not protocol.shown and (
+                start is not None and start.vertex is None)
+            resource = self.claims.keeping_out(robot.name, edge, is_inside, here)
+            if resource:
+                return number
+        return None
+
+    def orders(self, now: float) -> List[Tuple[str, Sending]]:
+        """Returns all orders that are due now. Orders that stop a robot or shorten its route pass
+        no gate.
+
+        Others are judged by what devices report now: since the grant, a commit may have taken long,
+        or this program has restarted.
         """
         found: List[Tuple[str, Sending]] = []
         for name, robot in self._robots.items():
@@ -309,8 +345,13 @@ class Interlocking:
 
         A repeated order does not wait for the journal: it is stored already.
         """
-        return self.is_stopped or robot.needs_person or (
-            bool(self.trouble) and robot.master.is_new_motion)
+        if self.is_stopped or robot.needs_person or (
+                bool(self.trouble) and robot.master.is_new_motion):
+            return True
+        if not self.claims.needs.has_devices:
+            return False
+        self._refresh()
+        return self._kept_out(robot, robot.master.protocol.shown) is not None
 
     def forget(self, name: str) -> None:
         """Removes a robot that is not a robot of the site any more."""

@@ -378,6 +378,25 @@ class RouteMaster:
                                  ahead[:end - self.record.done], self._label))
         return True
 
+    def end_after(self, edges: int) -> bool:
+        """Lets the robot drive only so many of the edges ahead. Returns whether its orders change.
+
+        What never left this program is taken back. A robot that may follow the rest already gets a
+        shorter route, or is stopped if that has no edge. It keeps its route if it refused such a
+        shorter one before, because it cannot brake in time.
+        """
+        before = self.protocol
+        self._take_back_unsent()
+        ahead = self.record.ahead
+        if len(ahead) > edges and self.is_heard and self.protocol.commands and (
+                not self.takes_away):
+            if not edges:
+                self.halt()
+            elif self.record.done + edges > self._cut_refused:
+                self._set(give_route(self.protocol, self._next_number(), ahead[:edges],
+                                     self._label))
+        return self.protocol is not before
+
     def _take_back_unsent(self) -> None:
         """Takes back the routes that never left this program: no robot can know of them."""
         kept = tuple(order for order in self.protocol.open

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from math import inf
-from typing import Dict, List, Mapping, Optional, Set
+from typing import Callable, Dict, List, Mapping, Optional, Set
 
 from fleet_core.interlocking.interlocking import InterlockedRobot, Interlocking
 from fleet_core.supervision.actions import Action, Note, SendRoute, TellStatus
@@ -31,6 +31,7 @@ _JOURNAL = '/journal'   # key of the journal's state in `note_state`; no robot h
 class Outbox:
     """Collects the actions that follow an event. `actions` first stores what has changed.
 
+    clock   -- returns the present time of the supervisor's clock
     trouble -- why nothing can be stored, as a clause; empty: it can be stored
 
     Its attributes are the changes and actions that wait for one commit.
@@ -38,12 +39,12 @@ class Outbox:
 
     def __init__(self, journal: Journal, book: MissionBook, robots: Mapping[str, ManagedRobot],
                  everywhere: Mapping[str, InterlockedRobot], interlocking: Interlocking,
-                 desk: WorkDesk, devices: DeviceDesk) -> None:
+                 desk: WorkDesk, devices: DeviceDesk, clock: Callable[[], float]) -> None:
         self.trouble = ''
         self._journal = journal
         self._book, self._desk, self._devices = book, desk, devices
         self._robots, self._everywhere = robots, everywhere
-        self._interlocking = interlocking
+        self._interlocking, self._clock = interlocking, clock
         self._stale: Set[str] = set()
         self._values: Dict[str, int] = {}
         self._stop: Optional[FleetStop] = None
@@ -102,7 +103,7 @@ class Outbox:
         Their data are on the disk.
         """
         self._store(now)
-        orders = self._orders(now) if self._is_sending else []
+        orders = self._orders(self._clock()) if self._is_sending else []
         steps, requests = self._desk.due(now), self._devices.due(now)
         self._is_sending = False
         actions, self._actions = self._actions, []
@@ -166,7 +167,11 @@ class Outbox:
             self.put(TellStatus(mission.status))
 
     def _orders(self, now: float) -> List[Action]:
-        """Returns all orders that are due and that the interlocking lets pass."""
+        """Returns all orders that are due and that the interlocking lets pass.
+
+        now -- the present time: the commit may have taken long
+        """
+        self._devices.update_open(now)
         return [SendRoute(name, *sending) for name, sending in self._interlocking.orders(now)]
 
     def _memory(self, name: str) -> Optional[RobotMemory]:

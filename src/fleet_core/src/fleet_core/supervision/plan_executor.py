@@ -167,7 +167,7 @@ class PlanExecutor:
                 f'{_words(self._delays[name].refusal, self._robots[name].record.graph)}'
                 for name in late)
             self._outbox.note_state(_HELD_UP, f'{self._useless} plans in a row could not be '
-                                    f'carried out: {told}. ResourceLook at these robots.', '')
+                                    f'carried out: {told}. Look at these robots.', '')
         return False
 
     def _release(self, plan: PlanInForce, world: World, now: float) -> None:

@@ -1,4 +1,4 @@
-"""The resources of a site, as its devices and stations make them, and the docks of its fleet."""
+"""The resources of a site, as its work file describes them, and the docks of its fleet."""
 from __future__ import annotations
 
 from typing import Dict, Iterable, Mapping, Tuple
@@ -36,7 +36,7 @@ def chargers_of(work: SiteWork, fleet: Fleet, graph: Graph) -> Dict[str, Charger
 
 
 def resources_of(work: SiteWork, chargers: Iterable[Charger] = ()) -> Tuple[Resource, ...]:
-    """Returns the resources of a site: one for each device, each station and each charger.
+    """Returns the resources of a site: one for each device, station, zone and charger.
 
     A device is for one robot at a time. The others are for as many as their capacity says.
     """
@@ -44,5 +44,7 @@ def resources_of(work: SiteWork, chargers: Iterable[Charger] = ()) -> Tuple[Reso
               for one in work.devices.values()),
             *(Resource(one.name, ResourceKind.STATION, vertices=frozenset(one.places),
                        capacity=one.capacity) for one in work.stations.values()),
+            *(Resource(one.name, ResourceKind.ZONE, frozenset(one.edges),
+                       frozenset(one.vertices), one.capacity) for one in work.zones.values()),
             *(Resource(one.name, ResourceKind.CHARGER, vertices=frozenset(one.places),
                        capacity=one.capacity) for one in chargers))

@@ -1,15 +1,17 @@
 """The supervisor: takes missions and reports, and returns routes and statuses.
 
-It uses neither ROS, nor a planner, nor a clock. Each event comes with its time (s, monotonic), and
-each answer is a list of actions. The state that must survive a restart is on the disk before the
-answer is returned. While the disk cannot be written, only stops and shorter routes are returned.
+It uses neither ROS nor a planner. Each event comes with its time (s, monotonic), and each answer is
+a list of actions. It reads a clock only after a commit, which may take long. The state that must
+survive a restart is on the disk before the answer is returned. While the disk cannot be written,
+only stops and shorter routes are returned.
 """
 from __future__ import annotations
 
+import time
 from contextlib import suppress
 from dataclasses import replace
 from math import isnan
-from typing import Dict, Iterable, List, Mapping, Optional, Sequence, Set, Tuple, Union
+from typing import Callable, Dict, Iterable, List, Mapping, Optional, Sequence, Set, Tuple, Union
 
 from fleet_core.fleet import Fleet
 from fleet_core.interlocking.changes import Changes
@@ -29,7 +31,7 @@ from fleet_core.supervision import mission_commands, mission_progress
 from fleet_core.supervision.actions import Action, TellStatus
 from fleet_core.supervision.assumptions import World, WorldView
 from fleet_core.supervision.charging import ChargerDesk, docks_of
-from fleet_core.supervision.device_desk import DeviceDesk
+from fleet_core.supervision.device_desk import FRESH, DeviceDesk
 from fleet_core.supervision.duties import NO_LIMIT, Errand, errand_of
 from fleet_core.supervision.fleet_stop import NOT_STOPPED, FleetStop, StopCause
 from fleet_core.supervision.hindrances import Hindrance
@@ -103,6 +105,7 @@ class Supervisor:
     resources   -- zones and the like, which robots must claim, besides the devices, stations and
                    chargers of `work` and `fleet`
     work        -- what the site says about work; None: nothing
+    clock       -- returns the present time, s, as the times of events are
     """
 
     def __init__(self, graph: Graph, fleet: Fleet, settings: Mapping[str, RobotSettings],
@@ -111,7 +114,8 @@ class Supervisor:
                  switching: Optional[OrderSwitching] = None,
                  conformance: Optional[Conformance] = None,
                  resources: Sequence[Resource] = (),
-                 work: Optional[SiteWork] = None) -> None:
+                 work: Optional[SiteWork] = None,
+                 clock: Callable[[], float] = time.monotonic) -> None:
         self.gate = gate or StopGate()
         work = work or SiteWork()
         chargers = chargers_of(work, fleet, graph)
@@ -160,7 +164,7 @@ class Supervisor:
         self.charging = ChargerDesk(chargers, self._claims, self.book, self.robots,
                                     self.devices.view)
         self._out = Outbox(journal, self.book, self.robots, self._everywhere, self.interlocking,
-                           self.desk, self.devices)
+                           self.desk, self.devices, clock)
         self._view = WorldView(self.robots, changes)
         self.plan_executor = PlanExecutor(self.robots, self.interlocking, self._out,
                                           switching, rate,
@@ -462,7 +466,7 @@ class Supervisor:
             name, what = claim[0], self._claims.needs.resources[claim[1]]
             why = self.devices.view(claim[1], now).why
             wrong = (f'{name} is where it needs the {what}, which does not report that it is open'
-                     f'{why and f" ({why})"}. No other robot is sent there. ResourceLook at both.')
+                     f'{why and f" ({why})"}. No other robot is sent there. Look at both.')
             self._out.note_state(f'{name}/{what}', wrong if claim in lost else '',
                                  f'The {what} is open for {name} again, or {name} has left it.')
         self._lost = lost
@@ -788,6 +792,9 @@ class Supervisor:
             self._run_timetables()
         self._follow_times(now)
         self._work(now)
+        if now - self._began > FRESH:  # until then devices report anew
+            for name in self.interlocking.keep_out():
+                self._out.robot_changed(name)
         self._shorten()
         self._outages.compare()
         self._believe_journal()

@@ -10,6 +10,7 @@ from fleet_core.work.stations import Station
 from fleet_core.work.stops import StopKind, WorkStep
 from fleet_core.work.templates import Template
 from fleet_core.work.timetables import Timetable
+from fleet_core.work.zones import Zone
 
 
 class JobSteps(NamedTuple):
@@ -42,11 +43,13 @@ class SiteWork:
     step_types: FrozenSet[str] = frozenset()
     job_steps: Tuple[JobSteps, ...] = ()
     chargers: Mapping[str, Charger] = field(default_factory=dict)
+    zones: Mapping[str, Zone] = field(default_factory=dict)
 
     @property
     def names(self) -> FrozenSet[str]:
-        """Names of all stations, devices and chargers. No two have one name."""
-        return frozenset((*self.stations, *self.devices, *self.step_devices, *self.chargers))
+        """Names of all stations, devices, chargers and zones. No two have one name."""
+        return frozenset((*self.stations, *self.devices, *self.step_devices, *self.chargers,
+                          *self.zones))
 
     def steps_of_job(self, place: int, kind: StopKind) -> Tuple[WorkStep, ...]:
         """Returns the steps at a stop of a job."""

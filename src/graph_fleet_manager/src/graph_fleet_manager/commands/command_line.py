@@ -6,6 +6,19 @@ from typing import NoReturn
 
 OK, WRONG, NOT_DONE = 0, 1, 2
 """Exit statuses: done; wrong input, or no fleet manager; refused or not succeeded."""
+LARGEST = 2 ** 31 - 1
+"""The largest number that a message to the fleet manager can hold."""
+
+
+def whole(text: str) -> int:
+    """Returns a whole number that a message can hold. Raises ArgumentTypeError."""
+    try:
+        number = int(text)
+    except ValueError:
+        raise argparse.ArgumentTypeError(f'{text!r} is no whole number') from None
+    if abs(number) > LARGEST:
+        raise argparse.ArgumentTypeError(f'{text} is not from -{LARGEST} to {LARGEST}')
+    return number
 
 
 class CommandProblem(Exception):

@@ -10,8 +10,8 @@ import math
 import sys
 import textwrap
 import time
-from argparse import Namespace
-from typing import Any, Dict, List, Optional, Sequence
+from argparse import ArgumentTypeError, Namespace
+from typing import Any, Dict, List, Optional, Sequence, Union
 
 import rospy
 
@@ -25,6 +25,7 @@ from graph_fleet_manager.commands.fleet_client import (
     requested_by,
     run,
 )
+from graph_fleet_manager.commands.mission_names import MissionName, mission_name, request_id
 from graph_fleet_manager.commands.stop import stop
 from graph_fleet_manager.commands.tables import (
     WIDTH,
@@ -42,6 +43,7 @@ from trajectory_graph import Graph
 from trajectory_graph.drawn_names import place_name, vertex_name
 from trajectory_graph.messages import graph_from_message
 
+EMPTY = 'empty'       # what a robot carries that carries nothing
 GRAPH_PATIENCE = 2.0  # s to wait for the graph, which only gives edges their drawn names
 _NAMES = {int(state): state.name for state in RobotState}
 _WAITS = {int(code): code.name for code in WaitCode}
@@ -75,8 +77,9 @@ def _options(arguments: List[str]) -> Namespace:
                         help='all robots that have never reported')
     load = commands.add_parser('load', help='says what a robot carries, after a person has looked')
     load.add_argument('robot', metavar='ROBOT')
-    load.add_argument('load', metavar='empty|MISSION',
-                      help='nothing, or the load of the mission with this id, which it serves')
+    load.add_argument('load', type=_load, metavar='empty|MISSION',
+                      help='nothing, or the load of this mission, which it serves: id of the '
+                           'mission, or its short name, such as M42')
     charge = commands.add_parser('charge', help='asks a robot to charge when it has no mission')
     charge.add_argument('robot', metavar='ROBOT')
     charge.add_argument('--until', type=float, default=80.0, metavar='PERCENT',
@@ -85,11 +88,19 @@ def _options(arguments: List[str]) -> Namespace:
     options = parser.parse_args(arguments)
     if options.command == 'charge' and not 0.0 < options.until <= 100.0:
         charge.error('--until is above 0 and up to 100 %')
-    if options.command == 'load' and not (options.load == 'empty' or options.load.isdecimal()):
-        load.error('say empty, or give the id of a mission')
     if options.command == 'absent' and bool(options.robots) == options.unseen:
         absent.error('name the robots, or give --unseen')
     return options
+
+
+def _load(text: str) -> Union[str, MissionName]:
+    """Returns what a robot carries: EMPTY, or a mission. Raises ArgumentTypeError."""
+    if text == EMPTY:
+        return EMPTY
+    try:
+        return mission_name(text)
+    except ArgumentTypeError as wrong:
+        raise ArgumentTypeError(f'say empty, or name a mission: {wrong}') from None
 
 
 def _fleet(arguments: List[str]) -> int:
@@ -111,9 +122,9 @@ def _fleet(arguments: List[str]) -> int:
         return _absent(_unseen() if options.unseen else options.robots)
     elif options.command == 'load':
         _check(options.robot)
-        mission = 0 if options.load == 'empty' else int(options.load)
-        print(call(f'/{options.robot}/set_load', SetLoad, options.load != 'empty', mission,
-                   requested_by('fleet')))
+        carried = options.load
+        print(call(f'/{options.robot}/set_load', SetLoad, carried != EMPTY,
+                   0 if carried == EMPTY else request_id(carried), requested_by('fleet')))
     elif options.command == 'charge':
         _check(options.robot)
         print(call(f'/{options.robot}/charge', ChargeRobot,

@@ -49,7 +49,7 @@ from fleet_core.work.rules import StepDecision
 from fleet_core.work.stations import Destination
 from fleet_core.work.timetables import minute_of_day, next_time
 from fleet_requests import ImpossibleRequest, mission_request, visits
-from graph_fleet_manager.commands.command_line import NOT_DONE, OK, CommandProblem, Parser
+from graph_fleet_manager.commands.command_line import NOT_DONE, OK, CommandProblem, Parser, whole
 from graph_fleet_manager.commands.fleet_client import (
     PATIENCE,
     TopicListener,
@@ -61,7 +61,7 @@ from graph_fleet_manager.commands.fleet_client import (
     requested_by,
     run,
 )
-from graph_fleet_manager.commands.mission_names import MissionName, mission_name
+from graph_fleet_manager.commands.mission_names import mission_name, open_mission, request_id
 from graph_fleet_manager.commands.mission_watch import MissionWatch, ask_for
 from graph_fleet_manager.commands.place_names import PlaceNames
 from graph_fleet_manager.commands.progress import ProgressLine, line_of
@@ -149,7 +149,7 @@ def _options(name: str, what: str, arguments: List[str]) -> argparse.Namespace:
         parser.add_argument('--stops', metavar='FILE',
                             help='of a mission with stops: YAML file of the stops after those that '
                                  'have begun')
-        parser.add_argument('--priority', type=int, required=True,
+        parser.add_argument('--priority', type=whole, required=True,
                             help='a mission with a higher priority is served first; give the '
                                  'present priority to keep it')
     return parser.parse_args(arguments[1:])
@@ -195,7 +195,7 @@ def _offer_conditions(parser: Parser) -> None:
     """Offers the options of each mission, however its destinations are given."""
     parser.add_argument('--type', default='', help='robot type that must do it')
     parser.add_argument('--robot', default='', help='the robot that must do it')
-    parser.add_argument('--priority', type=int, default=0,
+    parser.add_argument('--priority', type=whole, default=0,
                         help='a mission with a higher priority is served first (0)')
     parser.add_argument('--after', type=mission_name, nargs='+', default=[], metavar='MISSION',
                         help='missions that must succeed first: id of the request, or the '
@@ -206,7 +206,7 @@ def _offer_conditions(parser: Parser) -> None:
                         help='it does not begin before the next time at which clocks show this')
     parser.add_argument('--before', type=_time_of_day, metavar='HH:MM',
                         help='it is to be done by the next time at which clocks show this')
-    parser.add_argument('--id', type=int, help='request id; random if not given')
+    parser.add_argument('--id', type=whole, help='request id; random if not given')
     parser.add_argument('--wait', action='store_true', help='show the progress until the end')
 
 
@@ -221,23 +221,13 @@ def _time_of_day(text: str) -> rospy.Time:
 def _conditions(options: argparse.Namespace) -> Dict[str, Any]:
     """Returns the fields of a request for the options of each mission."""
     return {'robot_type': options.type, 'robot': options.robot, 'priority': options.priority,
-            'after': [MissionDependency(_request_id(name), until) for names, until in (
+            'after': [MissionDependency(request_id(name), until) for names, until in (
                 (options.after, MissionDependency.DONE),
                 (options.after_end, MissionDependency.ENDED)) for name in names],
             'requested_by': requested_by('mission'),
             **({} if options.id is None else {'request_id': options.id}),
             **({} if options.not_before is None else {'earliest': options.not_before}),
             **({} if options.before is None else {'deadline': options.before})}
-
-
-def _request_id(name: MissionName) -> int:
-    """Returns the id of the request of a mission.
-
-    Only an open one can be found by its short name.
-    """
-    if not name.is_serial:
-        return name.number
-    return int(_open_mission(name, TopicListener('/mission_status', MissionStatus)).request_id)
 
 
 def _run_template(arguments: List[str]) -> int:
@@ -414,9 +404,7 @@ def _why(arguments: List[str]) -> int:
     options = _options('why', 'says what an open mission waits for, and until when; while no robot '
                        'serves it, also why each robot does not', arguments)
     connect('mission_why')
-    id = options.id.number
-    if options.id.is_serial:
-        id = _open_mission(options.id, TopicListener('/mission_status', MissionStatus)).request_id
+    id = request_id(options.id)
     told = ask('/explain_mission', ExplainMission, id)
     if not told.found:
         raise CommandProblem(f'There is no open mission {options.id}; see mission list and '
@@ -464,7 +452,7 @@ def _change(word: str, arguments: List[str]) -> int:
             if found.on_cancel or options.destinations:
                 raise CommandProblem('Give either places, or a file of stops without on_cancel.')
             message.stops = stop_messages(found.stops)
-    known = _open_mission(options.id, listener)
+    known = open_mission(options.id, listener)
     message.request_id = known.request_id
     message.step_key = known.asks if word == 'answer' else 0
     commands.send(message)
@@ -492,15 +480,6 @@ def _change_destinations(message: MissionCommand, destinations: List[Destination
         message.stops = visits(destinations)
     else:
         message.destination_vertices_id = destinations
-
-
-def _open_mission(name: MissionName, listener: TopicListener) -> MissionStatus:
-    """Returns the newest status of an open mission. A new subscriber gets the open missions."""
-    known = first_message(
-        listener, lambda s: name.is_of(s) and MissionState(s.state).is_open, 2.0)
-    if known is None:
-        raise CommandProblem(f'There is no open mission {name}; see mission list.', NOT_DONE)
-    return known
 
 
 def _is_so(status: MissionStatus, command: CommandKind) -> bool:

@@ -8,7 +8,9 @@ import argparse
 import re
 from typing import NamedTuple
 
-from fleet_core.supervision.missions import short_name
+from fleet_core.supervision.missions import MissionState, short_name
+from graph_fleet_manager.commands.command_line import NOT_DONE, CommandProblem, whole
+from graph_fleet_manager.commands.fleet_client import TopicListener, first_message
 from itrci_nav_msgs.msg import MissionStatus
 
 _SHORT = re.compile(r'[Mm]([1-9]\d{0,9})')
@@ -35,6 +37,28 @@ def mission_name(text: str) -> MissionName:
     if short:
         return MissionName(int(short.group(1)), is_serial=True)
     if _ID.fullmatch(text):
-        return MissionName(int(text))
+        return MissionName(whole(text))
     raise argparse.ArgumentTypeError(f"{text!r} is neither the id of a mission nor a short name "
                                      'such as M42')
+
+
+def open_mission(name: MissionName, listener: TopicListener) -> MissionStatus:
+    """Returns the newest status of an open mission. A new subscriber gets the open missions.
+
+    listener -- of /mission_status
+
+    Raises CommandProblem if there is none.
+    """
+    known = first_message(
+        listener, lambda s: name.is_of(s) and MissionState(s.state).is_open, 2.0)
+    if known is None:
+        raise CommandProblem(f'There is no open mission {name}; see mission list.', NOT_DONE)
+    return known
+
+
+def request_id(name: MissionName) -> int:
+    """Returns the id of the request of a mission; only an open one can be found by its short name.
+    """
+    if not name.is_serial:
+        return name.number
+    return int(open_mission(name, TopicListener('/mission_status', MissionStatus)).request_id)

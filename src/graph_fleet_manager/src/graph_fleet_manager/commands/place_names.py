@@ -10,7 +10,7 @@ from fleet_core.work.stations import (
     destination_of,
     place_of,
 )
-from graph_fleet_manager.commands.command_line import CommandProblem
+from graph_fleet_manager.commands.command_line import LARGEST, CommandProblem
 from graph_fleet_manager.commands.fleet_client import TopicListener
 from graph_fleet_manager.messages.resources import stations_of
 from itrci_nav_msgs.msg import FleetState
@@ -37,22 +37,26 @@ class PlaceNames:
         return self._graph
 
     def destination(self, word: str) -> Destination:
-        """Returns the vertex or group that a word of the command line names.
-
-        Raises CommandProblem.
+        """Returns the vertex or group that a word of the command line names. Raises CommandProblem.
         """
-        if word.isdecimal():
-            return int(word)
         try:
-            return destination_of(word, self._known(), self.graph)
+            return _id(word) if word.isdecimal() else destination_of(
+                word, self._known(), self.graph)
         except UnknownPlace as unknown:
             raise CommandProblem(f'A destination is wrong: {unknown}.') from None
 
     def place(self, word: str) -> int:
         """Returns the vertex that a word names. Raises UnknownPlace."""
-        return int(word) if word.isdecimal() else place_of(word, self._known(), self.graph)
+        return _id(word) if word.isdecimal() else place_of(word, self._known(), self.graph)
 
     def _known(self) -> Dict[str, Station]:
         if self._stations is None:
             self._stations = stations_of(TopicListener('/fleet_state', FleetState).last().resources)
         return self._stations
+
+
+def _id(word: str) -> int:
+    """Returns the id of a vertex. Raises UnknownPlace for one that no vertex can have."""
+    if int(word) > LARGEST:
+        raise UnknownPlace(f'the graph has no vertex {word}')
+    return int(word)

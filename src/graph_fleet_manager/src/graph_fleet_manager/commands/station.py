@@ -1,4 +1,4 @@
-"""The command `station`: lists stations, devices and chargers, and the robots that claim them.
+"""The command `station`: lists stations, zones, devices and chargers, and who claims them.
 
 Exit status 0: done; 1: wrong input, or no fleet manager.
 """
@@ -20,12 +20,12 @@ def main(arguments: Optional[Sequence[str]] = None) -> int:
 
 
 def _station(arguments: List[str]) -> int:
-    parser = Parser('station', description='Lists the stations and devices of the work file, '
-                    'the chargers, and the robots that claim them.')
+    parser = Parser('station', description='Lists the stations, zones and devices of the work '
+                    'file, the chargers, and the robots that claim them.')
     commands = parser.add_subparsers(dest='command', metavar='COMMAND')
     commands.required = True
     offer_json(commands.add_parser(
-        'list', help='each station, device and charger, and the robots that claim it'))
+        'list', help='each station, zone, device and charger, and the robots that claim it'))
     options = parser.parse_args(arguments)
     connect('station_command')
     resources = TopicListener('/fleet_state', FleetState).last().resources
@@ -36,8 +36,8 @@ def _station(arguments: List[str]) -> int:
 
 def _listed(resources: Sequence[FleetResource]) -> str:
     if not resources:
-        return ('The fleet manager has no work file with stations or devices, and no robot type '
-                'has docks.')
+        return ('The fleet manager has no work file with stations, zones or devices, and no robot '
+                'type has docks.')
     rows, notes = [], []
     for one in resources:
         claims = ', '.join(f'{claim.robot} ({CLAIM_OF_CODE[claim.state].value})'

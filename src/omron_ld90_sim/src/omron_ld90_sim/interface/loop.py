@@ -3,7 +3,8 @@
 The loop sleeps until a socket is ready or the clock's next callback is due. Simulated time is wall
 time times the speed factor. Input takes effect at the robot's next cycle, and the clock advances
 there at once. So no client waits, and a client that answers within a cycle sees the same times in
-every run.
+every run. Inputs that take long, such as the planning of many robots at once, take turns with the
+clock.
 """
 from __future__ import annotations
 
@@ -13,12 +14,13 @@ import selectors
 import socket
 import time
 from collections import deque
-from typing import Callable, Deque, List
+from typing import Callable, Deque, List, Tuple
 
 from omron_ld90_sim.clock import SimClock
 
 INPUT_CYCLE = 0.02      # s of wall time within which inputs count as simultaneous, at most
 LONGEST_INPUT_CYCLE = 0.1   # s of the robot's clock, the same limit
+LONGEST_ROUND = 0.1     # s of wall time for inputs, after which the clock has its turn
 LONGEST_SLEEP = 3600.0  # s; a selector does not accept much longer times
 
 
@@ -57,10 +59,17 @@ class Loop:
             ready = self.selector.select(timeout)
             now = self._simulated_now()
             self.clock.advance(math.ceil(now / self._cycle) * self._cycle if ready else now)
-            for key, mask in ready:
-                key.data(mask)
+            self._serve(ready)
             for callback in self.after_step:
                 callback()
+
+    def _serve(self, ready: List[Tuple[selectors.SelectorKey, int]]) -> None:
+        """Handles the inputs that are ready. Those that would come late are ready again."""
+        until = time.monotonic() + LONGEST_ROUND
+        for key, mask in ready:
+            key.data(mask)
+            if time.monotonic() > until:
+                return
 
     def call(self, function: Callable[[], None]) -> None:
         """Makes the loop's thread call `function` soon; safe from any thread."""
