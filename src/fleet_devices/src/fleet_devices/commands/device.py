@@ -166,7 +166,7 @@ def _list(states: TopicListener, is_json: bool) -> int:
 
 
 def _newest_reports(states: TopicListener, patience: float) -> Dict[str, DeviceReport]:
-    """The newest report of each device, by its name.
+    """Returns the newest report of each device, by its name.
 
     patience -- s to wait for the first report; the others follow within ALL_REPORTS
     """

@@ -1,4 +1,4 @@
-"""The command `station`: lists stations, zones, devices and chargers, and the claims to them.
+"""The command `station`: lists stations, zones, devices and chargers, and which robots claim them.
 
 Exit status 0: done; 1: wrong input, or no fleet manager.
 """
