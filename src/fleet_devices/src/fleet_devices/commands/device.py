@@ -160,8 +160,8 @@ def _list(states: TopicListener, is_json: bool) -> int:
         print(as_json({'devices': [values(report) for report in reports],
                        'machines': [machine_values(one, now) for one in machines]}))
     else:
-        tables = (reports and listed(reports, now), machines and machine_table(machines, now))
-        print('\n\n'.join(table for table in tables if table))
+        tables = [listed(reports, now)] if reports else []
+        print('\n\n'.join([*tables, machine_table(machines, now)] if machines else tables))
     return OK
 
 
