@@ -223,7 +223,8 @@ class FleetVisualisation:
                                               now)
         if self._ticks % SLOW == 0:
             self._label_places.choose(labels, window_of(graph),
-                                      (*self._texts.names.values(), *self._drawn.boxes),
+                                      (*self._texts.names.values(), *self._drawn.boxes,
+                                       *self._drawn.rings),
                                       beneath=self._texts.edges)
         for robot in state.robots:
             if robot.name in places:
