@@ -34,7 +34,8 @@ class AgvSimTest(unittest.TestCase):
         cls.states = Recorder('/agv_1/execution_route_states', ExecutionRouteStates)
         cls.refusals = Recorder('/agv_1/route_refused', RouteRefused)
         cls.route = connected_publisher('/agv_1/target_route', TargetRoute)
-        cls.states.wait_for(lambda _: True, 10.0, 'a first report')
+        cls.states.wait_for(lambda one: re.fullmatch(r'agv_sim \d+\.\d+\.\d+', one.software),
+                            10.0, 'a first report, with the software')
 
     def drive(self, route_id: int, edges: List[int]) -> ExecutionRouteStates:
         before = len(self.states.messages)

@@ -19,6 +19,7 @@ from typing import Callable, List
 
 import rospy
 from fleet_support import READY, Factory, Menus, Viewer, free_fleet_ports
+from rosgraph_msgs.msg import Log
 from std_msgs.msg import String
 
 from graph_fleet_manager.nodes.rviz.menus import MenuAct
@@ -73,6 +74,7 @@ class FactoryTest(unittest.TestCase):
         (Path(cls.folder.name) / 'secret').write_text(PASSWORD)
         fleet = Path(cls.folder.name) / 'fleet.yaml'
         fleet.write_text(FLEET.format(port=first, outgoing=first + 1, silent=first + 2))
+        cls.log = Recorder('/rosout', Log)
         cls.factory = Factory(str(fleet), 'longest_edge:=1.5', f'sim_speed:={SPEED}',
                               first_port=first + 10)
         try:
@@ -103,6 +105,13 @@ class FactoryTest(unittest.TestCase):
         cls.factory.stop()
         cls.real.stop()
         cls.folder.cleanup()
+
+    def test_0_without_a_page_the_log_says_what_is_ready_and_how_to_begin(self) -> None:
+        told = self.log.wait_for(
+            lambda line: line.name == '/fleet_visualisation' and line.msg.startswith('Ready: '),
+            60.0, 'line that says what is ready')
+        self.assertIn(f'Ready: {len(self.present)} robots. ', told.msg)
+        self.assertIn('rosrun graph_fleet_manager mission ', told.msg)
 
     def test_1_missions_end_whatever_stalls_and_nobody_comes_near_anybody(self) -> None:
         chance = random.Random(7)

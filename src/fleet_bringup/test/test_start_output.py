@@ -2,15 +2,17 @@
 from __future__ import annotations
 
 import os
+import re
 import signal
 import subprocess
 import sys
 from pathlib import Path
-from typing import Iterator, List
+from typing import Iterator, List, Tuple
 
 import pytest
 
-from fleet_bringup.start_output import PATIENCE, StartOutput
+from fleet_bringup.start_output import LATE, PATIENCE, PassedSignals, StartOutput, StartState
+from node_program.screen_lines import FORM
 
 START = """... logging to /home/anna/.ros/log/0ad8b654/roslaunch-vm-19581.log
 Checking log directory for disk usage. This may take a while.
@@ -44,15 +46,36 @@ started core service [/rosout]
 [rospack] Error: no such package media_export
 [librospack]: error while executing command
 ready: ARCL on 127.0.0.1:24500 (ld90_1)
-[INFO] [1795766631.227239] /ld90_1/omron_controller: Link "commands" to 127.0.0.1:24350 is up.
-\x1b[31m[ERROR] [1795766632.159213074]: rviz/glsl120/indexed_8bit_image.vert
+[INFO] [1795766631.227239] [rosout] /ld90_1/omron_controller: Link to 127.0.0.1:24350 is up.
+\x1b[31m[ERROR] [1795766632.159213074] [ros.rviz] /rviz: rviz/glsl120/indexed_8bit_image.vert
 rviz/glsl120/indexed_8bit_image.frag
  GLSL link result :\x20
 active samplers with a different type refer to the same texture image unit\x1b[0m
 """.splitlines()
-READY = '[INFO] [1795766641.3] /fleet_page: Ready: 8 robots. Open http://localhost:8080.'
-WARNING = '[WARN] [1795766640.0] /ld90_1/omron_controller: Link "commands" is down: refused.'
-NEWS = '[INFO] [1795766650.0] /path_supervisor: anna requests mission 4 to 18.'
+
+
+Told = Tuple[str, str, str]
+"""Severity, node and words of a line."""
+
+
+def line_of(severity: str, node: str, words: str, logger: str = 'rosout') -> str:
+    """A line as rospy prints it."""
+    values = {'severity': severity, 'time': '1795766641.3', 'node': node, 'message': words,
+              'logger': logger}
+    return re.sub(r'\$\{(\w+)\}', lambda name: values[name.group(1)], FORM)
+
+
+def seen_of(severity: str, node: str, words: str) -> str:
+    """The same line as a person sees it."""
+    return f'[{severity}] [1795766641.3] {node}: {words}'
+
+
+IS_READY = '8 robots are ready. Open http://localhost:8080.'
+READY = line_of('INFO', '/fleet_page', IS_READY, 'rosout.ready')
+NEWS, WARNING, ERROR = (
+    ('INFO', '/path_supervisor', 'anna requests mission 4 to 18.'),
+    ('WARN', '/ld90_1/omron_controller', 'Link "commands" is down: refused.'),
+    ('ERROR', '/ld90_1/omron_controller', 'Link "commands" is down: refused.'))
 END = ['[ld90_sim-2] killing on exit', 'shutting down processing monitor...',
        '... shutting down processing monitor complete', '\x1b[1mdone\x1b[0m']
 
@@ -63,12 +86,16 @@ def seen(output: StartOutput, *lines: str, seconds: float = 1.0) -> List[str]:
 
 def test_a_normal_start_is_one_line_and_the_line_that_says_what_is_ready() -> None:
     assert seen(StartOutput(), *START, READY) == [
-        '3 nodes start under the ROS master at http://127.0.0.1:11311/',
-        'Ready: 8 robots. Open http://localhost:8080.']
+        '3 nodes start under the ROS master at http://127.0.0.1:11311/', IS_READY]
+
+
+@pytest.mark.parametrize('told', [WARNING, ERROR])
+def test_warnings_and_errors_of_nodes_are_seen_at_once(told: Told) -> None:
+    assert seen(StartOutput(), *START, line_of(*told))[1:] == [seen_of(*told)]
 
 
 @pytest.mark.parametrize('line', [
-    WARNING, WARNING.replace('WARN', 'ERROR'), 'Traceback (most recent call last):',
+    'Traceback (most recent call last):',
     '  File "/a.py", line 3, in <module>', "ValueError: no map",
     'RLException: [x.launch] requires the \'map\' arg to be set',
     '[ld90_sim-2] process has died [pid 9, exit code 1, cmd /a __name:=ld90_sim].'])
@@ -78,22 +105,54 @@ def test_trouble_is_seen_at_once(line: str) -> None:
 
 def test_what_nodes_say_is_seen_when_the_fleet_is_ready() -> None:
     output = StartOutput()
-    assert seen(output, NEWS) == []
-    assert seen(output, READY, NEWS)[1:] == [NEWS]
+    assert seen(output, line_of(*NEWS)) == []
+    assert seen(output, READY, line_of(*NEWS)) == [IS_READY, seen_of(*NEWS)]
 
 
-def test_a_start_that_nothing_calls_ready_shows_all_after_a_while() -> None:
+def test_the_words_of_a_line_never_make_the_fleet_ready() -> None:
     output = StartOutput()
-    assert seen(output, NEWS, seconds=PATIENCE) == []
-    assert seen(output, NEWS, seconds=PATIENCE + 1.0) == [NEWS]
+    assert seen(output, line_of('INFO', '/fleet_page', 'Ready: 8 robots.'),
+                line_of('INFO', '/fleet_page', '[rosout.ready] /x: Ready: 8 robots.'),
+                line_of(*NEWS)) == []
+    assert output.state is StartState.STARTING
+
+
+def test_lines_in_a_form_of_the_user_are_all_seen() -> None:
+    lines = ['INFO: anna requests mission 4 to 18.', 'WARN: the link is down']
+    assert seen(StartOutput(), *lines) == lines
+
+
+def test_a_start_that_nothing_calls_ready_says_so_and_shows_all_after_a_while() -> None:
+    output = StartOutput()
+    assert seen(output, line_of(*NEWS), seconds=PATIENCE) == []
+    assert seen(output, line_of(*NEWS), line_of(*NEWS), seconds=PATIENCE + 1.0) == [
+        f'{LATE}\n{seen_of(*NEWS)}', seen_of(*NEWS)]
 
 
 def test_after_ctrl_c_only_errors_are_seen() -> None:
     output = StartOutput()
     seen(output, READY)
     output.end()
-    error = WARNING.replace('WARN', 'ERROR')
-    assert seen(output, WARNING, NEWS, *END, error) == [error]
+    assert seen(output, line_of(*WARNING), line_of(*NEWS), *END, line_of(*ERROR)) == [
+        seen_of(*ERROR)]
+
+
+def test_after_ctrl_c_the_traceback_of_what_it_ended_is_not_seen_but_that_of_a_defect_is() -> None:
+    output, begin = StartOutput(), ['Traceback (most recent call last):', '  File "/a.py", line 3']
+    output.end()
+    assert seen(output, *begin, 'KeyboardInterrupt') == []
+    assert seen(output, *begin, 'KeyError: 3', 'other') == [
+        '\n'.join([*begin, 'KeyError: 3']), 'other']
+
+
+def test_a_signal_before_roslaunch_runs_reaches_it_when_it_runs() -> None:
+    output = StartOutput()
+    signals = PassedSignals(output)
+    signals.receive(signal.SIGTERM)
+    assert output.state is StartState.ENDING
+    with subprocess.Popen(['sleep', '60']) as launch:
+        signals.begin(launch)
+        assert launch.wait(10) == -signal.SIGTERM
 
 
 @pytest.fixture

@@ -3,7 +3,7 @@ import { $, makeSvg } from './dom.js';
 import { entries, all, site } from './server.js';
 import { language, said, t } from './texts.js';
 import { ABOVE_FIRST, BELOW_RIGHT_FIRST, Places, boxOf } from './placing.js';
-import { drawResources, resourceLayer, stationPlaces } from './resources.js';
+import { drawResources, marksAround, reachOf, resourceLayer, stationPlaces } from './resources.js';
 import { Walls } from './walls.js';
 import { hasLayer, layerValues, showLaserOf } from './layers.js';
 
@@ -23,6 +23,7 @@ let rem = 16; // px; larger on a wall screen
 let followed = '', fixed = [], words = []; // the robot in the middle of the view; the boxes of vertices and of their names, and of the words of stations and the like
 let areaSigns = []; // the boxes of their names: a robot's label covers one only if there is no other place
 let buttons = [0, 0, 0, 0]; // the box of the buttons in the map
+let shownMarks = ''; // what stands around vertices, as their names keep clear of it
 
 const hidden = { 'aria-hidden': 'true' };
 const allocationLayer = makeSvg('g', { ...hidden, class: 'allocations' }), planLayer = makeSvg('g', hidden), laserLayer = makeSvg('path', { ...hidden, class: 'laser' });
@@ -278,7 +279,7 @@ function outlineAreas(paint, ratio, closed, colour) {
 // The name of an area is a button at its edge that lies highest.
 function drawAreas() {
   const places = new Places(size.width, size.height), kept = document.activeElement?.closest?.('.area')?.dataset.key;
-  places.cover(buttons);
+  coverControls(places);
   for (const box of fixed) places.cover(box);
   areaSigns = [];
   areaLayer.replaceChildren(...shownAreas().map(([name, { edges }]) => {
@@ -305,15 +306,16 @@ function drawAreas() {
 
 // Names of places choose first; a name for which there is no room is left out until the view is nearer.
 function drawNames(paint, radius) {
-  const places = new Places(size.width, size.height), texts = [];
+  const places = new Places(size.width, size.height), texts = [], marks = marksAround();
   fixed = [];
+  shownMarks = JSON.stringify([...marks]);
   for (const [id, x, y, kind] of site.vertices) {
     const [px, py] = pixel(x, y), name = vertexName(id), isPlace = kind === 'dock' || kind === 'parking' || name !== String(id);
     if (kind === 'cut' || px < 0 || py < 0 || px > size.width || py > size.height) continue;
     fixed.push([px - radius, py - radius, px + radius, py + radius]);
-    if (isPlace || view.scale > NAMES_FROM * rem / 16) texts.push({ name, isPlace, x: px, y: py, away: 1.4 * radius + 2, width: paint.measureText(name).width, height: 0.85 * rem });
+    if (isPlace || view.scale > NAMES_FROM * rem / 16) texts.push({ name, isPlace, x: px, y: py, away: Math.max(1.4 * radius, reachOf(marks.get(id), view.scale)) + 2, width: paint.measureText(name).width, height: 0.85 * rem });
   }
-  places.cover(buttons);
+  coverControls(places);
   for (const box of fixed) places.cover(box);
   for (const text of texts.sort((a, b) => b.isPlace - a.isPlace)) {
     const side = places.place(text, BELOW_RIGHT_FIRST);
@@ -322,6 +324,12 @@ function drawNames(paint, radius) {
     fixed.push(box);
     paint.fillText(text.name, box[0], (box[1] + box[3]) / 2);
   }
+}
+
+// No text lies under the buttons of the map, or under the bar of a stop.
+function coverControls(places) {
+  places.cover(buttons);
+  if ($('bars').clientHeight) places.cover([0, 0, size.width, $('bars').clientHeight]);
 }
 
 // vertices: for each destination; those of a group are several.
@@ -361,7 +369,10 @@ export function drawMoving(keys) {
     placeRobot(name, pose, robot);
   }
   dropRobots(wanted);
-  if (!keys || [...keys].some(key => /^(resource|machine):/.test(key))) drawSiteWork();
+  if (!keys || [...keys].some(key => /^(resource|machine):/.test(key))) {
+    drawSiteWork();
+    if (shownMarks !== JSON.stringify([...marksAround()])) redraw();
+  }
   placeLabels();
   if (followed) keepInMiddle();
   if (!keys || [...keys].some(key => key.startsWith('plan:'))) drawPlans();
@@ -391,7 +402,7 @@ function dropRobots(wanted) {
 // choose first, and are always shown.
 function placeLabels() {
   const places = new Places(size.width, size.height);
-  places.cover(buttons);
+  coverControls(places);
   for (const box of [...fixed, ...areaSigns, ...words]) places.cover(box, true);
   for (const { x, y, reach } of robots.values()) {
     const half = reach * Math.SQRT1_2;  // the square within its disc: else no label at a corner would be clear of its own robot
@@ -477,7 +488,7 @@ function newRobot(name) {
 
 function drawSiteWork() {
   const places = new Places(size.width, size.height);
-  places.cover(buttons);
+  coverControls(places);
   for (const box of [...fixed, ...areaSigns]) places.cover(box);
   words = drawResources({ pixel, places, widthOf, rem, scale: view.scale, edges: edgesById, vertices: verticesById });
 }

@@ -108,7 +108,7 @@ export function showPlaces(vertices) {
 export function showMissions(person) {
   me = person;
   const robots = all('robot:');
-  options($('send_robot'), robots.map(([name]) => name).sort());
+  options($('send_robot'), robots.map(([name]) => name).sort((a, b) => a.localeCompare(b, undefined, { numeric: true })));
   options($('send_type'), [...new Set(robots.map(([, robot]) => robot.type))].sort());
   showFavourites();
   showTemplates(me);

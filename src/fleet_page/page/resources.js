@@ -29,11 +29,31 @@ export function stationPlaces(name) {
 
 const halfOf = (kind, view) => Math.max(LEAST[kind], SIZES[kind] * view.scale);
 
-// Whole names choose first: those of stations, doors and machines before those of queue places.
+// What stands around vertices, by vertex: 'station', 'queue' or 'machine'.
+export function marksAround() {
+  const marks = new Map();
+  for (const [, { queue, vertices }] of all('resource:')) {
+    for (const { vertex } of queue) marks.set(vertex, 'queue');
+    for (const vertex of vertices) marks.set(vertex, 'station');
+  }
+  for (const [, machine] of all('machine:')) for (const vertex of machine.vertices) marks.set(vertex, 'machine');
+  return marks;
+}
+
+// px from a vertex to the edge of what stands around it; 0: nothing does.
+export const reachOf = (mark, scale) => mark ? halfOf(mark, { scale }) : 0;
+
+// Whole names choose first: those of stations, doors and machines before those of queue places. They cover rings only if they must.
 function placeTexts(texts, view) {
   const boxes = [];
+  for (const [id, mark] of marksAround()) {
+    const vertex = view.vertices.get(id), half = halfOf(mark, view) * Math.SQRT1_2;
+    if (!vertex) continue;
+    const [x, y] = view.pixel(vertex[1], vertex[2]);
+    view.places.cover([x - half, y - half, x + half, y + half], true);
+  }
   for (const { group, words, x, y, away } of texts.sort((a, b) => b.isFirst - a.isFirst)) {
-    const text = { x, y, away, width: view.widthOf(words), height: 0.95 * view.rem }, side = view.places.place(text, ABOVE_FIRST);
+    const text = { x, y, away, width: view.widthOf(words), height: 0.95 * view.rem, may: 'soft' }, side = view.places.place(text, ABOVE_FIRST);
     if (side < 0) continue;
     const box = boxOf(text, ABOVE_FIRST[side]), label = makeSvg('text', { x: ((box[0] + box[2]) / 2).toFixed(1), y: ((box[1] + box[3]) / 2).toFixed(1), 'text-anchor': 'middle', 'dominant-baseline': 'central' });
     label.textContent = words;

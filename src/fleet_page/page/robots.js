@@ -101,7 +101,7 @@ const loadOf = robot => loadWords(robot) && make('span', { class: robot.load ===
 function details(robot) {
   const button = kind => make('button', { 'data-act': kind, onclick: () => robotAct(kind, robot.name) }, t(`act_${kind}`));
   const acts = me.role === 'see' ? [] : [robot.state === 'OUT_OF_SERVICE' ? '' : button('out'), button('in'), me.role === 'admin' ? button('absent') : ''];
-  return [make('p', { class: 'soft' }, [robot.type, robot.mission ? `${t('mission')} ${robot.missionName}` : ''].filter(Boolean).join(' · '), loadOf(robot)),
+  return [make('p', { class: 'soft' }, [robot.type, robot.software ? t('software', robot) : '', robot.mission ? `${t('mission')} ${robot.missionName}` : ''].filter(Boolean).join(' · '), loadOf(robot)),
     robot.alarm ? make('p', { class: 'bad' }, `→ ${t(`todo_${robot.alarm}`)}`) : '',
     make('p', { class: 'row' }, make('button', { 'data-act': 'follow', 'aria-pressed': String(Boolean(robot.isFollowed)), onclick: () => followRobot(followed === robot.name ? '' : robot.name) }, t('follow')), ...acts),
     ...log.charges.length ? [make('h2', {}, t('battery_curve')), curveOf(log.charges, robot)] : [],

@@ -15,6 +15,7 @@ from typing import Callable, Dict
 
 import numpy as np
 from browser import Browser, ServedPage
+from layout_faults import layout_faults
 from page_builders import graph, request, robot, status
 
 from fleet_core.supervision.fleet_stop import FleetStop, StopCause
@@ -46,9 +47,9 @@ TABS = ('missions', 'robots', 'edges', 'history', 'replay', 'audit')
 VIEWS = (*TABS, 'alarms', 'folded', 'dark', 'german', 'layers', 'template')
 CELL = 0.05  # m
 AT_REST = '''
-    const done = arguments[0], frame = () => new Promise(requestAnimationFrame);
+    const [frames, done] = arguments, frame = () => new Promise(requestAnimationFrame);
     import('/page/map.js').then(async map => {
-        for (let quiet = 0, before = -1; quiet < 40; before = map.framesDrawn()) {
+        for (let quiet = 0, before = -1; quiet < frames; before = map.framesDrawn()) {
             await frame();
             quiet = map.framesDrawn() === before ? quiet + 1 : 0;
         }
@@ -156,8 +157,49 @@ def show_layers(page: Page, fleet: Dict[str, ShownRobot]) -> None:
     page.records.add(time.time(), {}, {edge: 10.0 * (k % 9) for k, edge in enumerate(edges)})
 
 
+def open_view(window: Browser, view: str, frames: int = 40) -> None:
+    """Opens one of VIEWS in a window that shows the page, and waits until the map rests.
+
+    frames -- in which the map rests
+    """
+    window.script('''document.documentElement.dataset.theme = arguments[0];
+        const language = document.getElementById('language');
+        if (arguments[1]) language.value = arguments[1];
+        language.dispatchEvent(new Event('change'));
+        dispatchEvent(new Event('resize'));''',
+                  'dark' if view == 'dark' else 'light', 'de' if view == 'german' else '')
+    if view in TABS:
+        window.click(f'#tab_button_{view}')
+    if view == 'robots':
+        window.script("document.getElementById('faults_box').open = true")
+    if view in ('robots', 'german'):
+        window.click('#tab_button_robots')
+        window.click('#robots [data-act=choose]')
+        window.one('#robots .curve')
+    if view == 'alarms' and window.one('#alarms').is_displayed():
+        window.script("""const list = document.getElementById('alarm_list');
+            if (list.hidden) document.getElementById('fold_alarms').click();""")
+    if view == 'template':
+        window.script('''const select = document.getElementById('send_template');
+            select.value = 'pallet'; select.dispatchEvent(new Event('change'));
+            document.getElementById('timetables_box').open = true;''')
+    if view == 'layers':
+        window.click('#tab_button_robots')
+        window.click('#robots [data-act=choose]')
+        window.click('#layers_button')
+        for layer in ('allocation', 'laser', 'heat', 'fences'):
+            window.click(f'[data-layer={layer}]')
+    if view == 'folded':
+        window.click('#fold')
+    if view == 'dark':
+        window.script("document.getElementById('widen').click()")
+        window.script("document.getElementById('new_mission').open = false")
+    window.wait(lambda: window.text('#open_count'), 'the missions')
+    window.driver.execute_async_script(AT_REST, frames)
+
+
 def make(folder: Path, wanted: Callable[[str], bool]) -> None:
-    """Makes the wanted pictures."""
+    """Makes the wanted pictures, and prints the faults of each."""
     window = Browser(1440, 900)
     for count, in_trouble, is_stopped in itertools.product(
             FLEETS, (False, True), (False, True)):
@@ -173,43 +215,10 @@ def make(folder: Path, wanted: Callable[[str], bool]) -> None:
                 window.resize(*SIZES[size])
                 window.open(served.url)
                 window.one('.robot')
-                window.script('''document.documentElement.dataset.theme = arguments[0];
-                    const language = document.getElementById('language');
-                    language.value = arguments[1]; language.dispatchEvent(new Event('change'));
-                    dispatchEvent(new Event('resize'));''',
-                              'dark' if view == 'dark' else 'light',
-                              'de' if view == 'german' else 'en')
-                if view in TABS:
-                    window.click(f'#tab_button_{view}')
-                if view == 'robots':
-                    window.script("document.getElementById('faults_box').open = true")
-                if view in ('robots', 'german'):
-                    window.click('#tab_button_robots')
-                    window.click('#robots [data-act=choose]')
-                    window.one('#robots .curve')
-                if view == 'alarms' and window.one('#alarms').is_displayed():
-                    window.script("""const list = document.getElementById('alarm_list');
-                        if (list.hidden) document.getElementById('fold_alarms').click();""")
-                if view == 'template':
-                    window.script('''const select = document.getElementById('send_template');
-                        select.value = 'pallet'; select.dispatchEvent(new Event('change'));
-                        document.getElementById('timetables_box').open = true;''')
-                if view == 'layers':
-                    window.click('#tab_button_robots')
-                    window.click('#robots [data-act=choose]')
-                    window.click('#layers_button')
-                    for layer in ('allocation', 'laser', 'heat', 'fences'):
-                        window.click(f'[data-layer={layer}]')
-                if view == 'folded':
-                    window.click('#fold')
-                if view == 'dark':
-                    window.script("document.getElementById('widen').click()")
-                    window.script("document.getElementById('new_mission').open = false")
-                window.wait(lambda: window.text('#open_count'), 'the missions')
-                window.driver.execute_async_script(AT_REST)
+                open_view(window, view)
                 window.driver.save_screenshot(str(folder / f'{name}.png'))
+                print(name, *layout_faults(window), *window.problems(), sep='\n    ', flush=True)
                 window.script('localStorage.clear()')
-                print(name, window.problems() or '', flush=True)
             served.close()
     window.close()
 

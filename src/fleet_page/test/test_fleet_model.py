@@ -10,7 +10,6 @@ from fleet_page.core import fleet_model
 from fleet_page.core.acts import Act, ActKind
 from fleet_page.core.fleet import NEVER_HEARD, MissionRequest, RobotGroup, ShownPose, alarm_of
 from fleet_page.core.fleet_model import FleetModel
-from fleet_page.core.readiness import LIMIT, Readiness
 from fleet_page.core.robot_events import RobotEvent, event_between
 
 STOP = FleetStop(StopCause.PERSON, 'anna (page)', 90.0)
@@ -272,24 +271,6 @@ def test_an_act_that_was_not_done_says_so_in_the_audit_list(tmp_path):
     shown.take_status(status(7, not_done='modify', reason='the graph has no vertex 99'))
     other, row = shown.records.audit(9)
     assert not row['ok'] and row['outcome'] == 'the graph has no vertex 99' and other['ok']
-
-
-def test_a_start_tells_once_that_all_robots_are_ready():
-    readiness = Readiness()
-    assert readiness.words([robot('a', state='OFFLINE'), robot('b')], True, False, 10.0) == ''
-    assert readiness.words([], True, False, 11.0) == ''
-    assert readiness.words([robot('a'), robot('b', state='OFF_GRAPH')], True, False, 11.5) == ''
-    robots = [robot('a'), robot('b', state='IDLE'), robot('c', state='ABSENT')]
-    assert readiness.words(robots, False, False, 12.0) == '', 'the graph is being surveyed'
-    assert readiness.words(robots, True, False, 12.5) == 'Ready: 2 robots.'
-    assert readiness.words(robots, True, False, 13.0) == ''
-
-
-def test_a_robot_that_is_not_ready_is_named_after_a_while():
-    readiness, robots = Readiness(), [robot('a'), robot('b', state='UNKNOWN')]
-    assert readiness.words(robots, True, True, 10.0) == ''
-    assert readiness.words(robots, True, True, 10.0 + LIMIT) == (
-        'Ready: 1 robot. Not ready: b (place unknown). The fleet is stopped: press Go on.')
 
 
 def test_the_mission_of_a_template_has_the_destinations_that_the_fleet_manager_tells(tmp_path):

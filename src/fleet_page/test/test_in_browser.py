@@ -4,6 +4,7 @@ from __future__ import annotations
 import colorsys
 import time
 from dataclasses import replace
+from functools import partial
 from itertools import combinations
 from random import Random
 
@@ -12,8 +13,9 @@ import pytest
 pytest.importorskip('aiohttp')
 
 from browser import Browser, ServedPage, needs_browser  # noqa: E402
+from layout_faults import layout_faults  # noqa: E402
 from page_builders import TOKENS, robot, status  # noqa: E402
-from pictures import walls  # noqa: E402
+from pictures import open_view, show, walls  # noqa: E402
 
 from fleet_core.supervision.fleet_stop import (  # noqa: E402
     NOT_STOPPED,
@@ -444,9 +446,12 @@ def test_a_chosen_robot_shows_its_battery_its_missions_and_what_happened_to_it(w
     window.one('#robots .curve .line')
     assert '75 % now, lowest 75 %' in window.text('#robots')
     assert '9 · done' in window.text('#robots') and 'Nothing has happened' in window.text('#robots')
+    assert 'Software' not in window.text('#robots'), 'the robot has told none'
     served.do(lambda: served.page.model.take_robots([robot(
-        'a', state='STOPPED', outage='STOPPED', waits_for='emergency stop')], time.time()))
+        'a', state='STOPPED', outage='STOPPED', waits_for='emergency stop', software='own 2.1')],
+        time.time()))
     window.wait(lambda: 'emergency stop · Mission 7' in window.text('#robots .lines .bad'))
+    assert 'agv · Software own 2.1 · Mission 7' in window.text('#robots')
     window.picture('robot')
 
 
@@ -1155,21 +1160,57 @@ def test_german_and_dark_are_chosen_and_remembered(window, served):
 
 
 @pytest.mark.parametrize('width, height, language', [(360, 740, 'de'), (2560, 1440, 'en')])
-def test_nothing_is_cut_off_from_phone_to_wall(window, served, width, height, language):
-    window.script('''const language = document.querySelector('#language');
-        language.value = arguments[0]; language.dispatchEvent(new Event('change'));''', language)
-    window.resize(width, height)
-    window.wait(lambda: window.script('return innerWidth') == width)
-    for tab in ('missions', 'robots', 'edges', 'history', 'replay', 'audit'):
-        window.click(f'#tab_button_{tab}')
-        if tab == 'history':
-            window.wait(lambda: window.text('#robots_table').strip())
-        wide = window.script('return document.documentElement.scrollWidth')
-        assert wide <= window.script('return document.documentElement.clientWidth'), tab
-        assert window.one('#stop').is_displayed()
-    window.click('#tab_button_missions')
-    window.picture(f'{width}')
-    window.script('localStorage.clear()')
+def test_no_text_of_a_fleet_in_trouble_is_cut_off_or_lies_on_another_from_phone_to_wall(
+        browser, tmp_path, width, height, language):
+    served = ServedPage(tmp_path, fill=partial(show, count=8, in_trouble=True, is_stopped=True))
+    found = {}
+    try:
+        browser.resize(width, height)
+        browser.open(served.url)
+        browser.one('.robot')
+        browser.script("document.getElementById('language').value = arguments[0];", language)
+        for view in ('template', 'robots', 'edges', 'history', 'replay', 'audit', 'alarms'):
+            open_view(browser, view, frames=6)
+            if view == 'history':
+                browser.wait(lambda: browser.text('#robots_table').strip())
+            if browser.script('return document.documentElement.scrollWidth > innerWidth'):
+                found[view] = ['the page is wider than the window']
+            found.setdefault(view, []).extend(layout_faults(browser))
+            assert browser.one('#stop').is_displayed()
+    finally:
+        browser.script('localStorage.clear()')
+        served.close()
+    assert {view: faults for view, faults in found.items() if faults} == {}
+
+
+@pytest.mark.parametrize('style, words', [
+    ('#link { position: absolute; left: 4px; top: 12px; }', 'overlap: "Fleet"'),
+    ('#stop { width: 3rem; white-space: nowrap; }', 'cut: "STOP ALL" in button #stop'),
+    ('#send_robot { width: 2.5rem !important; }', 'cut: "any" in select #send_robot'),
+    ('#resume { position: fixed; left: -2rem; }', 'outside: "Go on"')])
+def test_the_judge_of_texts_finds_a_planted_fault(window, served, style, words):
+    assert layout_faults(window) == []
+    window.script('''const sheet = new CSSStyleSheet();
+        sheet.replaceSync(arguments[0]);
+        document.adoptedStyleSheets = [sheet];''', style)
+    assert any(fault.startswith(words) for fault in layout_faults(window)), layout_faults(window)
+
+
+def test_a_name_keeps_clear_of_the_ring_of_a_station_and_of_the_bar_of_a_stop(window, served):
+    served.do(lambda: served.page.model.show_resources(
+        [ShownResource('press', 'STATION', vertices=(12,)),
+         ShownResource('gate', 'DOOR', edges=(9,), device='CLOSED')]))
+    stop_the_fleet(window, served)
+    window.wait(lambda: len(window.driver.find_elements('css selector', '.resource text')) == 2)
+    covered = window.script('''
+        const marks = [...document.querySelectorAll('.resource circle, #bars')].map(one =>
+            one.getBoundingClientRect());
+        return [...document.querySelectorAll('#moving text')].filter(text => {
+            const box = text.getBoundingClientRect();
+            return marks.some(mark => box.left + 2 < mark.right && mark.left + 2 < box.right &&
+                              box.top + 5 < mark.bottom && mark.top + 5 < box.bottom);
+        }).map(text => text.textContent);''')
+    assert covered == []
 
 
 def test_a_mission_is_sent_by_keyboard_alone(window, served):

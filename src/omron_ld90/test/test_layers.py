@@ -101,8 +101,8 @@ LAYERS: Dict[str, Layer] = {
         'graph_fleet_manager.nodes graph_topic node_lifecycle trajectory_graph',
         ros=True, sockets='*'),
     'fleet_bringup': layer(
-        'fleet_core fleet_core.files fleet_core.planning omron_map omron_map_converter '
-        'trajectory_graph', ros=True, sockets='*'),
+        'fleet_core fleet_core.files fleet_core.planning node_program omron_map '
+        'omron_map_converter trajectory_graph', ros=True, sockets='*'),
     'fleet_services': layer(
         'fleet_bringup fleet_core.files fleet_core.supervision trajectory_graph', ros=True),
     'fleet_services.nodes': layer('fleet_services node_lifecycle', ros=True, sockets='*'),

@@ -9,6 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from rviz_drawing.label_places import Label, LabelPlaces
+from trajectory_graph.placing import Places
 
 HEIGHT = 0.38
 LETTER = 0.5 * HEIGHT ** 2  # m2
@@ -90,6 +91,18 @@ def test_a_label_covers_no_name_while_another_side_is_free():
     names = [(-9.0, -9.0, 9.0, 9.0)]
     places.choose(labels, names=names, buttons=[(-9.0, -9.0, 9.0, 0.0)])
     assert places.side('a') == 0
+
+
+def test_a_label_rather_lies_on_an_edge_than_on_a_name():
+    labels, edges = {'a': label(0.0, 0.0)}, Places()
+    for step in range(-12, 13):  # one edge crosses the robot from below, one from left to right
+        for box in ((-0.15, 0.3 * step, 0.15, 0.3 * step + 0.3),
+                    (0.3 * step, -0.15, 0.3 * step + 0.3, 0.15)):
+            edges.cover(box, is_soft=True)
+    places = LabelPlaces()
+    names = (-0.5, 0.45, 0.5, 2.0), (-0.5, -2.0, 0.5, -0.45), (0.45, -0.3, 2.0, 0.3)
+    places.choose(labels, names=names, beneath=edges)
+    assert places.side('a') == 3, 'to the left, over the edge'
 
 
 @given(st.floats(-math.pi, math.pi), st.floats(0.85, 6.0))

@@ -19,7 +19,7 @@ RESPAWN = {'respawn': 'true', 'respawn_delay': '2'}
 #: The file in ROS_HOME in which the bridge of a real robot keeps its last route.
 ROUTE_FILE = 'omron_ld90/{}_route.json'
 #: The format of log lines: with the name of the node, because all robots share one screen. A format
-#: that the user has set is kept.
+#: that the user or `start_output` has set is kept.
 SCREEN = "$(eval optenv('ROSCONSOLE_FORMAT', '[${severity}] [${time}] ${node}: ${message}'))"
 #: s that a simulated door takes to open, and a simulated PLC to hand a load over.
 TRAVEL, HAND_OVER = 3.0, 3.0
@@ -163,7 +163,9 @@ def _pictures(root: ET.Element, site: StartedSite, options: Options, files: Dict
         _node(group, 'map_visualisation', 'omron_ld90', 'map_visualisation',
               {'map_file': site.map_file}, _hosted(options, RESPAWN))
     _node(root, 'fleet_visualisation', 'graph_fleet_manager', 'fleet_visualisation',
-          {'fleet_file': files['fleet']}, _hosted(options, RESPAWN))
+          {'fleet_file': files['fleet'],
+           **({} if options.page else {'says_ready': _xml(options.fleet_manager)})},
+          _hosted(options, RESPAWN))
     if options.rviz:
         node = _node(root, 'rviz', 'omron_ld90', 'rviz_view', {})
         node.set('args', _words(site.map_file, files['rviz']))

@@ -5,8 +5,12 @@
 roslaunch and the nodes of a fleet print some hundred lines at a start. This shows one line for each
 stage, all warnings and errors, and the line that says what is ready; from then on all that nodes
 say. After Ctrl-C it shows errors only. It decides only what is shown: ROS keeps all lines in its
-log files. It passes SIGINT, SIGTERM and SIGHUP on to roslaunch, and ends with its exit status. If
-nothing reads its output any more, it ends roslaunch.
+log files. It passes SIGINT, SIGTERM and SIGHUP on to roslaunch, also those that come before
+roslaunch runs, and ends with its exit status. If nothing reads its output any more, it ends
+roslaunch.
+
+It knows the kind of a line by the fields of its form (`screen_lines`), never by its words. Lines in
+another form, which the user has set in ROSCONSOLE_FORMAT, are all shown.
 
 States:  STARTING  until a node says that it is ready, or PATIENCE is over
          RUNNING   until a signal comes
@@ -22,14 +26,20 @@ import sys
 import time
 from enum import Enum
 from types import FrameType
-from typing import Dict, Optional, Pattern, Sequence, Tuple
+from typing import Dict, List, Optional, Pattern, Sequence, Tuple
+
+from node_program.screen_lines import FORM, READY
 
 PATIENCE = 60.0  # s after which a start that nothing calls ready shows all lines
+LATE = (f'For {PATIENCE:.0f} s no node has said that all is ready: from here on all lines are '
+        'shown.')
 _ESCAPE = re.compile(r'\x1b\[[0-9;]*[A-Za-z]')
-_OF_A_NODE = re.compile(r'\[ *(DEBUG|INFO|WARN|ERROR|FATAL)\] ?\[[^\]]*\]:? ?(?:(/\S+): )?(.*)')
+_OF_A_NODE = re.compile(  # in the FORM of screen_lines
+    r'\[ *(?P<severity>DEBUG|INFO|WARN|ERROR|FATAL)\] (?P<stamp>\[[^\]]*\]) '
+    r'\[(?:[^\]]*\.)?(?P<logger>[^\].]*)\] (?P<node>\S*): (?P<words>.*)')
+_TRACEBACK = 'Traceback (most recent call last):'
 _SUMMARY_NODE = re.compile(r' {4}\S+ \(\S+/\S+\)$')
 _MASTER = re.compile(r'ROS_MASTER_URI=(\S+)')
-READY = 'Ready: '
 #: Lines of a normal start or end that say nothing to a person.
 _NOISE: Tuple[Pattern[str], ...] = tuple(map(re.compile, (
     r'\.\.\. logging to ', r'Checking log directory', r'Press Ctrl-C to interrupt$',
@@ -60,6 +70,7 @@ class StartOutput:
     def __init__(self) -> None:
         self.state = StartState.STARTING
         self._nodes = 0
+        self._traceback: List[str] = []  # of what Ctrl-C ends, as far as it has come
 
     def end(self) -> None:
         """Notes that a person ends the launch."""
@@ -72,27 +83,29 @@ class StartOutput:
         """
         if self.state is StartState.STARTING and seconds > PATIENCE:
             self.state = StartState.RUNNING
+            return '\n'.join(filter(None, (LATE, self.shown(line, seconds))))
         line = _ESCAPE.sub('', line).rstrip()
         told = _OF_A_NODE.match(line)
-        if told and not any(noise.match(told.group(3)) for noise in _NOISE):
-            return self._of_node(line, told.group(1), told.group(3))
-        if told or any(noise.match(line) for noise in _NOISE):
+        if any(noise.match(told.group('words') if told else line) for noise in _NOISE):
             return ''
-        return self._of_roslaunch(line)
+        return self._of_node(**told.groupdict()) if told else self._of_roslaunch(line)
 
-    def _of_node(self, line: str, severity: str, words: str) -> str:
+    def _of_node(self, severity: str, stamp: str, logger: str, node: str, words: str) -> str:
+        line = f'[{severity}] {stamp} {node}: {words}'
         if severity in ('ERROR', 'FATAL'):
             return line
         if self.state is StartState.ENDING:
             return ''
-        if words.startswith(READY):
+        if logger == READY:
             self.state = StartState.RUNNING
             return words
         return line if severity == 'WARN' or self.state is StartState.RUNNING else ''
 
     def _of_roslaunch(self, line: str) -> str:
         """Returns a line of roslaunch, or what a program prints by itself, such as a traceback."""
-        if self.state is not StartState.STARTING:
+        if self.state is StartState.ENDING:
+            return self._of_the_end(line)
+        if self.state is StartState.RUNNING:
             return line
         if _SUMMARY_NODE.match(line):
             self._nodes += 1
@@ -102,23 +115,55 @@ class StartOutput:
             return f'{self._nodes} nodes start under the ROS master at {master.group(1)}'
         return line
 
+    def _of_the_end(self, line: str) -> str:
+        """Returns a line after Ctrl-C. The traceback of a program that Ctrl-C ended is no error."""
+        if not self._traceback and line != _TRACEBACK:
+            return line
+        self._traceback.append(line)
+        if line.startswith(' ') or len(self._traceback) == 1:
+            return ''
+        told, self._traceback = self._traceback, []
+        return '' if line == KeyboardInterrupt.__name__ else '\n'.join(told)
+
+
+class PassedSignals:
+    """Passes signals on to a program, as soon as it runs."""
+
+    def __init__(self, output: StartOutput) -> None:
+        self._output = output
+        self._early: List[int] = []
+        self._launch: Optional[subprocess.Popen[str]] = None
+
+    def receive(self, number: int, _: Optional[FrameType] = None) -> None:
+        """Passes a signal on; the handler of signals."""
+        self._output.end()
+        if self._launch is None:
+            self._early.append(number)
+        else:
+            self._launch.send_signal(number)
+
+    def begin(self, launch: subprocess.Popen[str]) -> None:
+        """Passes signals on to this program, which runs now, also those that came before."""
+        self._launch = launch
+        for number in self._early:
+            launch.send_signal(number)
+
 
 def main(arguments: Optional[Sequence[str]] = None) -> int:
     """Runs the command; returns the exit status of roslaunch."""
     output, begun = StartOutput(), time.monotonic()
-    environment: Dict[str, str] = {**os.environ, 'PYTHONUNBUFFERED': '1'}  # else lines come late
+    environment: Dict[str, str] = {
+        'ROSCONSOLE_FORMAT': FORM, **os.environ, 'PYTHONUNBUFFERED': '1'}  # else lines come late
+    signals = PassedSignals(output)
+    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+        signal.signal(number, signals.receive)
     # Its group is its own: else a Ctrl-C would reach it twice, here and from the terminal.
     launch = subprocess.Popen(
         ['roslaunch', '--disable-title',
          *(sys.argv[1:] if arguments is None else arguments)],
         stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
         errors='replace', start_new_session=True, env=environment)
-
-    def pass_on(number: int, _: Optional[FrameType]) -> None:
-        output.end()
-        launch.send_signal(number)
-    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
-        signal.signal(number, pass_on)
+    signals.begin(launch)
     assert launch.stdout is not None
     for line in launch.stdout:
         shown = output.shown(line, time.monotonic() - begun)
@@ -128,5 +173,5 @@ def main(arguments: Optional[Sequence[str]] = None) -> int:
             print(shown, flush=True)
         except BrokenPipeError:  # the reader has gone, as with `| head`
             os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
-            pass_on(signal.SIGINT, None)
+            signals.receive(signal.SIGINT)
     return launch.wait()

@@ -132,6 +132,15 @@ def test_a_work_file_starts_its_devices_but_no_plc(tmp_path):
         prepare(parse(words), str(tmp_path), check=False)
 
 
+@pytest.mark.parametrize(('options', 'says'), [
+    ([], None), (['page:=false'], 'true'), (['page:=false', 'fleet_manager:=false'], 'false')])
+def test_one_node_says_what_is_ready_the_page_or_else_the_node_of_rviz(tmp_path, options, says):
+    files = prepare(parse(['fleet:=1', 'rviz:=false', *options]), str(tmp_path), check=False)
+    nodes = nodes_of(files['launch'])
+    assert ('fleet_page' in nodes) is (says is None)
+    assert nodes['fleet_visualisation'].get('says_ready') == says
+
+
 @pytest.mark.parametrize('other', ['work_file:=work.yaml', 'graph_file:=graph.yaml'])
 def test_the_work_of_the_laboratory_is_for_the_laboratory(other):
     with pytest.raises(CannotStart, match='work:=true is the work of the laboratory'):

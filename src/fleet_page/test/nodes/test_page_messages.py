@@ -92,6 +92,14 @@ def test_stations_and_doors_are_told_with_what_they_show_and_the_robots_there():
     json.loads(model.live.update(0))
 
 
+def test_the_software_of_a_robot_is_told_if_the_robot_tells_it():
+    robots = messages.robots_of(msg.FleetState(robots=[
+        msg.FleetRobot(name='a', software='own 2.1'), msg.FleetRobot(name='b')]))
+    model = FleetModel()
+    model.take_robots(robots, 0.0)
+    assert [model.live.get(f'robot:{name}')['software'] for name in 'ab'] == ['own 2.1', '']
+
+
 def test_queues_loads_and_machines_are_told_with_their_robots():
     message = msg.FleetState(
         robots=[msg.FleetRobot(name='a', load=msg.FleetRobot.LOAD_LOADED, load_serial=42),

@@ -89,13 +89,14 @@ def test_programs_get_all_fields_as_json():
     robot = FleetRobot(name=LONG, type='agv', state=FleetRobot.BUSY, has_mission=True, request_id=7,
                        pose=SymbolicPose(-7, 25.0), seen=genpy.Time(5), battery=math.nan,
                        destination=3, to_destination=12.0, to_end=math.nan,
-                       waits_for_code=WaitCode.TRAFFIC, waits_for='b')
+                       waits_for_code=WaitCode.TRAFFIC, waits_for='b', software='own 2.1')
     told = json.loads(as_json(fleet._values(FleetState(robots=[robot], stop=STOP), None)))
     assert told == {
         'stop': {'cause': 'PERSON', 'by': 'anna@desk (fleet)', 'since': 1000.0, 'why': ''},
-        'robots': [{'robot': LONG, 'type': 'agv', 'state': 'BUSY', 'outage': None, 'edge': -7,
-                    'fraction': 0.25, 'place': 'edge -7 at 25 %', 'seen': 5.0, 'battery': None,
-                    'mission': 7, 'destination': 3, 'to_destination': 12.0, 'to_end': None,
+        'robots': [{'robot': LONG, 'type': 'agv', 'software': 'own 2.1', 'state': 'BUSY',
+                    'outage': None, 'edge': -7, 'fraction': 0.25,
+                    'place': 'edge -7 at 25 %', 'seen': 5.0, 'battery': None, 'mission': 7,
+                    'destination': 3, 'to_destination': 12.0, 'to_end': None,
                     'waits_for_code': 'TRAFFIC', 'waits_for': 'b'}]}
     assert fleet._values(FleetState(), None) == {'stop': None, 'robots': []}
 

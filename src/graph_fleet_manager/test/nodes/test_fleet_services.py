@@ -117,10 +117,11 @@ def test_who_stops_the_fleet_is_recorded_by_the_header_of_the_call(services, hea
     stop = fleet.supervisor.stop
     assert (stop.cause, stop.by) == (StopCause.PERSON, by)
     assert abs(stop.since - time.time()) < 60.0
-    message = state_message((), (), (), stop, None, genpy.Time(1))
+    message = state_message((), (), (), stop, None, genpy.Time(1), {})
     told = stop_of(message.stop)
     assert (told.by, told.since) == (by, pytest.approx(stop.since))
-    assert stop_of(state_message((), (), (), NOT_STOPPED, None, genpy.Time(1)).stop) == NOT_STOPPED
+    message = state_message((), (), (), NOT_STOPPED, None, genpy.Time(1), {})
+    assert stop_of(message.stop) == NOT_STOPPED
 
 
 def test_a_cause_of_a_later_version_is_a_stop():

@@ -48,7 +48,14 @@ NOW = genpy.Time(100)
 
 def fleet_robot(outage):
     view = RobotView('a', 'agv', RobotState.IDLE, outage, Pose(), 0.0, 1.0, None, None)
-    return state_message([view], (), (), NOT_STOPPED, genpy.Time.from_sec, NOW).robots[0]
+    return state_message([view], (), (), NOT_STOPPED, genpy.Time.from_sec, NOW, {}).robots[0]
+
+
+def test_a_robot_has_the_software_that_it_tells_and_none_if_it_tells_none():
+    views = [RobotView(name, 'agv', RobotState.IDLE, None, Pose(), 0.0, 1.0, None, None)
+             for name in ('a', 'b')]
+    told = state_message(views, (), (), NOT_STOPPED, genpy.Time.from_sec, NOW, {'a': 'own 2.1'})
+    assert [robot.software for robot in told.robots] == ['own 2.1', '']
 
 
 def constants(kind, prefix):
@@ -70,7 +77,7 @@ def test_a_robot_that_works_has_no_outage():
 def test_a_robots_load_is_told_with_its_mission(state):
     view = RobotView('a', 'agv', RobotState.IDLE, None, Pose(), 0.0, 1.0, None, None,
                      load=RobotLoad(state, 42))
-    told = state_message([view], (), (), NOT_STOPPED, genpy.Time.from_sec, NOW).robots[0]
+    told = state_message([view], (), (), NOT_STOPPED, genpy.Time.from_sec, NOW, {}).robots[0]
     assert (LOAD_OF_CODE[told.load], told.load_serial) == (state, 42)
 
 
@@ -78,7 +85,7 @@ def test_a_machine_and_a_queue_can_be_read_back_from_their_messages():
     machine = MachineView('press_1', MachineState.WORKING, (18,), 2 ** 53 - 1, 'a', 42)
     press = ResourceView(Resource('press', ResourceKind.STATION, vertices=frozenset({18})), None,
                          (), True, (QueuePlace(22, 'b', True), QueuePlace(8)))
-    told = state_message((), [press], [machine], NOT_STOPPED, genpy.Time.from_sec, NOW)
+    told = state_message((), [press], [machine], NOT_STOPPED, genpy.Time.from_sec, NOW, {})
     assert machine_of(told.machines[0]) == machine
     assert told.resources[0].is_group
     assert [(one.vertex, one.robot, one.is_there) for one in told.resources[0].queue] == [
@@ -193,7 +200,7 @@ def test_a_mission_with_such_a_time_that_was_accepted_before_can_be_told(stamp):
 def test_a_moment_that_no_message_can_carry_is_the_nearest_one_that_it_can(seconds):
     view = RobotView('a', 'agv', RobotState.IDLE, None, Pose(), seconds, 1.0, None, None)
     state_message([view], (), (), NOT_STOPPED, lambda moment: moment_of(moment, NOW),
-                  NOW).serialize(io.BytesIO())
+                  NOW, {}).serialize(io.BytesIO())
     plan = plan_message([('a', [DriveView(1, -seconds, seconds, True)])],
                         lambda moment: moment_of(moment, NOW), NOW)
     plan.serialize(io.BytesIO())

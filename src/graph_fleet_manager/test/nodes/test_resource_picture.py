@@ -18,7 +18,7 @@ from itrci_nav_msgs.msg import (
     QueuePlace,
     ResourceClaim,
 )
-from trajectory_graph.placing import Places, shared
+from trajectory_graph.placing import Places, middle_of, shared
 
 GRAPH = corridor(4)  # 2 m apart, on the x axis
 
@@ -107,11 +107,19 @@ def test_the_words_of_a_door_do_not_lie_on_its_band() -> None:
 def test_no_words_cover_each_other_or_lie_outside_of_what_is_seen() -> None:
     places = [QueuePlace(id, f'robot_{id}', False) for id in (1, 2, 3)]
     window = (-2.0, -2.0, 8.0, 2.0)
-    _, boxes = draw_resources(GRAPH, [
+    boxes = draw_resources(GRAPH, [
         FleetResource(name='press', kind=FleetResource.STATION, vertices=[4], queue=places),
         FleetResource(name='gate', edges=[3], has_device=True)], [
-            FleetMachine(name='press_1', vertices=[4])], window)
+            FleetMachine(name='press_1', vertices=[4])], window).boxes
     assert len(boxes) > 3
     assert not any(shared(one, other) for one, other in combinations(boxes, 2))
     assert all(shared(box, window) == pytest.approx((box[2] - box[0]) * (box[3] - box[1]))
                for box in boxes)
+
+
+def test_labels_of_robots_know_the_rings_of_stations_and_queue_places() -> None:
+    rings = draw_resources(GRAPH, [FleetResource(
+        name='press', kind=FleetResource.STATION, vertices=[4],
+        queue=[QueuePlace(2, '', False), QueuePlace(99, '', False)])]).rings
+    assert [middle_of(ring) for ring in rings] == [
+        pytest.approx(GRAPH.vertices[id].position) for id in (4, 2)]

@@ -82,6 +82,15 @@ def test_each_start_of_a_simulator_is_a_robot_that_no_controller_remembers(name,
     assert not set(ids[0]) & set(ids[1])
 
 
+@pytest.mark.parametrize('given, advice', [
+    ([], 'command'), (['fleet_manager:=true'], 'mission'),
+    (['multimaster:=true', 'peer:=10.0.0.9'], 'mission'),
+    (['vda5050:=true', 'mqtt_broker:=127.0.0.1:1883'], 'nothing')])
+def test_a_start_says_what_to_do_with_a_robot_that_is_ready(given, advice):
+    _, values = expand('full_stack.launch', *given)
+    assert [value for key, value in values.items() if key.endswith('/ready_advice')] == [advice]
+
+
 @pytest.mark.parametrize('given, expected', [
     (None, '[${severity}] [${time}] ${node}: ${message}'), ('${message}', '${message}')])
 def test_of_two_robots_every_line_on_the_screen_tells_whose_it_is(monkeypatch, given, expected):

@@ -2,7 +2,7 @@
 from __future__ import annotations
 
 from omron_ld90.operator.goal_clicks import Target, TargetKind
-from omron_ld90.operator.ready_notice import ReadyNotice
+from omron_ld90.operator.ready_notice import Advice, ReadyNotice
 
 GOAL = Target(TargetKind.GOAL, 'Packing 2', 1.0, 2.0)
 DOCK = Target(TargetKind.DOCK, '16', 0.0, 0.0)
@@ -23,3 +23,15 @@ def test_the_example_is_a_command_that_there_is() -> None:
     assert ReadyNotice('r').words([NAMELESS, GOAL], True).endswith('\'goto "Packing 2"\'')
     assert ReadyNotice('r').words([DOCK, GOAL], True).endswith('\'goto "Packing 2"\'')
     assert ReadyNotice('r').words([NAMELESS], True).endswith('String stop')
+
+
+def test_a_robot_of_a_fleet_manager_gets_missions_and_no_commands_past_it() -> None:
+    vertex = Target(TargetKind.GOAL, '18', 1.0, 2.0)
+    words = ReadyNotice('r', Advice.MISSION).words([DOCK, GOAL, vertex], True)
+    assert words == ('Ready: r. Click a goal in RViz, or send a mission to a vertex: rosrun '
+                     'graph_fleet_manager mission 18 --robot r')
+    assert ReadyNotice('r', Advice.MISSION).words([GOAL], True).endswith('mission VERTEX --robot r')
+
+
+def test_it_says_nothing_if_another_node_says_what_is_ready() -> None:
+    assert ReadyNotice('r', Advice.NOTHING).words([GOAL], True) == ''

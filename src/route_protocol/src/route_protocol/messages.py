@@ -28,6 +28,7 @@ Kind = TypeVar('Kind', bound=IntEnum)
 
 _LONGEST_REASON = 500  # characters of a robot's reason that are kept
 _LONGEST_NAME = 256
+_LONGEST_SOFTWARE = 80
 
 _LAST_NUMBER = 2 ** 63  # beyond it, no number of an order or a report makes sense
 
@@ -129,14 +130,25 @@ def location_of(message: Any) -> Optional[VehicleLocation]:
                            message.theta if math.isfinite(message.theta) else math.nan)
 
 
+def software_of(message: Any) -> str:
+    """Returns the robot's software in an `itrci_nav_msgs/ExecutionRouteStates`; empty: not told.
+
+    It is for people only, so it is no part of a report.
+    """
+    return _printable(message.software, _LONGEST_SOFTWARE)
+
+
 def _words(text: str) -> str:
-    """Returns a text from the network, shortened and with printable characters only."""
-    return ''.join(letter if letter.isprintable() else '?' for letter in text[:_LONGEST_REASON])
+    return _printable(text, _LONGEST_REASON)
 
 
 def _name(text: str) -> str:
-    """Returns the name of a master, with printable characters only."""
-    return ''.join(letter if letter.isprintable() else '?' for letter in text[:_LONGEST_NAME])
+    return _printable(text, _LONGEST_NAME)
+
+
+def _printable(text: str, longest: int) -> str:
+    """Returns a text from the network, shortened and with printable characters only."""
+    return ''.join(letter if letter.isprintable() else '?' for letter in text[:longest])
 
 
 def _member(kind: Type[Kind], number: int, otherwise: Kind) -> Kind:

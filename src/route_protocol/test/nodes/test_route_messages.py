@@ -9,7 +9,13 @@ import pytest
 from itrci_nav_msgs.msg import EdgeState as EdgeStateMessage
 from itrci_nav_msgs.msg import ExecutionRouteStates, RouteRefused, TargetRoute
 from itrci_nav_msgs.msg import ReasonCode as ReasonCodeMessage
-from route_protocol.messages import fill_refusal, fill_report, location_of, order_of
+from route_protocol.messages import (
+    fill_refusal,
+    fill_report,
+    location_of,
+    order_of,
+    software_of,
+)
 from route_protocol.values import (
     EMERGENCY_STOP,
     NO_REASON,
@@ -51,6 +57,12 @@ def test_a_report_keeps_the_stamp_to_the_nanosecond():
     assert [(edge.edge_id, edge.state) for edge in message.edge_states] == [(3, 2), (-4, 3)]
     assert (message.route_id, message.reason, message.reason_code) == (7, 'why', 6)
     assert (message.symbolic_pose.edge_id, message.symbolic_pose.percentage) == (-4, 12.5)
+
+
+def test_what_a_robot_tells_of_its_software_is_kept_short_and_printable():
+    assert software_of(ExecutionRouteStates(software='own\n2.1')) == 'own?2.1'
+    assert len(software_of(ExecutionRouteStates(software='x' * 1000))) == 80
+    assert software_of(ExecutionRouteStates()) == ''
 
 
 def test_the_message_has_every_code_of_a_reason():

@@ -1,7 +1,7 @@
 """Chooses where the label of each robot is drawn, so that labels stay readable when robots meet.
 
-A label keeps its side while that is free. It may cover edges and the names of vertices and stations
-if it must, but covers other labels and robots least of all (`placing`).
+A label keeps its side while that is free. If it must, it covers edges rather than names and rings
+of vertices and stations, and other labels and robots least of all (`placing`).
 """
 from __future__ import annotations
 
@@ -21,6 +21,7 @@ from trajectory_graph.placing import (
 )
 
 GAP = 0.12  # m between a robot and its label
+NAME_WEIGHT = 10.0  # a text over a text is harder to read than one over a line
 
 
 @dataclass(frozen=True)
@@ -66,13 +67,13 @@ class LabelPlaces:
 
         labels  -- by name of the robot; the first ones choose first
         window  -- what people see; None: that is not known
-        names   -- of vertices and stations, which a label may cover if it must
+        names   -- and rings of vertices and stations, which a label may cover if it must
         buttons -- which it must not cover
         beneath -- the edges, as soft boxes
         """
         places = Places(window, beneath=beneath)
         for box in names:
-            places.cover(box, is_soft=True)
+            places.cover(box, is_soft=True, weight=NAME_WEIGHT)
         # The square within its disc: else no label beside a corner would be clear of its own robot.
         for box in (*buttons, *(box_around((one.x, one.y), (math.sqrt(2.0) * one.radius,) * 2)
                                 for one in labels.values())):

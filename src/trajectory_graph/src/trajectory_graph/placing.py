@@ -42,8 +42,8 @@ class Covered(NamedTuple):
 class _Cover:
     """A covered box. Each is one of its own, also if two are at the same place."""
 
-    def __init__(self, box: Box, is_soft: bool) -> None:
-        self.box, self.is_soft = box, is_soft
+    def __init__(self, box: Box, is_soft: bool, weight: float) -> None:
+        self.box, self.is_soft, self.weight = box, is_soft, weight
 
 
 class Places:
@@ -59,9 +59,9 @@ class Places:
         self._window, self._cell, self._beneath = window, cell, beneath
         self._cells: Dict[_Cell, List[_Cover]] = {}
 
-    def cover(self, box: Box, is_soft: bool = False) -> None:
-        """Marks a box as covered."""
-        cover = _Cover(box, is_soft)
+    def cover(self, box: Box, is_soft: bool = False, weight: float = 1.0) -> None:
+        """Marks a box as covered. `weight`: by which its area counts."""
+        cover = _Cover(box, is_soft, weight)
         for cell in self._cells_of(box):
             self._cells.setdefault(cell, []).append(cover)
 
@@ -104,9 +104,9 @@ class Places:
                     continue
                 seen.add(one)
                 if one.is_soft:
-                    soft += shared(box, one.box)
+                    soft += one.weight * shared(box, one.box)
                 else:
-                    firm += shared(box, one.box)
+                    firm += one.weight * shared(box, one.box)
         return Covered(firm, soft)
 
     def _cells_of(self, box: Box) -> Iterator[_Cell]:

@@ -42,6 +42,7 @@ class ShownRobot:
     not_open -- the device in which it is, and which does not report that it is open; empty: none
     wait     -- name of the code of what it waits for (WaitCode)
     load     -- what it carries (name of a LoadState); load_serial: the serial of the load's mission
+    software -- name and version of its software; empty: it does not tell them
 
     Each attribute is a value that the page shows.
     """
@@ -62,6 +63,7 @@ class ShownRobot:
     not_open: str = ''
     load: str = LoadState.EMPTY.name
     load_serial: int = 0
+    software: str = ''
 
     @property
     def is_working(self) -> bool:

@@ -49,13 +49,14 @@ from nav_msgs.msg import OccupancyGrid
 from rospy.numpy_msg import numpy_msg
 from visualization_msgs.msg import MarkerArray
 
+from fleet_core.supervision.fleet_view import RobotState
 from fleet_core.supervision.history import HistoryLine, history
 from fleet_core.supervision.journal_database import JournalError, NoJournal
+from fleet_core.supervision.readiness import Readiness
 from fleet_core.work.stations import Destination, Station, UnknownPlace, destination_of
 from fleet_page.core.acts import Act
 from fleet_page.core.fleet_model import HOUR
 from fleet_page.core.page import Page
-from fleet_page.core.readiness import Readiness
 from fleet_page.core.records import Records
 from fleet_page.core.replay import ReplayRing
 from fleet_page.core.site import WrongMap
@@ -87,6 +88,7 @@ from itrci_nav_msgs.msg import (
     Timetables,
 )
 from node_lifecycle import ConfigurationError, parameter, run
+from node_lifecycle.ready_line import announce_ready
 from trajectory_graph import Graph
 
 TICK = 0.2          # s between two runs of the work that no message triggers
@@ -264,11 +266,12 @@ class FleetPageNode:
         self._page.model.show_resources(messages.resources_of(message),
                                         messages.machines_of(message))
         ready = self._readiness.words(
-            self._page.model.robots.values(), self._is_surveyed,
+            {name: RobotState[robot.state] for name, robot in self._page.model.robots.items()},
+            self._is_surveyed,
             stop_of(message.stop).is_in_force, time.monotonic())
         if ready:
-            rospy.loginfo('%s Open %s, click destinations on the map, and press Send.', ready,
-                          self._address)
+            announce_ready(f'{ready} Open {self._address}, click destinations on the map, and '
+                           'press Send.')
 
     def _on_poses(self, message: FleetPoses) -> None:
         self._page.model.take_places(messages.places_of(message))

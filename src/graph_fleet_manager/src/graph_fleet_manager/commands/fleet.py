@@ -250,7 +250,7 @@ def _values(state: FleetState, graph: Optional[Graph]) -> Dict[str, Any]:
     def one(robot: FleetRobot) -> Dict[str, Any]:
         outage = OUTAGE_OF_CODE.get(robot.outage_code)
         edge = robot.pose.edge_id
-        return {'robot': robot.name, 'type': robot.type,
+        return {'robot': robot.name, 'type': robot.type, 'software': robot.software or None,
                 'state': _NAMES.get(robot.state, str(robot.state)),
                 'outage': outage.name if outage else None,
                 'edge': edge or None, 'fraction': robot.pose.percentage / 100.0 if edge else None,

@@ -2,7 +2,7 @@
 from __future__ import annotations
 
 import math
-from typing import Any, Callable, Dict, Iterable, List, Optional, Tuple
+from typing import Any, Callable, Dict, Iterable, List, Mapping, Optional, Tuple
 
 import genpy
 
@@ -213,11 +213,13 @@ def stop_of(message: msg.FleetStop) -> FleetStop:
 
 def state_message(robots: Iterable[RobotView], resources: Iterable[ResourceView],
                   machines: Iterable[MachineView], stop: FleetStop, moment: Moment,
-                  now: genpy.Time, rate: float = 1.0) -> msg.FleetState:
+                  now: genpy.Time, software: Mapping[str, str],
+                  rate: float = 1.0) -> msg.FleetState:
     """Returns the state of the fleet, its robots, resources and machines as a message; `now`: its
     stamp.
 
-    rate -- factor by which simulated robots are faster than the clock
+    software -- of the robots that tell theirs, by name
+    rate     -- factor by which simulated robots are faster than the clock
     """
     message = msg.FleetState(stop=stop_message(stop), resources=resource_messages(resources),
                              machines=machine_messages(machines), robots=[
@@ -231,7 +233,7 @@ def state_message(robots: Iterable[RobotView], resources: Iterable[ResourceView]
             to_destination=robot.to_go.destination / rate, to_end=robot.to_go.end / rate,
             waits_for_code=int(robot.waits_for.code), waits_for=robot.waits_for.text,
             until=robot.waits_for.until, load=_LOADS[robot.load.state],
-            load_serial=robot.load.serial)
+            load_serial=robot.load.serial, software=software.get(robot.name, ''))
         for robot in robots])
     message.header.stamp = now
     return message

@@ -28,6 +28,7 @@ import threading
 import time
 from typing import Any, Dict, List, Mapping, Optional
 
+import rospkg
 import rospy
 from tf2_ros import TransformBroadcaster
 
@@ -42,6 +43,7 @@ from route_protocol.vehicle import draw_epoch, milliseconds
 from trajectory_graph import Graph, GraphError, load_graph
 
 DRIVER = 'agv'  # of the robots that this node drives
+PACKAGE = 'graph_fleet_manager'  # whose version is that of the AGVs' software
 TICK = 0.05     # s
 _NAME = re.compile(r'[A-Za-z]\w*\Z', re.ASCII)
 
@@ -79,7 +81,8 @@ class AgvSim:
                     f'Robot {robot.name} of the fleet file stands on vertex {robot.vertex}, which '
                     f'{source} does not have; choose another.')
         simulation = Simulation(graph, self._robots, draw_epoch, milliseconds, self._speed)
-        self._topics = {name: AgvTopics(vehicle, self._lock)
+        version = rospkg.RosPack().get_manifest(PACKAGE).version
+        self._topics = {name: AgvTopics(vehicle, self._lock, f'agv_sim {version}')
                         for name, vehicle in simulation.vehicles.items()}
         self._simulation = simulation
 

@@ -32,11 +32,13 @@ EARLY = 0.02                           # s by which a period may be shorter, to 
 class AgvTopics:
     """Takes the orders of one vehicle and publishes its messages. `lock` is the simulation's.
 
+    software -- name and version of the software that the vehicle tells
+
     It has an attribute for each topic, and what it told there last.
     """
 
-    def __init__(self, vehicle: AgvVehicle, lock: threading.Lock) -> None:
-        self._vehicle, self._lock = vehicle, lock
+    def __init__(self, vehicle: AgvVehicle, lock: threading.Lock, software: str) -> None:
+        self._vehicle, self._lock, self._software = vehicle, lock, software
         self._reported = self._charge_told = self._steps_told = -math.inf
         self._told_of_steps: object = None
         self._emergency_told = False
@@ -123,7 +125,8 @@ class AgvTopics:
 
     def _report(self, report: RouteReport, now: float) -> None:
         self._reported = now
-        self._states.publish(fill_report(ExecutionRouteStates(), report, EdgeState))
+        self._states.publish(fill_report(
+            ExecutionRouteStates(software=self._software), report, EdgeState))
 
 
 def _pose_message(vehicle: AgvVehicle, stamp: rospy.Time) -> PoseStamped:

@@ -65,6 +65,8 @@ class FleetTopics:
         self._rate, self._gate = rate, gate
         self._improvement = improvement
         self.graph_stamp = rospy.Time(0)
+        self.software: Dict[str, str] = {}
+        """Of the robots that have told theirs, by name."""
         self._asked: Optional[Tuple[PlanRequestMessage, Times]] = None
         self._times = TimesSent()
         self._route_stamps: Dict[str, rospy.Time] = {}
@@ -186,7 +188,8 @@ class FleetTopics:
             return messages.moment_of(seconds - now, stamp)
         send(self._states.publish, messages.state_message(
             robot_views(supervisor, now), resource_views(supervisor, now),
-            supervisor.desk.machines(now), supervisor.stop, moment, stamp, self._rate))
+            supervisor.desk.machines(now), supervisor.stop, moment, stamp, self.software,
+            self._rate))
         if self._allocations.get_num_connections():
             robots: Dict[str, InterlockedRobot] = {**supervisor.robots, **supervisor.removed}
             send(self._allocations.publish, allocations_message(

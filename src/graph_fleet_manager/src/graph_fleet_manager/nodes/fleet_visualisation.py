@@ -16,7 +16,9 @@ Publishes
 Client of (std_srvs/Trigger, except declare_absent)
     /stop_fleet, /resume_fleet, /<robot>/leave_fleet, /<robot>/join_fleet, /<robot>/declare_absent
 Parameters
-    ~fleet_file  string  (empty)  fleet file with the radii of the robots; empty: 0.4 m for all
+    ~fleet_file     string  (empty)  fleet file with the radii of the robots; empty: 0.4 m for all
+    ~says_ready     bool    false    tell in the log once when the fleet is ready, and how to give
+                                     it a mission; the page tells it otherwise
 """
 from __future__ import annotations
 
@@ -27,6 +29,8 @@ from typing import Dict, FrozenSet, List, Optional
 import rospy
 from visualization_msgs.msg import Marker, MarkerArray
 
+from fleet_core.supervision.fleet_view import RobotState
+from fleet_core.supervision.readiness import Readiness
 from graph_fleet_manager.messages.missions import stop_of
 from graph_fleet_manager.nodes.fleet_acts import FleetActs
 from graph_fleet_manager.nodes.fleet_parameter import fleet_of
@@ -61,6 +65,7 @@ from itrci_nav_msgs.msg import (
 )
 from node_lifecycle import parameter, run
 from node_lifecycle.periodic import Periodic
+from node_lifecycle.ready_line import announce_ready
 from rviz_drawing import drawing
 from rviz_drawing.label_places import Label, LabelPlaces
 from trajectory_graph import Graph
@@ -70,6 +75,7 @@ PERIOD = 0.1         # s between two pictures of the robots
 SLOW = 3             # periods between two pictures of the plans, and two moves of the handles
 RADIUS = 0.4         # m, of a robot whose type is not known
 FEEDBACK_TIME = 8.0  # s for which a sentence is shown
+_STATES: Dict[int, RobotState] = {int(state): state for state in RobotState}
 _BAD = {MissionStatus.FAILED: 'failed', MissionStatus.REFUSED: 'was refused',
         MissionStatus.CANCELLED: 'was cancelled', MissionStatus.NEEDS_PERSON: 'needs a person',
         MissionStatus.EXPIRED: 'has expired'}
@@ -86,11 +92,12 @@ class FleetVisualisation:
         self._radii: Dict[str, float] = {}
         if parameter('~fleet_file', ''):
             self._radii = {kind.name: kind.radius for kind in fleet_of().types}
+        self._readiness = Readiness() if parameter('~says_ready', False, bool) else None
         self._lock = threading.RLock()
         self._graph: Optional[Graph] = None
         self._texts = GraphTexts(Places(), {})
         self._closed: FrozenSet[int] = frozenset()
-        self._parking: FrozenSet[int] = frozenset()
+        self._parking: Optional[FrozenSet[int]] = None  # None: the graph is not surveyed yet
         self._docks: FrozenSet[int] = frozenset()
         self._state, self._plan = FleetState(), FleetPlan()
         self._numbers: Dict[str, int] = {}
@@ -145,7 +152,20 @@ class FleetVisualisation:
             self._acts.robots = {robot.name: robot for robot in message.robots}
             for robot in message.robots:
                 self._numbers.setdefault(robot.name, len(self._numbers))
+            self._say_ready(message)
         self._places.follow([robot.name for robot in message.robots])
+
+    def _say_ready(self, state: FleetState) -> None:
+        """Says once that the fleet is ready, if no page says it."""
+        if self._readiness is None:
+            return
+        words = self._readiness.words(
+            {robot.name: _STATES.get(robot.state, RobotState.UNKNOWN) for robot in state.robots},
+            self._parking is not None, stop_of(state.stop).is_in_force, time.monotonic())
+        if words:
+            places = self._parking or (self._graph.vertices if self._graph else ())
+            announce_ready(f'{words} Right click a vertex in RViz, or send a mission: rosrun '
+                           f'graph_fleet_manager mission {min(places, default="VERTEX")}')
 
     def _on_plan(self, message: FleetPlan) -> None:
         with self._lock:
@@ -165,7 +185,8 @@ class FleetVisualisation:
             docks = self._docks or frozenset(
                 vertex.id for vertex in self._graph.vertices.values() if vertex.dock)
             self._pictures['graph'].show(graph_markers(
-                self._graph, self._texts, self._closed, self._parking - docks, docks))
+                self._graph, self._texts, self._closed, (self._parking or frozenset()) - docks,
+                docks))
 
     def _tick(self) -> None:
         with self._lock:
@@ -174,18 +195,18 @@ class FleetVisualisation:
 
     def _draw(self, graph: Graph, state: FleetState) -> None:
         self._ticks += 1
+        is_slow = self._ticks % SLOW == 0
+        if is_slow and self._changed:  # before the robots: their labels keep clear of these words
+            self._changed = False
+            words = (*self._texts.names.values(),
+                     *closed_boxes(graph, self._texts, self._closed).values())
+            self._drawn = draw_resources(graph, state.resources, state.machines,
+                                         window_of(graph), words, self._texts.edges)
+            self._pictures['plans'].show([
+                *self._drawn.markers, *plan_markers(graph, self._plan, state, self._numbers)])
         places = self._draw_robots(graph, state)
-        if self._ticks % SLOW == 0:
+        if is_slow:
             self._menus.show_robots(places, self._acts.asks())
-            if self._changed:
-                self._changed = False
-                words = (*self._texts.names.values(),
-                         *closed_boxes(graph, self._texts, self._closed).values())
-                self._drawn = draw_resources(graph, state.resources, state.machines,
-                                             window_of(graph), words, self._texts.edges)
-                self._pictures['plans'].show([
-                    *self._drawn.markers,
-                    *plan_markers(graph, self._plan, state, self._numbers)])
 
     def _draw_robots(self, graph: Graph, state: FleetState) -> Dict[str, DrawnPose]:
         """Draws all robots whose pose is known. Returns these poses."""
@@ -202,7 +223,8 @@ class FleetVisualisation:
                                               now)
         if self._ticks % SLOW == 0:
             self._label_places.choose(labels, window_of(graph),
-                                      (*self._texts.names.values(), *self._drawn.boxes),
+                                      (*self._texts.names.values(), *self._drawn.boxes,
+                                       *self._drawn.rings),
                                       beneath=self._texts.edges)
         for robot in state.robots:
             if robot.name in places:

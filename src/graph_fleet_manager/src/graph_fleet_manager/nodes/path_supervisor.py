@@ -95,7 +95,7 @@ from itrci_nav_msgs.msg import (
 from node_lifecycle import ConfigurationError, number, parameter, publish_diagnostics, run
 from node_lifecycle.measurements import measured
 from route_protocol.device_messages import WrongDeviceMessage, device_report_of
-from route_protocol.messages import WrongReport
+from route_protocol.messages import WrongReport, software_of
 from route_protocol.step_messages import WrongStepMessage, step_report_of
 from route_protocol.steps import StepReport
 from trajectory_graph import Graph
@@ -311,6 +311,7 @@ class PathSupervisor:
             rospy.logwarn_throttle(10.0, f'A report of {robot} is ignored: {wrong}.')
             return
         self._poses.note(robot, message)
+        self._topics.software[robot] = software_of(message)
         self._events.put_report(
             lambda supervisor, now, arrived: supervisor.report(robot, report, now, arrived),
             f'/{robot}/execution_route_states')

@@ -31,6 +31,8 @@ Publishes
 Parameters
     ~click_tolerance  float   0.5 m  a click farther than this from all goals and docks does nothing
     ~allow_takeover   bool    false  true: a click also drives a managed robot
+    ~ready_advice     string  command  what the log says once the robot is ready, besides a click:
+                                     command, mission, or nothing: another node says it
     ~handle_size      float   0.7 m  diameter of the handles on goals; different for each robot
     ~map_frame        string  map
     ~base_frame       string  <namespace>/base_link
@@ -49,9 +51,10 @@ from geometry_msgs.msg import PointStamped, PoseStamped
 from std_msgs.msg import String
 
 from fleet_requests import SILENCE
-from node_lifecycle import number, parameter, run
+from node_lifecycle import choice, number, parameter, run
 from node_lifecycle.headings import yaw_from_quaternion
 from node_lifecycle.periodic import Periodic
+from node_lifecycle.ready_line import announce_ready
 from omron_arcl import InvalidCommand, parse_line, replies
 from omron_ld90.nodes.rviz.interactive_goals import HandleAction, InteractiveGoals
 from omron_ld90.nodes.rviz.user_feedback import UserFeedback
@@ -71,7 +74,7 @@ from omron_ld90.operator.goal_clicks import (
 )
 from omron_ld90.operator.localizing import ASKED_FOR, Judged, LocalizeQuestion, LocalizingWatch
 from omron_ld90.operator.notices import NoticeSeverity, OperatorNotice
-from omron_ld90.operator.ready_notice import ReadyNotice
+from omron_ld90.operator.ready_notice import Advice, ReadyNotice
 from omron_ld90.units import millimetres
 from omron_ld90_msgs.msg import CommandRefused, ExecuteCommandResult, LinkState
 from omron_map import MapDocument
@@ -123,7 +126,9 @@ class GoalSender:
         self._localizing, self._question = LocalizingWatch(), LocalizeQuestion()
         self._count = 0
         self._heading: Optional[float] = None  # degrees
-        self._is_connected, self._ready = False, ReadyNotice(rospy.get_namespace().strip('/'))
+        self._is_connected, self._ready = False, ReadyNotice(
+            rospy.get_namespace().strip('/'), Advice(choice(
+                '~ready_advice', Advice.COMMAND.value, tuple(one.value for one in Advice))))
 
         self._feedback = UserFeedback(self._map_frame)
         self._handles = InteractiveGoals(
@@ -180,7 +185,7 @@ class GoalSender:
     def _say_ready(self) -> None:
         words = self._ready.words(self._targets, self._is_connected)
         if words:
-            rospy.loginfo('%s', words)
+            announce_ready(words)
 
     def _on_response(self, message: String) -> None:
         """Takes the robot's score, which comes with each of its statuses."""

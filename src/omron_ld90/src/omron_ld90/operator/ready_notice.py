@@ -3,18 +3,31 @@ from __future__ import annotations
 
 import shlex
 from contextlib import suppress
+from enum import Enum
 from typing import Optional, Sequence
 
 from omron_arcl import InvalidCommand
 from omron_ld90.operator.goal_clicks import Target, TargetKind
 
 
+class Advice(Enum):
+    """What a person can do when the robot is ready, besides a click."""
+
+    COMMAND = 'command'
+    """Publish a command."""
+    MISSION = 'mission'
+    """Send a mission: a fleet manager drives the robot."""
+    NOTHING = 'nothing'
+    """Another node says what is ready."""
+
+
 class ReadyNotice:
     """Says once that a click drives the robot: a map is displayed, and the robot is reached."""
 
-    def __init__(self, robot: str) -> None:
+    def __init__(self, robot: str, advice: Advice = Advice.COMMAND) -> None:
         """robot -- its namespace"""
-        self._robot, self._is_said = robot, False
+        self._robot, self._advice = robot, advice
+        self._is_said = advice is Advice.NOTHING
 
     def words(self, targets: Optional[Sequence[Target]], is_connected: bool) -> str:
         """Returns the sentences; empty: they are said already, or the robot is not ready.
@@ -24,17 +37,30 @@ class ReadyNotice:
         if self._is_said or not targets or not is_connected:
             return ''
         self._is_said = True
-        return (f'Ready: {self._robot}. Click a goal in RViz, or publish a command: '
-                f'rostopic pub -1 /{self._robot}/send_command std_msgs/String '
+        return f'Ready: {self._robot}. Click a goal in RViz, or {self._other_way(targets)}'
+
+    def _other_way(self, targets: Sequence[Target]) -> str:
+        if self._advice is Advice.MISSION:
+            return ('send a mission to a vertex: rosrun graph_fleet_manager mission '
+                    f'{_vertex(targets)} --robot {self._robot}')
+        return (f'publish a command: rostopic pub -1 /{self._robot}/send_command std_msgs/String '
                 f'{shlex.quote(_example(targets))}')
 
 
-def _example(targets: Sequence[Target]) -> str:
-    """Returns the command for the first goal that a command can name; else one that names none.
+def _vertex(targets: Sequence[Target]) -> str:
+    """Returns the first goal that is a vertex."""
+    return next((target.name for target in _goals_first(targets) if target.name.isdecimal()),
+                'VERTEX')
 
-    At the start a robot often stands in its dock.
-    """
-    for target in sorted(targets, key=lambda one: one.kind is TargetKind.DOCK):
+
+def _example(targets: Sequence[Target]) -> str:
+    """Returns the command for the first goal that a command can name; else one that names none."""
+    for target in _goals_first(targets):
         with suppress(InvalidCommand):
             return target.command
     return 'stop'
+
+
+def _goals_first(targets: Sequence[Target]) -> Sequence[Target]:
+    """Returns At the start a robot often stands in its dock."""
+    return sorted(targets, key=lambda one: one.kind is TargetKind.DOCK)

@@ -52,6 +52,7 @@ from geometry_msgs.msg import PoseWithCovarianceStamped
 from node_lifecycle import run
 from node_lifecycle.event_loop import EventLoop
 from node_lifecycle.headings import quaternion_from_yaw
+from node_lifecycle.ready_line import announce_ready
 from node_lifecycle.worker import start_worker
 from vda5050_mqtt.link import MqttLink
 from vda5050_protocol.fields import write_json
@@ -92,7 +93,7 @@ class VehicleNode:
         self._loop = EventLoop(lambda: self._perform_all(self._tick), TICK)
         self._mqtt_problem = 'connecting'
         self._visualized = 0.0
-        self._look_is_due = False
+        self._look_is_due = self._is_ready_told = False
         self._messages: Deque[Tuple[str, bytes]] = deque()  # of the master, oldest first
         self._vehicle = VdaVehicle(identity, settings.codec, settings.table, settings.make_driver,
                                    settings.abilities)
@@ -169,8 +170,8 @@ class VehicleNode:
         self._mqtt_problem = problem
         address = f'{self._settings.broker.host}:{self._settings.broker.port}'
         if connected:
-            rospy.loginfo('Ready: a VDA 5050 master can drive the robot over the broker at %s; the '
-                          'topics begin with %s/.', address, self._settings.prefix)
+            rospy.loginfo('Connected to the broker at %s; the topics begin with %s/.', address,
+                          self._settings.prefix)
             self._put(self._vehicle.connected)
         else:
             rospy.logwarn('Not connected to the broker at %s: %s', address, problem)
@@ -200,7 +201,19 @@ class VehicleNode:
         if isinstance(self._link, MoveBaseLink):
             self._link.check()
         self._visualize(now)
+        self._say_ready()
         return (*self._show_robot(now), *self._vehicle.tick(now))
+
+    def _say_ready(self) -> None:
+        """Says once that a master can drive: the broker is reached, and the pose is known."""
+        settings = self._settings
+        if self._is_ready_told or not self._mqtt.connected or (
+                self._vehicle.context.robot.pose is None):
+            return
+        self._is_ready_told = True
+        announce_ready('Ready: a VDA 5050 master can drive the robot over the broker at '
+                       f'{settings.broker.host}:{settings.broker.port}; the topics begin with '
+                       f'{settings.prefix}/.')
 
     def _visualize(self, now: float) -> None:
         period = self._settings.visualization_period

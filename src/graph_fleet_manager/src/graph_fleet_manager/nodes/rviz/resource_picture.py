@@ -1,7 +1,8 @@
 """Doors, stations, queues, chargers and machines in RViz, and the robots that use them."""
 from __future__ import annotations
 
-from typing import Container, Iterable, List, NamedTuple, Optional, Sequence, Tuple
+import math
+from typing import Container, Iterable, Iterator, List, NamedTuple, Optional, Sequence, Tuple
 
 from std_msgs.msg import ColorRGBA
 from visualization_msgs.msg import Marker
@@ -44,10 +45,11 @@ class Words(NamedTuple):
 
 
 class DrawnResources(NamedTuple):
-    """The markers of all resources, and the boxes of their words."""
+    """The markers of all resources, the boxes of their words, and those within their rings."""
 
     markers: List[Marker]
     boxes: Sequence[Box] = ()
+    rings: Sequence[Box] = ()
 
 
 def draw_resources(graph: Graph, resources: Sequence[FleetResource],
@@ -72,7 +74,20 @@ def draw_resources(graph: Graph, resources: Sequence[FleetResource],
     bands = [box_around((x, y), (BAND, BAND)) for one in resources for edge in one.edges
              if edge in graph.edges for x, y in graph.curve(edge).sample(BAND)]
     texts, boxes = _placed(words, Places(window, beneath=beneath), (*covered, *bands))
-    return DrawnResources([*markers, *texts], boxes)
+    return DrawnResources([*markers, *texts], boxes, list(_rings(graph, resources, machines)))
+
+
+def _rings(graph: Graph, resources: Iterable[FleetResource],
+           machines: Iterable[FleetMachine]) -> Iterator[Box]:
+    """Returns the squares within the rings of stations and queue places, and those of machines."""
+    for radius, ids in (
+            *((STATION_RADIUS * math.sqrt(0.5), one.vertices) for one in resources),
+            *((QUEUE_RADIUS * math.sqrt(0.5), [place.vertex for place in one.queue])
+              for one in resources),
+            *((MACHINE, machine.vertices) for machine in machines)):
+        for id in ids:
+            if id in graph.vertices:
+                yield box_around(graph.vertices[id].position, (2.0 * radius,) * 2)
 
 
 def _resource(graph: Graph, number: int, one: FleetResource, words: List[Words],

@@ -1,14 +1,13 @@
 """The last line of a start: which robots are ready, so that people know that they may begin."""
 from __future__ import annotations
 
-from typing import Iterable, Optional
+from typing import Mapping, Optional
 
 from fleet_core.supervision.fleet_view import RobotState
-from fleet_page.core.fleet import ShownRobot
 
 LIMIT = 30.0  # s after the first news of the fleet, within which all robots should be ready
-_READY = ('IDLE', 'BUSY', 'CHARGING')
-_NOT_WANTED = ('ABSENT', 'OUT_OF_SERVICE')  # a person has said so
+_READY = (RobotState.IDLE, RobotState.BUSY, RobotState.CHARGING)
+_NOT_WANTED = (RobotState.ABSENT, RobotState.OUT_OF_SERVICE)  # a person has said so
 
 
 class Readiness:
@@ -18,20 +17,21 @@ class Readiness:
         self._since: Optional[float] = None
         self._is_told = False
 
-    def words(self, robots: Iterable[ShownRobot], is_surveyed: bool, is_stopped: bool,
+    def words(self, robots: Mapping[str, RobotState], is_surveyed: bool, is_stopped: bool,
               now: float) -> str:
         """Returns the sentences that tell it; empty: it is told already, or robots are still
         awaited.
 
+        robots      -- by name
         is_surveyed -- whether the graph is surveyed, which logs several lines
         now         -- time of these news, in s
         """
         if self._is_told:
             return ''
         self._since = now if self._since is None else self._since
-        known = [robot for robot in robots if robot.state not in _NOT_WANTED]
-        awaited = [f'{robot.name} ({RobotState[robot.state].words})' for robot in known
-                   if robot.state not in _READY]
+        known = {name: state for name, state in robots.items() if state not in _NOT_WANTED}
+        awaited = [f'{name} ({state.words})' for name, state in known.items()
+                   if state not in _READY]
         if not known or ((awaited or not is_surveyed) and now - self._since < LIMIT):
             return ''
         self._is_told = True
