@@ -102,7 +102,7 @@ class StartOutput:
         return line if severity == 'WARN' or self.state is StartState.RUNNING else ''
 
     def _of_roslaunch(self, line: str) -> str:
-        """Returns a line of roslaunch, or what a program prints by itself, such as a traceback."""
+        """Returns what is printed for a line of roslaunch, or for what a program prints by itself, such as a traceback."""
         if self.state is StartState.ENDING:
             return self._of_the_end(line)
         if self.state is StartState.RUNNING:
@@ -116,7 +116,7 @@ class StartOutput:
         return line
 
     def _of_the_end(self, line: str) -> str:
-        """Returns a line after Ctrl-C. The traceback of a program that Ctrl-C ended is no error."""
+        """Returns what is printed for a line after Ctrl-C. The traceback of an ended program is none."""
         if not self._traceback and line != _TRACEBACK:
             return line
         self._traceback.append(line)

@@ -62,5 +62,5 @@ def _example(targets: Sequence[Target]) -> str:
 
 
 def _goals_first(targets: Sequence[Target]) -> Sequence[Target]:
-    """Returns At the start a robot often stands in its dock."""
+    """Returns docks last, because at the start a robot often stands in its dock."""
     return sorted(targets, key=lambda one: one.kind is TargetKind.DOCK)
