@@ -102,7 +102,7 @@ class StartOutput:
         return line if severity == 'WARN' or self.state is StartState.RUNNING else ''
 
     def _of_roslaunch(self, line: str) -> str:
-        """Returns what is printed for a line of roslaunch, or for what a program prints by itself, such as a traceback."""
+        """Returns what is shown of a line of roslaunch, or of a program that prints by itself."""
         if self.state is StartState.ENDING:
             return self._of_the_end(line)
         if self.state is StartState.RUNNING:
@@ -116,7 +116,7 @@ class StartOutput:
         return line
 
     def _of_the_end(self, line: str) -> str:
-        """Returns what is printed for a line after Ctrl-C. The traceback of an ended program is none."""
+        """Returns what is shown of a line after Ctrl-C: no traceback of a program that this ended."""
         if not self._traceback and line != _TRACEBACK:
             return line
         self._traceback.append(line)

@@ -242,7 +242,7 @@ def _may_cause(drive: DriveRecord, activity: Activity) -> bool:
 
 
 def _cause_of(activity: Activity) -> MotionCause:
-    """Returns what ended a drive of ours, if the robot shows this."""
+    """Returns why a drive of ours has ended, if the robot shows this."""
     return MotionCause.ROBOT if activity.kind in _GAVE_UP else MotionCause.OTHER_CLIENT
 
 

@@ -1,11 +1,14 @@
 """The witness puts another client's command where the robot took it among our stops."""
 from __future__ import annotations
 
+import pytest
 from delayed_drive import PERSON
 from modelled_controller import Delays
 from motion_witness import Witness
-from test_motion_property import Robots
+from test_motion_property import Robots, SimulatedRobots
 
+from omron_arcl import drives
+from omron_arcl.drives import Drives
 from omron_ld90.bridge import events as p
 
 
@@ -127,3 +130,36 @@ def test_an_emergency_stop_that_was_over_before_the_link_came_back_is_not_heard(
     world.robot.hear_another('enableMotors')
     world.run(5.0)
     assert _givers(world) == []
+
+
+@pytest.mark.parametrize('is_planted', [False, True])
+def test_it_is_found_that_a_program_drives_a_robot_which_others_stopped_in_an_outage(
+        monkeypatch, is_planted):
+    if is_planted:
+        monkeypatch.setattr(Drives, '_first_shown', lambda self, *_: setattr(
+            self, '_unseen', False))
+    robots = Robots()
+    robots.begin('rolling', 'name', 0.0, Delays())
+    robots.program_drives('/adapter', '3', 0.0)
+    robots.passes(1.0)
+    robots.reads('/adapter')
+    robots.world.cut(p.RobotLink.COMMANDS, 1.0)
+    robots.another_client('stop')
+    robots.passes(4.0)
+    robots.program_drives('/adapter', '4', 0.0)
+    robots.passes(1.0)
+    assert bool(robots.world.broken) is is_planted
+
+
+@pytest.mark.parametrize('is_planted', [False, True])
+def test_it_is_found_that_a_drive_of_others_without_a_name_is_told_as_ours(monkeypatch, is_planted):
+    if is_planted:
+        monkeypatch.setattr(drives, '_may_cause', lambda drive, activity: drive.may_move)
+    robots = SimulatedRobots()
+    robots.begin('rolling', 'interrupted name', Delays())
+    robots.program_drives('/adapter', '3', 0.0)
+    robots.passes(1.0)
+    robots.world.cut(p.RobotLink.COMMANDS, 1.0)
+    robots.another_client_drives_without_a_goal('gotoPoint 9000 3000 0')
+    robots.passes(10.0)
+    assert bool(robots.world.broken) is is_planted
