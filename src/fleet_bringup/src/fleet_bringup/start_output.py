@@ -116,7 +116,7 @@ class StartOutput:
         return line
 
     def _of_the_end(self, line: str) -> str:
-        """Returns what is shown of a line after Ctrl-C: no traceback of a program that this ended."""
+        """Returns what is shown of a line after Ctrl-C: no traceback of what this ended."""
         if not self._traceback and line != _TRACEBACK:
             return line
         self._traceback.append(line)

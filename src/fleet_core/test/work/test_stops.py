@@ -9,6 +9,7 @@ from fleet_builders import AGV, corridor, with_docks
 from fleet_core.files.errors import FileError
 from fleet_core.files.stops_file import load_stops
 from fleet_core.supervision.missions import Acceptance, Request, RequestRefused
+from fleet_core.work import rules
 from fleet_core.work.stops import (
     LONGEST_TIMEOUT,
     MOST_STEPS,
@@ -26,6 +27,8 @@ from fleet_core.work.stops import (
     check_stops,
     dwells_of,
 )
+from fleet_core.work.tables import StopState
+from fleet_core.work.work import RobotLoad, Situation, work_of
 
 STEP = WorkStep('engage', 60.0)
 
@@ -165,3 +168,16 @@ def test_a_wrong_file_is_refused_with_its_line(tmp_path, text, line, told):
     with pytest.raises(FileError, match=told) as error:
         read(tmp_path, text)
     assert error.value.line == line
+
+
+def test_a_last_stop_that_becomes_another_one_is_left_when_the_robot_has_passed_it():
+    """A step of an earlier stop keeps the robot at the last one, and then stops are added."""
+    going_on = replace(STEP, blocking=StepBlocking.NONE)
+    work = work_of((WorkStop(1, steps=(going_on,)), WorkStop(2)), ())
+    states = StopState.DONE, StopState.AT_WORK
+    for number, state in enumerate(states):
+        work = work.with_stop(number, replace(work.progress[number], state=state))
+    situation, problem = rules.changed(Situation(1, work, RobotLoad()), (WorkStop(3), WorkStop(2)))
+    assert not problem
+    after = rules.passed(situation, 2).work
+    assert after.current == 2 and after.progress[1].state is StopState.DONE

@@ -352,9 +352,8 @@ class Interlocking:
         if not self.claims.needs.has_devices:
             return False
         self._refresh()
-        # By a new order the robot could come back to a device that it has just left.
-        return self._kept_out(robot, robot.master.protocol.shown,
-                              may_leave=not robot.master.is_new_motion) is not None
+        # By this order the robot could come back to a device that it has left since its report.
+        return self._kept_out(robot, robot.master.protocol.shown, may_leave=False) is not None
 
     def forget(self, name: str) -> None:
         """Removes a robot that is not a robot of the site any more."""

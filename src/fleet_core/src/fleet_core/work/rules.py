@@ -219,10 +219,14 @@ def _steps_in_turn(work: Work) -> Iterator[Tuple[StepPlace, WorkStep, StepProgre
 
 
 def passed(situation: Situation, reached: int) -> Situation:
-    """Returns the situation after the robot has passed so many stops without work."""
+    """Returns the situation after the robot has passed so many stops without work.
+
+    It is at work at one that was the last stop until others were added.
+    """
     work = situation.work
     while work.current < min(reached, len(work.progress)):
-        work = _stop(work, StopEvent.PASS)
+        is_there = work.progress[work.current].state is StopState.AT_WORK
+        work = _stop(work, StopEvent.LEAVE if is_there else StopEvent.PASS)
     return situation._replace(work=work)
 
 
