@@ -214,11 +214,11 @@ class ObservedRun(Run):
         self.observed: List[Observation] = []
         self._looked = 0.0
 
-    def tells(self, status: Status) -> None:
+    def publishes(self, status: Status) -> None:
         """Notes that a mission may have ended."""
         if status.state is MissionState.SUCCEEDED:
             self.observed.append(Success(self.world.now, status.robot))
-        super().tells(status)
+        super().publishes(status)
 
     def stepped(self) -> None:
         """Notes that one step of time is over."""

@@ -71,9 +71,9 @@ class Operation(Run):
             self._missions[self._next_id] = name
             self._ask(Request(self._next_id, (goal,), robot=name, stamp=self.world.now + 0.1))
 
-    def tells(self, status: Status) -> None:
+    def publishes(self, status: Status) -> None:
         """Notes that a robot whose mission has ended needs another one."""
-        super().tells(status)
+        super().publishes(status)
         if not status.state.is_open:
             self._missions.pop(status.request_id, None)
 

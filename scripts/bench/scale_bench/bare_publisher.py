@@ -9,7 +9,7 @@ import node_program
 
 rospy.init_node('bare')
 publisher = rospy.Publisher(f'/bare/{rospy.get_name().strip("/")}', String, queue_size=1)
-node_program.tell_started()
+node_program.node_started()
 rate = rospy.Rate(2.0)  # noqa: TID251, a node as the tutorials of ROS write it
 while not rospy.is_shutdown():
     publisher.publish('x')

@@ -20,7 +20,7 @@ def believes_one_reading(patch: pytest.MonkeyPatch) -> None:
 
 
 def believes_readings_that_differ(patch: pytest.MonkeyPatch) -> None:
-    patch.setattr(DeviceMachine, '_goes_on', lambda self, settled: True)
+    patch.setattr(DeviceMachine, '_continues', lambda self, settled: True)
 
 
 def shows_what_was_not_read(patch: pytest.MonkeyPatch) -> None:

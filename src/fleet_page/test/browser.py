@@ -49,7 +49,7 @@ class ServedPage:
         """The fleet manager publishes its state while it runs."""
         while True:
             if self._alive:
-                self.page.model.take_robots(self.page.model.robots.values(), time.time())
+                self.page.model.update_robots(self.page.model.robots.values(), time.time())
             self.page.tick(time.time())
             await asyncio.sleep(0.2)
 

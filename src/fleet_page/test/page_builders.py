@@ -78,14 +78,14 @@ def show_fleet(shown: Page, now: Optional[float] = None) -> None:
     model.graph = graph()
     shown.site.radii = {'agv': 0.4}
     model.site_changed()
-    model.take_robots([robot(to_end=90.0), robot(
+    model.update_robots([robot(to_end=90.0), robot(
         'b', state='FAILED', outage='FAILED', mission=None, edge=2, waits_for='wheel blocked',
         destination=0, battery=None)], now)
-    model.take_places({'a': ShownPose(1.5, 0.0, 0.0), 'b': ShownPose(4.5, 0.0, None)})
+    model.update_places({'a': ShownPose(1.5, 0.0, 0.0), 'b': ShownPose(4.5, 0.0, None)})
     for id, state in ((7, 'ACTIVE'), (8, 'PENDING'), (9, 'SUCCEEDED')):
-        model.take_request(request(id))
-        shown.take_status(status(id, state, robot='' if state == 'PENDING' else 'a'))
-    shown.take_plans({'a': ShownPlan((1, 2), 1)}, now)
+        model.note_request(request(id))
+        shown.update_status(status(id, state, robot='' if state == 'PENDING' else 'a'))
+    shown.update_plans({'a': ShownPlan((1, 2), 1)}, now)
 
 
 class FakeFleet:

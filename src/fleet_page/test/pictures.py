@@ -95,28 +95,28 @@ def show(page: Page, count: int, in_trouble: bool, is_stopped: bool) -> None:
     model.show_named('areas', page.records.named(NamedKind.AREA))
     model.close_edges([2, 3, 5])
     fleet = robots(count, in_trouble)
-    model.take_robots(fleet.values(), now)
+    model.update_robots(fleet.values(), now)
     edges = list(model.graph.edges)
     curves = [model.graph.curve(edges[(3 * k) % len(edges)]) for k in range(len(fleet))]
-    model.take_places({name: ShownPose(*curve.point_at(1.2), curve.heading_at(1.2))
+    model.update_places({name: ShownPose(*curve.point_at(1.2), curve.heading_at(1.2))
                        for name, curve in zip(fleet, curves)})
     for k, (name, one) in enumerate(fleet.items()):
         for id, state in ((1840021800 + k, 'ACTIVE' if one.mission else 'PENDING'),
                           (731005200 + 13 * k, ('SUCCEEDED', 'FAILED', 'CANCELLED')[k % 3])):
             made = request(id, 2 + k, 5, 9)
             stamp = int((now - 700 - 31 * k) * 1e9)
-            model.take_request(type(made)(id, stamp, made.destinations, '', '', k % 3, 'anna'))
+            model.note_request(type(made)(id, stamp, made.destinations, '', '', k % 3, 'anna'))
             for became in ('PENDING', state):
-                page.take_status(status(
+                page.update_status(status(
                     id, became, stamp=stamp, serial=4000 + 2 * k + (state != 'ACTIVE'),
                     robot='' if became == 'PENDING' else name,
                     reached=k % 2, reason='wheel blocked' if became == 'FAILED' else ''))
         if in_trouble and k == 7 % count:
-            page.take_status(status(1840021800 + k, 'NEEDS_PERSON', stamp=stamp, robot=name,
+            page.update_status(status(1840021800 + k, 'NEEDS_PERSON', stamp=stamp, robot=name,
                                     serial=4000 + 2 * k, reason=ASKS, asks=5))
-    page.take_plans({name: ShownPlan((edges[(3 * k) % len(edges)], ), 1)
+    page.update_plans({name: ShownPlan((edges[(3 * k) % len(edges)], ), 1)
                      for k, name in enumerate(fleet)}, now)
-    model.take_robots(fleet.values(), now)
+    model.update_robots(fleet.values(), now)
     for k in range(200):
         if not 90 < k < 110:
             page.records.keep_charges(now - 300 * k, {

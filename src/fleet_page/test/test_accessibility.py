@@ -38,7 +38,7 @@ def window(tmp_path_factory):
     window.click('#stop')
     shown.do(lambda: (
         shown.page.model.show_stop(FleetStop(StopCause.PERSON, 'anna (page)', time.time())),
-        shown.page.take_status(status(7, 'NEEDS_PERSON', serial=42, reason='no pallet', asks=5)),
+        shown.page.update_status(status(7, 'NEEDS_PERSON', serial=42, reason='no pallet', asks=5)),
         shown.page.records.keep_charges(time.time() - 600.0, {'a': 0.8}),
         show_work(shown.page, time.time()),
         shown.page.model.show_named('areas', {'bay': {'edges': [3, 4]}})))

@@ -95,7 +95,7 @@ def test_robots_missions_alarms_and_plans_are_shown(window, served):
 
 def test_a_robot_that_moves_is_drawn_where_it_is(window, served):
     before = window.one('.robot[data-name=a]').get_attribute('transform')
-    served.do(lambda: served.page.model.take_places({'a': ShownPose(2.5, 0.0, 0.0)}))
+    served.do(lambda: served.page.model.update_places({'a': ShownPose(2.5, 0.0, 0.0)}))
     window.wait(lambda: window.one('.robot[data-name=a]').get_attribute('transform') != before)
 
 
@@ -164,7 +164,7 @@ def test_a_group_is_a_destination_by_its_name_in_the_form_and_on_the_map(window,
 
 def test_a_load_is_drawn_on_its_robot_and_its_mission_is_in_the_list(window, served):
     def carry(**load):
-        served.do(lambda: served.page.model.take_robots(
+        served.do(lambda: served.page.model.update_robots(
             [robot(**load), robot('b', mission=None, load='UNKNOWN')], time.time()))
     carry(load='LOADED', load_serial=42)
     window.wait(lambda: 'load of M42' in window.one('.robot[data-name=a]').get_attribute(
@@ -282,7 +282,7 @@ def test_walls_of_one_cell_are_whole_at_every_zoom(window, served):
 
 def test_a_robot_has_the_colour_that_it_has_in_rviz(window, served):
     drawing = pytest.importorskip('rviz_drawing.drawing')
-    served.do(lambda: served.page.model.take_robots(
+    served.do(lambda: served.page.model.update_robots(
         [robot(name) for name in ('a', 'b', 'c', 'd')], time.time()))
     for number, name in enumerate('abcd'):
         own = drawing.own_colour(number)
@@ -302,8 +302,8 @@ return boxes.filter((one, k) => boxes.slice(k + 1).some(other => cover(one, othe
 def test_the_labels_of_robots_that_meet_do_not_cover_each_other(window, served):
     names = [f'ld90_{k}' for k in range(5)]
     served.do(lambda: (
-        served.page.model.take_robots([robot(name, battery=None) for name in names], time.time()),
-        served.page.model.take_places({
+        served.page.model.update_robots([robot(name, battery=None) for name in names], time.time()),
+        served.page.model.update_places({
             name: ShownPose(4.0 + 0.9 * (k % 3), 3.0 + 0.9 * (k // 3), 0.0)
             for k, name in enumerate(names)})))
     window.wait(lambda: len(window.driver.find_elements('css selector', '.robot text')) == 5)
@@ -326,8 +326,8 @@ def test_a_robot_in_a_crowd_has_its_name_where_that_covers_no_other_robot(window
     names = [f'ld90_{k}' for k in range(24)]
     window.resize(390, 844)
     served.do(lambda: (
-        served.page.model.take_robots([robot(name, battery=None) for name in names], time.time()),
-        served.page.model.take_places({name: ShownPose(1.6 * (k % 6), 1.6 * (k // 6), 0.0)
+        served.page.model.update_robots([robot(name, battery=None) for name in names], time.time()),
+        served.page.model.update_places({name: ShownPose(1.6 * (k % 6), 1.6 * (k // 6), 0.0)
                                        for k, name in enumerate(names)})))
 
     def shown():
@@ -336,7 +336,7 @@ def test_a_robot_in_a_crowd_has_its_name_where_that_covers_no_other_robot(window
     window.wait(lambda: len(window.driver.find_elements(
         'css selector', '#moving .robot')) == 24 and 8 <= shown() < 24, 'the names')
     left_out = next(name for name in names if name not in window.script(COVERED)[0])
-    served.do(lambda: served.page.model.take_robots([robot(name, battery=None, **(
+    served.do(lambda: served.page.model.update_robots([robot(name, battery=None, **(
         {'state': 'FAILED', 'outage': 'FAILED'} if name == left_out else {}))
         for name in names], time.time()))
     window.wait(lambda: left_out in window.script(COVERED)[0], 'the name of one in trouble')
@@ -394,7 +394,7 @@ def test_no_name_of_a_crowd_covers_another_and_most_are_shown(window, served):
 
 
 def test_people_say_a_short_name_and_see_the_id_of_the_request_beside_it(window, served):
-    served.do(lambda: served.page.take_status(
+    served.do(lambda: served.page.update_status(
         status(7, 'NEEDS_PERSON', serial=42, reason=ASKS, asks=STEP)))
     window.wait(lambda: 'Mission M42 (7) a: step 1' in window.text('#alarms'))
     name = f'{MISSION} .id'
@@ -416,7 +416,7 @@ def test_a_list_that_changes_while_a_language_is_loaded_is_in_that_language_afte
             return real(path, ...more);
         };
         language.value = 'de'; language.dispatchEvent(new Event('change'));''')
-    served.do(lambda: served.page.model.take_robots([robot('a', wait='STEP')], time.time()))
+    served.do(lambda: served.page.model.update_robots([robot('a', wait='STEP')], time.time()))
     window.wait(lambda: window.text('#counts [data-act=working] b') == '1')
     window.script('window.release()')
     window.wait(lambda: 'Auftr' in window.text('#tab_button_missions'))
@@ -447,7 +447,7 @@ def test_a_chosen_robot_shows_its_battery_its_missions_and_what_happened_to_it(w
     assert '75 % now, lowest 75 %' in window.text('#robots')
     assert '9 · done' in window.text('#robots') and 'Nothing has happened' in window.text('#robots')
     assert 'Software' not in window.text('#robots'), 'the robot has told none'
-    served.do(lambda: served.page.model.take_robots([robot(
+    served.do(lambda: served.page.model.update_robots([robot(
         'a', state='STOPPED', outage='STOPPED', waits_for='emergency stop', software='own 2.1')],
         time.time()))
     window.wait(lambda: 'emergency stop · Mission 7' in window.text('#robots .lines .bad'))
@@ -457,7 +457,7 @@ def test_a_chosen_robot_shows_its_battery_its_missions_and_what_happened_to_it(w
 
 def test_the_list_of_faults_names_every_robot_that_does_not_work_with_code_and_remedy(
         window, served):
-    served.do(lambda: served.page.model.take_robots([
+    served.do(lambda: served.page.model.update_robots([
         robot('a'), robot('b', state='FAILED', outage='FAILED', waits_for='wheel blocked'),
         robot('c', state='OUT_OF_SERVICE', outage='OUT_OF_SERVICE', mission=None)], time.time()))
     window.click('#tab_button_robots')
@@ -473,7 +473,7 @@ def test_the_list_of_faults_names_every_robot_that_does_not_work_with_code_and_r
 
 
 def test_a_robot_at_a_step_works_in_words_and_in_the_counts(window, served):
-    served.do(lambda: served.page.model.take_robots([
+    served.do(lambda: served.page.model.update_robots([
         robot('a', waits_for='step 1 (pick) of stop 2', wait='STEP'),
         robot('b', waits_for='a', wait='TRAFFIC')], time.time()))
     window.click('#tab_button_robots')
@@ -495,7 +495,7 @@ def test_the_map_follows_a_robot_until_the_user_moves_it(window, served):
             return Math.hypot((at.left + at.right - map.left - map.right) / 2,
                               (at.top + at.bottom - map.top - map.bottom) / 2);''')
     for x in (1.5, 7.0):
-        served.do(lambda: served.page.model.take_places({'a': ShownPose(x, 4.0, 0.0)}))  # noqa: B023
+        served.do(lambda: served.page.model.update_places({'a': ShownPose(x, 4.0, 0.0)}))  # noqa: B023
         window.wait(lambda: from_middle() < 3.0)
     window.click('#zoom_fit')
     window.wait(lambda: from_middle() > 20.0)
@@ -516,10 +516,10 @@ def test_an_alarm_sounds_until_a_person_has_seen_it_and_stays_until_its_cause_is
     window.click('#alarm_list [data-act=acknowledge]')
     window.wait(lambda: 'seen by local' in window.text('#alarms'))
     assert not sounds() and 'wheel blocked' in window.text('#alarms')
-    served.do(lambda: served.page.model.take_robots([robot('a'), robot(
+    served.do(lambda: served.page.model.update_robots([robot('a'), robot(
         'b', state='STOPPED', outage='STOPPED', waits_for='emergency stop')], time.time()))
     window.wait(lambda: sounds() and 'seen by' not in window.text('#alarms'), 'the next cause')
-    served.do(lambda: served.page.model.take_robots([robot('a'), robot('b')], time.time()))
+    served.do(lambda: served.page.model.update_robots([robot('a'), robot('b')], time.time()))
     window.wait(lambda: not window.one('#alarms').is_displayed())
 
 
@@ -543,7 +543,7 @@ def test_news_move_neither_the_map_nor_a_button_under_a_finger(
     if folded:
         window.click('#fold')
     places = window.driver.execute_async_script(PLACES)
-    served.do(lambda: served.page.model.take_robots([robot('a'), robot('b')], time.time()))
+    served.do(lambda: served.page.model.update_robots([robot('a'), robot('b')], time.time()))
     window.wait(lambda: not window.one('#alarms').is_displayed())
     assert window.driver.execute_async_script(PLACES) == places, 'the last alarm has gone'
     ask(served)
@@ -564,7 +564,7 @@ def shown_missions(window):
 
 
 def test_missions_are_searched_filtered_and_sorted(window, served):
-    served.do(lambda: served.page.take_status(status(8, 'PENDING', robot='', reason='no way')))
+    served.do(lambda: served.page.update_status(status(8, 'PENDING', robot='', reason='no way')))
     window.wait(lambda: shown_missions(window) == ['7', '8'])
     window.one('#mission_search').send_keys('NO WAY')
     window.wait(lambda: shown_missions(window) == ['8'])
@@ -591,7 +591,7 @@ def test_the_menu_of_a_mission_works_by_keyboard_and_outlives_news(window, serve
     from selenium.webdriver.common.keys import Keys
     window.one(f'{MISSION} [data-act=menu]').send_keys(Keys.ENTER)
     window.wait(lambda: window.one('#menu').is_displayed())
-    served.do(lambda: served.page.take_status(status(7, 'ACTIVE', reached=1, reason='news')))
+    served.do(lambda: served.page.update_status(status(7, 'ACTIVE', reached=1, reason='news')))
     window.wait(lambda: 'news' in window.text('#open'))
     window.driver.switch_to.active_element.send_keys(Keys.ARROW_DOWN)
     window.driver.switch_to.active_element.send_keys(Keys.ESCAPE)
@@ -648,7 +648,7 @@ STEP = 2 ** 63 + 1
 
 
 def ask(served, state='NEEDS_PERSON', reason=ASKS):
-    served.do(lambda: served.page.take_status(status(7, state, reason=reason, asks=STEP)))
+    served.do(lambda: served.page.update_status(status(7, state, reason=reason, asks=STEP)))
 
 
 def test_a_mission_that_needs_a_person_is_told_below_the_lists_until_it_goes_on(window, served):
@@ -663,7 +663,7 @@ def test_a_mission_that_needs_a_person_is_told_below_the_lists_until_it_goes_on(
     window.wait(lambda: 'Auftrag 7 a: Schritt 1 (pick) der Station 2 braucht eine Antwort: no '
                         'pallet' in window.text('#alarms'))
     window.script('localStorage.clear()')
-    served.do(lambda: served.page.take_status(status(7)))
+    served.do(lambda: served.page.update_status(status(7)))
     window.wait(lambda: 'Auftrag 7' not in window.text('#alarms'))
     assert 'wheel blocked' in window.text('#alarms')
 
@@ -714,7 +714,7 @@ def test_each_button_of_two_alarms_is_in_view(window, served, width, height):
 def test_the_open_list_of_alarms_leaves_room_for_the_map_and_a_tab_brings_the_panel_back(
         window, served, width, height):
     window.resize(width, height)
-    served.do(lambda: served.page.model.take_robots(
+    served.do(lambda: served.page.model.update_robots(
         [robot(f'r{k}', state='FAILED', outage='FAILED') for k in range(60)], time.time()))
     window.wait(lambda: '(60)' in window.text('#alarm_count'))
     window.click('#fold_alarms')
@@ -911,7 +911,7 @@ def test_an_open_mission_is_changed_by_its_buttons(window, served, kind):
 
 
 def test_a_paused_mission_goes_on(window, served):
-    served.do(lambda: served.page.take_status(status(7, 'PAUSED')))
+    served.do(lambda: served.page.update_status(status(7, 'PAUSED')))
     window.wait(lambda: 'paused' in window.text('#open'))
     act_on_mission(window, 'continue')
     asked(window, served, ActKind.CONTINUE, mission=7)
@@ -933,7 +933,7 @@ def test_what_is_typed_outlives_news_of_the_mission(window, served):
     way = window.one('#open form input:not([type])')
     way.clear()
     way.send_keys('4 ')
-    served.do(lambda: served.page.take_status(status(7, 'ACTIVE', reached=1, reason='news')))
+    served.do(lambda: served.page.update_status(status(7, 'ACTIVE', reached=1, reason='news')))
     window.wait(lambda: 'news' in window.text('#open'))
     window.driver.switch_to.active_element.send_keys('8')
     window.click('#open form button')
@@ -1129,9 +1129,9 @@ def test_history_replay_and_audit_list_are_shown(window, served):
 
 def test_words_of_robots_and_missions_never_become_html(window, served):
     evil = '<img src=x onerror=document.title="taken">'
-    served.do(lambda: served.page.model.take_robots(
+    served.do(lambda: served.page.model.update_robots(
         [robot(evil, waits_for=evil, outage='FAILED', state='FAILED')], time.time()))
-    served.do(lambda: served.page.take_status(status(7, 'FAILED', reason=evil, robot=evil)))
+    served.do(lambda: served.page.update_status(status(7, 'FAILED', reason=evil, robot=evil)))
     window.wait(lambda: evil in window.text('#alarms') and evil in window.text('#ended'))
     assert window.driver.title == 'Fleet'
     assert window.driver.find_elements('css selector', 'img') == []
@@ -1150,10 +1150,10 @@ def test_german_and_dark_are_chosen_and_remembered(window, served):
     window.wait(lambda: 'seine Fahrt ist gescheitert („wheel blocked“)' in window.text('#alarms'))
     for id, reason, words in ((8, 'it waits for a to be free', 'er wartet, bis a frei ist'),
                               (9, 'a: it does not report', 'a: er meldet sich nicht')):
-        served.do(lambda: served.page.take_status(status(id, 'FAILED', reason=reason)))  # noqa: B023
+        served.do(lambda: served.page.update_status(status(id, 'FAILED', reason=reason)))  # noqa: B023
         window.wait(lambda: words in window.text('#ended'), words)  # noqa: B023
     for reason in ('the disk: a.b*(c', 'x'):
-        served.do(lambda: served.page.take_status(status(7, 'PAUSED', reason=reason)))  # noqa: B023
+        served.do(lambda: served.page.update_status(status(7, 'PAUSED', reason=reason)))  # noqa: B023
     window.wait(lambda: window.text('#open .soft') == 'x')
     window.picture('german_dark')
     window.script('localStorage.clear()')
@@ -1237,7 +1237,7 @@ def test_two_windows_see_the_same(window, served):
     try:
         window.open(served.url)
         window.one('.robot[data-name=a]')
-        served.do(lambda: served.page.model.take_robots(
+        served.do(lambda: served.page.model.update_robots(
             [robot('a', waits_for='b')], time.time()))
         window.wait(lambda: 'waits for: b' in window.text('#robots'))
     finally:

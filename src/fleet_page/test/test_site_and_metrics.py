@@ -51,7 +51,7 @@ def test_the_metrics_count_robots_missions_and_latencies(tmp_path):
     shown = page(str(tmp_path))
     show_fleet(shown)
     shown.planner.add(0.3)
-    shown.model.take_status(status(9, 'PLANNED', deadline='AT_RISK'))
+    shown.model.update_status(status(9, 'PLANNED', deadline='AT_RISK'))
     text = shown.metrics(2)
     for line in ('fleet_manager_up 1', 'fleet_robots{state="BUSY"} 1',
                  'fleet_missions{state="PENDING"} 1', 'fleet_missions{state="PLANNED"} 1',

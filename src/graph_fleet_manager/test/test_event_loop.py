@@ -8,7 +8,7 @@ import pytest
 from fleet_builders import AGV, corridor
 
 from fleet_core.interlocking.reports import Report
-from fleet_core.supervision.actions import Note, TellStatus
+from fleet_core.supervision.actions import Note, PublishStatus
 from fleet_core.supervision.missions import CommandKind, MissionState, Request
 from fleet_core.supervision.outages import Outage
 from graph_fleet_manager.nodes import event_loop
@@ -294,7 +294,7 @@ def test_a_stop_finds_room_where_too_many_reports_wait(loop, monkeypatch):
 def told_by(actions):
     """Ids and states of the requests that the statuses report."""
     return [(action.status.request_id, action.status.state) for action in actions
-            if isinstance(action, TellStatus)]
+            if isinstance(action, PublishStatus)]
 
 
 def test_a_request_is_not_kept_where_it_cannot_be(clock):

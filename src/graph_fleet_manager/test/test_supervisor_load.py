@@ -139,11 +139,11 @@ def test_what_reports_change_shares_a_commit_with_what_follows_within_40_ms():
     complete_edge()
     complete_edge()
     assert fleet.disk.journal.commits == before, 'a report must wait for the tick'
-    assert supervisor.look_at <= fleet.now, 'the last commit is old, so the tick must come at once'
+    assert supervisor.tick_due <= fleet.now, 'the last commit is old, so the tick must come at once'
     fleet.do(supervisor.tick(fleet.now))
-    assert fleet.disk.journal.commits == before + 1 and supervisor.look_at is None
+    assert fleet.disk.journal.commits == before + 1 and supervisor.tick_due is None
     complete_edge()
-    assert supervisor.look_at == pytest.approx(fleet.now + TOGETHER)
+    assert supervisor.tick_due == pytest.approx(fleet.now + TOGETHER)
 
 
 def test_a_stop_does_not_wait_for_what_else_is_to_be_stored():
@@ -163,7 +163,7 @@ def test_a_disk_that_fails_makes_nobody_look_at_the_clock_more_often():
     fleet.run(1.0)
     fleet.disk.fails()
     fleet.run(3.0)
-    assert fleet.supervisor.trouble and fleet.supervisor.look_at is None
+    assert fleet.supervisor.trouble and fleet.supervisor.tick_due is None
 
 
 def test_robots_get_edges_while_the_planner_works_for_others():

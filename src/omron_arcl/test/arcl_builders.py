@@ -77,7 +77,7 @@ def logged_in() -> Session:
     """A session after its login."""
     session = Session(PASSWORD)
     session.receive(lines(*LOGIN))
-    session.take_output()
+    session.pop_output()
     return session
 
 

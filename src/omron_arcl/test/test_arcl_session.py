@@ -41,7 +41,7 @@ def test_a_session_logs_in_and_reads_the_help_list(feed):
     assert event.help.descriptions['quit'] == 'closes this connection to the server'
     assert len(event.help) == 6
     assert session.state is SessionState.READY
-    assert session.take_output() == b'adept\necho off\n'
+    assert session.pop_output() == b'adept\necho off\n'
 
 
 def test_the_states_of_the_login_follow_the_robots_lines():
@@ -62,7 +62,7 @@ def test_whatever_asks_for_a_password_is_a_prompt_with_or_without_a_line_end(pro
     for feed in (feed_whole, feed_byte_by_byte):
         session = Session(PASSWORD)
         feed(session, prompt)
-        assert session.take_output() == b'adept\n'
+        assert session.pop_output() == b'adept\n'
         feed(session, b'\r\n')
         feed(session, lines(*LOGIN[1:]))
         assert session.state is SessionState.READY
@@ -72,7 +72,7 @@ def test_a_prompt_is_not_answered_before_it_is_all_there():
     session = Session(PASSWORD)
     for piece in (b'Enter passwor', b'd'):
         session.receive(piece)
-        assert session.take_output() == b''
+        assert session.pop_output() == b''
 
 
 def after(session: Session, *moments: float) -> List[Event]:
@@ -85,9 +85,9 @@ def test_without_a_prompt_the_password_is_sent_after_a_moment(greeting):
     session = Session(PASSWORD)
     session.receive(greeting)
     after(session, 100.0, 100.0 + PROMPT_TIMEOUT - 0.1)
-    assert session.take_output() == b''
+    assert session.pop_output() == b''
     after(session, 100.0 + PROMPT_TIMEOUT)
-    assert session.take_output() == b'adept\n'
+    assert session.pop_output() == b'adept\n'
     session.receive(b'\r\n' + lines(*LOGIN[1:]))
     assert session.state is SessionState.READY
 
@@ -99,7 +99,7 @@ def test_a_prompt_that_comes_late_is_not_a_refusal():
     assert session.state is SessionState.LOGGING_IN
     session.receive(lines(*LOGIN[1:]))
     assert session.state is SessionState.READY
-    assert session.take_output() == b'adept\necho off\n'
+    assert session.pop_output() == b'adept\necho off\n'
 
 
 @pytest.mark.parametrize('welcome', [
@@ -142,7 +142,7 @@ def test_a_robot_that_says_nothing_after_the_password_is_asked_for_a_line():
     session = Session(PASSWORD)
     session.receive(lines(LOGIN[0]))
     after(session, 0.0, WELCOME_TIMEOUT, 2 * WELCOME_TIMEOUT)
-    assert session.take_output() == b'adept\noneLineStatus\n'
+    assert session.pop_output() == b'adept\noneLineStatus\n'
     events = session.receive(lines(b'Status: Stopped Location: 1 2 3'))
     assert texts(events) == ['Status: Stopped Location: 1 2 3']
     assert isinstance(after(session, 10.0, 10.0 + HELP_TIMEOUT)[0], LoggedIn)
@@ -189,7 +189,7 @@ def test_a_session_without_login_speaks_at_once():
     session = Session(None)
     assert session.state is SessionState.READY
     assert texts(session.receive(lines(*STATUS))) == [line.decode() for line in STATUS]
-    assert session.take_output() == b''
+    assert session.pop_output() == b''
 
 
 @pytest.mark.parametrize('feed', FEEDS)

@@ -44,10 +44,15 @@ def plain(identifier: str) -> str:
 
 
 class Names(NamedTuple):
-    """The names in a module: of its classes, and all identifiers, also of modules."""
+    """The names in a module: of its classes and functions, and all identifiers, also of modules.
+
+    texts -- those that are no docstrings
+    """
 
     classes: Set[str]
+    functions: Set[str]
     identifiers: Set[str]
+    texts: List[str]
 
 
 def identifiers_of(node: ast.AST) -> Iterator[str]:
@@ -60,6 +65,15 @@ def identifiers_of(node: ast.AST) -> Iterator[str]:
         yield from node.names
 
 
+def texts(nodes: List[ast.AST]) -> Iterator[str]:
+    """The texts that are no docstrings: a text that stands alone is a docstring."""
+    docstrings = {id(node.value) for node in nodes if isinstance(node, ast.Expr)}
+    for node in nodes:
+        if isinstance(node, ast.Constant) and isinstance(node.value, str) and (
+                id(node) not in docstrings):
+            yield node.value
+
+
 @lru_cache(maxsize=None)
 def names() -> Dict[Path, Names]:
     """The names in each module."""
@@ -68,7 +82,9 @@ def names() -> Dict[Path, Names]:
         nodes = list(ast.walk(ast.parse(path.read_text(encoding='utf-8'))))
         found[path] = Names(
             {node.name for node in nodes if isinstance(node, ast.ClassDef)},
-            {name for node in nodes for name in identifiers_of(node)})
+            {node.name for node in nodes
+             if isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef))},
+            {name for node in nodes for name in identifiers_of(node)}, list(texts(nodes)))
     return found
 
 
@@ -115,24 +131,24 @@ def test_a_class_name_stands_for_one_thing():
     assert {name: paths for name, paths in modules.items() if len(paths) > 1} == {}
 
 
+def test_a_function_is_named_after_an_event_or_an_answer():
+    """take, tell, look and see say neither what happened nor what is returned."""
+    functions = {name for found in names().values() for name in found.functions}
+    assert {name for name in functions if NO_EVENT.match(name)} == set()
+
+
+# One takes a robot out, over, up or back, and an order; `look_of` returns the look of a thing.
+NO_EVENT = re.compile(
+    r'_*(?:takes?(?!_(?:out|over|up|back|away|order)(?:_|$))|tells?|look(?!_of)|see)(?:_|$)')
+
+
 def test_a_message_to_people_names_no_class():
     """A class that is renamed in bulk must not rename a word of a sentence."""
-    trees = {path: ast.parse(path.read_text(encoding='utf-8')) for path in MODULES}
-    classes = {node.name for tree in trees.values() for node in ast.walk(tree)
-               if isinstance(node, ast.ClassDef)}
-    found = [(path.name, text) for path, tree in trees.items() for text in texts(tree)
+    classes = {name for found in names().values() for name in found.classes}
+    wrong = [(path.name, text) for path, found in names().items() for text in found.texts
              if ' ' in text.strip() and classes.intersection(TWO_HUMPS.findall(text))]
-    assert found == []
+    assert wrong == []
 
 
 # 'WaitState: ' is ARCL's, and 'nav_msgs/OccupancyGrid' a type of ROS
 TWO_HUMPS = re.compile(r'(?<!/)\b[A-Z][a-z]+(?:[A-Z][a-z]+)+\b(?!:)')
-
-
-def texts(tree: ast.AST) -> Iterator[str]:
-    """The texts in a module that are no docstrings: a text that stands alone is a docstring."""
-    docstrings = {id(node.value) for node in ast.walk(tree) if isinstance(node, ast.Expr)}
-    for node in ast.walk(tree):
-        if isinstance(node, ast.Constant) and isinstance(node.value, str) and (
-                id(node) not in docstrings):
-            yield node.value

@@ -247,7 +247,7 @@ class RouteWorld:
             legs = [desk.leg(number) for number in range(desk.passed, desk.released)]
             driver.drive(desk.passed, [leg for leg in legs if leg], 0.0)
         known, drawn = {order for order, _ in world.orders}, world.drawn[0]
-        self._sent = driver.take_commands()
+        self._sent = driver.pop_commands()
         new = [order for order in self._sent if order not in known]
         for order in new:
             if order is None or order.number <= world.drawn[0]:

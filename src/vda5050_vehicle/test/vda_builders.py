@@ -223,7 +223,7 @@ class Lab:
         """The robot counts the orders of the adapter, as after an earlier order."""
         if isinstance(self.driver, RouteDriver):
             self.driver.stop(self.now)
-            for command in self.driver.take_commands():
+            for command in self.driver.pop_commands():
                 self.robot.arrive(command)
             self.driver.on_report(self.robot.report(), self.now)
             self.robot.routes.clear()

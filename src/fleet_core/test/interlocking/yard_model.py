@@ -842,7 +842,7 @@ class Yard:
         key = 'goes on', side.belief
         if key not in self._known:
             robot = self._robot(side)
-            self._known[key] = self._belief_id(robot) if robot.goes_on(NOW) else side.belief
+            self._known[key] = self._belief_id(robot) if robot.return_to_work(NOW) else side.belief
         return self._put(side if self._known[key] == side.belief else side._replace(
             belief=self._known[key], stale=True))
 

@@ -52,8 +52,8 @@ def test_whatever_numbers_a_robot_has_the_page_can_tell_them():
     robot, = messages.robots_of(msg.FleetState(robots=[state]))
     assert (robot.state, robot.outage, robot.battery) == ('UNKNOWN', 'TOO_NEAR', None)
     model = FleetModel()
-    model.take_robots([robot], 0.0)
-    model.take_places(messages.places_of(msg.FleetPoses(poses=[
+    model.update_robots([robot], 0.0)
+    model.update_places(messages.places_of(msg.FleetPoses(poses=[
         msg.FleetPose('a', 1.0, 2.0, math.nan, Time(0)),
         msg.FleetPose('b', math.nan, 2.0, 0.0, Time(0))])))
     assert model.places == {'a': ShownPose(1.0, 2.0, None)}
@@ -70,7 +70,7 @@ def test_a_robot_in_a_door_that_is_not_open_is_an_alarm(state, not_open):
     robots = messages.robots_of(message)
     assert [robot.not_open for robot in robots] == [not_open, '']
     model = FleetModel()
-    model.take_robots(robots, 0.0)
+    model.update_robots(robots, 0.0)
     alarm = model.live.get('alarm:robot:a')
     assert (alarm and alarm['cause']) == ('NOT_OPEN' if not_open else None)
     assert model.live.get('alarm:robot:b') is None
@@ -96,7 +96,7 @@ def test_the_software_of_a_robot_is_told_if_the_robot_tells_it():
     robots = messages.robots_of(msg.FleetState(robots=[
         msg.FleetRobot(name='a', software='own 2.1'), msg.FleetRobot(name='b')]))
     model = FleetModel()
-    model.take_robots(robots, 0.0)
+    model.update_robots(robots, 0.0)
     assert [model.live.get(f'robot:{name}')['software'] for name in 'ab'] == ['own 2.1', '']
 
 

@@ -123,7 +123,7 @@ class Run:
     def restarted(self) -> None:
         """Ignores a restart of the supervisor, which does not happen here."""
 
-    def tells(self, status: Status) -> None:
+    def publishes(self, status: Status) -> None:
         """Records the start and the end of each mission."""
         id, now, figures = status.request_id, self.world.now, self.figures
         counts = now >= self._warm_up

@@ -43,9 +43,9 @@ from fleet_core.supervision.actions import (
     AskDevice,
     AskPlanner,
     Note,
+    PublishStatus,
     SendRoute,
     SendStep,
-    TellStatus,
 )
 from fleet_core.supervision.missions import Status
 from fleet_core.supervision.settings import RobotSettings
@@ -71,7 +71,7 @@ class Watcher(Protocol):
     def sends(self, order: SendRoute) -> None:
         """Notes that the supervisor sends an order now."""
 
-    def tells(self, status: Status) -> None:
+    def publishes(self, status: Status) -> None:
         """Notes that the supervisor publishes a mission status now."""
 
     def stepped(self) -> None:
@@ -408,9 +408,9 @@ class VirtualFleet(Generic[Body]):
             elif isinstance(action, AskDevice):
                 for _ in range(self.network.copies()):
                     self.devices[action.request.device].receive(action.request)
-            elif isinstance(action, TellStatus):
+            elif isinstance(action, PublishStatus):
                 if self.watcher is not None:
-                    self.watcher.tells(action.status)
+                    self.watcher.publishes(action.status)
                 self.statuses.append(action.status)
             elif isinstance(action, Note):
                 self.notes.append(action.text)

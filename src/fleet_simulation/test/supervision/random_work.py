@@ -40,7 +40,7 @@ from fleet_core.interlocking.claims import ClaimState
 from fleet_core.interlocking.reports import Report
 from fleet_core.interlocking.resources import Resource, ResourceKind
 from fleet_core.planning.tasks import PlanningOutcome
-from fleet_core.supervision.actions import Action, AskDevice, SendStep, TellStatus
+from fleet_core.supervision.actions import Action, AskDevice, PublishStatus, SendStep
 from fleet_core.supervision.device_desk import FRESH
 from fleet_core.supervision.missions import (
     CommandKind,
@@ -233,7 +233,7 @@ class RandomWork(SupervisedFleet):
                 self._late.append(Kept(partial(self._perform_late, action), (
                     action.device or action.robot) if isinstance(action, SendStep) else ''))
                 continue
-            if isinstance(action, TellStatus):
+            if isinstance(action, PublishStatus):
                 self._check_final(action)
             super()._perform((action,))
 
@@ -894,7 +894,7 @@ class RandomWork(SupervisedFleet):
                 assert self._stood.setdefault(identity, at) == at, (
                     f'(g) {body.robot} moves during {body.step}')
 
-    def _check_final(self, told: TellStatus) -> None:
+    def _check_final(self, told: PublishStatus) -> None:
         """(j) A mission that has ended stays so."""
         status = told.status
         before = self._final.get(status.serial)

@@ -10,7 +10,7 @@ import pytest
 from fleet_builders import AGV, corridor, graph_of, ladder, with_docks
 
 from fleet_core.interlocking.reports import Report
-from fleet_core.supervision.actions import Note, TellStatus
+from fleet_core.supervision.actions import Note, PublishStatus
 from fleet_core.supervision.assignment import assign
 from fleet_core.supervision.battery import MUTE
 from fleet_core.supervision.fleet_view import RobotState, robot_views
@@ -285,7 +285,7 @@ def modify(fleet, mission, priority=0, *destinations):
     actions = fleet.supervisor.command(mission, CommandKind.MODIFY, fleet.now,
                                        MissionChange(priority, destinations))
     fleet.do(actions)
-    return [action.status for action in actions if isinstance(action, TellStatus)]
+    return [action.status for action in actions if isinstance(action, PublishStatus)]
 
 
 def test_a_robot_under_way_goes_to_the_new_destinations():
@@ -351,7 +351,7 @@ def test_who_requested_a_mission_and_its_end_is_told_and_kept():
     fleet.do(actions)
     assert any(isinstance(action, Note) and action.text == 'boris (page) requests CANCEL of '
                'mission 1.' for action in actions)
-    told, = (action.status for action in actions if isinstance(action, TellStatus))
+    told, = (action.status for action in actions if isinstance(action, PublishStatus))
     assert told.reason == 'cancelled on request of boris (page)'
 
 

@@ -164,7 +164,7 @@ class Promises:
                 (abs(edge) in self.fleet.closed and not is_inside, 'the edge is closed')):
             assert not is_wrong, f'{name} is granted {edge}, but {why}: {self.fleet.picture()}'
 
-    def tells(self, status: Status) -> None:
+    def publishes(self, status: Status) -> None:
         """Checks a published status: it is stored, and an ended mission keeps its state."""
         key = status.request_id, status.stamp
         before = self._told.get(key)

@@ -8,7 +8,7 @@ from fleet_builders import AGV
 
 from fleet_core.interlocking.stop_gate import StopGate
 from fleet_core.planning.tasks import Task
-from fleet_core.supervision.actions import AskPlanner, TellStatus
+from fleet_core.supervision.actions import AskPlanner, PublishStatus
 from fleet_core.supervision.missions import MissionState, Status
 from graph_fleet_manager.nodes import fleet_topics
 from itrci_nav_msgs.msg import PlanAnswer
@@ -92,7 +92,7 @@ def test_a_message_that_cannot_be_serialised_is_logged_and_the_others_go_out(
     monkeypatch.setattr(fleet_topics.rospy, 'logerr', lambda text, *words: logged.append(
         text % words))
     monkeypatch.setattr(_Publisher, 'error', error, raising=False)
-    topics.do([TellStatus(Status(id, MissionState.PENDING)) for id in (12, 13, 14)])
+    topics.do([PublishStatus(Status(id, MissionState.PENDING)) for id in (12, 13, 14)])
     assert [status.request_id for status in _Publisher.sent['/mission_status']] == [12, 14]
     assert logged == ['A defect: a MissionStatus is not sent, because it cannot be serialised (too '
                       'late).']

@@ -28,7 +28,7 @@ def end_with(host: int) -> None:
         os._exit(1)  # the host ended before the call of prctl
 
 
-def take_signals(mask: Iterable[int]) -> None:
+def restore_signals(mask: Iterable[int]) -> None:
     """Restores the signal handling of a new process; pending signals take effect now."""
     for number in (*ENDS, signal.SIGCHLD):
         signal.signal(number, signal.SIG_DFL)
@@ -55,7 +55,7 @@ def become(request: StartRequest, streams: Sequence[int]) -> None:
     _show_as(request.arguments)
     _LIBC.mallopt(M_ARENA_MAX, 2)  # a node has a dozen threads, but little data
     _draw_other_random_numbers()
-    ros_state.take_names()
+    ros_state.read_names()
     gc.enable()
 
 

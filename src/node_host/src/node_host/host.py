@@ -54,7 +54,7 @@ class Host:
         for one in (listener, self._wakeup, self._wakeup_end):
             one.setblocking(False)
         self._watch(listener, self._accept)
-        self._watch(self._wakeup, self._take_signals)
+        self._watch(self._wakeup, self._handle_signals)
         signal.set_wakeup_fd(self._wakeup_end.fileno(), warn_on_full_buffer=False)
         for number in (signal.SIGCHLD, signal.SIGINT, signal.SIGTERM):
             signal.signal(number, lambda *_: None)
@@ -105,9 +105,9 @@ class Host:
             for number in packet:
                 self._signal(program, number)
         else:
-            self._take_request(program, packet, streams)
+            self._begin_request(program, packet, streams)
 
-    def _take_request(self, program: _Program, packet: bytes, streams: List[int]) -> None:
+    def _begin_request(self, program: _Program, packet: bytes, streams: List[int]) -> None:
         program.streams = streams
         try:
             request = read_request(packet)
@@ -159,7 +159,7 @@ class Host:
             os.close(start_pipe)
             streams = [os.dup(stream) for stream in program.streams]
             self._close()
-            child.take_signals(blocked)
+            child.restore_signals(blocked)
             child.become(request, streams)
             node_program.when_started(shared_memory.give_back)
             node_program.when_started(lambda: os.close(start_pipe_end))
@@ -179,7 +179,7 @@ class Host:
             program.start_pipe = -1
         self._queue.started(program)
 
-    def _take_signals(self) -> None:
+    def _handle_signals(self) -> None:
         for number in self._wakeup.recv(4096):
             if number in (signal.SIGINT, signal.SIGTERM):
                 self._end()

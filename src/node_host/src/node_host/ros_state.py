@@ -46,7 +46,7 @@ def _places() -> Iterator[str]:
             yield os.path.join(folder, f'python_logging.{ending}')
 
 
-def take_names() -> None:
+def read_names() -> None:
     """Reads, in a fork, remappings and namespace again, because rospy read them in the host."""
     names = sys.modules.get('rospy.names')
     if names is not None:

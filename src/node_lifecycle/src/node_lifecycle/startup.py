@@ -67,7 +67,7 @@ def run(name: str, start: Callable[[], Any],
     else:
         if hasattr(node, 'close'):
             rospy.on_shutdown(node.close)
-    node_program.tell_started()
+    node_program.node_started()
     _wait_for_end(ending)
 
 

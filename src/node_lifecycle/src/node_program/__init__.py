@@ -22,7 +22,7 @@ def when_started(then: Callable[[], None]) -> None:
     _when_started.append(then)
 
 
-def tell_started() -> None:
+def node_started() -> None:
     """Tells that the node of this process has started and registered with the ROS master."""
     while _when_started:
         _when_started.pop()()

@@ -132,7 +132,7 @@ class ArclLink(Transport):
 
     def _send(self, peer: LivePeer) -> None:
         """Sends pending lines, one command at a time, so that a stop overtakes all others."""
-        peer.connection.send(peer.session.take_output())
+        peer.connection.send(peer.session.pop_output())
         while not peer.connection.unsent and peer.session.state is SessionState.READY:
             line = self._user.next_to_send(time.monotonic())
             if line is None:

@@ -153,7 +153,7 @@ class Attribution:
         self._commands.add_line(execution, text, now)
         self._commands.begin(execution, text)
 
-    def _goes_on(self, execution: Execution, reply: Reply, text: str, now: float) -> None:
+    def _continued(self, execution: Execution, reply: Reply, text: str, now: float) -> None:
         """Handles a line of a drive. A robot that stands gives no sign that its drive goes on.
 
         Some robots name their dock as a goal. The name with which the robot sets out is that of its
@@ -218,7 +218,7 @@ class Attribution:
 
 
 _HANDLERS: Mapping[Means, Callable[[Attribution, Execution, Reply, str, float], None]] = {
-    Means.ACKNOWLEDGED: Attribution._acknowledged, Means.GOES_ON: Attribution._goes_on,
+    Means.ACKNOWLEDGED: Attribution._acknowledged, Means.GOES_ON: Attribution._continued,
     Means.REFUSED_SOON: Attribution._refused_soon, Means.ANSWERED: Attribution._answered}
 
 
@@ -389,7 +389,7 @@ def _continues(execution: Execution, reply: Reply) -> bool:
 
 def _leads_elsewhere(execution: Execution, reply: Reply) -> bool:
     """Returns whether the robot drives to a goal that is not its dock,
-    see `Attribution._goes_on`.
+    see `Attribution._continued`.
     """
     activity = activity_of(reply)
     return (execution.command.spec.course is DriveCourse.INTO_THE_DOCK

@@ -114,7 +114,7 @@ class Client(ArclLink):
                 execution = self._dispatcher.start(command, timeout, on_line, on_end,
                                                    stop_on_timeout, giver, known_epoch, number)
         finally:
-            self._tell_motion()
+            self._publish_motion()
         self._waker.wake()
         return execution
 
@@ -122,14 +122,14 @@ class Client(ArclLink):
         """Ends a command; stops the robot if it is a drive. Its `result` is set when it is over."""
         with self._lock:
             self._dispatcher.cancel(execution, time.monotonic(), canceller)
-        self._tell_motion()
+        self._publish_motion()
         self._waker.wake()
 
     def cancel_all(self, canceller: Giver) -> None:
         """Cancels all earlier commands on behalf of `canceller`, even if none is under way."""
         with self._lock:
             self._dispatcher.records.all_cancelled(canceller)
-        self._tell_motion()
+        self._publish_motion()
         self._waker.wake()
 
     @property
@@ -138,7 +138,7 @@ class Client(ArclLink):
         with self._lock:
             return self._dispatcher.records.motion
 
-    def _tell_motion(self) -> None:
+    def _publish_motion(self) -> None:
         """Calls `on_motion` if the motion has changed."""
         if self._on_motion:
             with self._telling:
@@ -223,7 +223,7 @@ class Client(ArclLink):
 
     def _call_back(self) -> None:
         """Reports the outcomes to the givers of commands."""
-        self._tell_motion()
+        self._publish_motion()
         with self._lock:
             callbacks = self._dispatcher.pop_callbacks()
         for callback in callbacks:

@@ -39,7 +39,7 @@ class LineBuffer:
         """The beginning of a line whose end has not come yet."""
         return bytes(self._tail)
 
-    def take_tail(self) -> bytes:
+    def pop_tail(self) -> bytes:
         """Returns and clears the tail, as if the line had ended here."""
         tail = bytes(self._tail)
         self._tail.clear()

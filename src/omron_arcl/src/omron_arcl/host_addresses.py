@@ -65,10 +65,10 @@ class HostAddresses:
                 if self._is_closed:
                     return
                 self._is_asked = False
-            timeout = None if self._look_up() else AGAIN
+            timeout = None if self._resolve() else AGAIN
             self._on_answer()
 
-    def _look_up(self) -> bool:
+    def _resolve(self) -> bool:
         begun = time.monotonic()
         try:
             found = frozenset(str(entry[4][0]) for entry in resolve(self._host))

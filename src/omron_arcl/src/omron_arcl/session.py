@@ -3,7 +3,7 @@
 There are two kinds of connection. On port 7171 the robot first asks for a password and lists its
 commands. On the connection that the robot opens itself (7179) it sends lines at once. In both,
 `read` takes the bytes of the socket and returns their meaning. `on_time` passes the time during
-the login. `take_output` returns the lines that the session itself sends: the password and
+the login. `pop_output` returns the lines that the session itself sends: the password and
 `echo off`.
 
 The login of a real LD-90 consists of a prompt on a separate line, `Welcome to the server.` and a
@@ -167,7 +167,7 @@ class Session:
                 yield from self._log_in(raw)
         if self.state in _BEFORE_THE_WELCOME and self._asks_in_the_tail():
             self.lines_read += 1
-            yield from self._log_in(self._lines.take_tail())
+            yield from self._log_in(self._lines.pop_tail())
         if self._lines.overflowed and self.state is not SessionState.CLOSED:
             yield self._close(LineTooLong(self._lines.limit))
 
@@ -201,7 +201,7 @@ class Session:
                 return [self._ready(complete=False)]
         return []
 
-    def take_output(self) -> bytes:
+    def pop_output(self) -> bytes:
         """Returns and clears the bytes that the session itself sends to the robot."""
         output = bytes(self._output)
         self._output.clear()

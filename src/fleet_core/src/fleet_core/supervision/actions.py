@@ -50,7 +50,7 @@ class AskDevice:
 
 
 @dataclass(frozen=True)
-class TellStatus:
+class PublishStatus:
     """Publish the status of a request."""
 
     status: Status
@@ -84,5 +84,5 @@ class Note:
     is_warning: bool = False
 
 
-Action = Union[SendRoute, SendStep, AskDevice, TellStatus, AskPlanner, Note]
+Action = Union[SendRoute, SendStep, AskDevice, PublishStatus, AskPlanner, Note]
 """Any action that the supervisor may request."""

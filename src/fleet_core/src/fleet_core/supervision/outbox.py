@@ -11,7 +11,7 @@ from math import inf
 from typing import Callable, Dict, List, Mapping, Optional, Set
 
 from fleet_core.interlocking.interlocking import InterlockedRobot, Interlocking
-from fleet_core.supervision.actions import Action, Note, SendRoute, TellStatus
+from fleet_core.supervision.actions import Action, Note, PublishStatus, SendRoute
 from fleet_core.supervision.device_desk import DeviceDesk
 from fleet_core.supervision.fleet_stop import FleetStop
 from fleet_core.supervision.journal import Journal, RobotMemory
@@ -164,7 +164,7 @@ class Outbox:
         self._book.stored()
         self._desk.stored()
         for mission in missions:
-            self.put(TellStatus(mission.status))
+            self.put(PublishStatus(mission.status))
 
     def _orders(self, now: float) -> List[Action]:
         """Returns all orders that are due and that the interlocking lets pass.

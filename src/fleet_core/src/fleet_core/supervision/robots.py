@@ -219,7 +219,7 @@ class ManagedRobot:
         if self.liveness.is_seen:
             self.master.grow(heard - self._located)
 
-    def goes_on(self, now: float) -> bool:
+    def return_to_work(self, now: float) -> bool:
         """Ends an outage or a fleet stop after which a standing robot is planned anew.
 
         Returns whether it did.

@@ -28,7 +28,7 @@ from fleet_core.interlocking.stop_gate import StopGate
 from fleet_core.planning.road_network import RoadNetwork
 from fleet_core.planning.tasks import PlanningOutcome
 from fleet_core.supervision import mission_commands, mission_progress
-from fleet_core.supervision.actions import Action, TellStatus
+from fleet_core.supervision.actions import Action, PublishStatus
 from fleet_core.supervision.assumptions import World, WorldView
 from fleet_core.supervision.charging import ChargerDesk, docks_of
 from fleet_core.supervision.device_desk import FRESH, DeviceDesk
@@ -201,7 +201,7 @@ class Supervisor:
         return self._out.trouble
 
     @property
-    def look_at(self) -> Optional[float]:
+    def tick_due(self) -> Optional[float]:
         """Time of the next `tick`, perhaps earlier than usual; None: as usual.
 
         That tick stores all changes by reports, with all their effects, in one commit.
@@ -280,7 +280,7 @@ class Supervisor:
         if request.stamp and (before is None or before.request.identity != request.identity):
             ended = self._journal.find(request)
             if ended is not None:  # the request was latched, or on its way for a long time
-                self._out.put(TellStatus(ended.status))
+                self._out.put(PublishStatus(ended.status))
                 return None
         if before is None or not request.is_repeat_of(before.request, before.state.is_open):
             request = self._work_requests.complete(request)
@@ -291,7 +291,7 @@ class Supervisor:
             self._out.note(f'{request.requested_by} requests mission {request.id} to '
                            f'{listed(request.destinations)}.')
         if mission is None and before is not None and before.serial not in self.book.changed:
-            self._out.put(TellStatus(before.status))
+            self._out.put(PublishStatus(before.status))
         return mission
 
     def _run_timetables(self) -> None:
@@ -334,7 +334,7 @@ class Supervisor:
         return (time_over(mission, (robot.type,), self.network) if isnan(end) else end) / self.rate
 
     def _refuse(self, request: Request, reason: str) -> None:
-        self._out.put(TellStatus(mission_commands.refused(request, reason)))
+        self._out.put(PublishStatus(mission_commands.refused(request, reason)))
 
     def stored_status(self, request_id: int, stamp: float) -> Optional[Status]:
         """Returns the stored status of a mission (stamp 0: the last with this id); None: none is
@@ -356,7 +356,7 @@ class Supervisor:
             return self._actions(now)
         before = mission.stored or mission.status
         if self.trouble and command not in (CommandKind.CANCEL, CommandKind.PAUSE):
-            self._out.put(TellStatus(mission_commands.not_done(before, command, self.trouble)))
+            self._out.put(PublishStatus(mission_commands.not_done(before, command, self.trouble)))
             return self._actions(now)
         if change is None:
             problem = mission_commands.carry_out(command, mission, self.book, self.robots,
@@ -366,7 +366,7 @@ class Supervisor:
                 self._modify(mission, change))
             problem = refusal and f'Mission {request_id} is not changed: {refusal}.'
             if refusal:
-                self._out.put(TellStatus(mission_commands.not_done(before, command, refusal)))
+                self._out.put(PublishStatus(mission_commands.not_done(before, command, refusal)))
         if mission.serial in self.book.changed:
             mission.changed_by = requested_by
         if problem:
@@ -377,7 +377,7 @@ class Supervisor:
         actions = self._actions(now)
         if self.trouble:
             told = mission_commands.not_stored(before, command, self.trouble)
-            actions.append(TellStatus(told))
+            actions.append(PublishStatus(told))
         return actions
 
     def _modify(self, mission: Mission, change: MissionChange) -> str:
@@ -457,7 +457,7 @@ class Supervisor:
         self.devices.report(report, now)
         return self._out.actions_unless_due_later(now)
 
-    def _look_at_devices(self, now: float) -> None:
+    def _judge_devices(self, now: float) -> None:
         """Tells the interlocking which devices are open, and people where one is not for a robot.
         """
         self.devices.update_open(now)
@@ -787,7 +787,7 @@ class Supervisor:
     def _advance(self, now: float) -> None:
         for robot in self.robots.values():
             self._follow(robot, now)
-        self._look_at_devices(now)
+        self._judge_devices(now)
         if not self.trouble:
             self._run_timetables()
         self._follow_times(now)
@@ -820,7 +820,7 @@ class Supervisor:
         """Judges what is known of a robot now, and lets it go on or stop."""
         robot.tick(now, self._heard)
         mission_progress.follow(self.book, robot, now)
-        if not self.is_stopped and robot.goes_on(now):
+        if not self.is_stopped and robot.return_to_work(now):
             self._out.robot_changed(robot.name)
         if robot.master.needs_stop and robot.liveness.stands:
             robot.master.halt()  # it does not count the orders of this fleet manager yet

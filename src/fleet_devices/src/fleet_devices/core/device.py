@@ -237,7 +237,7 @@ class DeviceMachine:
         if reading is None:
             return replace(self, is_awaited=False, output=None, problem=problem).tick(now)
         settled = reading.is_open if reading.is_open == reading.output else None
-        alike = min(self.alike + 1, STEADY) if self._goes_on(settled) else 1
+        alike = min(self.alike + 1, STEADY) if self._continues(settled) else 1
         if self.begun <= self.stage_from:
             alike = 0
         return replace(self, is_awaited=False, read=self.begun, read_at=self.begun_at,
@@ -310,7 +310,7 @@ class DeviceMachine:
         """Returns whether an exchange with a reading began after the use was taken."""
         return self.read > taken.begun
 
-    def _goes_on(self, settled: Optional[bool]) -> bool:
+    def _continues(self, settled: Optional[bool]) -> bool:
         """Returns whether a reading continues the ones before it."""
         return self.alike > 0 and settled == self.settled
 

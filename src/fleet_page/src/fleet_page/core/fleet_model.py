@@ -113,7 +113,7 @@ class FleetModel:
 
     # -- robots -----------------------------------------------------------------------------------
 
-    def take_robots(self, robots: Iterable[ShownRobot], now: float) -> None:
+    def update_robots(self, robots: Iterable[ShownRobot], now: float) -> None:
         """Takes the states of all robots."""
         found = {robot.name: robot for robot in robots}
         if self._heard is not None:
@@ -185,7 +185,7 @@ class FleetModel:
         self.live.put('stop', {'cause': stop.cause.name, 'by': stop.by, 'since': stop.since,
                                'why': stop.why} if stop.is_in_force else None)
 
-    def take_places(self, places: Mapping[str, ShownPose]) -> None:
+    def update_places(self, places: Mapping[str, ShownPose]) -> None:
         """Takes the poses of robots."""
         for name, place in places.items():
             before = self.places.get(name)
@@ -254,13 +254,13 @@ class FleetModel:
                         edge = abs(robot.edge)
                         self._edge_waiting[edge] = self._edge_waiting.get(edge, 0.0) + seconds
 
-    def take_sums(self) -> Tuple[Dict[str, Sums], Dict[int, float]]:
+    def pop_sums(self) -> Tuple[Dict[str, Sums], Dict[int, float]]:
         """Returns the sums since the last call, by robot, and the s of waiting, by edge."""
         sums, self._sums = self._sums, {}
         edges, self._edge_waiting = self._edge_waiting, {}
         return sums, edges
 
-    def take_events(self) -> List[RobotEvent]:
+    def pop_events(self) -> List[RobotEvent]:
         """Returns what happened to robots since the last call."""
         events, self._events = self._events, []
         return events
@@ -282,7 +282,7 @@ class FleetModel:
 
     # -- plans and missions -----------------------------------------------------------------------
 
-    def take_plans(self, plans: Mapping[str, ShownPlan]) -> None:
+    def update_plans(self, plans: Mapping[str, ShownPlan]) -> None:
         """Takes the plans of all robots."""
         self.live.replace('plan:', {name: [list(plan.edges), plan.released]
                                     for name, plan in plans.items() if plan.edges})
@@ -302,7 +302,7 @@ class FleetModel:
         """Forgets the points of a robot's laser, which no browser shows any more."""
         self.live.remove(f'laser:{robot}')
 
-    def take_request(self, request: MissionRequest) -> None:
+    def note_request(self, request: MissionRequest) -> None:
         """Takes the request of a mission. It may come before or after its first status."""
         key = (request.id, request.stamp)
         self._requests[key] = request
@@ -321,14 +321,14 @@ class FleetModel:
         return {status.id for key, status in self.missions.items()
                 if key not in self._requests and status.state in OPEN_STATES}
 
-    def take_history(self, lines: Iterable[HistoryLine]) -> None:
+    def note_history(self, lines: Iterable[HistoryLine]) -> None:
         """Takes from the journal the requests that came before the page listened."""
         last = {line.request_id: line for line in lines}
         for key, status in list(self.missions.items()):
             line = last.get(status.id)
             if key not in self._requests and line is not None:
                 self._times[key] = line.started, line.ended
-                self.take_request(MissionRequest(*key, line.destinations, '', line.robot_type,
+                self.note_request(MissionRequest(*key, line.destinations, '', line.robot_type,
                                                  line.priority, line.requested_by))
 
     def count_done(self, lines: Iterable[HistoryLine], until: float) -> None:
@@ -343,7 +343,7 @@ class FleetModel:
                     if key[0] == id and status.state in OPEN_STATES]:
             self._requests.pop(key, None)
 
-    def take_status(self, status: MissionStatus) -> None:
+    def update_status(self, status: MissionStatus) -> None:
         """Takes the status of a mission."""
         key = (status.id, status.stamp)
         before = self.missions.pop(key, None)

@@ -97,20 +97,20 @@ class Page:
             self._keep('replay', lambda: self.replay.add(now, self.model.moment()))
         if abs(now - self._summed) >= SUMS_PERIOD:
             self._summed = now
-            self._keep('history', lambda: self.records.add(now, *self.model.take_sums()))
+            self._keep('history', lambda: self.records.add(now, *self.model.pop_sums()))
             self._keep('batteries', lambda: self.records.keep_charges(now, self.model.charges))
-        events = self.model.take_events()
+        events = self.model.pop_events()
         if events:
             self._keep('events of robots', lambda: self.records.note_events(events))
 
-    def take_plans(self, plans: Dict[str, ShownPlan], now: float) -> None:
+    def update_plans(self, plans: Dict[str, ShownPlan], now: float) -> None:
         """Takes the plans of all robots."""
-        self.model.take_plans(plans)
+        self.model.update_plans(plans)
         self.release.note_plans(plans, now)
 
-    def take_status(self, status: MissionStatus) -> None:
+    def update_status(self, status: MissionStatus) -> None:
         """Takes the status of a mission, and updates the outcome in the audit list."""
-        self.model.take_status(status)
+        self.model.update_status(status)
         if status.not_done:
             self._keep('audit list', lambda: self.records.was_not_done(
                 status.not_done, status.id, status.reason))
@@ -120,10 +120,10 @@ class Page:
         if status.state not in OPEN_STATES or status.state == 'ACTIVE':
             self._keep('audit list', lambda: self.records.mission_became(status.id, words))
 
-    def take_request(self, request: MissionRequest, sender: str, now: float) -> None:
+    def note_request(self, request: MissionRequest, sender: str, now: float) -> None:
         """Takes the request of a mission. A request with a `sender` is added to the audit list."""
         is_new = not self.model.knows(request)
-        self.model.take_request(request)
+        self.model.note_request(request)
         if sender and is_new:
             act = Act(ActKind.RUN if request.template else ActKind.SEND, robot=request.robot,
                       robot_type=request.robot_type, priority=request.priority,

@@ -64,7 +64,7 @@ class Connection(asyncio.Protocol):
             asyncio.get_event_loop().add_reader(self._sock, self._on_bytes, 0)
         elif self._listener.is_whole(data) and not self._listener.is_foreign(data):
             self._stop_timer()
-            self._look_no_more()
+            self._stop_reading()
             self._begun = asyncio.ensure_future(self._begin())
         elif len(data) <= seen or len(data) >= LONGEST_HEAD or self._listener.is_foreign(data):
             self.end()  # the other side has ended it, sends too much, or something else
@@ -73,7 +73,7 @@ class Connection(asyncio.Protocol):
             self._sock.setsockopt(socket.SOL_SOCKET, socket.SO_RCVLOWAT, len(data) + 1)
             asyncio.get_event_loop().add_reader(self._sock, self._on_bytes, len(data))
 
-    def _look_no_more(self) -> None:
+    def _stop_reading(self) -> None:
         asyncio.get_event_loop().remove_reader(self._sock)
         self._sock.setsockopt(socket.SOL_SOCKET, socket.SO_RCVLOWAT, 1)
 

@@ -119,7 +119,7 @@ class FleetPageNode:
         def missions(since: float) -> List[HistoryLine]:
             return list(history(journal, since))
         self._areas = rospy.Publisher('/edge_areas', EdgeAreas, queue_size=1, latch=True)
-        self._page = Page(self._records, replay, missions, self._tell_areas)
+        self._page = Page(self._records, replay, missions, self._publish_areas)
         if parameter('~fleet_file', ''):
             self._page.site.radii = messages.radii_of(fleet_of())
         self._stations: Mapping[str, Station] = {}
@@ -172,13 +172,13 @@ class FleetPageNode:
             self._page.tick(now)
             if not is_read and self._page.model.robots:  # now the fleet manager has its journal
                 is_read = True
-                await self._look_up(now - HOUR)
+                await self._read_journal(now - HOUR)
             elif self._page.model.unknown and abs(now - looked) >= LOOK_UP:
                 looked = now
-                await self._look_up(math.inf)
+                await self._read_journal(math.inf)
             await asyncio.sleep(TICK)
 
-    async def _look_up(self, since: float) -> None:
+    async def _read_journal(self, since: float) -> None:
         """Reads in the journal the missions from before the page's start, and changed ones.
 
         since -- the missions that have changed since then, and all open ones
@@ -191,7 +191,7 @@ class FleetPageNode:
             rospy.logwarn_throttle(600.0, 'The destinations of missions from before the start are '
                                           f'not shown: {error}')
         else:
-            self._page.model.take_history(lines)
+            self._page.model.note_history(lines)
             self._page.model.count_done(lines, self._begun)
 
     def _subscribe(self, map_topic: str) -> List[rospy.Subscriber]:
@@ -262,7 +262,7 @@ class FleetPageNode:
     def _on_state(self, message: FleetState) -> None:
         self._stations = stations_of(message.resources)
         self._page.model.show_stop(stop_of(message.stop))
-        self._page.model.take_robots(messages.robots_of(message), time.time())
+        self._page.model.update_robots(messages.robots_of(message), time.time())
         self._page.model.show_resources(messages.resources_of(message),
                                         messages.machines_of(message))
         ready = self._readiness.words(
@@ -274,13 +274,13 @@ class FleetPageNode:
                            'press Send.')
 
     def _on_poses(self, message: FleetPoses) -> None:
-        self._page.model.take_places(messages.places_of(message))
+        self._page.model.update_places(messages.places_of(message))
 
     def _on_plan(self, message: FleetPlan) -> None:
-        self._page.take_plans(messages.plans_of(message), time.time())
+        self._page.update_plans(messages.plans_of(message), time.time())
 
     def _on_request(self, message: MissionRequest) -> None:
-        self._page.take_request(messages.request_of(message),
+        self._page.note_request(messages.request_of(message),
                                 messages.sender_of(message, rospy.get_name()), time.time())
 
     def _on_command(self, message: MissionCommand) -> None:
@@ -298,7 +298,7 @@ class FleetPageNode:
             self._page.noticed(sender, act, time.time())
 
     def _on_status(self, message: MissionStatus) -> None:
-        self._page.take_status(messages.status_of(message))
+        self._page.update_status(messages.status_of(message))
 
     def _on_templates(self, message: MissionTemplates) -> None:
         self._page.model.show_templates(messages.templates_of(message))
@@ -306,7 +306,7 @@ class FleetPageNode:
     def _on_timetables(self, message: Timetables) -> None:
         self._page.model.show_timetables(messages.timetables_of(message))
 
-    def _tell_areas(self, areas: Mapping[str, Any]) -> None:
+    def _publish_areas(self, areas: Mapping[str, Any]) -> None:
         message = messages.areas_message(areas)
         message.header.stamp = rospy.Time.now()
         self._areas.publish(message)

@@ -88,7 +88,7 @@ class AgvVehicle:
     def _forget(self) -> None:
         """Begins without memory of any order."""
         self._protocol = protocol.Vehicle(self._draw, self._clock)
-        self._intake = Intake(self._protocol, self._take_up, self._tell_refusal)
+        self._intake = Intake(self._protocol, self._begin_route, self._report_refusal)
         self._giver: Optional[str] = None  # the master by whose route it moves
         self._driven_by_hand = False
         self._path_begins = 0  # record number of the first edge of the drive's path
@@ -300,7 +300,7 @@ class AgvVehicle:
         if self._driven_by_hand:
             raise RouteRefused(TAKEN_OVER)
 
-    def _take_up(self, due: DueOrder) -> None:
+    def _begin_route(self, due: DueOrder) -> None:
         """Takes a route. Raises RouteRefused, or NotYet while the vehicle comes to rest."""
         self._check(due.given)
         if not due.given.order:
@@ -323,7 +323,7 @@ class AgvVehicle:
             return replace(due, done=due.done + 1, rest=due.rest[1:])
         return due
 
-    def _tell_refusal(self, refusal: RouteRefusal) -> None:
+    def _report_refusal(self, refusal: RouteRefusal) -> None:
         self._messages += messages_of(refusal, self.state, self.report)
 
     def _lose_route(self, reason: Reason) -> None:

@@ -71,7 +71,7 @@ class AgvTopics:
             self._report(self._vehicle.report(), now)
         if (now - self._steps_told >= IDLE_PERIOD - EARLY
                 or self._vehicle.steps.news != self._told_of_steps):
-            self._tell_steps(now)
+            self._publish_steps(now)
         stamp = rospy.Time(*divmod(self._vehicle.stamp, 1_000_000_000))
         if now - self._charge_told >= BATTERY_PERIOD - EARLY:
             self._charge_told = now
@@ -98,9 +98,9 @@ class AgvTopics:
         with self._lock:
             if not self._vehicle.silent:
                 self._vehicle.steps.receive(command)
-                self._tell_steps(self._steps_told)
+                self._publish_steps(self._steps_told)
 
-    def _tell_steps(self, now: float) -> None:
+    def _publish_steps(self, now: float) -> None:
         self._steps_told, self._told_of_steps = now, self._vehicle.steps.news
         message = fill_step_report(StepStates(), self._vehicle.steps.report(), StepState)
         message.header.stamp = rospy.Time.now()

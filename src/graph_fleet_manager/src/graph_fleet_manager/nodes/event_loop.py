@@ -21,7 +21,7 @@ import time
 from collections import OrderedDict, deque
 from typing import Callable, Deque, Dict, List, NamedTuple, Optional, Sequence, Tuple, Union
 
-from fleet_core.supervision.actions import Action, Note, TellStatus
+from fleet_core.supervision.actions import Action, Note, PublishStatus
 from fleet_core.supervision.mission_book import MOST_OPEN
 from fleet_core.supervision.mission_commands import refused
 from fleet_core.supervision.missions import CommandKind, MissionChange, Request, StepAnswer
@@ -149,7 +149,7 @@ class SupervisorEvents:
         with self._changed:
             is_refused = not self._is_ready and len(self._requests) >= MOST_OPEN
         if is_refused:
-            self.put(lambda supervisor, now: (TellStatus(refused(request, _TOO_EARLY)),))
+            self.put(lambda supervisor, now: (PublishStatus(refused(request, _TOO_EARLY)),))
             return
         self._request_room.acquire()
         with self._changed:
@@ -221,7 +221,7 @@ class SupervisorEvents:
         if not self._requests:
             self._turns.hurry(self._clock())  # at once, so that a robot begins without delay
         return lambda supervisor, now: (
-            [TellStatus(refused(request, trouble)) for request in requests]
+            [PublishStatus(refused(request, trouble)) for request in requests]
             if supervisor is None else supervisor.requests(requests, now))
 
     def _requests_with(self, request_id: int) -> List[Request]:

@@ -13,9 +13,9 @@ from fleet_core.supervision.actions import (
     AskDevice,
     AskPlanner,
     Note,
+    PublishStatus,
     SendRoute,
     SendStep,
-    TellStatus,
 )
 from fleet_core.supervision.fleet_view import plan_progress, robot_views
 from fleet_core.supervision.mission_book import MOST_OPEN
@@ -45,7 +45,7 @@ from itrci_nav_msgs.msg import PlanRequest as PlanRequestMessage
 from route_protocol.device_messages import fill_device_request
 from route_protocol.step_messages import fill_command
 
-TellStatuses = Callable[[MissionStatus], None]
+PublishStatuses = Callable[[MissionStatus], None]
 """Publishes a status to one subscriber only."""
 
 
@@ -61,7 +61,7 @@ class FleetTopics:
     """
 
     def __init__(self, robots: Iterable[str], rate: float, improvement: float,
-                 newcomer: Callable[[TellStatuses], None], gate: StopGate) -> None:
+                 newcomer: Callable[[PublishStatuses], None], gate: StopGate) -> None:
         self._rate, self._gate = rate, gate
         self._improvement = improvement
         self.graph_stamp = rospy.Time(0)
@@ -109,7 +109,7 @@ class FleetTopics:
                 self._send_step(action)
             elif isinstance(action, AskDevice):
                 self._ask_device(action)
-            elif isinstance(action, TellStatus):
+            elif isinstance(action, PublishStatus):
                 send(self._statuses.publish, status_message(action.status))
             elif isinstance(action, AskPlanner):
                 self._ask(action)

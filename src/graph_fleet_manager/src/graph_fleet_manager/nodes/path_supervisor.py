@@ -61,7 +61,7 @@ from fleet_core.files.errors import FileError
 from fleet_core.files.robot_settings import load_settings
 from fleet_core.interlocking.conformance import Conformance
 from fleet_core.interlocking.stop_gate import StopGate
-from fleet_core.supervision.actions import Action, TellStatus
+from fleet_core.supervision.actions import Action, PublishStatus
 from fleet_core.supervision.early_stop import EarlyStop
 from fleet_core.supervision.fleet_stop import FleetStop
 from fleet_core.supervision.journal_database import JournalUnavailable
@@ -78,7 +78,7 @@ from graph_fleet_manager.nodes.fleet_diagnosis import report_fleet, report_missi
 from graph_fleet_manager.nodes.fleet_parameter import fleet_of
 from graph_fleet_manager.nodes.fleet_poses import FleetPosesTopic
 from graph_fleet_manager.nodes.fleet_services import FleetServices, not_stored
-from graph_fleet_manager.nodes.fleet_topics import FleetTopics, TellStatuses, status_message
+from graph_fleet_manager.nodes.fleet_topics import FleetTopics, PublishStatuses, status_message
 from graph_fleet_manager.nodes.journal_file import JournalFile
 from graph_fleet_manager.nodes.sending import send
 from graph_fleet_manager.nodes.work_file import WorkFile
@@ -131,7 +131,7 @@ class PathSupervisor:
         self._gate = StopGate()
         self._device_subscribers: List[rospy.Subscriber] = []
         self._topics = FleetTopics(robots, self._rate, number('~improvement', 0.0, 0.0, 10.0),
-                                   self._tell_open, self._gate)
+                                   self._publish_open, self._gate)
         self._poses = FleetPosesTopic(robots)
         self._services = FleetServices(
             robots, self._gate, self._events, self._stop_early,
@@ -177,7 +177,7 @@ class PathSupervisor:
                 self._topics.do(event(self._supervisor, time.monotonic()))
                 self._topics.do(self._begin(time.monotonic()))
                 if self._supervisor is not None:
-                    self._events.hurry(self._supervisor.look_at)
+                    self._events.hurry(self._supervisor.tick_due)
                 self._publish_views()
                 self._file.forget(time.monotonic())
             except Exception:  # a fleet manager that cannot decide must not look alive
@@ -199,12 +199,12 @@ class PathSupervisor:
             trouble = unavailable.reason
         return f' {not_stored(trouble)}' if trouble else '', self._early.stop(now, stop)
 
-    def _tell_open(self, publish: TellStatuses) -> None:
-        def tell_statuses(supervisor: Supervisor, now: float) -> Sequence[Action]:
+    def _publish_open(self, publish: PublishStatuses) -> None:
+        def statuses_to_publish(supervisor: Supervisor, now: float) -> Sequence[Action]:
             for status in supervisor.book.stored_open:
                 send(publish, status_message(status))
             return ()
-        self._events.put_order(tell_statuses)
+        self._events.put_order(statuses_to_publish)
 
     def _publish_views(self) -> None:
         supervisor, now = self._supervisor, time.monotonic()
@@ -278,7 +278,7 @@ class PathSupervisor:
         try:
             request = messages.request_of(message)
         except RequestRefused as refused:
-            refusal = TellStatus(messages.refusal_status(message, str(refused)))
+            refusal = PublishStatus(messages.refusal_status(message, str(refused)))
             self._events.put(lambda supervisor, now: (refusal,))
             return
         self._events.put_request(request)

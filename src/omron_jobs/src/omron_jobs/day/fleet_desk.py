@@ -70,7 +70,7 @@ class FleetDesk:
     def restarted(self) -> None:
         """Ignores that the supervisor has restarted: the job server asks."""
 
-    def tells(self, status: Status) -> None:
+    def publishes(self, status: Status) -> None:
         """Records a status, for the job server and the judge."""
         self.last[status.request_id] = status
         if status.serial:

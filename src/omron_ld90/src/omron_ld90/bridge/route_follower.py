@@ -100,7 +100,7 @@ class RouteFollower:
         """How the vehicle's route is driven, or was; None: it has none, or not on this graph."""
         # to continue, and the time to give that up
         self._restored: Optional[Tuple[p.BridgeMemory, float]] = None
-        self.orders = Intake(self.vehicle, self._take_up, self._tell_refusal,
+        self.orders = Intake(self.vehicle, self._begin_route, self._report_refusal,
                              settings.location_timeout)
         self._order_notes = OrderNotes(self._note)
         self._motion = MotionJudge()
@@ -269,7 +269,7 @@ class RouteFollower:
             return Reason(ReasonCode.NOT_READY, 'there is no graph')
         return self.robot.why_unknown(now)
 
-    def _take_up(self, due: DueOrder) -> None:
+    def _begin_route(self, due: DueOrder) -> None:
         """Changes the route or begins a new one; raises RouteRefused or NotYet."""
         now = self._now
         check_order(due.given, 'the robot')
@@ -314,7 +314,7 @@ class RouteFollower:
         return RouteRun(self.vehicle, self.settings, self.robot.tracker, self.robot.location,
                         progress, now)
 
-    def _tell_refusal(self, refusal: RouteRefusal) -> None:
+    def _report_refusal(self, refusal: RouteRefusal) -> None:
         self._out += messages_of(refusal, self.vehicle.state, self.report)
         self._order_notes.refused(refusal, self.robot.emergency)
 

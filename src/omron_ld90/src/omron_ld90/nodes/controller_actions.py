@@ -98,7 +98,7 @@ class CommandActions:
         """
         goal_id, giver = handle.get_goal_id().id, self._giver(handle)
         known_epoch = self._known_epoch(handle.get_goal())
-        if self._take_over(handle, self._obeyed(text, giver, known_epoch)):
+        if self._adopt_drive(handle, self._obeyed(text, giver, known_epoch)):
             return
         goal = _Goal(handle, goal_id)
         with self._lock:
@@ -117,7 +117,7 @@ class CommandActions:
             raise
         handle.set_accepted()
 
-    def _take_over(self, handle: actionlib.ServerGoalHandle, drive: Optional[Execution]) -> bool:
+    def _adopt_drive(self, handle: actionlib.ServerGoalHandle, drive: Optional[Execution]) -> bool:
         """Gives a goal the drive of an earlier goal of this action; returns whether it has one."""
         goal_id = handle.get_goal_id().id
         with self._lock:

@@ -75,16 +75,16 @@ class ActionRunner:
         self._context.update_action(action_id, status, text)
         self._note(entry, status, text)
         if self._context.table.moves(entry.action):
-            self._context.look_where_it_is()
+            self._context.update_last_node()
         if (status is ActionStatus.FAILED and entry.belongs_to_order
                 and not self._state.cancelling):
-            self._tell_of_failure(entry, text)
+            self._report_failure(entry, text)
 
     def _note(self, entry: QueuedAction, status: ActionStatus, text: str) -> None:
         self._context.note(f'action {entry.action.action_id}, {entry.action.action_type}: '
                            f'{status.value} {text}')
 
-    def _tell_of_failure(self, entry: QueuedAction, text: str) -> None:
+    def _report_failure(self, entry: QueuedAction, text: str) -> None:
         action, state = entry.action, self._state
         references = (ErrorReference('topic', 'order'),
                       ErrorReference('orderId', state.order.order_id),

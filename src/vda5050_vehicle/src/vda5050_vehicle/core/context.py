@@ -106,7 +106,7 @@ class Context:
             self.driver.begin()
             self.state.legs = ()
 
-    def look_where_it_is(self) -> None:
+    def update_last_node(self) -> None:
         """Updates the last node after the robot may have moved without an order."""
         pose, nodes = self.robot.pose, self.state.order.nodes
         if pose is None or not nodes:

@@ -118,7 +118,7 @@ class InstantActionHandler:
         if taken:
             state.errors = replace(state.errors, refused_actions=())
         for action, reason in refused:
-            self._tell_of_refusal(action, reason)
+            self._report_refusal(action, reason)
 
     def _is_done(self, action: VdaAction, known: QueuedAction, is_copy: bool) -> bool:
         """Returns whether an action with a known id is the known action, and not wanted again.
@@ -177,7 +177,7 @@ class InstantActionHandler:
             return action
         return replace(action, blocking_type=spec.blocking[0])
 
-    def _tell_of_refusal(self, action: VdaAction, wrong: WrongAction) -> None:
+    def _report_refusal(self, action: VdaAction, wrong: WrongAction) -> None:
         self._state.errors = self._state.errors.with_refused_action(e.INSTANT_ACTION_ERROR.error(
             f'action {action.action_type}: {wrong}', ErrorReference('topic', 'instantActions'),
             ErrorReference('actionId', action.action_id),
@@ -302,17 +302,17 @@ class InstantActionHandler:
         if context.is_known_to_stand:
             self._end_pauses(ActionStatus.FINISHED)
         if state.wish is not None:
-            self._look_at_pose(state.wish, now)
+            self._judge_pose(state.wish, now)
 
     def _end_pauses(self, status: ActionStatus, text: str = '') -> None:
         for action_id in self._state.pauses:
             self._end(action_id, status, text)
         self._state.pauses = ()
 
-    def _look_at_pose(self, wish: PoseWish, now: float) -> None:
+    def _judge_pose(self, wish: PoseWish, now: float) -> None:
         if wish.is_taken(self._context.robot):
             self._end(wish.action_id, ActionStatus.FINISHED)
-            self._context.look_where_it_is()
+            self._context.update_last_node()
             self._context.place_at(wish.last_node)
         elif now > wish.until:
             self._end(wish.action_id, ActionStatus.FAILED, 'the robot has not taken the pose')

@@ -77,7 +77,7 @@ class VdaVehicle:
         """Processes a new view of the robot; a robot may also be silent for too long."""
         self.context.robot = robot
         self.driver.robot_seen(robot, now)
-        return self._take_steps(now)
+        return self._handle_events(now)
 
     def action_ended(self, action_id: str, succeeded: bool, text: str, now: float,
                      ) -> Tuple[fx.Effect, ...]:
@@ -88,18 +88,18 @@ class VdaVehicle:
             self._runner.end(action_id, v.ActionStatus.FINISHED, text)
         else:
             self._runner.fail(action_id, text)
-        return self._take_steps(now)
+        return self._handle_events(now)
 
     def connected(self, now: float) -> Tuple[fx.Effect, ...]:
         """Sends factsheet and state after a connection to the broker, but no missed messages."""
         self.context.reporter.ask()
         self.context.do(fx.SendFactsheet())
-        return self._take_steps(now)
+        return self._handle_events(now)
 
     def tick(self, now: float) -> Tuple[fx.Effect, ...]:
         """Continues after some time, or after an event of the driver; several times a second."""
         self.driver.tick(now)
-        return self._take_steps(now)
+        return self._handle_events(now)
 
     def restore(self, state: VdaVehicleState, is_newest: bool, now: float) -> None:
         """Continues the order after a restart; actions that were started count as failed.
@@ -118,14 +118,14 @@ class VdaVehicle:
 
     # --- the steps after each event ---------------------------------------------------------------
 
-    def _take_steps(self, now: float) -> Tuple[fx.Effect, ...]:
+    def _handle_events(self, now: float) -> Tuple[fx.Effect, ...]:
         self._settle(now)
         return self._report(now)
 
     def _settle(self, now: float) -> None:
         self._pass_nodes()
-        self._look_at_failure()
-        self._look_at_epoch()
+        self._judge_failure()
+        self._judge_epoch()
         self._instant.end_completed(now)
         self._enter_edge()
         self._pass_nodes_at_a_stand()
@@ -134,7 +134,7 @@ class VdaVehicle:
 
     def _report(self, now: float) -> Tuple[fx.Effect, ...]:
         context = self.context
-        commands = self.driver.take_commands()
+        commands = self.driver.pop_commands()
         self._keep()
         context.effects += [fx.DriverCommand(command) for command in commands]
         if not context.robot.is_awaited:  # after the first state the master may send orders
@@ -145,7 +145,7 @@ class VdaVehicle:
         context.effects.clear()
         return effects
 
-    def _look_at_epoch(self) -> None:
+    def _judge_epoch(self) -> None:
         """Reports a failure if another program or person has driven or stopped the robot.
 
         A new epoch while this vehicle commands no motion shows this. Only the master may then
@@ -200,7 +200,7 @@ class VdaVehicle:
         state = self.state
         return not state.held and not state.cancelling and not state.actions.forbid_driving
 
-    def _look_at_failure(self) -> None:
+    def _judge_failure(self) -> None:
         reason = self.state.drive.failure
         if reason and not self.state.errors.failure and not self.state.cancelling:
             self._fail_to_drive(reason)

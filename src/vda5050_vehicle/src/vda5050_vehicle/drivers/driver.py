@@ -96,7 +96,7 @@ class Driver(ABC, Generic[D]):
 
     longest -- number of legs that it can drive after a `begin`; None: any number
     All its knowledge is in the vehicle's state. The caller collects the commands with
-    `take_commands` and sends them in the given sequence.
+    `pop_commands` and sends them in the given sequence.
 
     It has many methods because each event of a vehicle is one for all kinds of drivers.
     """
@@ -117,7 +117,7 @@ class Driver(ABC, Generic[D]):
     def _set(self, **changes: Any) -> None:
         self._memory.drive = replace(self._memory.drive, **changes)
 
-    def take_commands(self) -> Tuple[Any, ...]:
+    def pop_commands(self) -> Tuple[Any, ...]:
         """Returns the commands that must be sent to the robot now, and forgets them."""
         commands = tuple(self._commands)
         self._commands.clear()

@@ -137,16 +137,16 @@ class VehicleNode:
 
     def _make_link(self, driver: Driver[Any]) -> Union[RouteLink, MoveBaseLink]:
         if isinstance(driver, RouteDriver):
-            return RouteLink(driver, self._tell_driver)
+            return RouteLink(driver, self._call_driver)
         assert isinstance(driver, PoseDriver)
-        return MoveBaseLink(driver, self._tell_driver, self._settings.map_frame)
+        return MoveBaseLink(driver, self._call_driver, self._settings.map_frame)
 
     # --- callbacks --------------------------------------------------------------------------------
 
     def _put(self, call: Call) -> None:
         self._loop.put(lambda: self._perform_all(call))
 
-    def _tell_driver(self, call: Callable[[float], None]) -> None:
+    def _call_driver(self, call: Callable[[float], None]) -> None:
         def told(now: float) -> Tuple[fx.Effect, ...]:
             call(now)
             return self._vehicle.tick(now)
