@@ -284,7 +284,6 @@ def test_a_fleet_of_version_1_0_stops_once_is_located_and_goes_on():
     for file in Path(disk.journal_path).parent.iterdir():
         file.unlink()
     write_file_1_0(disk.journal_path)
-    disk.journal = type(disk.journal)(disk.journal_path)  # `restart` closes it
     fleet.agvs['a'].edge, fleet.agvs['a'].arc = 2, 1.4
     fleet.restart()
     assert blocked(fleet, 'a')[1] == (2,)
