@@ -4,6 +4,7 @@ from __future__ import annotations
 import os
 import sqlite3
 import tempfile
+from pathlib import Path
 from typing import Any, Callable
 
 from fleet_core.supervision.journal import Journal
@@ -56,6 +57,18 @@ class VirtualDisk:
         self.journal.close()
         self.journal = self._open()
         self.is_full, self.seconds = False, 0.0
+
+    def replace_file(self, write: Callable[[str], None]) -> None:
+        """Puts the file that `write` makes at a path in the place of the journal.
+
+        Nothing stays beside it. `reopen` is to be called next.
+        """
+        self._commits_before = self.commits
+        self.journal.close()
+        for file in Path(self._folder.name).iterdir():
+            file.unlink()
+        write(self.journal_path)
+        self.journal = self._open()
 
     def copy(self) -> sqlite3.Connection:
         """Returns a copy of the journal as it is now."""

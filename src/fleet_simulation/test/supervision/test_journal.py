@@ -279,11 +279,7 @@ def test_a_file_that_version_1_0_wrote_loses_nothing(path):
 
 def test_a_fleet_of_version_1_0_stops_once_is_located_and_goes_on():
     fleet = SupervisedFleet(corridor(8), {'a': (AGV, 2), 'b': (AGV, 8)})
-    disk = fleet.disk
-    disk.journal.close()
-    for file in Path(disk.journal_path).parent.iterdir():
-        file.unlink()
-    write_file_1_0(disk.journal_path)
+    fleet.disk.replace_file(write_file_1_0)
     fleet.agvs['a'].edge, fleet.agvs['a'].arc = 2, 1.4
     fleet.restart()
     assert blocked(fleet, 'a')[1] == (2,)
