@@ -48,6 +48,19 @@ def test_a_lost_drive_is_given_again_if_the_robot_does_not_obey_it(told):
     assert word.give(6, 77).number == 6
 
 
+@pytest.mark.parametrize('ending', [Outcome.OVERRULED, Outcome.CANCELLED, Outcome.INTERRUPTED])
+@pytest.mark.parametrize('fate', CommandFate)
+def test_news_of_an_older_command_says_nothing_of_a_drive_that_the_controller_has_answered(
+        ending, fate):
+    """Without this, the bridge gives an overruled drive again and again until `motion` comes."""
+    word = given_once()
+    word.ended(CommandEnded(5, ending, 'another command came first'), 1.0)
+    assert word.told((4, fate), 1.0) is None
+    assert (word.due(True, 1.0), word.is_lost) == (False, True)
+    word.told((5, CommandFate.NOT_OBEYED), 1.2)
+    assert word.due(True, 1.2)
+
+
 @pytest.mark.parametrize('fate', [None, CommandFate.GIVEN, CommandFate.OBEYED, CommandFate.UNKNOWN])
 def test_it_waits_as_long_as_the_robot_may_obey_it(fate):
     word = lost()

@@ -5,6 +5,10 @@ import heapq
 from typing import Callable, List, Tuple
 
 
+MOST_AT_ONCE = 2000
+"""Calls without a pause between them, after which two parties answer each other for ever."""
+
+
 class Timeline:
     """Calls that are due at a time (s). Calls with the same time keep the order of the requests."""
 
@@ -27,11 +31,14 @@ class Timeline:
 
     def run(self, seconds: float, until: Callable[[], bool] = lambda: False) -> bool:
         """Runs for some time; true if the condition became true."""
-        end = self.now + seconds
+        end, at_once = self.now + seconds, 0
         while not until():
             if not self._due or self._due[0][0] > end:
                 self.now = end
                 return False
+            before = self.now
             self.now, _, call = heapq.heappop(self._due)
+            at_once = at_once + 1 if self.now - before < 1e-6 else 0
+            assert at_once < MOST_AT_ONCE, f'{self.now:.3f} s: {at_once} calls, and no end'
             call()
         return True

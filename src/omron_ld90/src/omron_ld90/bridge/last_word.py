@@ -7,7 +7,8 @@ Then `motion` says what became of it: the number and the fate of our last comman
     | the answer                        | what follows                                             |
     |-----------------------------------|----------------------------------------------------------|
     | it was never sent                 | it is given again                                        |
-    | lost; `motion` tells an older one | it is given again: the controller never had it           |
+    | lost; `motion` tells an older one | it is given again: the controller never had it; unless   |
+    |                                   | it answered: then `motion` has still to tell             |
     | lost; `motion` tells a newer one  | this program forgot it, and decides anew where to drive  |
     | lost; NOT_OBEYED                  | a drive is given again: the robot does not carry it out  |
     | lost; COMPLETED, FAILED           | a drive has ended so                                     |
@@ -75,7 +76,7 @@ class LastWord:
             self.give_again(now + RETRY)
             self.problem = event.text or event.ending.value
         elif not self.is_stop and event.ending in _TOLD_BY_MOTION:
-            self.is_lost = True
+            self.is_lost, self.is_taken = True, event.ending is not Outcome.LOST
         else:
             self.is_taken = True
             failed = event.ending is Outcome.FAILED
@@ -83,7 +84,7 @@ class LastWord:
 
     def give_again(self, not_before: float) -> None:
         """Notes that it must be given once more."""
-        self.must_be_given, self.is_lost, self._was_tried = True, False, True
+        self.must_be_given, self.is_lost, self.is_taken, self._was_tried = True, False, False, True
         self._not_before = not_before
 
     def told(self, last: Tuple[int, Optional[CommandFate]], now: float) -> Optional[CommandFate]:
@@ -96,6 +97,8 @@ class LastWord:
             self.is_taken = self.is_taken or 0 < self.number <= number
             self.must_be_given = self.must_be_given and not self.is_taken
         elif self.is_lost and fate is not None:
+            if number < self.number and self.is_taken:
+                return None
             if number < self.number or fate is CommandFate.NOT_OBEYED:
                 self.give_again(now)
             elif fate in (CommandFate.COMPLETED, CommandFate.FAILED):
