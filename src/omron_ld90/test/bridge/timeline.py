@@ -4,7 +4,6 @@ from __future__ import annotations
 import heapq
 from typing import Callable, List, Tuple
 
-
 MOST_AT_ONCE = 2000
 """Calls without a pause between them, after which two parties answer each other for ever."""
 
