@@ -210,7 +210,9 @@ class Conformance:
             new = NOTHING if before is None or self._every > 1 else now - needed - before
             over = frozenset(one for one in new if len(claims.holders(one))
                              > claims.needs.resources[one].capacity)
-            unstored = _needed(claims.needs, stored) - claims.stored_of(name)
+            # A robot whose place is doubted since the start is to claim again when it is known.
+            unstored = NOTHING if allocation.knowledge is Knowledge.UNKNOWN else (
+                _needed(claims.needs, stored) - claims.stored_of(name))
             for invariant, resources in (
                     (Invariant.CLAIMED, needed - now),
                     (Invariant.CLAIM_STORED, unstored - claims.to_store.get(name, NOTHING)),
