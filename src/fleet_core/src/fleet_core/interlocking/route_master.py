@@ -374,8 +374,7 @@ class RouteMaster:
             return True
         end = max(self.record.done, self._cut_refused) + 1
         if end < self.record.end:
-            self._set(give_route(self.protocol, self._next_number(),
-                                 ahead[:end - self.record.done], self._label))
+            self._cut(end - self.record.done)
         return True
 
     def end_after(self, edges: int) -> bool:
@@ -393,9 +392,13 @@ class RouteMaster:
             if not edges:
                 self.halt()
             elif self.record.done + edges > self._cut_refused:
-                self._set(give_route(self.protocol, self._next_number(), ahead[:edges],
-                                     self._label))
+                self._cut(edges)
         return self.protocol is not before
+
+    def _cut(self, edges: int) -> None:
+        """Orders the route that ends after so many of the edges ahead."""
+        self._set(give_route(self.protocol, self._next_number(), self.record.ahead[:edges],
+                             self._label))
 
     def _take_back_unsent(self) -> None:
         """Takes back the routes that never left this program: no robot can know of them."""

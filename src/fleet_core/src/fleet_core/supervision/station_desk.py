@@ -105,7 +105,7 @@ class StationDesk:
         return self._claims.holders(station)
 
     def room(self, at: Mapping[int, Charger], chargers: Mapping[str, Occupancy]) -> StationRoom:
-        """Returns to which stations and chargers a further robot may be sent now.
+        """Returns the stations and chargers to which a further robot may be sent now.
 
         at       -- charger of each of its places
         chargers -- the robots that take their places, by the charger's name

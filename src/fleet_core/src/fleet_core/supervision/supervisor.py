@@ -228,7 +228,7 @@ class Supervisor:
         return self._waiting.own_hindrances
 
     def room(self) -> StationRoom:
-        """Returns to which stations and chargers a further robot may be sent now."""
+        """Returns the stations and chargers to which a further robot may be sent now."""
         return self.stations.room(self.charging.at, self.charging.occupancies())
 
     # -- missions ---------------------------------------------------------------------------------
