@@ -22,6 +22,9 @@ class RobotType:
                         0
     docks            -- dock vertices at which it charges and may park; None: none, but it may be
                         sent to any dock
+    without_load     -- name of the type that the robot has without its load; empty: it has none
+    own_speed        -- the speed that a robot with a load could reach all the same; 0: `speed`
+    closed           -- ids of the edges onto which it is not sent because of its load
     """
 
     name: str
@@ -30,6 +33,9 @@ class RobotType:
     play: float = 0.0
     obeys_edge_speed: bool = True
     docks: Optional[FrozenSet[int]] = None
+    without_load: str = ''
+    own_speed: float = 0.0
+    closed: FrozenSet[int] = frozenset()
 
     def __hash__(self) -> int:
         """The hash of the name alone: types are looked up often, and names are unique in a fleet.
@@ -45,6 +51,16 @@ class RobotType:
     def nearness(self) -> float:
         """Distance (m) from a vertex within which the robot counts as standing on it."""
         return min(self.play + AT_VERTEX, NEAR)
+
+    @property
+    def model(self) -> str:
+        """The name of its type in the fleet file, whatever it carries."""
+        return self.without_load or self.name
+
+    @property
+    def fastest(self) -> float:
+        """The speed (m/s) that the robot never exceeds, also if it does not know of its load."""
+        return max(self.speed, self.own_speed)
 
     def drives_at(self, edge_speed: float) -> float:
         """Returns the speed (m/s) on an edge with this speed; 0: it may not drive there."""

@@ -27,7 +27,7 @@ def test_the_example_is_read_with_the_graph_of_the_laboratory(tmp_path):
 
 @pytest.mark.parametrize('part, keys', [
     ('stations', work_file._STATION), ('devices', work_file._DEVICE),
-    ('zones', work_file._ZONE), ('chargers', work_file._CHARGER),
+    ('zones', work_file._ZONE), ('loads', work_file._LOAD), ('chargers', work_file._CHARGER),
     ('templates', work_file._TEMPLATE), ('timetables', work_file._TIMETABLE),
     ('job_steps', work_file._JOB_STEPS)])
 def test_the_page_has_exactly_the_keys_that_are_read(part, keys):

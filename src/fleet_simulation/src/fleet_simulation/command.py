@@ -166,7 +166,7 @@ def _site(options: argparse.Namespace, graph: Optional[Graph] = None,
         if options.longest_edge:
             graph = split_edges(graph, options.longest_edge)
     fleet = with_docks(load_fleet(options.fleet), docks)
-    work = load_work(options.work, graph) if options.work else SiteWork()
+    work = load_work(options.work, graph, fleet) if options.work else SiteWork()
     site = site_of(graph, fleet, load_settings(options.fleet),
                    load_demand(options.demand, graph, work), options.latency, options.rounds)
     return replace(site, order=options.order, begin=options.begin)

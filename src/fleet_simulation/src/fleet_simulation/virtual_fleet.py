@@ -214,6 +214,8 @@ class VirtualFleet(Generic[Body]):
         """By robot: age of its last report on arrival, in s; negative if its clock is ahead."""
         self.lost: Dict[str, LinkedRobot] = {}
         """By robot: its computer, if this has lost the link to the robot."""
+        self.loads: Dict[str, float] = {}
+        """By robot that carries a load: m, the radius of the disc around both."""
         self.closed: Tuple[int, ...] = ()
         self.crash: Optional[Crash] = None
         """The next death of the supervisor."""
@@ -431,7 +433,7 @@ class VirtualFleet(Generic[Body]):
     def _check_room(self) -> None:
         robots = list(self.agvs.items())
         at = np.array([agv.position for _, agv in robots])
-        radii = np.array([agv.kind.radius for _, agv in robots])
+        radii = np.array([max(agv.kind.radius, self.loads.get(name, 0.0)) for name, agv in robots])
         one, other = np.triu_indices(len(robots), 1)
         room = np.hypot(*(at[one] - at[other]).T) - radii[one] - radii[other] - self.clearance
         if not len(room):

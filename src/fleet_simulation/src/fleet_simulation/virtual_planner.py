@@ -59,7 +59,7 @@ class VirtualPlanner:
         if planner is None:
             planner = FleetPlanner(
                 network.with_closed(question.closed, question.edge_times),
-                self._fleet.clearance, self._fleet.types,
+                self._fleet.clearance, (*self._fleet.types, *question.laden),
                 tuple(network.graph.vertices) if self._parking is None else self._parking)
             while len(self._planners) >= _PLANNERS_KEPT:
                 del self._planners[next(iter(self._planners))]

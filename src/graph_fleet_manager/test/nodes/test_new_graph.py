@@ -8,6 +8,7 @@ import pytest
 from fleet_builders import corridor
 
 from fleet_core.supervision.missions import Request
+from fleet_core.fleet import Fleet
 from graph_fleet_manager.nodes import path_supervisor, work_file
 from graph_fleet_manager.nodes.event_loop import SupervisorEvents
 
@@ -20,7 +21,7 @@ def node(supervisor: Optional[Any], graph: Any) -> path_supervisor.PathSuperviso
     made._supervisor, made._graph, made._closed, made._begin_at = supervisor, graph, (), NOW
     made._file = SimpleNamespace(open=lambda now: None, journal=object())
     made._early = SimpleNamespace(due=lambda now: ())
-    made._work_file = work_file.WorkFile()
+    made._work_file = work_file.WorkFile(Fleet((), ()))
     made._events = SupervisorEvents(lambda: NOW)
     return made
 

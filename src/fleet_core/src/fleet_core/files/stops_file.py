@@ -46,7 +46,7 @@ _GROUP = 'group'
 STOP = ('at', 'kind', 'steps')
 STOP_ON_CANCEL = ('if', *STOP)
 _STEP = ('type', 'parameters', 'when', 'actor', 'blocking', 'timeout', 'on_failure', 'retries',
-         'harmless', 'breakable', 'load', 'device')
+         'harmless', 'breakable', 'load', 'load_type', 'device')
 
 
 class StopsFile(NamedTuple):
@@ -124,7 +124,8 @@ def step_of(node: yaml.Node) -> WorkStep:
         strict_yaml.optional(fields, 'harmless', strict_yaml.truth, False),
         strict_yaml.optional(fields, 'breakable', strict_yaml.truth, False),
         word(fields, 'load', LoadEffect, LoadEffect.NONE),
-        strict_yaml.optional(fields, 'device', strict_yaml.text, ''))
+        strict_yaml.optional(fields, 'device', strict_yaml.text, ''),
+        strict_yaml.optional(fields, 'load_type', strict_yaml.text, ''))
     problem = problem_of(step)
     if problem:
         raise WrongYaml(f'step {step.type[:40]} {problem}', node)

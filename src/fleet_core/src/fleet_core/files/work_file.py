@@ -23,6 +23,8 @@
     timetables:
     - {template: pallet, arguments: {from: press, to: shelves}, every: 30 min, from: "06:00",
        to: "18:00", days: mon-fri}
+    loads:
+    - {name: pallet, footprint: {radius: 0.7}, speed: 0.6, closed_edges: [12, 13]}
     job_steps:
     - {kind: pickup, steps: [{type: engage, timeout: 60, load: takes}]}
     - {kind: dropoff, at: [press], steps: [{type: disengage, timeout: 60, load: gives}]}
@@ -42,6 +44,7 @@ from typing import (
     FrozenSet,
     List,
     Mapping,
+    Optional,
     Sequence,
     Set,
     Tuple,
@@ -61,6 +64,7 @@ from fleet_core.files.strict_fields import (
     optional_items,
     word,
 )
+from fleet_core.fleet import Fleet
 from fleet_core.work.chargers import Charger
 from fleet_core.work.devices import (
     KEY_REGISTERS,
@@ -74,6 +78,7 @@ from fleet_core.work.devices import (
     RobotAddress,
     StepDevice,
 )
+from fleet_core.work.loads import LoadType, fault_of_load
 from fleet_core.work.site_work import JobSteps, SiteWork
 from fleet_core.work.stations import Station, StationKind, places_of
 from fleet_core.work.stops import LONGEST_TIMEOUT, StopKind, WorkStep
@@ -91,7 +96,7 @@ from trajectory_graph import Graph, strict_yaml
 from trajectory_graph.strict_yaml import Field, WrongYaml
 
 _FILE = ('step_types', 'stations', 'chargers', 'devices', 'zones', 'templates', 'timetables',
-         'job_steps')
+         'job_steps', 'loads')
 _STATION = ('name', 'places', 'queue', 'capacity', 'kind')
 _CHARGER = ('name', 'places', 'capacity')
 _ZONE = ('name', 'edges', 'vertices', 'capacity')
@@ -101,6 +106,7 @@ _HAND_OVER = ('host', 'port', 'unit', 'start_coil', 'key_register', 'done', 'fai
 _MACHINE = ('at', *_HAND_OVER[3:])  # keys of machines only
 _DEVICE = ('name', 'kind', 'edges', 'timeout', 'driver', *(
     key for keys in _ADDRESS.values() for key in keys), *_MACHINE)
+_LOAD = ('name', 'footprint', 'speed', 'closed_edges')
 _TEMPLATE = ('name', 'parameters', 'stops', 'on_cancel')
 _TIMETABLE = ('name', 'template', 'arguments', 'every', 'from', 'to', 'days', 'priority',
               'deadline')
@@ -108,10 +114,17 @@ _JOB_STEPS = ('kind', 'at', 'steps')
 _MINUTES = {'min': 1, 'h': 60}
 _NAME = re.compile(r'[A-Za-z]\w*', re.ASCII)
 _ROBOTS_NAME = re.compile('[A-Za-z0-9_-]{1,40}')
+_LARGEST = 1e4  # m and m/s: a larger number is a mistake
+CheckStep = Callable[[WorkStep, yaml.Node], None]
+"""Raises WrongYaml for a step that the site does not have."""
 
 
-def load_work(path: Union[str, os.PathLike], graph: Graph) -> SiteWork:
-    """Returns what a file says about the work at the site of a graph. Raises FileError."""
+def load_work(path: Union[str, os.PathLike], graph: Graph,
+              fleet: Optional[Fleet] = None) -> SiteWork:
+    """Returns what a file says about the work at the site of a graph. Raises FileError.
+
+    fleet -- the robots that carry the loads; None: the loads are not compared with them
+    """
     try:
         root = strict_yaml.compose(path)
         fields = known_fields(root, 'the file', _FILE)
@@ -123,14 +136,15 @@ def load_work(path: Union[str, os.PathLike], graph: Graph) -> SiteWork:
         chargers = _chargers(fields, (*stations, *found), graph)
         zones = _entries(fields, 'zones', 'zone',
                          partial(_zone, (*stations, *found, *chargers), graph))
+        loads = _entries(fields, 'loads', 'load', partial(_load, graph, fleet))
+        check = partial(_check_step, types, devices, machines, loads)
         templates = _entries(fields, 'templates', 'template',
-                             partial(_template, stations, types, (*devices, *machines), machines,
-                                     graph))
+                             partial(_template, stations, check, graph))
         timetables = _entries(fields, 'timetables', 'timetable',
                               partial(_timetable, templates, stations, graph), 'template')
         return SiteWork(stations, devices, machines, templates, timetables, types,
-                        _job_steps(stations, types, devices, machines, graph,
-                                   optional_items(fields, 'job_steps')), chargers, zones)
+                        _job_steps(stations, check, graph, optional_items(fields, 'job_steps')),
+                        chargers, zones, loads)
     except WrongYaml as wrong:
         raise FileError.of(path, wrong) from None
 
@@ -275,6 +289,39 @@ def _zone(names: Container[str], graph: Graph, name: str, node: yaml.Node,
     return Zone(name, edges, vertices, capacity)
 
 
+# -- loads ----------------------------------------------------------------------------------------
+
+
+def _load(graph: Graph, fleet: Optional[Fleet], name: str, node: yaml.Node,
+          fields: Dict[str, yaml.Node]) -> LoadType:
+    known_fields(node, 'a load', _LOAD)
+    if len(fields) == 1:
+        raise WrongYaml(f'load {name} changes nothing: give footprint, speed or closed_edges',
+                        node)
+    radius = speed = None
+    if 'footprint' in fields:
+        footprint = known_fields(fields['footprint'], 'a footprint', ('radius',))
+        radius = _above_zero(strict_yaml.field(footprint, 'radius', fields['footprint']))
+    if 'speed' in fields:
+        speed = _above_zero(('speed', fields['speed']))
+    closed = _edges(('closed_edges', fields['closed_edges']), graph) if (
+        'closed_edges' in fields) else ()
+    for kind in () if fleet is None else fleet.types:
+        if radius is not None and radius < kind.radius:
+            raise WrongYaml(f'radius of load {name} is {radius}, but robots of type {kind.name} '
+                            f'alone have {kind.radius}: give that of the disc around robot and '
+                            'load', fields['footprint'])
+    return LoadType(name, radius, speed, frozenset(closed))
+
+
+def _above_zero(field: Field) -> float:
+    value = strict_yaml.real(field)
+    if not (math.isfinite(value) and 0.0 < value <= _LARGEST):
+        raise WrongYaml(f'{field[0]} is {value}, but must be above 0 and up to {_LARGEST:.0f}',
+                        field[1])
+    return value
+
+
 # -- devices --------------------------------------------------------------------------------------
 
 
@@ -404,9 +451,8 @@ def _timeout(field: Field) -> float:
 # -- templates ------------------------------------------------------------------------------------
 
 
-def _template(stations: Mapping[str, Station], types: FrozenSet[str], devices: Container[str],
-              machines: Mapping[str, StepDevice], graph: Graph, name: str, node: yaml.Node,
-              fields: Dict[str, yaml.Node]) -> Template:
+def _template(stations: Mapping[str, Station], check: CheckStep, graph: Graph, name: str,
+              node: yaml.Node, fields: Dict[str, yaml.Node]) -> Template:
     known_fields(node, 'a template', _TEMPLATE)
     if not _NAME.fullmatch(name):
         raise WrongYaml(f'template {name!r} needs a name of letters, digits and _', node)
@@ -428,8 +474,7 @@ def _template(stations: Mapping[str, Station], types: FrozenSet[str], devices: C
                 raise WrongYaml(f'template {name} has no parameter {used!r}; '
                                 f'{meant(used, parameters)}', node)
         for step in found.steps:
-            _check_step(step, types, node)
-            _check_device(step.device, devices, machines, node)
+            check(step, node)
         return found
     template = Template(
         name, parameters,
@@ -446,8 +491,14 @@ def _template(stations: Mapping[str, Station], types: FrozenSet[str], devices: C
     return template
 
 
-def _check_step(step: WorkStep, types: FrozenSet[str], node: yaml.Node) -> None:
-    """Raises WrongYaml for a type that the site does not have."""
+def _check_step(types: FrozenSet[str], devices: Container[str],
+                machines: Mapping[str, StepDevice], loads: Mapping[str, LoadType],
+                step: WorkStep, node: yaml.Node) -> None:
+    """Raises WrongYaml for a type, a load or a device that the site does not have."""
+    _check_device(step.device, devices, machines, node)
+    fault = fault_of_load(step, loads)
+    if fault:
+        raise WrongYaml(f'step {step.type[:40]} {fault}', node)
     if types and step.type not in types:
         raise WrongYaml(f'there is no step type {step.type!r}; {meant(step.type, sorted(types))}',
                         node)
@@ -466,14 +517,11 @@ def _check_device(name: str, devices: Container[str], machines: Mapping[str, Ste
 # -- jobs -----------------------------------------------------------------------------------------
 
 
-def _job_steps(stations: Mapping[str, Station], types: FrozenSet[str], devices: Container[str],
-               machines: Mapping[str, StepDevice], graph: Graph, nodes: Sequence[yaml.Node],
-               ) -> Tuple[JobSteps, ...]:
+def _job_steps(stations: Mapping[str, Station], check: CheckStep, graph: Graph,
+               nodes: Sequence[yaml.Node]) -> Tuple[JobSteps, ...]:
     found: List[JobSteps] = []
     for node in nodes:
-        one = _steps_of_kind(stations, types, graph, node)
-        for step in one.steps:
-            _check_device(step.device, devices, machines, node)
+        one = _steps_of_kind(stations, check, graph, node)
         others = [place for other in found if other.kind is one.kind
                   for place in other.places or ('',)]
         for place in one.places or ('',):
@@ -484,7 +532,7 @@ def _job_steps(stations: Mapping[str, Station], types: FrozenSet[str], devices: 
     return tuple(found)
 
 
-def _steps_of_kind(stations: Mapping[str, Station], types: FrozenSet[str], graph: Graph,
+def _steps_of_kind(stations: Mapping[str, Station], check: CheckStep, graph: Graph,
                    node: yaml.Node) -> JobSteps:
     fields = known_fields(node, 'an entry of job_steps', _JOB_STEPS)
     strict_yaml.require(fields, ('kind',), node)
@@ -494,7 +542,7 @@ def _steps_of_kind(stations: Mapping[str, Station], types: FrozenSet[str], graph
                         'pickup or dropoff', fields['kind'])
     steps = tuple(map(step_of, optional_items(fields, 'steps')))
     for step in steps:
-        _check_step(step, types, node)
+        check(step, node)
     places = _places('at', stations, graph, optional_items(fields, 'at'))
     if 'at' in fields and not places:
         raise WrongYaml('at is empty; leave it out for all goals', fields['at'])

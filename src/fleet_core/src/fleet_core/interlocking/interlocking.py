@@ -51,6 +51,7 @@ class Gate(Enum):
     NOT_READY = 'its last order is not settled yet'
     NOT_CONNECTED = 'its route does not lead there'
     CLOSED_EDGE = 'an edge is closed'
+    CLOSED_TO_LOAD = 'an edge is closed to its load'
     AT_WORK = 'it works at a stop'
     BEFORE_ENTRY = 'a step before the entry has not ended'
     TOO_NEAR = 'it is too near to another robot'
@@ -376,15 +377,10 @@ class Interlocking:
     def excluding(self, name: str) -> Tuple[str, ...]:
         """Returns the names of all robots whose allocations exclude that of this robot."""
         self._refresh()
-        robot, own = self._robots[name], self._known[name]
+        own = self._known[name]
         if own.knowledge is not Knowledge.KNOWN:
             return ()
-        found: Set[str] = set()
-        for held in self._holds.places(name):
-            found.update(self._holders(robot, held))
-        for area in own.areas:
-            found.update(self._in_area(name, own.kind, area))
-        return tuple(sorted(found))
+        return tuple(sorted(set(self._near_to(name, own, own.kind))))
 
     def is_free(self, robot: InterlockedRobot, position: GraphPosition) -> bool:
         """Returns whether no other robot's allocation excludes
@@ -395,6 +391,30 @@ class Interlocking:
             return not self.holder(robot, HeldPlace(self._geometry.index[position.vertex]))
         area = Area((position.point(robot.master.record.graph),))
         return next(self._in_area(robot.name, robot.type, area), None) is None
+
+    def without_room(self, robot: InterlockedRobot, kind: RobotType) -> str:
+        """Returns the name of a robot that keeps this one from becoming one of another type.
+
+        Empty: none does. Then other robots that may still be too near by the journal are to be
+        stored, as after a grant.
+        """
+        self._refresh()
+        own = self._known[robot.name]
+        if own.knowledge is not Knowledge.KNOWN:
+            return robot.name
+        other = self._unknown or set(self._near_to(robot.name, own, kind))
+        if other:
+            return min(other)
+        for held in self._holds.places(robot.name):
+            self._to_store.update(self._stored.excluding(robot.name, kind, held))
+        return ''
+
+    def _near_to(self, name: str, own: Allocation, kind: RobotType) -> Iterator[str]:
+        """Yields the robots whose allocations exclude this one, as that of a robot of a type."""
+        for held in self._holds.places(name):
+            yield from self._holders(name, kind, held)
+        for area in own.areas:
+            yield from self._in_area(name, kind, area)
 
     def separate(self, is_starting: bool = False) -> List[str]:
         """Stops robots that exclude each other since an allocation changed. Returns their names.
@@ -437,14 +457,13 @@ class Interlocking:
 
         Empty: none.
         """
-        return next(self._holders(robot, held), '')
+        return next(self._holders(robot.name, robot.type, held), '')
 
-    def _holders(self, robot: InterlockedRobot, held: HeldPlace) -> Iterator[str]:
+    def _holders(self, own: str, kind: RobotType, held: HeldPlace) -> Iterator[str]:
         """Yields the names of all such robots. A name may come twice."""
-        kind = robot.type
-        yield from self._holds.excluding(robot.name, kind, held)
+        yield from self._holds.excluding(own, kind, held)
         for name in self._with_areas:
-            if name == robot.name:
+            if name == own:
                 continue
             allocation = self._known[name]
             distance = kind.reach + allocation.kind.reach + self._clearance
@@ -562,6 +581,11 @@ def _edge_is_open(site: Interlocking, asked: Asked) -> Optional[Refusal]:
     return Refusal(Gate.CLOSED_EDGE, asked.edge) if closed else None
 
 
+def _edge_is_open_to_load(_: Interlocking, asked: Asked) -> Optional[Refusal]:
+    closed = abs(asked.edge) in asked.robot.type.closed and not asked.is_inside
+    return Refusal(Gate.CLOSED_TO_LOAD, asked.edge) if closed else None
+
+
 def _stop_may_be_entered(site: Interlocking, asked: Asked) -> Optional[Refusal]:
     place = site.not_to_enter.get(asked.robot.name)
     ends = place is not None and (
@@ -598,8 +622,8 @@ LASTING_GATES: Tuple[Condition, ...] = tuple(
     gate for gate in GATES if gate is not _last_order_is_settled)
 """The gates that do not open with the robot's next report."""
 
-WITHOUT_CLAIMS: Tuple[Condition, ...] = (_edge_follows, _edge_is_open, _stop_may_be_entered,
-                                         _place_is_free)
+WITHOUT_CLAIMS: Tuple[Condition, ...] = (
+    _edge_follows, _edge_is_open, _edge_is_open_to_load, _stop_may_be_entered, _place_is_free)
 """The conditions for an edge that a robot must meet before it may claim what the edge needs."""
 
 CONDITIONS: Tuple[Condition, ...] = (*WITHOUT_CLAIMS, _claims_are_ready)

@@ -85,7 +85,7 @@ class Located(NamedTuple):
 
     def area(self, kind: RobotType) -> Area:
         """Returns the area in which the robot may have been when the report arrived."""
-        return Area((self.point,), max(self.age, 0.0) * kind.speed)
+        return Area((self.point,), max(self.age, 0.0) * kind.fastest)
 
 
 class Lost(NamedTuple):
@@ -652,13 +652,18 @@ class RouteMaster:
         """
         if not self.protocol.is_anywhere or self.is_absent:
             return False
-        reach = min((age + CLOCK_ERROR + _SOON) * self.record.kind.speed, MANUAL_REACH)
+        reach = min((age + CLOCK_ERROR + _SOON) * self.record.kind.fastest, MANUAL_REACH)
         reach = min(math.ceil(reach / _STEP) * _STEP, MANUAL_REACH)
         if reach <= self.reach:
             return False
         self.reach = reach
         self._changed()
         return True
+
+    def become(self, kind: RobotType) -> None:
+        """Notes that the robot counts as one of another type, because of its load."""
+        self.record.kind = kind
+        self._changed()
 
     def doubt(self) -> None:
         """Notes that the restored state is that of an older journal: the robot may be anywhere.

@@ -23,7 +23,7 @@ _REMEMBERED = 100  # number of driven edges that are kept; far more than while t
 class RouteRecord:
     """One robot's route record.
 
-    kind  -- the robot's type; its speed bounds how far it may have moved since a location
+    kind  -- the robot's type, with its load; its speed bounds how far it may have moved since a location
     slack -- m by which the robot may be behind its reported place
 
     It has many methods because all that is asked about the driven and the ordered edges is asked
@@ -206,4 +206,4 @@ class RouteRecord:
         """Returns the distance (m) that the robot may be away from a location
         that is `age` s old.
         """
-        return self._slack + (max(age, 0.0) + CLOCK_ERROR) * self.kind.speed
+        return self._slack + (max(age, 0.0) + CLOCK_ERROR) * self.kind.fastest

@@ -53,7 +53,7 @@ def why_apart(network: RoadNetwork, kind: RobotType, starts: Iterable[int],
     """Returns why no path of a robot type joins these vertices:
     a clause to follow `cannot be reached`.
     """
-    starts, times = tuple(starts), network.times(kind)
+    starts, times, closed = tuple(starts), network.times(kind), network.closed_to(kind)
 
     def docks_on_path(with_closed: bool) -> Optional[List[int]]:
         """Returns the docks that a path leads through, if docks were passable.
@@ -66,7 +66,7 @@ def why_apart(network: RoadNetwork, kind: RobotType, starts: Iterable[int],
             for signed_id in network.graph.edges_from(network.vertex_ids[vertex]):
                 drive = network.drive(signed_id)
                 end = network.destination(drive)
-                is_open = with_closed or abs(signed_id) not in network.closed
+                is_open = with_closed or abs(signed_id) not in closed
                 if end not in came and times[drive] < inf and is_open:
                     came[end] = vertex
                     waiting.append(end)
@@ -82,9 +82,10 @@ def why_apart(network: RoadNetwork, kind: RobotType, starts: Iterable[int],
     if docks:
         return (f': each way leads through a dock, such as dock {docks[-1]}, and no route leads '
                 'through a dock')
-    if network.closed and docks_on_path(with_closed=True) is not None:
-        return (f' while edges {listed(sorted(drawn_ids(network.graph, network.closed)))} are '
-                'closed')
+    if closed and docks_on_path(with_closed=True) is not None:
+        to_load = f' to robots of type {kind.name}' if kind.closed else ''
+        return (f' while edges {listed(sorted(drawn_ids(network.graph, closed)))} are closed'
+                f'{to_load}')
     return '; no edges lead there that it may drive'
 
 

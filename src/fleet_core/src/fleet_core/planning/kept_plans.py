@@ -38,10 +38,11 @@ def _can_be_driven(reservations: ReservationTable, agent: Agent, drives: Sequenc
     """
     network, vertex = reservations.network, agent.query.vertex
     slots, times = reservations.slots[agent.kind], network.times(agent.kind)
+    closed = network.closed_to(agent.kind)
     for drive in drives:
         if vertex >= 0 or agent.mid_edge is None:
             begins = network.origin[drive] == vertex and (
-                abs(network.signed_ids[drive]) not in network.closed)
+                abs(network.signed_ids[drive]) not in closed)
         else:  # the robot may leave even a closed edge
             begins = drive >> 1 == agent.mid_edge.drive >> 1
         if not begins or times[drive] == inf or slots.row(drive):

@@ -4,6 +4,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import FrozenSet, Mapping, Tuple
 
+from fleet_core.fleet import RobotType
 from fleet_core.geometry.site_geometry import Alone
 from fleet_core.planning.tasks import Obstacle, Task
 
@@ -25,6 +26,7 @@ class PlanRequest:
     improvement -- s until which the plan is improved, from the beginning of planning
     seed        -- of all random choices; 0: the planner's own
     reserved    -- ids of the vertices at which no robot is parked if there is enough other parking
+    laden       -- types of robots with loads, besides those of the fleet
     """
 
     tasks: Tuple[Task, ...]
@@ -37,3 +39,4 @@ class PlanRequest:
     improvement: float = 0.0
     seed: int = 0
     reserved: FrozenSet[int] = frozenset()
+    laden: Tuple[RobotType, ...] = ()

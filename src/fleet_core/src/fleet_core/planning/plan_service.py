@@ -8,7 +8,7 @@ from __future__ import annotations
 import time
 from typing import Dict, FrozenSet, List, NamedTuple, Optional, Tuple, Union
 
-from fleet_core.fleet import Fleet
+from fleet_core.fleet import Fleet, RobotType
 from fleet_core.geometry.site_geometry import Alone, SiteGeometry
 from fleet_core.planning.layers import Search
 from fleet_core.planning.parking import named_parking
@@ -45,15 +45,16 @@ class PlanService:
         self._search = search
         self._seed = seed
         self._open = RoadNetwork(graph, (), fleet.dock_approach)
+        self._laden: Tuple[RobotType, ...] = ()
         self._planners: Dict[_Roadmap, FleetPlanner] = {}
 
     def prepare(self) -> None:
         """Computes in advance what depends only on the graph."""
         self._planner(_Roadmap(frozenset(), frozenset())).prepare()
 
-    def _use(self, alone: Tuple[Alone, ...]) -> None:
+    def _use(self, alone: Tuple[Alone, ...], laden: Tuple[RobotType, ...]) -> None:
         """Computes anew which places exclude each other."""
-        dock_approach = self._fleet.dock_approach
+        dock_approach, self._laden = self._fleet.dock_approach, laden
         self._open = RoadNetwork(self.graph, (), dock_approach,
                                  geometry=SiteGeometry(self.graph, dock_approach, alone))
         self._planners.clear()
@@ -73,8 +74,8 @@ class PlanService:
         """
         begun = time.monotonic() if received is None else received
         self._check(request)
-        if request.alone != self._open.geometry.alone:
-            self._use(request.alone)
+        if (request.alone, request.laden) != (self._open.geometry.alone, self._laden):
+            self._use(request.alone, request.laden)
             begun = time.monotonic()  # what is computed once is not part of the search
         planner = self._planner(_Roadmap(request.closed, frozenset(request.edge_times.items())))
         planner.parking = tuple(sorted(request.parking))
@@ -89,7 +90,7 @@ class PlanService:
             twice = next(name for name in names if names.count(name) > 1)
             raise CannotPlan(f'Robot {twice} stands in the request twice; name it once.')
         for robot in robots:
-            if robot.type not in self._fleet.types:
+            if robot.type not in (*self._fleet.types, *request.laden):
                 raise CannotPlan(f'Robot {robot.name}: there is no robot type {robot.type.name}; '
                                  'describe it in the fleet file.')
         for obstacle in request.obstacles:
@@ -117,7 +118,8 @@ class PlanService:
         planner = self._planners.pop(roadmap, None)
         if planner is None:
             network = self._open.with_closed(roadmap.closed, dict(roadmap.edge_times))
-            planner = FleetPlanner(network, self._fleet.clearance, self._fleet.types,
+            planner = FleetPlanner(network, self._fleet.clearance,
+                                   (*self._fleet.types, *self._laden),
                                    search=self._search, seed=self._seed)
             while len(self._planners) >= _PLANNERS_KEPT:
                 del self._planners[next(iter(self._planners))]

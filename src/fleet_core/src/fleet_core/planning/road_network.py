@@ -127,7 +127,7 @@ class RoadNetwork:
         A road into a dock only if it is one of `docks`.
         """
         if kind not in self._roads:
-            closed = {self.edge_index[id] for id in self.closed if id in self.edge_index}
+            closed = {self.edge_index[id] for id in self.closed_to(kind) if id in self.edge_index}
             roads: Roads = [[] for _ in range(self.vertices)]
             for drive, (begin, seconds) in enumerate(zip(self.origin, self.times(kind))):
                 end = self.origin[drive ^ 1]
@@ -139,7 +139,7 @@ class RoadNetwork:
             return self._roads[kind]
         roads = list(self._roads[kind])
         for drive, seconds in enumerate(self.times(kind)):
-            if self._open(drive, seconds) and self.destination(drive) in wanted:
+            if self._open(kind, drive, seconds) and self.destination(drive) in wanted:
                 begin = self.origin[drive]
                 roads[begin] = [*roads[begin], (drive, self.destination(drive), seconds)]
         return roads
@@ -209,7 +209,7 @@ class RoadNetwork:
         and its seconds.
         """
         return [(self.origin[drive], seconds) for drive, seconds in enumerate(self.times(kind))
-                if self.destination(drive) == dock and self._open(drive, seconds)]
+                if self.destination(drive) == dock and self._open(kind, drive, seconds)]
 
     def _paths_to_dock(self, known: Mapping[int, np.ndarray], dock: int,
                        roads: Sequence[Tuple[int, float]]) -> np.ndarray:
@@ -238,8 +238,12 @@ class RoadNetwork:
             known[target] = estimated(self.paths_to(kind, (target,))[0])
         return known[target]
 
-    def _open(self, drive: int, seconds: float) -> bool:
-        return seconds < math.inf and self.edge_ids[drive >> 1] not in self.closed
+    def _open(self, kind: RobotType, drive: int, seconds: float) -> bool:
+        return seconds < math.inf and self.edge_ids[drive >> 1] not in self.closed_to(kind)
+
+    def closed_to(self, kind: RobotType) -> FrozenSet[int]:
+        """Returns the ids of the edges that are closed now, for all robots or for this type."""
+        return self.closed | kind.closed if kind.closed else self.closed
 
     # -- geometry ---------------------------------------------------------------------------------
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import FrozenSet, Tuple, Union
 
+from fleet_core.fleet import RobotType
 from fleet_core.geometry.site_geometry import Alone
 from fleet_core.planning.plan_requests import Times
 from fleet_core.planning.tasks import Obstacle, Task
@@ -64,6 +65,7 @@ class AskPlanner:
     alone      -- places on which one robot may be at once, because of resources
     reserved   -- places of stations and queues, where no robot is parked that has no business there
     seed       -- of the planner's random choices; it changes if a plan did not serve all robots
+    laden      -- types of robots with loads, besides those of the fleet
     """
 
     number: int
@@ -74,6 +76,7 @@ class AskPlanner:
     alone: Tuple[Alone, ...] = ()
     reserved: FrozenSet[int] = frozenset()
     seed: int = 0
+    laden: Tuple[RobotType, ...] = ()
 
 
 @dataclass(frozen=True)

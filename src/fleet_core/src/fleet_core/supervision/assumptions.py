@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 from enum import Enum
 from typing import AbstractSet, Dict, FrozenSet, Mapping, NamedTuple, Optional, Tuple
 
+from fleet_core.fleet import RobotType
 from fleet_core.geometry.areas import Area
 from fleet_core.interlocking.allocation import Allocation, Knowledge
 from fleet_core.interlocking.changes import Changes
@@ -28,6 +29,7 @@ class Assumption(NamedTuple):
 
     generation -- generation of its route record
     base, end  -- numbers in the record: the first edge of the plan, and the one behind its last
+    kind       -- its type, with its load
     places     -- for an obstacle: the vertices, edges and areas where it may be
     errand     -- key of its errand
     reach      -- number of its mission's destinations that the plan includes; None: all
@@ -37,6 +39,7 @@ class Assumption(NamedTuple):
     generation: int
     base: int
     end: int
+    kind: RobotType
     places: Tuple[FrozenSet[int], FrozenSet[int], FrozenSet[Area]]
     errand: ErrandKey
     reach: Optional[int] = None
@@ -109,7 +112,8 @@ class Assumptions:
         if before is None:
             return False
         now = assumption_of(robot, world.errands[name])
-        if before.errand != now.errand or before.generation != now.generation:
+        if (before.errand, before.generation, before.kind) != (
+                now.errand, now.generation, now.kind):
             return False
         if (before.role in (PlanRole.OBSTACLE, PlanRole.ABSENT)
                 or now.role in (PlanRole.OBSTACLE, PlanRole.ABSENT)):
@@ -139,7 +143,8 @@ def assumption_of(robot: ManagedRobot, errand: Errand) -> Assumption:
     else:
         role = PlanRole.DRIVING if record.ahead else PlanRole.STANDING
     places = _places(allocation) if role is PlanRole.OBSTACLE else _NOWHERE
-    return Assumption(role, record.generation, record.begins[0], record.end, places, errand.key)
+    return Assumption(role, record.generation, record.begins[0], record.end,
+                      robot.type, places, errand.key)
 
 
 def _places(allocation: Allocation) -> Tuple[FrozenSet[int], FrozenSet[int], FrozenSet[Area]]:

@@ -122,7 +122,7 @@ def _view(robot: ManagedRobot, errand: Errand, supervisor: Supervisor, now: floa
     if destination is None and mission is not None and mission.left:
         destination = mission.left[0]
     charge = math.nan if robot.battery.is_mute(robot.liveness, now) else robot.battery.charge
-    return RobotView(robot.name, robot.type.name, state, robot.outage, robot.record.pose,
+    return RobotView(robot.name, robot.type.model, state, robot.outage, robot.record.pose,
                      robot.liveness.seen, charge,
                      None if mission is None else mission.request.id, destination,
                      robot_wait(robot, errand, supervisor, now),

@@ -251,12 +251,12 @@ class Journal:
 
     def works(self) -> Dict[int, Work]:
         """Returns, by serial, the progress of the steps of each open mission that has steps."""
-        return {int(serial): from_json(Work, json.loads(text), added=('group', 'device'))
+        return {int(serial): from_json(Work, json.loads(text), added=('group', 'device', 'load_type'))
                 for serial, text in self._run('SELECT serial, work FROM work')}
 
     def loads(self) -> Dict[str, RobotLoad]:
         """Returns, by name, what each robot carries. A robot that never had a load is not in it."""
-        return {name: from_json(RobotLoad, json.loads(text))
+        return {name: from_json(RobotLoad, json.loads(text), added=('types',))
                 for name, text in self._run('SELECT robot, load FROM load')}
 
     def claims(self) -> Dict[str, FrozenSet[str]]:
@@ -320,7 +320,7 @@ def read_request(text: str) -> Request:
         ('id', 'destinations', 'robot_type', 'robot', 'priority', 'dwells', 'stamp'), stored))
     return from_json(Request, values, added=(
         'requested_by', 'stops', 'on_cancel', 'after', 'template', 'arguments', 'earliest',
-        'deadline', 'group', 'device'))
+        'deadline', 'group', 'device', 'load_type'))
 
 
 def _graph_text(graph: Graph) -> str:
@@ -356,7 +356,7 @@ def _memory_text(memory: RobotMemory) -> str:
         'halted': memory.is_halted, 'resting': memory.comes_to_rest,
         'dock': memory.dock, 'charge': memory.charge, 'charge_until': memory.charge_until,
         'tops_up': memory.tops_up,
-        'type': None if kind is None else [kind.name, kind.radius, kind.speed, kind.play]})
+        'type': None if kind is None else [kind.name, kind.radius, kind.fastest, kind.play]})
 
 
 def _memory(text: str) -> RobotMemory:

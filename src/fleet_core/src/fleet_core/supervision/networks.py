@@ -4,7 +4,7 @@ from __future__ import annotations
 from math import inf
 from typing import Iterable, Sequence
 
-from fleet_core.fleet import Fleet
+from fleet_core.fleet import Fleet, RobotType
 from fleet_core.geometry.site_geometry import Alone, SiteGeometry
 from fleet_core.interlocking.resources import Resource
 from fleet_core.planning.road_network import RoadNetwork
@@ -18,10 +18,12 @@ class Networks:
 
     rate      -- the factor by which simulated robots are faster than the clock
     resources -- those for one robot order the plans: their places exclude each other
+    laden     -- types of robots with loads, besides those of the fleet
     """
 
     def __init__(self, graph: Graph, fleet: Fleet, rate: float = 1.0,
-                 resources: Sequence[Resource] = ()) -> None:
+                 resources: Sequence[Resource] = (),
+                 laden: Sequence[RobotType] = ()) -> None:
         self.geometry = SiteGeometry(graph, fleet.dock_approach)
         """The geometry for the interlocking, to which claims are not places."""
         alone = [Alone(one.edges, one.vertices) for one in resources if one.orders_plans]
@@ -31,7 +33,7 @@ class Networks:
         self.network = self.nominal
         """The network with learned times."""
         self.edge_times = EdgeTimes(self._nominal_time)
-        self._types = {kind.name: kind for kind in fleet.types}
+        self._types = {kind.name: kind for kind in (*fleet.types, *laden)}
         self._rate = rate
 
     def close(self, edges: Iterable[int]) -> bool:

@@ -5,6 +5,7 @@ from collections import deque
 from math import inf
 from typing import AbstractSet, Deque, Dict, FrozenSet, Mapping, NamedTuple, Optional, Tuple
 
+from fleet_core.fleet import RobotType
 from fleet_core.interlocking.interlocking import Gate, Interlocking, Refusal
 from fleet_core.interlocking.resources import Resource
 from fleet_core.planning.tasks import PlanningOutcome
@@ -38,6 +39,17 @@ class _Delay(NamedTuple):
     refusal: Refusal
 
 
+class RoomForLoads(NamedTuple):
+    """What must be free before robots that stand at their stops can take their loads.
+
+    robots   -- those that must leave
+    vertices -- those at which no robot is parked
+    """
+
+    robots: FrozenSet[str] = frozenset()
+    vertices: FrozenSet[int] = frozenset()
+
+
 class PlanExecutor:
     """The plan in force, the open questions to the planner, and what each robot waits for.
 
@@ -50,6 +62,7 @@ class PlanExecutor:
     switching -- looks for a better order while robots are late; None: the order stays
     rate      -- the factor by which robots are faster than the clock
     reserved  -- places of stations and queues
+    laden     -- types of robots with loads, besides those of the fleet
 
     Its attributes are the plan, the open questions and what became of the last ones, which each
     step of the plan reads together.
@@ -57,7 +70,8 @@ class PlanExecutor:
 
     def __init__(self, robots: Mapping[str, ManagedRobot], interlocking: Interlocking,
                  outbox: Outbox, switching: Optional[OrderSwitching] = None,
-                 rate: float = 1.0, reserved: FrozenSet[int] = frozenset()) -> None:
+                 rate: float = 1.0, reserved: FrozenSet[int] = frozenset(),
+                 laden: Tuple[RobotType, ...] = ()) -> None:
         self.plan: Optional[PlanInForce] = None
         self.waits_for: Dict[str, str] = {}
         """What each robot waits for, in words; empty: nothing."""
@@ -67,7 +81,9 @@ class PlanExecutor:
         """Why the planner has not given the requested plan, in words; empty: it has."""
         self._robots, self._interlocking, self._outbox = robots, interlocking, outbox
         self._records = {name: robot.record for name, robot in robots.items()}
-        self._switching, self._rate, self._reserved = switching, rate, reserved
+        self._switching, self._rate, self._laden = switching, rate, laden
+        self._reserved = reserved
+        self._room = RoomForLoads()
         self._open: Dict[int, Question] = {}
         self._number = 0
         self._asked_at = -inf
@@ -91,6 +107,12 @@ class PlanExecutor:
     def plan_anew(self) -> None:
         """Asks the planner again in any case, and lets it drop the old plan."""
         self._is_anew = True
+
+    def make_room(self, room: RoomForLoads) -> None:
+        """Notes what must be free before robots can take their loads."""
+        if room != self._room:
+            self._room = room
+            self.plan_anew()
 
     # -- answers of the planner -------------------------------------------------------------------
 
@@ -215,7 +237,8 @@ class PlanExecutor:
 
     def _asked(self, plan: PlanInForce, world: World) -> AbstractSet[str]:
         """Returns robots that must make room for those with an errand, or leave a station."""
-        leave = {name for name, errand in world.errands.items() if errand.limit.leaves}
+        leave = {name for name, errand in world.errands.items()
+                 if errand.limit.leaves or name in self._room.robots}
         return leave | plan.asked_to_move(
             [name for name, errand in world.errands.items()
              if errand.is_to_drive and name not in plan.unserved],
@@ -281,8 +304,9 @@ class PlanExecutor:
         self._open[self._number] = question
         self._outbox.put(AskPlanner(self._number, question.tasks, question.obstacles,
                                     world.network.closed, world.network.learned,
-                                    world.network.geometry.alone, self._reserved,
-                                    question.assumptions.seed))
+                                    world.network.geometry.alone,
+                                    self._reserved | self._room.vertices,
+                                    question.assumptions.seed, self._laden))
 
     def _is_to_ask(self, is_useful: bool, since: float) -> bool:
         """Returns whether another plan is due, `since` s after the last question."""
@@ -294,7 +318,7 @@ class PlanExecutor:
         return not self._failures or since >= AGAIN
 
 
-_DELAYS = (Gate.OCCUPIED, Gate.TOO_NEAR, Gate.NOT_CONNECTED)
+_DELAYS = (Gate.OCCUPIED, Gate.CLOSED_TO_LOAD, Gate.TOO_NEAR, Gate.NOT_CONNECTED)
 """Refusals that last as long as the plan does."""
 
 
@@ -302,6 +326,8 @@ def _words(refusal: Refusal, graph: Graph) -> str:
     """Returns what a robot waits for after a refusal, in words."""
     if refusal.gate is Gate.CLOSED_EDGE:
         return f'{edge_name(graph, abs(refusal.edge))}, which is closed'
+    if refusal.gate is Gate.CLOSED_TO_LOAD:
+        return f'{edge_name(graph, abs(refusal.edge))}, which is closed to its load'
     if refusal.gate is Gate.CLAIM:
         return str(refusal.resource) + f', which {refusal.other} claims' * bool(refusal.other)
     if refusal.gate is Gate.NOT_READY:

@@ -253,6 +253,11 @@ class ManagedRobot:
         return vertex if record.position.vertex is None else GraphPosition(
             edge=record.pose.edge, fraction=record.pose.fraction)
 
+    def become(self, kind: RobotType) -> None:
+        """Notes that the robot counts as one of another type, because of its load."""
+        self.type = kind
+        self.master.become(kind)
+
     # -- commands of people -----------------------------------------------------------------------
 
     def not_back_yet(self, now: float) -> str:

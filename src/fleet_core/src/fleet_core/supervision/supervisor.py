@@ -38,6 +38,7 @@ from fleet_core.supervision.hindrances import Hindrance
 from fleet_core.supervision.journal import Journal
 from fleet_core.supervision.journal_database import JournalUnavailable
 from fleet_core.supervision.liveness import SILENCE
+from fleet_core.supervision.load_room import LoadRoom
 from fleet_core.supervision.machine_view import MachineReports
 from fleet_core.supervision.mission_book import MissionBook
 from fleet_core.supervision.mission_times import MissionTimes
@@ -75,6 +76,7 @@ from fleet_core.supervision.waiting_missions import WaitingMissions
 from fleet_core.supervision.waits import FLEET_STOPPED, NO_WAIT, STARTING, Wait, WaitCode
 from fleet_core.supervision.work_desk import NEWEST_STEP, WorkDesk
 from fleet_core.supervision.work_requests import WorkRequests
+from fleet_core.work.loads import LadenTypes
 from fleet_core.work.site_work import SiteWork
 from fleet_core.work.timetables import shown_at
 from route_protocol.devices import DeviceReport
@@ -120,7 +122,8 @@ class Supervisor:
         work = work or SiteWork()
         chargers = chargers_of(work, fleet, graph)
         resources = (*resources_of(work, chargers.values()), *resources)
-        self.networks = Networks(graph, fleet, rate, resources)
+        laden = LadenTypes(work.loads, (*fleet.types, *(one.type for one in fleet.robots)))
+        self.networks = Networks(graph, fleet, rate, resources, laden.types)
         self.rate = rate
         """The factor by which robots are faster than the clock."""
         memories, stored = journal.robots(), journal.graph()
@@ -147,6 +150,9 @@ class Supervisor:
         self.desk = WorkDesk(self.book, self.robots, journal.works(), journal.loads(),
                              journal.value(NEWEST_STEP), journal.milliseconds,
                              MachineReports(work.step_devices))
+        self.load_room = LoadRoom(laden, self.robots, self.desk, self.networks.geometry,
+                                  fleet.clearance)
+        self.desk.lacks_room = self.load_room.lacks_room
         self._work_requests = WorkRequests(work, graph, self.book)
         self.times = MissionTimes(self.book, journal.milliseconds)
         self.timetables = TimetableRuns(work.timetables, journal.value, journal.milliseconds)
@@ -168,7 +174,8 @@ class Supervisor:
         self._view = WorldView(self.robots, changes)
         self.plan_executor = PlanExecutor(self.robots, self.interlocking, self._out,
                                           switching, rate,
-                                          self.stations.reserved | self.charging.reserved)
+                                          self.stations.reserved | self.charging.reserved,
+                                          laden.types)
         self.interlocking.stored(self._everywhere)
         self._declared_absent = {robot.name for robot in fleet.robots if robot.absent}
         self._run = RunNumber(journal)
@@ -474,11 +481,19 @@ class Supervisor:
     def _work(self, now: float) -> None:
         """Lets the work at stops go on, and closes the gates of the robots that must stand."""
         may_begin = not (self.is_stopped or self.trouble or self._is_starting)
+        self._make_room()
         for name in self.desk.follow_all(may_begin):
             self._out.robot_changed(name)
             self._out.send()
+        self._make_room()
         self.interlocking.at_work = self.desk.at_work
         self.interlocking.not_to_enter = self.desk.not_to_enter
+
+    def _make_room(self) -> None:
+        """Lets robots count as those that their loads, or their next stops, make of them."""
+        for name in self.load_room.follow(self.interlocking):
+            self._out.robot_changed(name)
+        self.plan_executor.make_room(self.load_room.to_be_made())
 
     def _stop_as_well(self, robot: ManagedRobot) -> None:
         """Stops the fleet because a robot got a stop that bypassed the supervisor."""

@@ -70,7 +70,7 @@ class WaitingMissions:
         elif not self._left:
             return []
         missions = {mission.serial: mission for mission in (
-            *pending.first({name: robot.type.name for name, robot in free.items()}),
+            *pending.first({name: robot.type.model for name, robot in free.items()}),
             *self._next())}
         found = assign(list(missions.values()), own, self._robots, acceptance, networks, now,
                        room)

@@ -28,9 +28,9 @@ from fleet_core.supervision.robots import ManagedRobot
 from fleet_core.supervision.waits import NO_WAIT, Wait, WaitCode
 from fleet_core.work import rules
 from fleet_core.work.rules import Where, WorkPhase
-from fleet_core.work.stops import Actor, dwells_of
+from fleet_core.work.stops import Actor, LoadEffect, dwells_of
 from fleet_core.work.tables import LOAD, LoadEvent, LoadState, StepState, after
-from fleet_core.work.work import Ending, RobotLoad, Seen, Situation, Work, work_of
+from fleet_core.work.work import ANY_LOAD, Ending, RobotLoad, Seen, Situation, Work, work_of
 from route_protocol.steps import MOST_KEY, StepAct, StepCommand, StepReport
 
 NEWEST_STEP = 'newest_step'  # name in the journal of the highest key of a step that is known
@@ -41,6 +41,8 @@ _BY: Mapping[Actor, str] = {
     Actor.OUTSIDE: ' by a program: it says `mission answer {} done`',
     Actor.DEVICE: ' by device {}'}
 _SHOWS_NONE = 'a step is due, but {} shows no steps: is the program running that carries them out?'
+_NO_ROOM = ('a step is due, but another robot is too near for the load that {} takes: move the other '
+            'one if it does not drive away')
 _OTHER_RUNS = 'a step is due, but {} carries out another one'
 _NO_KEY_LEFT = ('a step is due, but {} shows a step with a key above all that a fleet manager '
                 'gives: restart the program that carries out its steps')
@@ -77,6 +79,8 @@ class WorkDesk:
         self.newest = newest
         self.may_enter: Callable[[str, int], bool] = lambda _name, _place: True
         """May a robot go to this place now? If not, no step begins because it is near."""
+        self.lacks_room: Callable[[str, AbstractSet[str]], bool] = lambda _name, _loads: False
+        """Has a robot no room yet to take these types of load?"""
         self._strange: Dict[str, FrozenSet[int]] = {}
         """By robot, keys of running steps that no mission here has ordered."""
         self._hindered: Dict[str, str] = {}
@@ -118,6 +122,20 @@ class WorkDesk:
         """By robot, the vertex that it must not enter yet."""
         places = {name: rules.place_not_to_enter(work) for name, work in self._serving()}
         return {name: place for name, place in places.items() if place is not None}
+
+    def next_stop(self, name: str) -> Optional[int]:
+        """Returns the vertex of the stop that a robot makes now or next; None: it has none."""
+        mission = self._book.of_robot(name)
+        work = None if mission is None else self._works.get(mission.serial)
+        if work is None or work.current == len(work.stops):
+            return None
+        return work.stops[work.current].place
+
+    def to_take(self, name: str) -> FrozenSet[str]:
+        """Returns the types of load that a robot takes at its present stop, or at the next one."""
+        mission = self._book.of_robot(name)
+        work = None if mission is None else self._works.get(mission.serial)
+        return frozenset() if work is None else rules.to_take(work)
 
     def _serving(self) -> List[Tuple[str, Work]]:
         if not self._works:
@@ -216,7 +234,7 @@ class WorkDesk:
         """Notes that a step was taken that is not in the journal:
         what the robot carries is unknown.
         """
-        load = self.load(name)
+        load = self.load(name).with_types((ANY_LOAD,))
         self._put_load(name, replace(load, state=after(LOAD, load.state, LoadEvent.BEGIN)))
         mission = self._book.of_robot(name)
         if mission is not None:
@@ -263,7 +281,9 @@ class WorkDesk:
         report = (self._machines.newest(device) if device else self._reports.get(name)
                   ) if has_driver else None
         key = rules.next_key(work, report.last if report is not None else 0, now)
-        hindrances = ((name in self._strange, _STRANGE), (key > MOST_KEY, _NO_KEY_LEFT),
+        taken = {step.load_type} if step.load is LoadEffect.TAKES else set()
+        hindrances = ((bool(taken) and self.lacks_room(name, taken), _NO_ROOM),
+                      (name in self._strange, _STRANGE), (key > MOST_KEY, _NO_KEY_LEFT),
                       (has_driver and report is None, _SHOWS_NONE),
                       (bool(device) and self._is_busy(device), _OTHER_RUNS))
         hindrance = next((words for is_so, words in hindrances if is_so), '')
@@ -361,7 +381,7 @@ class WorkDesk:
         if request_id is not None:
             if mission is None or mission.request.id != request_id:
                 return f'{name} does not serve mission {request_id}.'
-            load = rules.said_loaded(self.load(name), serial)
+            load = rules.said_loaded(self.load(name), serial, self._works.get(serial))
         else:
             load = rules.said_empty(self.load(name))
         if mission is not None and serial in self._works:

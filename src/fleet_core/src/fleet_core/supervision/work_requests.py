@@ -7,6 +7,7 @@ from typing import Iterable, Tuple
 
 from fleet_core.supervision.mission_book import MissionBook
 from fleet_core.supervision.missions import Request, RequestRefused
+from fleet_core.work.loads import fault_of_load
 from fleet_core.work.site_work import SiteWork
 from fleet_core.work.stations import UnknownPlace, group_of, places_of
 from fleet_core.work.stops import WorkStop, dwells_of
@@ -62,6 +63,9 @@ class WorkRequests:
                 if types and step.type not in types:
                     raise RequestRefused(f'there is no step type {step.type[:40]!r}; there are: '
                                          f'{", ".join(sorted(types))}')
+                fault = fault_of_load(step, self._work.loads)
+                if fault:
+                    raise RequestRefused(f'step {step.type[:40]!r} {fault}')
                 if step.device and step.device not in devices:
                     raise RequestRefused(f'there is no machine {step.device[:40]!r} among the '
                                          f'devices; there are: {", ".join(devices) or "none"}')

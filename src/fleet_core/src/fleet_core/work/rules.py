@@ -14,7 +14,7 @@ from __future__ import annotations
 from dataclasses import replace
 from enum import Enum, IntEnum
 from math import nan
-from typing import Iterator, List, NamedTuple, Optional, Tuple
+from typing import FrozenSet, Iterator, List, NamedTuple, Optional, Tuple
 
 from fleet_core.work.stops import (
     Condition,
@@ -38,6 +38,7 @@ from fleet_core.work.tables import (
     after,
 )
 from fleet_core.work.work import (
+    ANY_LOAD,
     Ending,
     RobotLoad,
     Seen,
@@ -302,12 +303,21 @@ def begin(situation: Situation, place: StepPlace, key: int, run: int, now: int) 
     work, load = situation.work, situation.load
     step, own = work.step(place), work.progress_of(place)
     if step.load:
-        load = replace(load, state=after(LOAD, load.state, LoadEvent.BEGIN),
-                       serial=situation.serial)
+        load = replace(_changing(load, step), serial=situation.serial)
     has_driver = step.actor.has_driver
     return situation._replace(load=load, work=work.with_step(place, StepProgress(
         after(STEP, own.state, StepEvent.SEND), key, run if has_driver else 0, now,
         own.times_ordered + 1, Seen.NOTHING if has_driver else Seen.OVER)))
+
+
+def _changing(load: RobotLoad, step: WorkStep) -> RobotLoad:
+    """Returns the load of a robot for which a step begins that takes or gives.
+
+    Until it is known how it has ended, the load may be what it was, and what the step takes.
+    """
+    taken = (step.load_type or ANY_LOAD,) if step.load is LoadEffect.TAKES else ()
+    changing = load.with_types(taken)
+    return replace(changing, state=after(LOAD, load.state, LoadEvent.BEGIN))
 
 
 def heard(situation: Situation, report: StepReport, device: str = '') -> Situation:
@@ -364,8 +374,7 @@ def _done(situation: Situation, place: StepPlace) -> Situation:
     effect, load = situation.work.step(place).load, situation.load
     change = {LoadEffect.NONE: 0, LoadEffect.TAKES: 1, LoadEffect.GIVES: -1}[effect]
     if effect and load.state is not LoadState.UNKNOWN:  # a person did it after it had failed
-        situation = situation._replace(load=replace(
-            load, state=after(LOAD, load.state, LoadEvent.BEGIN)))
+        situation = situation._replace(load=_changing(load, situation.work.step(place)))
     return _known(_event(situation, place, StepEvent.DONE), place, change)
 
 
@@ -377,7 +386,8 @@ def _known(situation: Situation, place: StepPlace, change: int = 0) -> Situation
     count = max(load.count + change, 0)
     event = LoadEvent.FILLED if count else LoadEvent.EMPTIED
     return situation._replace(load=RobotLoad(after(LOAD, load.state, event),
-                                        situation.serial if count else 0, count))
+                                             situation.serial if count else 0, count,
+                                             load.types if count else ()))
 
 
 def _failed(situation: Situation, place: StepPlace, text: str) -> Situation:
@@ -606,9 +616,27 @@ def said_empty(load: RobotLoad) -> RobotLoad:
     return RobotLoad(after(LOAD, load.state, LoadEvent.SAID_EMPTY))
 
 
-def said_loaded(load: RobotLoad, serial: int) -> RobotLoad:
-    """Returns the load after a person says that the robot carries the load of this mission."""
-    return RobotLoad(after(LOAD, load.state, LoadEvent.SAID_LOADED), serial, max(load.count, 1))
+def said_loaded(load: RobotLoad, serial: int, work: Optional[Work] = None) -> RobotLoad:
+    """Returns the load after a person says that the robot carries the load of this mission.
+
+    If it counted as empty, its load may be each one that the mission takes.
+
+    work -- of the mission; None: it has no steps
+    """
+    types = load.may_be or {step.load_type or ANY_LOAD for _, step, _ in (
+        () if work is None else work.steps) if step.load is LoadEffect.TAKES}
+    return RobotLoad(after(LOAD, load.state, LoadEvent.SAID_LOADED), serial, max(load.count, 1),
+                     tuple(sorted(types)))
+
+
+def to_take(work: Work) -> FrozenSet[str]:
+    """Returns the types of load that a robot takes at its present stop, or at the next one."""
+    number = work.current
+    if work.is_ending or number == len(work.stops):
+        return frozenset()
+    stop = zip(work.stops[number].steps, work.progress[number].steps)
+    return frozenset(step.load_type or ANY_LOAD for step, own in stop
+                     if step.load is LoadEffect.TAKES and not own.state.is_final)
 
 
 # -- commands to the robot and to devices ---------------------------------------------------------

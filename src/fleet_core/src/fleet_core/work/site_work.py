@@ -6,6 +6,7 @@ from typing import FrozenSet, Mapping, NamedTuple, Tuple
 
 from fleet_core.work.chargers import Charger
 from fleet_core.work.devices import Device, StepDevice
+from fleet_core.work.loads import LoadType
 from fleet_core.work.stations import Station
 from fleet_core.work.stops import StopKind, WorkStep
 from fleet_core.work.templates import Template
@@ -44,6 +45,7 @@ class SiteWork:
     job_steps: Tuple[JobSteps, ...] = ()
     chargers: Mapping[str, Charger] = field(default_factory=dict)
     zones: Mapping[str, Zone] = field(default_factory=dict)
+    loads: Mapping[str, LoadType] = field(default_factory=dict)
 
     @property
     def names(self) -> FrozenSet[str]:

@@ -94,6 +94,7 @@ class WorkStep:
     harmless   -- it may be carried out twice, so that an unknown outcome may be followed by a retry
     breakable  -- it is broken off when its mission is cancelled or its time is over
     device     -- name of the device that carries it out, for DEVICE
+    load_type  -- what it takes, by its name in the work file; empty: it is not said
 
     Each attribute is a part of the step, as it is stored.
     """
@@ -110,6 +111,7 @@ class WorkStep:
     breakable: bool = False
     load: LoadEffect = LoadEffect.NONE
     device: str = ''
+    load_type: str = ''
 
 
 @dataclass(frozen=True)
@@ -161,7 +163,7 @@ def check_stops(stops: Sequence[WorkStop], on_cancel: Sequence[WorkStop]) -> Non
 
 def problem_of(step: WorkStep) -> str:
     """Returns why a step is refused, such as 'needs a type'; '': it is not refused."""
-    texts = (step.type, step.device, *(text for pair in step.parameters for text in pair))
+    texts = (step.type, step.device, step.load_type, *(text for pair in step.parameters for text in pair))
     names = [name for name, _ in step.parameters]
     rules = (
         (not step.type, 'needs a type'),
@@ -178,6 +180,8 @@ def problem_of(step: WorkStep) -> str:
         (not 0 <= step.retries <= MOST_RETRIES or (
             (step.on_failure is Policy.RETRY) is not bool(step.retries)),
          f'needs retries (1 to {MOST_RETRIES}) if on_failure is RETRY, and none otherwise'),
+        (bool(step.load_type) and step.load is not LoadEffect.TAKES,
+         'has a load_type, but does not take a load'),
         *(_rules_of_load(step) if step.load else ()))
     return next((text for is_wrong, text in rules if is_wrong), '')
 

@@ -8,10 +8,12 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from enum import Enum
 from functools import cached_property
-from typing import NamedTuple, Optional, Tuple
+from typing import FrozenSet, Iterable, NamedTuple, Optional, Tuple
 
 from fleet_core.work.stops import WorkStep, WorkStop
 from fleet_core.work.tables import LoadState, StepState, StopState
+
+ANY_LOAD = ''  # the type of a load of which nobody has said the type
 
 
 class Seen(Enum):
@@ -140,11 +142,24 @@ class RobotLoad:
 
     serial -- of the mission whose load it is; 0: none
     count  -- pieces that it carries; if it is UNKNOWN, before the step that made it so
+    types  -- names of the types of load that it may carry, in order
     """
 
     state: LoadState = LoadState.EMPTY
     serial: int = 0
     count: int = 0
+    types: Tuple[str, ...] = ()
+
+    @property
+    def may_be(self) -> FrozenSet[str]:
+        """The types of load that the robot may carry. `ANY_LOAD`: nobody has said which."""
+        if self.state is LoadState.EMPTY:
+            return frozenset()
+        return frozenset(self.types or (ANY_LOAD,))
+
+    def with_types(self, types: Iterable[str]) -> RobotLoad:
+        """Returns the same load, which may be of these types as well."""
+        return replace(self, types=tuple(sorted(self.may_be.union(types))))
 
     def is_bound_to(self, serial: int) -> bool:
         """Returns whether the robot must serve this mission because of its load."""

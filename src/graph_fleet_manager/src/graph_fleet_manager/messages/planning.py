@@ -5,7 +5,8 @@ stamp. With simulated robots, `rate` seconds of the robots' time pass in one ROS
 """
 from __future__ import annotations
 
-from math import isfinite
+from dataclasses import replace
+from math import inf, isfinite
 from typing import List, Mapping, Optional, Sequence, Tuple
 
 import genpy
@@ -60,6 +61,8 @@ def request_of(message: msg.PlanRequest, types: Mapping[str, RobotType], edge_ti
     longest    -- s, the upper limit of its times for search and improvement
     """
     clock = PlanningClock(message.header.stamp, rate)
+    laden = {one.name: _laden(one, types) for one in message.laden_types}
+    types = {**types, **laden}
     for name, seconds in (('time_limit', message.time_limit),
                           ('improvement', message.improvement)):
         if not (isfinite(seconds) and seconds >= 0.0):
@@ -75,7 +78,7 @@ def request_of(message: msg.PlanRequest, types: Mapping[str, RobotType], edge_ti
         tuple(Alone(frozenset(one.edges), frozenset(one.vertices)) for one in message.alone),
         frozenset(message.parking),
         min(message.time_limit or time_limit, longest), min(message.improvement, longest),
-        message.seed, frozenset(message.reserved))
+        message.seed, frozenset(message.reserved), tuple(laden.values()))
 
 
 def request_message(request: PlanRequest, plan_id: int, stamp: genpy.Time,
@@ -90,6 +93,8 @@ def request_message(request: PlanRequest, plan_id: int, stamp: genpy.Time,
         plan_id=plan_id, graph_stamp=graph_stamp, time_limit=request.time_limit,
         improvement=request.improvement, seed=request.seed, parking=sorted(request.parking),
         reserved=sorted(request.reserved),
+        laden_types=[msg.LadenType(kind.name, kind.model, kind.radius, kind.speed,
+                                   sorted(kind.closed)) for kind in request.laden],
         closed_edges=sorted(request.closed),
         alone=[msg.AlonePlaces(sorted(one.edges), sorted(one.vertices)) for one in request.alone],
         tasks=[_task_message(task, clock) for task in request.tasks],
@@ -98,6 +103,21 @@ def request_message(request: PlanRequest, plan_id: int, stamp: genpy.Time,
                    for robot in request.obstacles])
     message.header.stamp = stamp
     return message
+
+
+def _laden(message: msg.LadenType, types: Mapping[str, RobotType]) -> RobotType:
+    if message.robot_type not in types:
+        raise CannotPlan(f'The laden type {_name(message.name)} is one of {message.robot_type!r}, '
+                         f'but the fleet file has {", ".join(types)}.')
+    own = types[message.robot_type]
+    if message.name in types or not (own.radius <= message.radius < inf and
+                                     0.0 < message.speed <= own.speed):
+        raise CannotPlan(f'The laden type {_name(message.name)} must have a name of its own, no '
+                         f'smaller radius and no higher speed than {own.name}, and a speed above '
+                         '0.')
+    return replace(own, name=message.name, radius=message.radius, speed=message.speed,
+                   without_load=own.name, own_speed=own.speed,
+                   closed=frozenset(map(abs, message.closed_edges)))
 
 
 def _task(message: msg.RobotTask, types: Mapping[str, RobotType], clock: PlanningClock) -> Task:

@@ -49,7 +49,7 @@ def _step_of(message: msg.MissionStep) -> WorkStep:
                 tuple((one.name, one.value) for one in message.parameters), When(message.when),
                 Actor(message.actor), StepBlocking(message.blocking), Policy(message.on_failure),
                 message.retries, message.harmless, message.breakable, LoadEffect(message.load),
-                message.device)
+                message.device, message.load_type)
 
 
 def stop_messages(stops: Sequence[WorkStop]) -> List[msg.MissionStop]:
@@ -66,7 +66,7 @@ def _step_message(step: WorkStep) -> msg.MissionStep:
         when=int(step.when), actor=int(step.actor), blocking=int(step.blocking),
         timeout=step.timeout, on_failure=int(step.on_failure), retries=step.retries,
         harmless=step.harmless, breakable=step.breakable, load=int(step.load),
-        device=step.device)
+        device=step.device, load_type=step.load_type)
 
 
 def dependencies_of(messages: Iterable[msg.MissionDependency]) -> Tuple[Dependency, ...]:

@@ -143,7 +143,7 @@ class FleetTopics:
         message = request_message(
             PlanRequest(question.tasks, question.obstacles, question.closed, time_limit=0.0,
                         improvement=self._improvement, alone=question.alone,
-                        seed=question.seed, reserved=question.reserved),
+                        seed=question.seed, reserved=question.reserved, laden=question.laden),
             question.number, stamp, self.graph_stamp, self._rate)
         self._times.fill(message, question.edge_times, self._rate)
         self._asked = message, question.edge_times

@@ -115,7 +115,7 @@ class PathSupervisor:
             self._settings = load_settings(parameter('~fleet_file'))
         except FileError as error:
             raise ConfigurationError(str(error)) from None
-        self._work_file = WorkFile()
+        self._work_file = WorkFile(self._fleet)
         self._file = JournalFile()
         self._rate = number('~sim_speed', 1.0, 0.01, 100.0)
         self._switches: bool = parameter('~order_switching', False, bool)

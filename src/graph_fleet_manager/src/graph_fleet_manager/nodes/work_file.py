@@ -7,6 +7,7 @@ import rospy
 
 from fleet_core.files.errors import FileError
 from fleet_core.files.work_file import load_work
+from fleet_core.fleet import Fleet
 from fleet_core.work.site_work import SiteWork
 from node_lifecycle import parameter
 from trajectory_graph import Graph
@@ -15,10 +16,12 @@ from trajectory_graph import Graph
 class WorkFile:
     """Reads the file that ~work_file names.
 
+    fleet   -- the robots that carry the loads
     trouble -- a clause that says why the file cannot be used; empty: it can
     """
 
-    def __init__(self) -> None:
+    def __init__(self, fleet: Fleet) -> None:
+        self._fleet = fleet
         self._path: str = parameter('~work_file', '')
         self.trouble = ''
 
@@ -32,7 +35,7 @@ class WorkFile:
         if not self._path:
             return SiteWork()
         try:
-            work = load_work(self._path, graph)
+            work = load_work(self._path, graph, self._fleet)
         except FileError as error:
             trouble = str(error).rstrip('.')
             if trouble != self.trouble:

@@ -1,0 +1,199 @@
+"""Loads that need more room, less speed or other edges: what robots are granted with them."""
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Mapping, Tuple
+
+import pytest
+from fleet_builders import corridor
+
+from fleet_core.fleet import RobotType
+from fleet_core.interlocking.interlocking import Gate
+from fleet_core.supervision.load_room import LoadRoom
+from fleet_core.supervision.missions import MissionState, Request
+from fleet_core.work.loads import LadenTypes, LoadType
+from fleet_core.work.site_work import SiteWork
+from fleet_core.work.stops import LoadEffect, WorkStep, WorkStop, dwells_of
+from fleet_core.work.tables import LoadState
+from fleet_simulation.agv.steps import SimulatedSteps
+from trajectory_graph import Edge, Graph, Vertex
+from world.supervised_fleet import SupervisedFleet
+
+AGV = RobotType('agv', 0.4, 1.0)
+PALLET = LoadType('pallet', 1.3, 0.5)
+TAKE = WorkStep('take', 60.0, load=LoadEffect.TAKES, load_type='pallet')
+GIVE = WorkStep('give', 60.0, load=LoadEffect.GIVES)
+
+# Two lanes, 1.5 m apart, with a way across at both ends, and room beside them:
+#   11 -- 12 -- 13 -- 14 -- 15
+#    |                 |
+#    1 --- 2 --- 3 --- 4
+PLACES = {**{k: (3.0 * k, 0.0) for k in (1, 2, 3, 4)},
+          **{10 + k: (3.0 * k, 1.5) for k in (1, 2, 3, 4, 5)}}
+ENDS = {1: (1, 2), 2: (2, 3), 3: (3, 4), 11: (11, 12), 12: (12, 13), 13: (13, 14), 14: (14, 15),
+        21: (1, 11), 24: (4, 14)}
+LANES = Graph([Vertex(id, *place, 0.0) for id, place in PLACES.items()],
+              [Edge(id, *ends, velocity_forward=1.0, velocity_backwards=1.0)
+               for id, ends in ENDS.items()])
+
+
+class LoadedFleet(SupervisedFleet):
+    """A fleet that carries pallets. The world checks the room around them."""
+
+    def __init__(self, robots: Mapping[str, int], pallet: LoadType = PALLET,
+                 graph: Graph = LANES, **more: object) -> None:
+        super().__init__(graph, {name: (AGV, vertex) for name, vertex in robots.items()},
+                         work=SiteWork(loads={'pallet': pallet}), **more)
+        self.steps = {name: SimulatedSteps(lambda: 1) for name in robots}
+        self._radius = pallet.radius
+
+    def step(self) -> None:
+        super().step()
+        self.loads = {name: self._radius for name, steps in self.steps.items()
+                      if self._radius and steps.done.count('take') > steps.done.count('give')}
+
+    def send(self, id: int, *stops: WorkStop, **more: object) -> None:
+        self.do(self.supervisor.request(Request(
+            id, tuple(stop.place for stop in stops), dwells=dwells_of(stops), stops=stops,
+            **more), self.now))
+
+    def load(self, name: str = 'a') -> LoadState:
+        return self.supervisor.desk.load(name).state
+
+    def kind(self, name: str = 'a') -> RobotType:
+        return self.supervisor.robots[name].type
+
+
+def carry(at: int, to: int) -> Tuple[WorkStop, WorkStop]:
+    return WorkStop(at, steps=(TAKE,)), WorkStop(to, steps=(GIVE,))
+
+
+def test_a_robot_counts_with_its_load_until_it_has_given_it():
+    fleet = LoadedFleet({'a': 1})
+    fleet.send(1, *carry(2, 4))
+    fleet.run(0.5)
+    assert (fleet.kind().radius, fleet.kind().speed) == (1.3, 1.0), 'it makes room in time'
+    fleet.run_until(lambda: fleet.load() is LoadState.LOADED)
+    assert (fleet.kind().radius, fleet.kind().speed) == (1.3, 0.5)
+    fleet.run_until_done(1)
+    fleet.run(0.2)
+    assert fleet.kind() == AGV
+
+
+def test_robots_pass_each_other_empty_but_not_beside_a_load():
+    fleet = LoadedFleet({'a': 1, 'b': 15})
+    fleet.send(1, *carry(2, 4), robot='a')
+    for id, place in ((2, 14), (3, 11), (4, 15)):
+        fleet.request(id, place, robot='b')
+    fleet.run_until_done(1, 2, 3, 4)
+    assert fleet.nearest > -1e-6
+
+
+def test_an_idle_robot_beside_the_place_of_a_load_is_sent_away_first():
+    fleet = LoadedFleet({'a': 2, 'b': 12})
+    fleet.send(1, *carry(2, 4), robot='a')
+    fleet.run(0.3)
+    assert fleet.load() is LoadState.EMPTY and fleet.steps['a'].running == ()
+    fleet.run_until_done(1)
+    assert 12 not in (fleet.supervisor.robots['b'].position.vertex,)
+
+
+def test_a_load_is_not_taken_while_a_robot_that_cannot_leave_is_too_near():
+    fleet = LoadedFleet({'a': 2, 'b': 12})
+    fleet.run(0.5)
+    fleet.do(fleet.supervisor.take_out('b', fleet.now))
+    fleet.send(1, *carry(2, 4), robot='a')
+    fleet.run(30.0)
+    assert fleet.load() is LoadState.EMPTY and not fleet.steps['a'].done
+    assert 'too near for the load' in fleet.supervisor.book.find(1).reason
+
+
+def test_a_robot_is_not_sent_onto_an_edge_that_is_closed_to_its_load():
+    fleet = LoadedFleet({'a': 1}, LoadType('pallet', closed=frozenset({3})))
+    fleet.send(1, *carry(3, 4))
+    fleet.run_until_done(1)
+    assert fleet.agvs['a'].visited == [1, 2, 3, 2, 1, 11, 12, 13, 14, 4]
+
+
+def test_the_interlocking_refuses_an_edge_that_is_closed_to_a_load():
+    fleet = LoadedFleet({'a': 1}, LoadType('pallet', closed=frozenset({3})))
+    fleet.send(1, WorkStop(3, steps=(TAKE, WorkStep('wait', 300.0, (('seconds', '200'),)))))
+    fleet.run_until(lambda: fleet.load() is LoadState.LOADED)
+    fleet.supervisor.interlocking.at_work = frozenset()
+    given = fleet.supervisor.interlocking.grant(fleet.supervisor.robots['a'], [3])
+    assert (given.edges, given.refusal.gate) == ((), Gate.CLOSED_TO_LOAD)
+
+
+def test_a_robot_drives_slower_by_plan_with_a_load_that_allows_no_more():
+    def seconds(pallet: LoadType) -> float:
+        fleet = LoadedFleet({'a': 1}, pallet)
+        fleet.send(1, *carry(1, 4))
+        fleet.run_until(lambda: fleet.load() is LoadState.LOADED)
+        fleet.run(1.0)
+        plan = fleet.supervisor.plan_executor.plan.plans['a']
+        return plan.drives[-1].end - plan.drives[0].start
+    assert seconds(LoadType('pallet', speed=0.25)) > 3.0 * seconds(LoadType('pallet', speed=1.0))
+
+
+def test_a_load_is_what_it_was_after_a_restart():
+    fleet = LoadedFleet({'a': 1})
+    fleet.send(1, *carry(2, 4))
+    fleet.run_until(lambda: fleet.load() is LoadState.LOADED)
+    before = fleet.kind()
+    fleet.restart()
+    assert fleet.kind() == before and before.radius == 1.3
+    fleet.run_until_done(1)
+
+
+def test_a_load_of_which_a_person_says_so_counts_at_once_and_stops_whoever_is_too_near():
+    fleet = LoadedFleet({'a': 2, 'b': 12})
+    fleet.send(1, WorkStop(4, steps=(WorkStep('wait', 300.0),)), WorkStop(2, steps=(TAKE,)),
+               WorkStop(1, steps=(GIVE,)), robot='a', )
+    fleet.run(0.1)
+    problem, actions = fleet.supervisor.set_load('a', 1, fleet.now)
+    fleet.do(actions)
+    assert not problem and fleet.kind().radius == 1.3
+    assert fleet.supervisor.interlocking.excluding('a') == ('b',)
+    assert fleet.supervisor.desk.load('a').types == ('pallet',)
+
+
+def test_a_step_that_takes_a_load_names_its_type_and_one_that_the_site_has():
+    fleet = LoadedFleet({'a': 1})
+    for id, kind in ((1, ''), (2, 'crate')):
+        fleet.send(id, WorkStop(2, steps=(replace(TAKE, load_type=kind),)))
+        assert fleet.statuses[-1].state is MissionState.REFUSED
+        assert fleet.statuses[-1].reason.endswith('the loads of the work file are: pallet')
+
+
+# -- types of robots with loads --------------------------------------------------------------------
+
+
+def test_a_load_that_may_be_of_several_types_is_the_strictest_of_all():
+    box = LoadType('box', 0.5, 0.8, frozenset({7}))
+    laden = LadenTypes({'pallet': PALLET, 'box': box}, [AGV])
+    for some in ({'pallet', 'box'}, {''}, {'a type that the file has lost'}):
+        kind = laden.laden(AGV, some)
+        assert (kind.radius, kind.speed, kind.closed) == (1.3, 0.5, {7})
+        assert (kind.model, kind.fastest) == ('agv', 1.0)
+    assert laden.laden(AGV, {'box'}).radius == 0.5
+    assert laden.ready(AGV, {'box'}).closed == frozenset()
+
+
+def test_a_site_without_types_of_load_has_no_types_of_robots_with_loads():
+    laden = LadenTypes({}, [AGV])
+    assert not laden and laden.types == () and laden.laden(AGV, {'pallet'}) is AGV
+
+
+# -- planted ---------------------------------------------------------------------------------------
+
+
+def test_a_load_is_taken_beside_a_robot_if_nobody_asks_for_room(monkeypatch):
+    monkeypatch.setattr(LoadRoom, 'lacks_room', lambda *_: False)
+    with pytest.raises(AssertionError):
+        test_a_load_is_not_taken_while_a_robot_that_cannot_leave_is_too_near()
+
+
+def test_no_corridor_has_room_that_is_not_needed():
+    fleet = LoadedFleet({'a': 1, 'b': 8}, graph=corridor(8))
+    fleet.send(1, *carry(2, 4), robot='a')
+    fleet.run_until_done(1)
