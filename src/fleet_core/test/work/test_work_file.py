@@ -11,6 +11,7 @@ from fleet_builders import corridor, with_docks
 from fleet_core.files.errors import FileError
 from fleet_core.files.work_file import load_work
 from fleet_core.work.chargers import Charger
+from fleet_core.fleet import Fleet, RobotType
 from fleet_core.work.devices import (
     Device,
     DeviceDriver,
@@ -20,6 +21,7 @@ from fleet_core.work.devices import (
     RobotAddress,
     StepDevice,
 )
+from fleet_core.work.loads import LoadType
 from fleet_core.work.site_work import SiteWork
 from fleet_core.work.stations import Station, StationKind
 from fleet_core.work.stops import (
@@ -204,6 +206,65 @@ def test_a_device_is_on_all_sections_of_an_edge_that_was_cut(tmp_path):
     graph = split_edges(corridor(9), 1.0)
     gate = load_work(tmp_path / 'work.yaml', graph).devices['gate']
     assert set(gate.edges) == {*graph.sections[2], *graph.sections[3]} and len(gate.edges) > 2
+
+
+# -- loads -----------------------------------------------------------------------------------------
+
+LOADS = '''loads:
+- {name: pallet, footprint: {radius: 0.7}, speed: 0.6, closed_edges: [2, 3]}
+- {name: box, speed: 0.9}
+templates:
+- name: bring
+  stops:
+  - {at: 3, steps: [{type: engage, timeout: 60, load: takes, load_type: pallet}]}
+  - {at: 5, steps: [{type: disengage, timeout: 60, load: gives}]}
+job_steps:
+- {kind: pickup, steps: [{type: lift, timeout: 60, load: takes, load_type: box}]}
+'''
+CARRIERS = Fleet((RobotType('cart', 0.4, 1.0), RobotType('truck', 0.6, 1.0)), ())
+
+
+def read_loads(tmp_path, text):
+    (tmp_path / 'work.yaml').write_text(text)
+    return load_work(tmp_path / 'work.yaml', corridor(9), CARRIERS)
+
+
+def test_a_load_has_a_footprint_a_speed_and_closed_edges(tmp_path):
+    work = read_loads(tmp_path, LOADS)
+    assert work.loads == {'pallet': LoadType('pallet', 0.7, 0.6, frozenset({2, 3})),
+                          'box': LoadType('box', None, 0.9)}
+    assert [step.load_type for step in work.templates['bring'].stops[0].steps] == ['pallet']
+
+
+@pytest.mark.parametrize('right, wrong, line, told', [
+    ('load_type: pallet', 'load_type: palet', 7,
+     "step engage takes 'palet', but the loads of the work file are: pallet, box"),
+    (', load_type: pallet', '', 7, 'step engage takes a load, so it needs a load_type'),
+    (', load_type: box', '', 10, 'step lift takes a load, so it needs a load_type'),
+    ('load: gives', 'load: gives, load_type: pallet', 8, 'has a load_type, but does not take'),
+    ('[2, 3]', '[2, 77]', 2, 'the graph has no edge 77'),
+    ('[2, 3]', '[2, 2]', 2, '2 occurs twice in closed_edges'),
+    ('speed: 0.6', 'speed: 0', 2, 'speed is 0.0, but must be above 0'),
+    ('speed: 0.6', 'speed: -1', 2, 'speed is -1.0, but must be above 0'),
+    ('radius: 0.7', 'radius: 0', 2, 'radius is 0.0, but must be above 0'),
+    ('radius: 0.7', 'radius: 0.5', 2,
+     'radius of load pallet is 0.5, but robots of type truck alone have 0.6'),
+    ('{radius: 0.7}', '{}', 2, 'radius is missing'),
+    ('radius: 0.7', 'radius: 0.7, length: 2', 2, "a footprint has an unknown key 'length'"),
+    ('speed: 0.9', 'sped: 0.9', 3, "a load has an unknown key 'sped'; did you mean speed"),
+    (', speed: 0.9', '', 3, 'load box changes nothing'),
+    ('name: box', 'name: pallet', 3, 'load pallet occurs twice'),
+    ('name: box', "name: ''", 3, 'needs a name that can be read')])
+def test_a_wrong_load_is_refused_with_its_line(tmp_path, right, wrong, line, told):
+    assert right in LOADS
+    with pytest.raises(FileError, match=f'line {line}: .*{re.escape(told)}'):
+        read_loads(tmp_path, LOADS.replace(right, wrong, 1))
+
+
+def test_a_step_names_no_type_of_load_that_a_file_without_loads_lacks(tmp_path):
+    with pytest.raises(FileError, match="line 4: step engage takes 'pallet', but the loads of the "
+                                        'work file are: none'):
+        read_loads(tmp_path, LOADS.split('\n', 3)[3])
 
 
 # -- chargers --------------------------------------------------------------------------------------

@@ -24,6 +24,8 @@ Invariants, after each step (letters as in the docstrings of `claims` and `work_
 (h) no two robots have one queue place
 (i) a mission waits only for missions that were accepted before it
 (j) what has ended does not change any more
+(k) no robot is sent onto an edge that is closed to its load, or so near to another one that their
+    loads could meet (`VirtualFleet` checks the true places)
 At the end, when all faults are over and people answer, each mission ends.
 """
 from __future__ import annotations
@@ -54,6 +56,7 @@ from fleet_core.supervision.settings import RobotSettings
 from fleet_core.work import rules
 from fleet_core.work.dependencies import Dependency, Until
 from fleet_core.work.devices import Device, DeviceKind, StepDevice
+from fleet_core.work.loads import LoadType
 from fleet_core.work.rules import StepDecision
 from fleet_core.work.site_work import SiteWork
 from fleet_core.work.stations import Station, StationKind
@@ -163,12 +166,15 @@ class RandomWork(SupervisedFleet):
 
     reckless -- the interlocking is also asked for edges by nobody's plan, so that its guards are
                 not hidden behind the planner; then missions need not end
+    load     -- what robots take, if it needs more than they do; then missions need not end either
 
     Its attributes are the parts of the world, and what its persons and devices are about to do.
     """
 
-    def __init__(self, seed: int, reckless: bool = False) -> None:
+    def __init__(self, seed: int, reckless: bool = False,
+                 load: Optional[LoadType] = None) -> None:
         self.reckless, self.is_calm = reckless, False
+        self.load = load
         self.draw = Random(f'work {seed}')
         self.count = 0
         """Number of steps so far."""
@@ -198,9 +204,10 @@ class RandomWork(SupervisedFleet):
         self._requests: List[Request] = []
         super().__init__(
             SITE, {name: (KIND, vertex) for name, vertex in STARTS.items()}, seed=seed,
-            repeats=0.05, loss=0.05, parking=PARKING, work=WORK, resources=(HALL,),
+            repeats=0.05, loss=0.05, parking=PARKING, resources=(HALL,),
             settings=RobotSettings(release_ahead=self.draw.choice((0.0, 1.0, 3.0))),
-            rhythm=Rhythm(0.3, 1.0))
+            rhythm=Rhythm(0.3, 1.0),
+            work=replace(WORK, loads={} if load is None else {load.name: load}))
         self.steps = {name: Hands(self, name) for name in self.agvs}
         self.step_devices = {name: Hands(self, name) for name in WORK.step_devices}
 
@@ -264,6 +271,9 @@ class RandomWork(SupervisedFleet):
         for agv in self.agvs.values():
             agv.drive(period)
             agv.late_refusals()
+        if self.load is not None:
+            self.loads = {name: self.load.radius or 0.0
+                          for name, carried in self.carried.items() if carried}
         self._check_room()
         for hands in (*self.steps.values(), *self.step_devices.values()):
             hands.advance(period)
@@ -425,7 +435,8 @@ class RandomWork(SupervisedFleet):
                 when=draw.choice(list(When)), actor=actor, blocking=draw.choice(list(StepBlocking)),
                 on_failure=policy, retries=int(policy is Policy.RETRY),
                 harmless=draw.random() < 0.2, breakable=draw.random() < 0.5, load=load,
-                device='oven' if is_device else '')
+                device='oven' if is_device else '',
+                load_type=self.load.name if self.load and load is LoadEffect.TAKES else '')
             if not problem_of(step):
                 return step
 
@@ -675,8 +686,9 @@ class RandomWork(SupervisedFleet):
         """
         name = self._any()
         agv, supervisor = self.agvs[name], self.supervisor
-        if agv.is_driving or self.network.is_silent(name, self.now):
-            return
+        if agv.is_driving or self.network.is_silent(name, self.now) or (
+                self.load is not None and any(self.carried.values())):
+            return  # people move no robot while there is a load to run into
         edge = self.draw.choice(list(SITE.edges_from(agv.visited[-1])))
         end = SITE.end_vertex(edge)
         held = {abs(one) for other, robot in supervisor.robots.items() if other != name
@@ -756,7 +768,7 @@ class RandomWork(SupervisedFleet):
         """Lets so many steps happen, and then waits until all missions have ended."""
         while self.count < steps:
             self._happen(EVENTS)
-        if not self.reckless:
+        if not (self.reckless or self.load):
             self.calm()
 
     def _happen(self, weights: Mapping[str, float]) -> None:
@@ -817,6 +829,8 @@ class RandomWork(SupervisedFleet):
             if load.state is not LoadState.UNKNOWN and name not in self._forgotten:
                 assert carried == load.count and name not in moving, (
                     f'(f) {name} counts as {load}, but carries {carried}')
+        if self.load is not None:
+            self._check_load(self.load)
         for mission in book.open:
             assert all(one.serial < mission.serial for one in mission.request.after), (
                 f'(i) mission {mission.serial} comes after {mission.request.after}')
@@ -833,6 +847,13 @@ class RandomWork(SupervisedFleet):
         queued = [limit.place for limit in self.supervisor.stations.limits.values()
                   if limit.place is not None]
         assert len(queued) == len(set(queued)), f'(h) the queue places: {queued}'
+
+    def _check_load(self, load: LoadType) -> None:
+        """(k) No robot is sent onto an edge that is closed to what it carries."""
+        for name, carried in self.carried.items():
+            ahead = set(map(abs, self.supervisor.robots[name].record.ahead))
+            if carried and name not in self.moved | self._forgotten:
+                assert not load.closed & ahead, f'(k) {name} drives {ahead} with its load'
 
     def _check_work(self, mission: Mission, before: Optional[Work], work: Work) -> None:
         known = {} if before is None else {place: own for place, _, own in before.steps}
@@ -988,12 +1009,12 @@ COMBINATIONS: Sequence[Tuple[Moment, Tuple[str, ...]]] = (
 """What is handed out on purpose, because it seldom comes together by itself."""
 
 
-def lived(seed: int, steps: int) -> int:
+def lived(seed: int, steps: int, load: Optional[LoadType] = None) -> int:
     """Lives one life. Returns the number of its steps; a flaw names the seed and the last events.
 
     Every third life is reckless.
     """
-    world = RandomWork(seed, seed % 3 == 2)
+    world = RandomWork(seed, seed % 3 == 2, load)
     try:
         world.live(steps)
     except AssertionError as flaw:

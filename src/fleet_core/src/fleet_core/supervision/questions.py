@@ -89,7 +89,7 @@ def question_of(world: World, plan: Optional[PlanInForce], seed: int, now: float
             obstacles.append(Obstacle(name, robot.type, tuple(sorted(vertices)),
                                       tuple(sorted(edges)), tuple(areas)))
         elif assumption.role is not PlanRole.ABSENT:
-            own = plan.plan_of(name) if plan is not None else None
+            own = _plan_of(robot, plan)
             further = foreseen.get(name, ())
             ends[name] = robot.record.end + len(further)
             task, reach = _task(robot, errand, own, now, further)
@@ -98,6 +98,17 @@ def question_of(world: World, plan: Optional[PlanInForce], seed: int, now: float
         assumed[name] = assumption
     return Question(tuple(tasks), tuple(obstacles),
                     Assumptions(assumed, world.network.closed, seed), now, ends)
+
+
+def _plan_of(robot: ManagedRobot, plan: Optional[PlanInForce]) -> Optional[RobotPlan]:
+    """Returns the plan of a robot that the planner is to keep; None: it has none.
+
+    One that was made for a robot of another type, with another load, may lead past others too near.
+    """
+    assumed = None if plan is None else plan.assumptions.robots.get(robot.name)
+    if plan is None or assumed is None or assumed.kind != robot.type:
+        return None
+    return plan.plan_of(robot.name)
 
 
 def _task(robot: ManagedRobot, errand: Errand, own: Optional[RobotPlan], now: float,
