@@ -451,7 +451,7 @@ function placeRobot(name, [x, y, theta], robot) {
 }
 
 // What a robot carries; empty: nothing.
-export const loadWords = robot => robot.load === 'EMPTY' ? '' : t(`load_${robot.load}`, { mission: `M${robot.load_serial}` });
+export const loadWords = robot => robot.load === 'EMPTY' ? '' : t(`load_${robot.load}`, { mission: `M${robot.load_serial}` }) + (robot.load_types && robot.load_types.length ? ` (${robot.load_types.join(', ')})` : '');
 
 export function robotWords(robot) {
   const vertex = robot.destination && vertexName(robot.destination), isBusy = robot.state === 'BUSY';

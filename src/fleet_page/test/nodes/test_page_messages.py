@@ -102,15 +102,17 @@ def test_the_software_of_a_robot_is_told_if_the_robot_tells_it():
 
 def test_queues_loads_and_machines_are_told_with_their_robots():
     message = msg.FleetState(
-        robots=[msg.FleetRobot(name='a', load=msg.FleetRobot.LOAD_LOADED, load_serial=42),
-                msg.FleetRobot(name='b', load=200)],
+        robots=[msg.FleetRobot(name='a', load=msg.FleetRobot.LOAD_LOADED, load_serial=42,
+                               load_types=['pallet']),
+                msg.FleetRobot(name='b', load=200, load_types=[''])],
         resources=[msg.FleetResource(
             name='shelves', kind=msg.FleetResource.STATION, is_group=True,
             queue=[msg.QueuePlace(22, 'a', True), msg.QueuePlace(vertex=8)])],
         machines=[msg.FleetMachine(name='press_1', state=msg.FleetMachine.WORKING, vertices=[18],
                                    robot='a'), msg.FleetMachine(name='oven', state=77)])
-    assert [(robot.load, robot.load_serial) for robot in messages.robots_of(message)] == [
-        ('LOADED', 42), ('UNKNOWN', 0)]
+    assert [(robot.load, robot.load_serial, robot.load_types)
+            for robot in messages.robots_of(message)] == [
+        ('LOADED', 42, ('pallet',)), ('UNKNOWN', 0, ())]
     shelves, = messages.resources_of(message)
     assert shelves.is_group
     assert shelves.queue == (ShownQueuePlace(22, 'a', True), ShownQueuePlace(8))

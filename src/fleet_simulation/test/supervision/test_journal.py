@@ -39,6 +39,7 @@ from fleet_core.supervision.missions import (
 from fleet_core.supervision.outages import Outage
 from fleet_core.work.rules import begin
 from fleet_core.work.stops import Condition, LoadEffect, WorkStep, WorkStop
+from fleet_core.work.tables import LoadState
 from fleet_core.work.work import RobotLoad, Situation, StepPlace, work_of
 from route_protocol.master import MasterState, Order, Step
 from world.supervised_fleet import SupervisedFleet, blocked
@@ -325,8 +326,30 @@ def test_a_template_and_the_times_of_a_mission_come_back(path):
         request, MissionState.PLANNED, DeadlineState.AT_RISK)
 
 
+def test_a_file_without_types_of_load_is_read_and_its_loads_may_be_anything(path):
+    stops = (WorkStop(2, steps=(WorkStep('take', 5.0, load=LoadEffect.TAKES),)), WorkStop(3))
+    loads = {'a': RobotLoad(LoadState.LOADED, 3, 1), 'b': RobotLoad(LoadState.UNKNOWN, 3),
+             'c': RobotLoad()}
+    journal = Journal(path)
+    journal.store([Mission(3, replace(REQUEST, stops=stops), MissionState.ACTIVE, 'a')],
+                  works={3: work_of(stops)}, loads=loads)
+    journal.close()
+    db = sqlite3.connect(path)
+    for table, column in (('mission', 'request'), ('work', 'work'), ('load', 'load')):
+        for number, text in db.execute(f'SELECT rowid, {column} FROM {table}').fetchall():
+            old = text.replace(', "load_type": ""', '').replace(', "types": []', '')
+            assert old != text
+            db.execute(f'UPDATE {table} SET {column} = ? WHERE rowid = ?', (old, number))
+    db.commit()
+    db.close()
+    journal = Journal(path)
+    assert journal.missions()[0].request.stops == stops and journal.works() == {3: work_of(stops)}
+    assert journal.loads() == loads
+    assert [journal.loads()[name].may_be for name in 'abc'] == [{''}, {''}, set()]
+
+
 def test_steps_and_loads_come_back(path):
-    step = WorkStep('take', 5.0, (('where', 'left'),), load=LoadEffect.TAKES)
+    step = WorkStep('take', 5.0, (('where', 'left'),), load=LoadEffect.TAKES, load_type='pallet')
     stops = (WorkStop(2, steps=(step,)), WorkStop(3))
     begun = begin(Situation(3, work_of(stops, (WorkStop(1, condition=Condition.LOADED),))),
                   StepPlace(0, 0), 2 ** 60, 2 ** 61, 10 ** 12)
@@ -336,6 +359,7 @@ def test_steps_and_loads_come_back(path):
     journal.close()
     journal = Journal(path)
     assert (journal.works(), journal.loads()) == ({3: begun.work}, {'a': begun.load})
+    assert journal.loads()['a'].may_be == {'pallet'}
     assert journal.missions()[0].request == request
     journal.store(works={3: None})
     assert journal.works() == {}

@@ -153,10 +153,11 @@ def test_a_failed_robot_has_a_red_ring_and_every_marker_ends_with_the_node():
 
 
 @pytest.mark.parametrize('load, serial, words, paint', [
-    (FleetRobot.LOAD_LOADED, 42, 'load of M42', LOAD),
+    (FleetRobot.LOAD_LOADED, 42, 'load of M42 (pallet)', LOAD),
     (FleetRobot.LOAD_UNKNOWN, 0, 'load unknown', PAINTS[ResourceLook.TROUBLE])])
 def test_a_load_is_a_box_on_the_robot_with_its_mission_in_the_label(load, serial, words, paint):
-    laden = robot(state=FleetRobot.IDLE, load=load, load_serial=serial)
+    laden = robot(state=FleetRobot.IDLE, load=load, load_serial=serial,
+                  load_types=['pallet'] if serial else [''])
     box, = named(drawn(laden), 'loads')
     assert box.color == paint
     assert words_of(laden, 0.0) == f'agv_1  50 %\nidle\n{words}'

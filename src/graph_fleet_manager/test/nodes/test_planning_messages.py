@@ -14,6 +14,7 @@ from fleet_core.geometry.site_geometry import Alone
 from fleet_core.planning.plan_requests import PlanRequest
 from fleet_core.planning.precedence import Constraint
 from fleet_core.planning.tasks import CannotPlan, Obstacle, PlannedDrive, PlanningOutcome, Task
+from fleet_core.work.loads import LadenTypes, LoadType
 from graph_fleet_manager.messages.planning import (
     answer_message,
     no_plan_message,
@@ -25,6 +26,8 @@ from itrci_nav_msgs import msg
 
 AGV = RobotType('agv', 0.4, 1.0)
 TYPES = {'agv': AGV}
+LADEN = LadenTypes({'pallet': LoadType('pallet', 0.7, 0.6, frozenset({12})),
+                    'box': LoadType('box', 0.5)}, [AGV]).types
 STAMP = genpy.Time(1700000000, 123456789)
 GRAPH = genpy.Time(1600000000)
 
@@ -58,7 +61,7 @@ requests = st.builds(
     st.frozensets(ids, max_size=3), st.dictionaries(st.tuples(st.just('agv'), signed), seconds),
     st.lists(st.builds(Alone, st.frozensets(ids), st.frozensets(ids)), max_size=2).map(tuple),
     st.frozensets(ids, max_size=3), st.floats(0.001, 10.0), st.floats(0.0, 10.0),
-    st.integers(0, 2 ** 32 - 1), st.frozensets(ids, max_size=3))
+    st.integers(0, 2 ** 32 - 1), st.frozensets(ids, max_size=3), st.sampled_from(((), LADEN)))
 
 
 def outlined(x, y, radius=0.0):
@@ -113,6 +116,12 @@ class TestRequests:
         (msg.PlanRequest(tasks=[msg.RobotTask(robot='r1', robot_type='agv', edge=1, fraction=1.5)]),
          'r1 stands at 1.5 of edge 1'),
         (msg.PlanRequest(obstacles=[msg.FleetObstacle(robot='r1', robot_type='truck')]), 'truck'),
+        (msg.PlanRequest(laden_types=[msg.LadenType('x', 'truck', 1.0, 1.0, [])]), "one of 'truck'"),
+        (msg.PlanRequest(laden_types=[msg.LadenType('agv', 'agv', 1.0, 1.0, [])]), 'name of its own'),
+        (msg.PlanRequest(laden_types=[msg.LadenType('x', 'agv', 0.3, 1.0, [])]), 'no smaller radius'),
+        (msg.PlanRequest(laden_types=[msg.LadenType('x', 'agv', 1.0, 1.1, [])]), 'no higher speed'),
+        (msg.PlanRequest(laden_types=[msg.LadenType('x', 'agv', 1.0, 0.0, [])]), 'a speed above 0'),
+        (msg.PlanRequest(laden_types=[msg.LadenType('x', 'agv', float('nan'), 1.0, [])]), 'radius'),
         (outlined([1.0, 2.0], [1.0]), 'An outline of robot r1 has 2 x and 1 y'),
         (outlined([], []), 'An outline of robot r1 has 0 x and 0 y'),
         (outlined([float('nan')], [0.0]), 'An outline of robot r1 has numbers that are not finite'),

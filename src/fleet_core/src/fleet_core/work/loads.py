@@ -75,7 +75,8 @@ class LadenTypes:
             kind, name=f'{kind.name} with {name}', radius=radius, speed=speed,
             without_load=kind.name, own_speed=kind.speed, closed=load.closed)
         self._ready[kind.name, name] = kind if radius == kind.radius else replace(
-            kind, name=f'{kind.name} ready for {name}', radius=radius, without_load=kind.name)
+            kind, name=f'{kind.name} ready for {name}', radius=radius, without_load=kind.name,
+            own_speed=kind.speed)
 
     def laden(self, kind: RobotType, loads: AbstractSet[str]) -> RobotType:
         """Returns the type of a robot that may carry these types of load.

@@ -68,7 +68,7 @@ def _robot_of(message: msg.FleetRobot, not_open: str) -> ShownRobot:
         message.waits_for, message.to_end if math.isfinite(message.to_end) else None,
         _WAITS.get(message.waits_for_code, 'UNKNOWN'), not_open,
         LOAD_OF_CODE.get(message.load, LoadState.UNKNOWN).name, message.load_serial,
-        message.software)
+        message.software, tuple(one for one in message.load_types if one))
 
 
 def resources_of(message: msg.FleetState) -> List[ShownResource]:

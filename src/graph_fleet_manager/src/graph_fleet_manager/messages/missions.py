@@ -233,7 +233,8 @@ def state_message(robots: Iterable[RobotView], resources: Iterable[ResourceView]
             to_destination=robot.to_go.destination / rate, to_end=robot.to_go.end / rate,
             waits_for_code=int(robot.waits_for.code), waits_for=robot.waits_for.text,
             until=robot.waits_for.until, load=_LOADS[robot.load.state],
-            load_serial=robot.load.serial, load_types=sorted(robot.load.may_be), software=software.get(robot.name, ''))
+            load_serial=robot.load.serial, load_types=sorted(robot.load.may_be),
+            software=software.get(robot.name, ''))
         for robot in robots])
     message.header.stamp = now
     return message

@@ -122,7 +122,10 @@ def needs_person(robot: FleetRobot) -> bool:
 def load_words(robot: FleetRobot) -> List[str]:
     """Returns what a robot carries, as a line of its label; none if it carries nothing."""
     words = LOAD_WORDS.get(LOAD_OF_CODE.get(robot.load, LoadState.UNKNOWN))
-    return [] if words is None else [words.format(mission=short_name(robot.load_serial))]
+    if words is None:
+        return []
+    named = ', '.join(one for one in robot.load_types if one)
+    return [words.format(mission=short_name(robot.load_serial)) + (named and f' ({named})')]
 
 
 def _duration(seconds: float) -> str:
