@@ -2,6 +2,7 @@
 from __future__ import annotations
 
 import json
+import re
 
 import pytest
 from genpy import Time
@@ -15,6 +16,7 @@ from fleet_devices.commands.machines import (
     machine_table,
     machine_values,
 )
+from graph_fleet_manager.commands.command_line import CommandProblem
 from graph_fleet_manager.commands.tables import WIDTH, as_json
 from itrci_nav_msgs.msg import FleetMachine, FleetState, StepState, StepStates
 from route_protocol.devices import (
@@ -140,6 +142,20 @@ def test_a_request_is_taken_when_a_report_shows_it(request_, obeyed, is_taken):
      'Device gate is given back, and closes. It is MOVING.')])
 def test_a_person_is_told_what_has_come_of_a_request(request_, obeyed, mode, told):
     assert device.answer(report(*obeyed, mode=mode), request_) == told
+
+
+@pytest.mark.parametrize('obeyed, told', [
+    ((ANNA, GONE), 'nobody does not hold device gate, so nothing is given back. It is held for '
+                   'anna@desk (device): name one with --of.'),
+    ((GONE,), 'nobody does not hold device gate, so nothing is given back. Nobody holds it.'),
+    ((), 'nobody does not hold device gate, so nothing is given back. Nobody holds it.')])
+def test_what_nobody_holds_is_not_given_back(monkeypatch, obeyed, told):
+    monkeypatch.setattr(device, 'first_message', lambda *_: 'a message')
+    monkeypatch.setattr(device, '_report', lambda _: report(*obeyed))
+    monkeypatch.setattr(device, 'first_answer', lambda *_: pytest.fail('a request is sent'))
+    with pytest.raises(CommandProblem, match=re.escape(told)) as problem:
+        device._ask(None, 'gate', 'nobody', DeviceMode.CLOSED)
+    assert problem.value.status != 0
 
 
 @pytest.mark.parametrize('arguments', [[], ['open'], ['shut', 'gate'], ['list', 'gate']])

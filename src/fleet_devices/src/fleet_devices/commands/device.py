@@ -86,7 +86,10 @@ def _ask(states: TopicListener, name: str, requester: str, mode: DeviceMode) -> 
     if known is None:
         raise CommandProblem(f'No device {name} is reported: see device list. Is fleet_devices '
                              'running?')
-    use = _report(known).use_of(requester)
+    report = _report(known)
+    use = report.use_of(requester)
+    if mode is DeviceMode.CLOSED and (use is None or not use.holds):
+        raise CommandProblem(not_held(report, requester), NOT_DONE)
     request = Request(requester, name, mode, number_after(use))
     shown: List[DeviceReport] = []
 
@@ -99,6 +102,15 @@ def _ask(states: TopicListener, name: str, requester: str, mode: DeviceMode) -> 
                              f'{name} is {known_mode(shown, known)}.', NOT_DONE)
     print(answer(shown[-1], request))
     return OK
+
+
+def not_held(report: DeviceReport, requester: str) -> str:
+    """Returns that a requester has nothing to give back, and who holds the device, as sentences.
+    """
+    holders = [use.requester for use in report.obeyed if use.holds]
+    return (f'{requester} does not hold device {report.device}, so nothing is given back. '
+            + (f'It is held for {", ".join(holders)}: name one with --of.' if holders
+               else 'Nobody holds it.'))
 
 
 def number_after(use: Optional[DeviceUse]) -> int:
