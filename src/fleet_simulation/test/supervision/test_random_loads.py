@@ -18,7 +18,7 @@ from fleet_core.work.loads import LoadType
 from fleet_core.work.work import RobotLoad
 
 WHOLE = is_whole(__file__)
-STEPS = 300_000 if LONG else 40_000 if WHOLE else 1_500
+STEPS = 300_000 if LONG else 40_000 if WHOLE else 800
 LIFE = 2500
 PALLET = LoadType('pallet', 1.6, closed=frozenset({3}))
 
