@@ -54,7 +54,7 @@ class RobotType:
 
     @property
     def model(self) -> str:
-        """The name of its type in the fleet file, whatever it carries."""
+        """The name of its type in the fleet file, with or without a load."""
         return self.without_load or self.name
 
     @property

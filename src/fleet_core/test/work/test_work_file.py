@@ -10,8 +10,8 @@ from fleet_builders import corridor, with_docks
 
 from fleet_core.files.errors import FileError
 from fleet_core.files.work_file import load_work
-from fleet_core.work.chargers import Charger
 from fleet_core.fleet import Fleet, RobotType
+from fleet_core.work.chargers import Charger
 from fleet_core.work.devices import (
     Device,
     DeviceDriver,

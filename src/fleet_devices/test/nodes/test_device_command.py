@@ -147,8 +147,8 @@ def test_a_person_is_told_what_has_come_of_a_request(request_, obeyed, mode, tol
 @pytest.mark.parametrize('obeyed, told', [
     ((ANNA, GONE), 'nobody does not hold device gate, so nothing is given back. It is held for '
                    'anna@desk (device): name one with --of.'),
-    ((GONE,), 'nobody does not hold device gate, so nothing is given back. Nobody holds it.'),
-    ((), 'nobody does not hold device gate, so nothing is given back. Nobody holds it.')])
+    ((GONE,), 'nobody does not hold device gate, so nothing is given back. It has no holder.'),
+    ((), 'nobody does not hold device gate, so nothing is given back. It has no holder.')])
 def test_what_nobody_holds_is_not_given_back(monkeypatch, obeyed, told):
     monkeypatch.setattr(device, 'first_message', lambda *_: 'a message')
     monkeypatch.setattr(device, '_report', lambda _: report(*obeyed))

@@ -39,7 +39,7 @@ GUARDS: Mapping[str, Tuple[Any, str, Any, int]] = {
         interlocking, 'CONDITIONS', _without('_edge_is_open_to_load'), 2),
     'a load is taken when there is room for it': (
         LoadRoom, 'lacks_room', lambda *_: False, 0),
-    'a robot becomes larger when nobody is in the way': (
+    'a robot becomes larger when no robot is in its way': (
         Interlocking, 'without_room', lambda *_: '', 0),
     'what a robot may carry counts': (
         RobotLoad, 'may_be', property(lambda self: frozenset()), 0)}

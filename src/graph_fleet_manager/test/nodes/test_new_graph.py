@@ -7,8 +7,8 @@ from typing import Any, Optional
 import pytest
 from fleet_builders import corridor
 
-from fleet_core.supervision.missions import Request
 from fleet_core.fleet import Fleet
+from fleet_core.supervision.missions import Request
 from graph_fleet_manager.nodes import path_supervisor, work_file
 from graph_fleet_manager.nodes.event_loop import SupervisorEvents
 

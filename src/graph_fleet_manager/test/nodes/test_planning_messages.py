@@ -70,6 +70,11 @@ def outlined(x, y, radius=0.0):
         robot='r1', robot_type='agv', outlines=[msg.Outline(x, y, radius)])])
 
 
+def laden(name, robot_type, radius, speed):
+    """The laden type of a request."""
+    return msg.LadenType(name, robot_type, radius, speed, [])
+
+
 def through_ros(message):
     """The message as a subscriber gets it."""
     buffer = BytesIO()
@@ -116,12 +121,12 @@ class TestRequests:
         (msg.PlanRequest(tasks=[msg.RobotTask(robot='r1', robot_type='agv', edge=1, fraction=1.5)]),
          'r1 stands at 1.5 of edge 1'),
         (msg.PlanRequest(obstacles=[msg.FleetObstacle(robot='r1', robot_type='truck')]), 'truck'),
-        (msg.PlanRequest(laden_types=[msg.LadenType('x', 'truck', 1.0, 1.0, [])]), "one of 'truck'"),
-        (msg.PlanRequest(laden_types=[msg.LadenType('agv', 'agv', 1.0, 1.0, [])]), 'name of its own'),
-        (msg.PlanRequest(laden_types=[msg.LadenType('x', 'agv', 0.3, 1.0, [])]), 'no smaller radius'),
-        (msg.PlanRequest(laden_types=[msg.LadenType('x', 'agv', 1.0, 1.1, [])]), 'no higher speed'),
-        (msg.PlanRequest(laden_types=[msg.LadenType('x', 'agv', 1.0, 0.0, [])]), 'a speed above 0'),
-        (msg.PlanRequest(laden_types=[msg.LadenType('x', 'agv', float('nan'), 1.0, [])]), 'radius'),
+        (msg.PlanRequest(laden_types=[laden('x', 'truck', 1.0, 1.0)]), "one of 'truck'"),
+        (msg.PlanRequest(laden_types=[laden('agv', 'agv', 1.0, 1.0)]), 'name of its own'),
+        (msg.PlanRequest(laden_types=[laden('x', 'agv', 0.3, 1.0)]), 'no smaller radius'),
+        (msg.PlanRequest(laden_types=[laden('x', 'agv', 1.0, 1.1)]), 'no higher speed'),
+        (msg.PlanRequest(laden_types=[laden('x', 'agv', 1.0, 0.0)]), 'a speed above 0'),
+        (msg.PlanRequest(laden_types=[laden('x', 'agv', float('nan'), 1.0)]), 'radius'),
         (outlined([1.0, 2.0], [1.0]), 'An outline of robot r1 has 2 x and 1 y'),
         (outlined([], []), 'An outline of robot r1 has 0 x and 0 y'),
         (outlined([float('nan')], [0.0]), 'An outline of robot r1 has numbers that are not finite'),

@@ -29,8 +29,8 @@ from itrci_nav_msgs import msg
 
 STOPS = tuple(
     WorkStop(place, kind, (WorkStep('say', 5.0, (('text', 'hello'),), when, actor, blocking, policy,
-                                    2, True, True, effect, load_type='pallet'), WorkStep('wait', 1.0)),
-             condition)
+                                    2, True, True, effect, load_type='pallet'),
+                           WorkStep('wait', 1.0)), condition)
     for place, (kind, when, actor, blocking, policy, effect, condition) in enumerate(zip(
         StopKind, [*When] * 2, Actor, [*StepBlocking] * 2, Policy, [*LoadEffect] * 2,
         [*Condition] * 2)))

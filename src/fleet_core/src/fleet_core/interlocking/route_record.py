@@ -23,7 +23,8 @@ _REMEMBERED = 100  # number of driven edges that are kept; far more than while t
 class RouteRecord:
     """One robot's route record.
 
-    kind  -- the robot's type, with its load; its speed bounds how far it may have moved since a location
+    kind  -- the robot's type, with its load; its highest speed bounds how far it may have moved
+             since a location
     slack -- m by which the robot may be behind its reported place
 
     It has many methods because all that is asked about the driven and the ordered edges is asked

@@ -75,6 +75,7 @@ class RobotMemory(NamedTuple):
     tops_up: bool = False
 
 
+_ADDED_TO_WORK = ('group', 'device', 'load_type')  # fields that stops and steps have got
 _NOTHING: Mapping[Any, Any] = MappingProxyType({})
 
 
@@ -251,7 +252,7 @@ class Journal:
 
     def works(self) -> Dict[int, Work]:
         """Returns, by serial, the progress of the steps of each open mission that has steps."""
-        return {int(serial): from_json(Work, json.loads(text), added=('group', 'device', 'load_type'))
+        return {int(serial): from_json(Work, json.loads(text), added=_ADDED_TO_WORK)
                 for serial, text in self._run('SELECT serial, work FROM work')}
 
     def loads(self) -> Dict[str, RobotLoad]:
@@ -320,7 +321,7 @@ def read_request(text: str) -> Request:
         ('id', 'destinations', 'robot_type', 'robot', 'priority', 'dwells', 'stamp'), stored))
     return from_json(Request, values, added=(
         'requested_by', 'stops', 'on_cancel', 'after', 'template', 'arguments', 'earliest',
-        'deadline', 'group', 'device', 'load_type'))
+        'deadline', *_ADDED_TO_WORK))
 
 
 def _graph_text(graph: Graph) -> str:

@@ -4,7 +4,8 @@ A robot with a load is a robot of another type (`work.loads`). Its radius may be
 one is like a grant: it needs that no other robot's allocation excludes its own with that radius.
 
 - From when its next stop takes a load, a robot becomes one that has the room for it, as soon as
-  nobody is in its way: mostly long before it is there. So the planner knows, and leads others away.
+  no robot is in its way: mostly long before it is there. So the planner knows, and leads others
+  away.
 - The step that takes the load does not begin before that.
 - What a robot carries, or may carry, counts at once, also by what a person says. If others are too
   near then, the interlocking grants them nothing, as with all evidence.

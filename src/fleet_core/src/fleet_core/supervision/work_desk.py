@@ -41,8 +41,8 @@ _BY: Mapping[Actor, str] = {
     Actor.OUTSIDE: ' by a program: it says `mission answer {} done`',
     Actor.DEVICE: ' by device {}'}
 _SHOWS_NONE = 'a step is due, but {} shows no steps: is the program running that carries them out?'
-_NO_ROOM = ('a step is due, but another robot is too near for the load that {} takes: move the other '
-            'one if it does not drive away')
+_NO_ROOM = ('a step is due, but another robot is too near for the load that {} takes: move the '
+            'other one if it does not drive away')
 _OTHER_RUNS = 'a step is due, but {} carries out another one'
 _NO_KEY_LEFT = ('a step is due, but {} shows a step with a key above all that a fleet manager '
                 'gives: restart the program that carries out its steps')

@@ -44,7 +44,7 @@ def fault_of_load(step: WorkStep, loads: Collection[str]) -> str:
 class LadenTypes:
     """The robot types of a fleet, with each load.
 
-    A robot that may carry several types of load, or one of which nobody has said the type, has the
+    A robot that may carry several types of load, or one whose type is not known, has the
     largest radius, the lowest speed, and the closed edges of all.
 
     loads -- by name, those of the site

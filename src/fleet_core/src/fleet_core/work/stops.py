@@ -163,7 +163,8 @@ def check_stops(stops: Sequence[WorkStop], on_cancel: Sequence[WorkStop]) -> Non
 
 def problem_of(step: WorkStep) -> str:
     """Returns why a step is refused, such as 'needs a type'; '': it is not refused."""
-    texts = (step.type, step.device, step.load_type, *(text for pair in step.parameters for text in pair))
+    texts = (step.type, step.device, step.load_type,
+             *(text for pair in step.parameters for text in pair))
     names = [name for name, _ in step.parameters]
     rules = (
         (not step.type, 'needs a type'),

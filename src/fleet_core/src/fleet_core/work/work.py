@@ -13,7 +13,7 @@ from typing import FrozenSet, Iterable, NamedTuple, Optional, Tuple
 from fleet_core.work.stops import WorkStep, WorkStop
 from fleet_core.work.tables import LoadState, StepState, StopState
 
-ANY_LOAD = ''  # the type of a load of which nobody has said the type
+ANY_LOAD = ''  # the type of a load whose type is not known
 
 
 class Seen(Enum):
@@ -152,7 +152,7 @@ class RobotLoad:
 
     @property
     def may_be(self) -> FrozenSet[str]:
-        """The types of load that the robot may carry. `ANY_LOAD`: nobody has said which."""
+        """The types of load that the robot may carry. `ANY_LOAD`: it is not known."""
         if self.state is LoadState.EMPTY:
             return frozenset()
         return frozenset(self.types or (ANY_LOAD,))

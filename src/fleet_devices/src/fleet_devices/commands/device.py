@@ -105,12 +105,12 @@ def _ask(states: TopicListener, name: str, requester: str, mode: DeviceMode) -> 
 
 
 def not_held(report: DeviceReport, requester: str) -> str:
-    """Returns that a requester has nothing to give back, and who holds the device, as sentences.
+    """Returns, as sentences, that a requester has nothing to give back, and the other holders.
     """
     holders = [use.requester for use in report.obeyed if use.holds]
     return (f'{requester} does not hold device {report.device}, so nothing is given back. '
             + (f'It is held for {", ".join(holders)}: name one with --of.' if holders
-               else 'Nobody holds it.'))
+               else 'It has no holder.'))
 
 
 def number_after(use: Optional[DeviceUse]) -> int:

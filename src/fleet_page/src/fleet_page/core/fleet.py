@@ -41,8 +41,8 @@ class ShownRobot:
     to_end   -- s until its mission ends, as the fleet manager expects; None: unknown
     not_open -- the device in which it is, and which does not report that it is open; empty: none
     wait     -- name of the code of what it waits for (WaitCode)
-    load     -- what it carries (name of a LoadState); load_serial: the serial of the load's mission;
-                load_types: the types of load that it may be, as far as they are known
+    load     -- what it carries (name of a LoadState); load_serial: the serial of the load's
+                mission; load_types: the types of load that it may be, as far as they are known
     software -- name and version of its software; empty: it does not tell them
 
     Each attribute is a value that the page shows.
