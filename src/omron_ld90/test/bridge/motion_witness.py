@@ -480,8 +480,11 @@ class Witness(DelayedDrive):
                            if record.pending and word.drives]
 
     def _is_shown(self, line: str) -> bool:
-        """True if a status shows what a line said that was lost with the link."""
-        return line != 'EStop pressed' or self.robot.status.startswith('EStop')
+        """True if the next status shows what a line said that was lost with the link. Nobody can
+        know of a drive that the robot has replaced since.
+        """
+        return self.robot.status == line or (
+            line == 'EStop pressed' and self.robot.status.startswith('EStop'))
 
     def _put_before_stops(self, word: Word, stopped: Word) -> bool:
         """Puts another client's word before our first stop that the robot obeys after it.

@@ -91,6 +91,23 @@ def test_what_another_client_does_in_an_outage_is_heard_by_the_first_status_afte
     assert _givers(robots.world) == [PERSON, None]
 
 
+@pytest.mark.parametrize(('goals', 'heard'), [(['4', '3'], []), (['4'], [None]),
+                                              (['4', '5'], [None])])
+def test_of_what_another_client_does_in_an_outage_only_what_the_robot_shows_after_it_is_heard(
+        goals, heard):
+    """A robot that drives to a goal of ours again shows nothing of the drive in between."""
+    robots = Robots()
+    robots.begin('rolling', 'status', 0.3, Delays())
+    robots.person_drives('3')
+    robots.passes(1.0)
+    robots.world.stall(3.0)  # the lines are lost later than the link comes back
+    robots.world.cut(p.RobotLink.COMMANDS, 1.0)
+    for goal in goals:
+        robots.another_client(f'goto {goal}')
+    robots.passes(4.0)
+    assert _givers(robots.world) == [PERSON, *heard]
+
+
 def _robots_with_an_unheard_stop_of_the_bridge() -> Robots:
     """A person drives, the bridge fails to follow its route, and no controller hears its stop."""
     robots = Robots()
