@@ -11,7 +11,8 @@ events here.
 A record that something newer has replaced is dropped: nothing is derived from it any more. If its
 command is still under way for its giver, the record is kept aside until that ends. No number of
 records drops one that is open: while the robot has MOST_OPEN drives to carry out or to answer, a
-further one is refused, and of the owed stops between two drives the newest stands for all.
+further one is refused, and of the owed stops between two drives the newest stands for all, and
+tells what becomes of them.
 
 The fate of a drive, and its next fate after an event (`Event`):
 
@@ -479,7 +480,10 @@ class Drives:
         # this `Stopped` may be that of an older stop, so that drives and stops may still follow
         may_follow = [r for r in self._records[:at] if self.heard.unheard_stops and (
             r.may_move or r.kind is RecordKind.STOP and r.fate is Fate.OVER)]
-        self._records = (*may_follow, replace(record, fate=Fate.OVER), *self._records[at + 1:])
+        also = self._told_by(*(r for r in self._records[:at] if r.owed))
+        self._records = (*may_follow, replace(
+            record, fate=Fate.OVER, stands_for=(*record.stands_for, *also)[:_KEPT_GIVERS]),
+            *self._records[at + 1:])
         self._retry_at = -math.inf
         self._keep()
 
@@ -899,7 +903,8 @@ class Drives:
         self._retry_at = -math.inf  # the stop is new, so it need not wait for a retry
         if last and last.owed and not (execution and last.number in self._executions):
             self._records = (*(r for r in self._records if r is not last),
-                             replace(last, giver=giver, words=words, command=command))
+                             replace(last, giver=giver, words=words, command=command,
+                                     stands_for=self._told_by(last)))
             if execution:
                 self._executions[last.number] = execution
         else:
@@ -947,10 +952,16 @@ class Drives:
 
     def _fate_of(self, last: LastCommand) -> CommandFate:
         record = next((r for r in reversed(self._records)
-                       if (r.giver.name, r.command) == (last.giver, last.number)), None)
+                       if (last.giver, last.number) in r.commands), None)
         if record is not None:
             return record.command_fate
         return last.fate if last.fate in _ENDINGS.values() else CommandFate.NOT_OBEYED
+
+    def _told_by(self, *stops: DriveRecord) -> Tuple[Tuple[str, int], ...]:
+        """Returns the last commands of givers that these stops tell of."""
+        told = {(last.giver, last.number) for last in self._memory.last_commands}
+        return tuple(command for stop in stops for command in stop.commands
+                     if command in told)[:_KEPT_GIVERS]
 
     def _last_number(self, giver: Giver) -> int:
         return max((last.number for last in self._memory.last_commands

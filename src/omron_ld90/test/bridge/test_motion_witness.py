@@ -180,3 +180,21 @@ def test_it_is_found_that_a_drive_of_others_without_a_name_is_told_as_ours(monke
     robots.another_client_drives_without_a_goal('gotoPoint 9000 3000 0')
     robots.passes(10.0)
     assert bool(robots.world.broken) is is_planted
+
+
+@pytest.mark.parametrize('is_planted', [False, True])
+def test_it_is_found_that_a_stop_is_told_as_not_obeyed_although_the_robot_stands(
+        monkeypatch, is_planted):
+    if is_planted:
+        monkeypatch.setattr(Drives, '_told_by', lambda self, *stops: ())
+    robots = Robots()
+    robots.begin('rolling', 'name', 0.0, Delays())
+    robots.order(0, 1, True)
+    robots.passes(1.0)
+    robots.world.cut(p.RobotLink.COMMANDS, 5.0)
+    robots.stop_order()
+    robots.passes(0.3)
+    robots.person_stops()
+    robots.passes(15.0)
+    assert robots.world.robot.goal is None
+    assert bool(robots.world.broken) is is_planted
