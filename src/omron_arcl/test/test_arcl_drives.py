@@ -1224,6 +1224,19 @@ class TestLastCommands:
         assert self.told(bench, OTHER) == (3, CommandFate.COMPLETED)
         assert self.told(bench) == (7, CommandFate.COMPLETED)
 
+    @pytest.mark.parametrize('lines, end, fate', [
+        (['Stopping', 'Stopped'], Outcome.SUCCEEDED, CommandFate.COMPLETED),
+        (['Unknown command stop'], Outcome.UNKNOWN_COMMAND, CommandFate.NOT_OBEYED)])
+    def test_a_stop_that_another_client_crosses_is_told_until_its_command_ends(
+            self, bench, lines, end, fate):
+        bench.status('Stopped')
+        stop = bench.stop(ROUTE, number=7)
+        bench.robot('Going to 9')
+        assert (self.told(bench), bench.memory.cause) == (
+            (7, CommandFate.GIVEN), MotionCause.OTHER_CLIENT)
+        bench.robot(*lines)
+        assert (outcome(stop), self.told(bench)) == (end, (7, fate))
+
     def test_a_stop_that_another_one_stands_for_is_not_obeyed_if_a_drive_replaces_both(self, bench):
         bench.stop(ROUTE, number=7)
         bench.robot('Unknown command stop')

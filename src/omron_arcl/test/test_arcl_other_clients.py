@@ -249,6 +249,25 @@ def test_a_drive_that_was_stopped_in_the_dock_is_not_still_to_be_answered(bench)
     bench.drive(PERSON, 'goto 3', known_epoch=bench.epoch)
 
 
+@pytest.mark.parametrize('how', ['lost link', 'restart'])
+def test_what_others_drove_before_is_theirs_after_an_outage_also_if_it_might_lead_to_our_dock(
+        bench, how):
+    """Some robots name their dock as a goal."""
+    bench.robot('Going to 7')
+    bench.drive(PERSON, 'dock')  # lost with the link
+    bench = after_outage(bench, how)
+    bench.status('Going to 7')
+    assert (bench.memory.giver, bench.memory.ruling.kind) == (NO_GIVER, RecordKind.FOREIGN_DRIVE)
+
+
+def test_a_goal_of_a_drive_to_be_answered_first_is_not_on_the_way_to_the_dock(bench):
+    bench.drive(ROUTE, 'goto 3')
+    bench.robot('EStop pressed', 'EStop relieved but motors still disabled', 'Motors enabled')
+    dock = bench.drive(PERSON, 'dock')  # behind the stop that is owed for the drive
+    bench.robot('Going to 3', 'Interrupted: Going to 3', 'Stopping', 'Stopped', UNDOCKED, DOCKING)
+    assert (dock.result, bench.has_begun(dock), bench.memory.giver) == (None, True, PERSON)
+
+
 class TestTheEmergencyStop:
     def test_begins_an_epoch_when_it_is_pressed_again_before_the_motors_are_on(self, bench):
         bench.robot('EStop pressed', 'EStop relieved but motors still disabled')

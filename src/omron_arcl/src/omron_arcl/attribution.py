@@ -398,9 +398,14 @@ def _leads_elsewhere(execution: Execution, reply: Reply) -> bool:
 
 
 def _under_way(commands: CommandQueue, reply: Reply) -> Found:
-    """Returns the drive under way; a robot that docks drives to no goal but its dock."""
+    """Returns the drive under way; a robot that docks drives to no goal but its dock. A goal of a
+    drive that has ended, and that the robot answers next, is not on the way of one that follows.
+    """
     elsewhere = [e for e in commands.begun_drives if _leads_elsewhere(e, reply)]
-    return [e for e in _began_first(commands) if _continues(e, reply) and e not in elsewhere][:1]
+    goal = activity_of(reply).goal.casefold()
+    is_late = goal and commands.records.ended_drive((goal,))
+    drives = _began(commands) if is_late else _began_first(commands)
+    return [e for e in drives if _continues(e, reply) and e not in elsewhere][:1]
 
 
 def _may_be_answered(execution: Execution, reply: Reply) -> bool:

@@ -460,8 +460,12 @@ class Drives:
         if under_way is not None:
             self._mark(under_way.number, doubt=None)
         record = self._record_of(execution)
+        aside = self.record_of(execution) if record is None else None
+        if aside is not None and outcome is Outcome.SUCCEEDED:
+            self._happens(Event.COMPLETED, aside)
         self._executions = {n: e for n, e in self._executions.items() if e is not execution}
         if record is None:  # what came later has ended it already
+            self._keep()
             return
         if record.kind is RecordKind.STOP:
             self._stop_ended(record, outcome, now)
@@ -951,7 +955,9 @@ class Drives:
             replace(record, doubt=None) for record in self._records)))
 
     def _fate_of(self, last: LastCommand) -> CommandFate:
-        record = next((r for r in reversed(self._records)
+        stops = [r for r in self._aside  # the robot may still obey them
+                 if r.kind is RecordKind.STOP and r.number in self._executions]
+        record = next((r for r in (*reversed(self._records), *stops)
                        if (last.giver, last.number) in r.commands), None)
         if record is not None:
             return record.command_fate
@@ -1008,4 +1014,6 @@ class Drives:
         drives = [r for r in reversed(self._records[over + 1:]) if r.kind is RecordKind.DRIVE and (
             r.may_move and _may_cause(r, activity) if moves else name in r.names)]
         named = [r for r in drives if name in r.names]
+        if any(r.shown == _shown(activity) for r in self._records):  # others were driving it so
+            return next(iter(named), None)
         return next(iter(named or drives), None)

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import os
 from contextlib import suppress
-from typing import List, Tuple
+from typing import Callable, List, Tuple
 
 from delayed_drive import PERSON
 from hypothesis import note, settings
@@ -167,6 +167,33 @@ class Robots(RuleBasedStateMachine):
         self.world.cut(link, 5.0)
         self.world.run(8.0, lambda: self.world.has_ended)
 
+    @precondition(lambda self: self.world.up[p.RobotLink.COMMANDS])
+    @rule(stop=st.sampled_from(['person_stops', 'person_cancels', *PROGRAMS]), goal=GOALS)
+    def robot_is_stopped_in_an_outage(self, stop: str, goal: str) -> None:
+        """A program that gave the stop itself may drive on, and no other one."""
+        self.act_in_an_outage(goal, lambda: self.give(stop, 'stop', 0.0)
+                              if stop in PROGRAMS else getattr(self, stop)())
+
+    @precondition(lambda self: self.world.up[p.RobotLink.COMMANDS])
+    @rule(command=COMMANDS, goal=GOALS)
+    def another_client_acts_in_an_outage(self, command: str, goal: str) -> None:
+        self.act_in_an_outage(goal, lambda: self.world.another_client(command))
+
+    def act_in_an_outage(self, goal: str, act: Callable[[], None]) -> None:
+        """A program drives; its drive is overruled in an outage, of which it does not know."""
+        program = PROGRAMS[0]
+        self.world.run(2.0)
+        for _ in range(2):  # a robot at its goal already sets out for the next one
+            self.reads(program)
+            self.give(program, f'goto {goal}', 0.0)
+            self.world.run(1.0)
+            goal = str(int(goal) % 4 + 3)
+        self.reads(program)
+        self.world.cut(p.RobotLink.COMMANDS, 1.0)
+        act()
+        self.world.run(7.0)  # long enough that the robot must have obeyed each stop
+        self.give(program, f'goto {goal}', 0.0)
+
     def help(self) -> None:
         """People make the robot able to drive again."""
 
@@ -232,6 +259,11 @@ class SimulatedRobots(Robots):
     @rule(command=WITHOUT_A_GOAL)
     def another_client_drives_without_a_goal(self, command: str) -> None:
         self.world.another_client(command)
+
+    @precondition(lambda self: self.world.up[p.RobotLink.COMMANDS])
+    @rule(command=WITHOUT_A_GOAL, goal=GOALS)
+    def another_client_drives_without_a_goal_in_an_outage(self, command: str, goal: str) -> None:
+        self.act_in_an_outage(goal, lambda: self.world.another_client(command))
 
     @precondition(lambda self: not self.world.robot.status.startswith('EStop'))
     @rule()
