@@ -268,6 +268,29 @@ def test_a_goal_of_a_drive_to_be_answered_first_is_not_on_the_way_to_the_dock(be
     assert (dock.result, bench.has_begun(dock), bench.memory.giver) == (None, True, PERSON)
 
 
+@pytest.mark.parametrize('before', [[], ['goto 3']])
+@pytest.mark.parametrize('ours, begins, ends', [
+    ('gotoPoint 1 2', 'Going to point', 'Arrived at point'),
+    ('goto 12', 'Going to 12', 'Arrived at 12')])
+def test_a_drive_that_others_complete_is_not_ours_which_the_robot_has_still_to_read(
+        bench, before, ours, begins, ends):
+    bench.robot(begins)
+    for text in before:
+        bench.drive(ROUTE, text)
+    drive = bench.drive(PERSON, ours)
+    bench.robot(ends)
+    assert (drive.result, bench.has_begun(drive)) == (None, False)
+    bench.robot(*(text.replace('goto', 'Going to') for text in before), begins, ends)
+    assert outcome(drive) is Outcome.SUCCEEDED
+
+
+def test_a_point_is_not_that_of_a_drive_behind_another_one_to_be_read(bench):
+    bench.drive(ROUTE, 'goto 3')
+    drive = bench.drive(PERSON, 'gotoPoint 1 2')
+    bench.robot('Going to point')
+    assert (bench.has_begun(drive), bench.memory.cause) == (False, MotionCause.OTHER_CLIENT)
+
+
 class TestTheEmergencyStop:
     def test_begins_an_epoch_when_it_is_pressed_again_before_the_motors_are_on(self, bench):
         bench.robot('EStop pressed', 'EStop relieved but motors still disabled')

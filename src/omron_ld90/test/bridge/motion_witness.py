@@ -282,12 +282,13 @@ class Witness(DelayedDrive):
             if give.command == 'stop' and outcome is Outcome.SUCCEEDED:
                 self._is_ordered = False
             elif outcome is Outcome.OVERRULED:
-                self._sent_to.pop(give.number)  # it was never sent
+                self._sent_to.pop(give.number, None)  # it was never sent
             end(outcome, words)
 
         self._known_to_stop = self._known_to_stops.get((giver.process, give.number))
         if self.is_heard:
-            self._sent_to[give.number] = give.command.split()[-1], self.now
+            if give.command != 'stop' or not self._anothers:  # else it may be left to others
+                self._sent_to[give.number] = give.command.split()[-1], self.now
             super()._take_from_bridge(give, giver, ended)
         else:
             end(Outcome.NEVER_SENT, 'there is no controller')
