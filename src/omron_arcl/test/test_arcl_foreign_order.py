@@ -256,7 +256,7 @@ def live(names: bool, halts: bool, acts: List[Act]) -> None:
 LIVES = given(st.booleans(), st.booleans(),
               st.lists(st.sampled_from(ACTS), min_size=4, max_size=22))
 test_what_others_do_is_told_as_theirs = settings(
-    max_examples=settings.default.max_examples // 2)(LIVES(live))
+    max_examples=settings.default.max_examples // 4)(LIVES(live))
 
 
 FAULTS = {
