@@ -21,10 +21,11 @@ UNDOCKED = 'DockingState: Undocked ForcedState: Unforced ChargeState: Not'
 class Bench(Conversation):
     """Programs that give commands; the test plays the robot line by line."""
 
-    def __init__(self, stored: Optional[DriveMemory] = None, is_linked: bool = True) -> None:
+    def __init__(self, stored: Optional[DriveMemory] = None, is_linked: bool = True,
+                 first_epoch: int = 101) -> None:
         super().__init__()
         self.kept: List[DriveMemory] = []
-        numbers = count(101)
+        numbers = count(first_epoch)
         self.records = Drives(stored, self.kept.append, lambda: next(numbers))
         self.dispatcher = Dispatcher(self.records)
         self.now = 100.0

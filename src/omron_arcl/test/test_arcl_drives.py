@@ -1187,6 +1187,73 @@ class TestLastCommands:
         bench.dispatcher.start_without_link(parse_command('stop'), ROUTE, 0, 7)
         assert self.told(bench) == (7, CommandFate.GIVEN)
 
+    @pytest.mark.parametrize('other', [
+        lambda bench: bench.stop(OTHER, number=3), lambda bench: bench.stop(PERSON),
+        lambda bench: bench.records.all_cancelled(PERSON)])
+    @pytest.mark.parametrize('is_linked', [True, False])
+    def test_a_stop_that_another_one_stands_for_is_told_until_the_robot_stands(
+            self, other, is_linked):
+        bench = Bench()
+        bench.drive(PERSON, 'goto 3')
+        bench.robot('Going to 3')
+        if is_linked:
+            bench.stop(ROUTE, number=7)
+            bench.robot('Unknown command stop')  # it is owed, and not under way
+        else:
+            bench.lose()
+            bench.dispatcher.start_without_link(parse_command('stop'), ROUTE, 0, 7)
+            bench.connect()
+        other(bench)
+        assert self.told(bench) == (7, CommandFate.GIVEN)
+        assert self.told(Bench(bench.kept[-1])) == (7, CommandFate.UNKNOWN)
+        bench.status('Going to 3')
+        bench.pass_time(LOOK)
+        bench.robot('Stopping', 'Stopped')
+        assert self.told(bench) == (7, CommandFate.COMPLETED)
+        bench.drive(PERSON, 'goto 4')
+        bench.robot('Going to 4')
+        assert self.told(bench) == (7, CommandFate.COMPLETED)
+
+    def test_a_robot_that_stands_obeys_all_stops_before_that_one(self, bench):
+        bench.drive(PERSON, 'goto 3')
+        bench.robot('Going to 3')
+        bench.stop(ROUTE, number=7)
+        bench.stop(OTHER, number=3)
+        for _ in range(3):
+            bench.status('Stopped', 1.0)
+        assert self.told(bench, OTHER) == (3, CommandFate.COMPLETED)
+        assert self.told(bench) == (7, CommandFate.COMPLETED)
+
+    @pytest.mark.parametrize('lines, end, fate', [
+        (['Stopping', 'Stopped'], Outcome.SUCCEEDED, CommandFate.COMPLETED),
+        (['Unknown command stop'], Outcome.UNKNOWN_COMMAND, CommandFate.NOT_OBEYED)])
+    def test_a_stop_that_another_client_crosses_is_told_until_its_command_ends(
+            self, bench, lines, end, fate):
+        bench.status('Stopped')
+        stop = bench.stop(ROUTE, number=7)
+        bench.robot('Going to 9')
+        assert (self.told(bench), bench.memory.cause) == (
+            (7, CommandFate.GIVEN), MotionCause.OTHER_CLIENT)
+        bench.robot(*lines)
+        assert (outcome(stop), self.told(bench)) == (end, (7, fate))
+
+    def test_a_stop_that_another_one_stands_for_is_not_obeyed_if_a_drive_replaces_both(self, bench):
+        bench.stop(ROUTE, number=7)
+        bench.robot('Unknown command stop')
+        bench.stop(OTHER, number=3)
+        bench.drive(PERSON, 'goto 4')
+        bench.robot('Going to 4')
+        assert self.told(bench) == (7, CommandFate.NOT_OBEYED)
+
+    def test_of_any_number_of_givers_that_stop_the_robot_a_bounded_number_is_kept(self, bench):
+        bench.lose()
+        for process in range(50):
+            bench.dispatcher.start_without_link(
+                parse_command('stop'), Giver(f'/program_{process}'), 0, 1)
+        assert len(bench.memory.records) == 1
+        assert len(bench.memory.records[0].stands_for) == 20
+        assert len(bench.memory.last_commands) <= 22
+
     @pytest.mark.parametrize('last', ['goto 9', 'stop'])
     def test_a_drive_that_comes_after_a_newer_command_of_its_giver_is_refused(self, bench, last):
         bench.give(last, giver=ROUTE, number=8)

@@ -249,6 +249,48 @@ def test_a_drive_that_was_stopped_in_the_dock_is_not_still_to_be_answered(bench)
     bench.drive(PERSON, 'goto 3', known_epoch=bench.epoch)
 
 
+@pytest.mark.parametrize('how', ['lost link', 'restart'])
+def test_what_others_drove_before_is_theirs_after_an_outage_also_if_it_might_lead_to_our_dock(
+        bench, how):
+    """Some robots name their dock as a goal."""
+    bench.robot('Going to 7')
+    bench.drive(PERSON, 'dock')  # lost with the link
+    bench = after_outage(bench, how)
+    bench.status('Going to 7')
+    assert (bench.memory.giver, bench.memory.ruling.kind) == (NO_GIVER, RecordKind.FOREIGN_DRIVE)
+
+
+def test_a_goal_of_a_drive_to_be_answered_first_is_not_on_the_way_to_the_dock(bench):
+    bench.drive(ROUTE, 'goto 3')
+    bench.robot('EStop pressed', 'EStop relieved but motors still disabled', 'Motors enabled')
+    dock = bench.drive(PERSON, 'dock')  # behind the stop that is owed for the drive
+    bench.robot('Going to 3', 'Interrupted: Going to 3', 'Stopping', 'Stopped', UNDOCKED, DOCKING)
+    assert (dock.result, bench.has_begun(dock), bench.memory.giver) == (None, True, PERSON)
+
+
+@pytest.mark.parametrize('before', [[], ['goto 3']])
+@pytest.mark.parametrize('ours, begins, ends', [
+    ('gotoPoint 1 2', 'Going to point', 'Arrived at point'),
+    ('goto 12', 'Going to 12', 'Arrived at 12')])
+def test_a_drive_that_others_complete_is_not_ours_which_the_robot_has_still_to_read(
+        bench, before, ours, begins, ends):
+    bench.robot(begins)
+    for text in before:
+        bench.drive(ROUTE, text)
+    drive = bench.drive(PERSON, ours)
+    bench.robot(ends)
+    assert (drive.result, bench.has_begun(drive)) == (None, False)
+    bench.robot(*(text.replace('goto', 'Going to') for text in before), begins, ends)
+    assert outcome(drive) is Outcome.SUCCEEDED
+
+
+def test_a_point_is_not_that_of_a_drive_behind_another_one_to_be_read(bench):
+    bench.drive(ROUTE, 'goto 3')
+    drive = bench.drive(PERSON, 'gotoPoint 1 2')
+    bench.robot('Going to point')
+    assert (bench.has_begun(drive), bench.memory.cause) == (False, MotionCause.OTHER_CLIENT)
+
+
 class TestTheEmergencyStop:
     def test_begins_an_epoch_when_it_is_pressed_again_before_the_motors_are_on(self, bench):
         bench.robot('EStop pressed', 'EStop relieved but motors still disabled')

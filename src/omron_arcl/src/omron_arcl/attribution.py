@@ -296,7 +296,14 @@ def _next(commands: CommandQueue) -> List[Execution]:
     """
     first = _first_unanswered(commands)
     return [e for e in _fresh(commands) if not commands.records.comes_earlier(e)
-            and (e.order <= first or e.command.arguments)]
+            and (e.order <= first or _is_named(e))]
+
+
+def _is_named(execution: Execution) -> bool:
+    """Returns whether the robot's lines about a drive name it."""
+    command = execution.command
+    return bool(command.goals or (
+        command.arguments and command.spec.course is not DriveCourse.TO_A_PLACE))
 
 
 def _first_unanswered(commands: CommandQueue) -> float:
@@ -310,6 +317,13 @@ def _next_first(commands: CommandQueue) -> List[Execution]:
 
 def _began_first(commands: CommandQueue) -> List[Execution]:
     return _began(commands) + _next(commands)
+
+
+def _to_complete(commands: CommandQueue) -> List[Execution]:
+    """Returns the drives that a line may complete. While the robot carries out a drive of others,
+    that is the one which it completes, not one of ours that it has not acknowledged.
+    """
+    return _began(commands) if commands.records.drives_for_others else _began_first(commands)
 
 
 def _present(commands: CommandQueue) -> Sequence[Execution]:
@@ -398,9 +412,14 @@ def _leads_elsewhere(execution: Execution, reply: Reply) -> bool:
 
 
 def _under_way(commands: CommandQueue, reply: Reply) -> Found:
-    """Returns the drive under way; a robot that docks drives to no goal but its dock."""
+    """Returns the drive under way; a robot that docks drives to no goal but its dock. A goal of a
+    drive that has ended, and that the robot answers next, is not on the way of one that follows.
+    """
     elsewhere = [e for e in commands.begun_drives if _leads_elsewhere(e, reply)]
-    return [e for e in _began_first(commands) if _continues(e, reply) and e not in elsewhere][:1]
+    goal = activity_of(reply).goal.casefold()
+    is_late = goal and commands.records.ended_drive((goal,))
+    drives = _began(commands) if is_late else _began_first(commands)
+    return [e for e in drives if _continues(e, reply) and e not in elsewhere][:1]
 
 
 def _may_be_answered(execution: Execution, reply: Reply) -> bool:
@@ -633,7 +652,7 @@ ATTRIBUTIONS: Mapping[LinePart, Tuple[Row, ...]] = {
             'p. 251: `Cannot find path`'),
         Row('motors disabled', (replies.Motors,), _loses_power, Outcome.FAILED, 'p. 191'),
         # drives
-        Row('completed', _ANY, _first(_began_first, _completes), Outcome.SUCCEEDED, _TABLE),
+        Row('completed', _ANY, _first(_to_complete, _completes), Outcome.SUCCEEDED, _TABLE),
         Row('acknowledged', _ANY, _first(_next_first, acknowledges), Means.ACKNOWLEDGED, _TABLE),
         Row('broken off', _ANY, _first(_began, _aborts), Outcome.INTERRUPTED, _TABLE),
         Row('under way', _ANY, _under_way, Means.GOES_ON, _TABLE)),

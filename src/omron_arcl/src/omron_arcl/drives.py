@@ -11,7 +11,8 @@ events here.
 A record that something newer has replaced is dropped: nothing is derived from it any more. If its
 command is still under way for its giver, the record is kept aside until that ends. No number of
 records drops one that is open: while the robot has MOST_OPEN drives to carry out or to answer, a
-further one is refused, and of the owed stops between two drives the newest stands for all.
+further one is refused, and of the owed stops between two drives the newest stands for all, and
+tells what becomes of them.
 
 The fate of a drive, and its next fate after an event (`Event`):
 
@@ -459,8 +460,12 @@ class Drives:
         if under_way is not None:
             self._mark(under_way.number, doubt=None)
         record = self._record_of(execution)
+        aside = self.record_of(execution) if record is None else None
+        if aside is not None and outcome is Outcome.SUCCEEDED:
+            self._happens(Event.COMPLETED, aside)
         self._executions = {n: e for n, e in self._executions.items() if e is not execution}
         if record is None:  # what came later has ended it already
+            self._keep()
             return
         if record.kind is RecordKind.STOP:
             self._stop_ended(record, outcome, now)
@@ -479,7 +484,10 @@ class Drives:
         # this `Stopped` may be that of an older stop, so that drives and stops may still follow
         may_follow = [r for r in self._records[:at] if self.heard.unheard_stops and (
             r.may_move or r.kind is RecordKind.STOP and r.fate is Fate.OVER)]
-        self._records = (*may_follow, replace(record, fate=Fate.OVER), *self._records[at + 1:])
+        also = self._told_by(*(r for r in self._records[:at] if r.owed))
+        self._records = (*may_follow, replace(
+            record, fate=Fate.OVER, stands_for=(*record.stands_for, *also)[:_KEPT_GIVERS]),
+            *self._records[at + 1:])
         self._retry_at = -math.inf
         self._keep()
 
@@ -899,7 +907,8 @@ class Drives:
         self._retry_at = -math.inf  # the stop is new, so it need not wait for a retry
         if last and last.owed and not (execution and last.number in self._executions):
             self._records = (*(r for r in self._records if r is not last),
-                             replace(last, giver=giver, words=words, command=command))
+                             replace(last, giver=giver, words=words, command=command,
+                                     stands_for=self._told_by(last)))
             if execution:
                 self._executions[last.number] = execution
         else:
@@ -946,11 +955,19 @@ class Drives:
             replace(record, doubt=None) for record in self._records)))
 
     def _fate_of(self, last: LastCommand) -> CommandFate:
-        record = next((r for r in reversed(self._records)
-                       if (r.giver.name, r.command) == (last.giver, last.number)), None)
+        stops = [r for r in self._aside  # the robot may still obey them
+                 if r.kind is RecordKind.STOP and r.number in self._executions]
+        record = next((r for r in (*reversed(self._records), *stops)
+                       if (last.giver, last.number) in r.commands), None)
         if record is not None:
             return record.command_fate
         return last.fate if last.fate in _ENDINGS.values() else CommandFate.NOT_OBEYED
+
+    def _told_by(self, *stops: DriveRecord) -> Tuple[Tuple[str, int], ...]:
+        """Returns the last commands of givers that these stops tell of."""
+        told = {(last.giver, last.number) for last in self._memory.last_commands}
+        return tuple(command for stop in stops for command in stop.commands
+                     if command in told)[:_KEPT_GIVERS]
 
     def _last_number(self, giver: Giver) -> int:
         return max((last.number for last in self._memory.last_commands
@@ -997,4 +1014,6 @@ class Drives:
         drives = [r for r in reversed(self._records[over + 1:]) if r.kind is RecordKind.DRIVE and (
             r.may_move and _may_cause(r, activity) if moves else name in r.names)]
         named = [r for r in drives if name in r.names]
+        if any(r.shown == _shown(activity) for r in self._records):  # others were driving it so
+            return next(iter(named), None)
         return next(iter(named or drives), None)

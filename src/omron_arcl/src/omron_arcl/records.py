@@ -115,12 +115,19 @@ class DriveRecord:
     """The line or status by which the robot acknowledged a drive."""
     verb: str = ''
     """The name of its command."""
+    stands_for: Tuple[Tuple[str, int], ...] = ()
+    """Giver and number of earlier stops that a stop has replaced: it tells what becomes of them."""
     doubt: Optional[Doubt] = field(default=None, compare=False)
     """Set while the robot seems not to obey a command under way. It is not stored."""
 
     @property
+    def commands(self) -> Tuple[Tuple[str, int], ...]:
+        """Giver and number of each command of which it tells what became."""
+        return ((self.giver.name, self.command), *self.stands_for)
+
+    @property
     def command_fate(self) -> CommandFate:
-        """What became of its command."""
+        """What became of its commands."""
         if self.fate is not Fate.OVER:
             return CommandFate[self.fate.name]
         return self.ending if self.kind is RecordKind.DRIVE else CommandFate.COMPLETED

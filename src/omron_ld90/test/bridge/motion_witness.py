@@ -150,8 +150,9 @@ class Witness(DelayedDrive):
         # others before it, until the bridge drives
         self._demanded: Optional[Tuple[Word, int]] = None
         self._ignored_since: Optional[float] = None  # time since when that stop is ignored
-        # goal of each drive of the bridge that the controller took, and the time
+        # goal of each drive of the bridge that the controller took, or `stop`, and the time
         self._sent_to: Dict[int, Tuple[str, float]] = {}
+        self._driven_at = -100.0  # time of the last drive of any client
         self._arrived_at: Dict[str, float] = {}  # time of the last arrival at each goal
         self._stood_at = -100.0
         self._given: List[Execution] = []  # drives and stops that have not reached the robot
@@ -280,11 +281,14 @@ class Witness(DelayedDrive):
         def ended(outcome: Outcome, words: str) -> None:
             if give.command == 'stop' and outcome is Outcome.SUCCEEDED:
                 self._is_ordered = False
+            elif outcome is Outcome.OVERRULED:
+                self._sent_to.pop(give.number, None)  # it was never sent
             end(outcome, words)
 
         self._known_to_stop = self._known_to_stops.get((giver.process, give.number))
         if self.is_heard:
-            self._sent_to[give.number] = give.command.split()[-1], self.now
+            if give.command != 'stop' or not self._anothers:  # else it may be left to others
+                self._sent_to[give.number] = give.command.split()[-1], self.now
             super()._take_from_bridge(give, giver, ended)
         else:
             end(Outcome.NEVER_SENT, 'there is no controller')
@@ -329,7 +333,8 @@ class Witness(DelayedDrive):
         """
         self._stalls = stalls
         self.foreign, self.is_alone = True, False
-        self._anothers = self._anothers or command != 'stop'
+        if command != 'stop':
+            self._anothers, self._driven_at = True, self.now
         self._another_gave[command] = self.now + self._controller.on_the_way(0.0)
         if not self._controller.connected:
             self._unheard = self._newest_word
@@ -389,6 +394,11 @@ class Witness(DelayedDrive):
             if record.pending and record.number not in under_way:
                 return f'{record.words} is to be answered, but it is not under way'
         told, goal = '', self.robot.goal
+        for last in memory.last_commands:
+            command, given_at = self._sent_to.get(last.number, ('', 0.0))
+            if (command == 'stop' and last.fate is CommandFate.NOT_OBEYED and goal is None
+                    and self._driven_at < given_at < self._stood_at):
+                return f'{last} is told of a stop, but the robot stands since'
         if (self._anothers and goal is not None and goal not in memory.names
                 and memory.giver != NO_GIVER and not memory.stop_owed):
             return f'{memory.giver.name} is told, but another client drives the robot to {goal}'
@@ -480,8 +490,11 @@ class Witness(DelayedDrive):
                            if record.pending and word.drives]
 
     def _is_shown(self, line: str) -> bool:
-        """True if a status shows what a line said that was lost with the link."""
-        return line != 'EStop pressed' or self.robot.status.startswith('EStop')
+        """True if the next status shows what a line said that was lost with the link. Nobody can
+        know of a drive that the robot has replaced since.
+        """
+        return self.robot.status == line or (
+            line == 'EStop pressed' and self.robot.status.startswith('EStop'))
 
     def _put_before_stops(self, word: Word, stopped: Word) -> bool:
         """Puts another client's word before our first stop that the robot obeys after it.
@@ -505,6 +518,7 @@ class Witness(DelayedDrive):
             return
         if line != 'stop':
             self.lines.append(line)
+            self._driven_at = self.now
             # The same command from two clients at the same moment cannot be told apart.
             self._anothers = self._crosses_anothers(line)
             self._mixed_up_at = self.now if self._anothers else self._mixed_up_at

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import os
 from contextlib import suppress
-from typing import List, Tuple
+from typing import List, Sequence, Tuple
 
 from delayed_drive import PERSON
 from hypothesis import note, settings
@@ -31,9 +31,11 @@ DELAYS = st.builds(Delays, commands=SECONDS, ends=SECONDS, motions=SECONDS,
                    to_robot=st.sampled_from([0.0, 0.2]))
 STRATEGIES = st.sampled_from(['rolling', 'rolling', 'vertex_by_vertex'])
 GOALS = st.sampled_from(['3', '4', '5', '6'])
-COMMANDS = st.sampled_from(['stop', 'goto 3', 'goto 4'])  # of another client
-WITHOUT_A_GOAL = st.sampled_from(['gotoPoint 3000 3000 0', 'dock', 'undock'])  # the same
+COMMANDS = ['stop', 'goto 3', 'goto 4']  # of another client
+WITHOUT_A_GOAL = ['gotoPoint 3000 3000 0', 'dock', 'undock']  # the same
 PROGRAMS = ['/adapter', '/joystick']
+IN_AN_OUTAGE = [('person_stops',), ('person_cancels',), *((program,) for program in PROGRAMS),
+                *(('another_client', command) for command in COMMANDS)]
 SETTLED = 20.0  # s in which a robot that can be reached has obeyed, in any dialect
 
 
@@ -116,11 +118,11 @@ class Robots(RuleBasedStateMachine):
     def person_cancels(self) -> None:
         self.world.take_cancellation(PERSON)
 
-    @rule(command=COMMANDS)
+    @rule(command=st.sampled_from(COMMANDS))
     def another_client(self, command: str) -> None:
         self.world.another_client(command)
 
-    @rule(command=COMMANDS, seconds=st.sampled_from([0.5, 3.0]))
+    @rule(command=st.sampled_from(COMMANDS), seconds=st.sampled_from([0.5, 3.0]))
     def another_client_is_heard_in_parts(self, command: str, seconds: float) -> None:
         self.world.another_client(command, stalls=seconds)
 
@@ -166,6 +168,25 @@ class Robots(RuleBasedStateMachine):
         self.world.restart_controller(9.0)
         self.world.cut(link, 5.0)
         self.world.run(8.0, lambda: self.world.has_ended)
+
+    @precondition(lambda self: self.world.up[p.RobotLink.COMMANDS])
+    @rule(act=st.sampled_from(IN_AN_OUTAGE), goal=GOALS)
+    def somebody_acts_in_an_outage(self, act: Sequence[str], goal: str) -> None:
+        """A program drives the robot; it does not know what others do in an outage."""
+        program, (doer, *command) = PROGRAMS[0], act
+        for _ in range(2):  # a robot at its goal already sets out for the next one
+            self.reads(program)
+            self.give(program, f'goto {goal}', 0.0)
+            self.world.run(1.0)
+            goal = str(int(goal) % 4 + 3)
+        self.reads(program)
+        self.world.cut(p.RobotLink.COMMANDS, 1.0)
+        if doer in PROGRAMS:
+            self.give(doer, 'stop', 0.0)
+        else:
+            getattr(self, doer)(*command)
+        self.world.run(5.5)  # long enough that the robot must have obeyed each stop
+        self.give(program, f'goto {goal}', 0.0)
 
     def help(self) -> None:
         """People make the robot able to drive again."""
@@ -229,9 +250,15 @@ class SimulatedRobots(Robots):
     def program_gives_what_the_robot_refuses(self, program: str, late: float) -> None:
         self.give(program, 'goto 99', late)
 
-    @rule(command=WITHOUT_A_GOAL)
+    @rule(command=st.sampled_from(WITHOUT_A_GOAL))
     def another_client_drives_without_a_goal(self, command: str) -> None:
         self.world.another_client(command)
+
+    @precondition(lambda self: self.world.up[p.RobotLink.COMMANDS])
+    @rule(act=st.sampled_from(
+        [*IN_AN_OUTAGE, *(('another_client', one) for one in WITHOUT_A_GOAL)]), goal=GOALS)
+    def somebody_acts_in_an_outage(self, act: Sequence[str], goal: str) -> None:
+        super().somebody_acts_in_an_outage(act, goal)
 
     @precondition(lambda self: not self.world.robot.status.startswith('EStop'))
     @rule()
@@ -250,6 +277,6 @@ IS_LONG = os.environ.get('LD90_LONG_TESTS') == '1'  # 20,000 examples together
 Robots.TestCase.settings = settings(
     max_examples=8_000 if IS_LONG else settings.default.max_examples // 5, stateful_step_count=30)
 SimulatedRobots.TestCase.settings = settings(
-    max_examples=12_000 if IS_LONG else settings.default.max_examples // 2, stateful_step_count=30)
+    max_examples=12_000 if IS_LONG else settings.default.max_examples // 3, stateful_step_count=30)
 TestMotion = Robots.TestCase
 TestMotionOfTheSimulator = SimulatedRobots.TestCase

@@ -91,6 +91,23 @@ def test_what_another_client_does_in_an_outage_is_heard_by_the_first_status_afte
     assert _givers(robots.world) == [PERSON, None]
 
 
+@pytest.mark.parametrize(('goals', 'heard'), [(['4', '3'], []), (['4'], [None]),
+                                              (['4', '5'], [None])])
+def test_of_what_another_client_does_in_an_outage_only_what_the_robot_shows_after_it_is_heard(
+        goals, heard):
+    """A robot that drives to a goal of ours again shows nothing of the drive in between."""
+    robots = Robots()
+    robots.begin('rolling', 'status', 0.3, Delays())
+    robots.person_drives('3')
+    robots.passes(1.0)
+    robots.world.stall(3.0)  # the lines are lost later than the link comes back
+    robots.world.cut(p.RobotLink.COMMANDS, 1.0)
+    for goal in goals:
+        robots.another_client(f'goto {goal}')
+    robots.passes(4.0)
+    assert _givers(robots.world) == [PERSON, *heard]
+
+
 def _robots_with_an_unheard_stop_of_the_bridge() -> Robots:
     """A person drives, the bridge fails to follow its route, and no controller hears its stop."""
     robots = Robots()
@@ -162,4 +179,22 @@ def test_it_is_found_that_a_drive_of_others_without_a_name_is_told_as_ours(monke
     robots.world.cut(p.RobotLink.COMMANDS, 1.0)
     robots.another_client_drives_without_a_goal('gotoPoint 9000 3000 0')
     robots.passes(10.0)
+    assert bool(robots.world.broken) is is_planted
+
+
+@pytest.mark.parametrize('is_planted', [False, True])
+def test_it_is_found_that_a_stop_is_told_as_not_obeyed_although_the_robot_stands(
+        monkeypatch, is_planted):
+    if is_planted:
+        monkeypatch.setattr(Drives, '_told_by', lambda self, *stops: ())
+    robots = Robots()
+    robots.begin('rolling', 'name', 0.0, Delays())
+    robots.order(0, 1, True)
+    robots.passes(1.0)
+    robots.world.cut(p.RobotLink.COMMANDS, 5.0)
+    robots.stop_order()
+    robots.passes(0.3)
+    robots.person_stops()
+    robots.passes(15.0)
+    assert robots.world.robot.goal is None
     assert bool(robots.world.broken) is is_planted

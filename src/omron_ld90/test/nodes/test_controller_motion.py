@@ -69,6 +69,16 @@ def test_a_file_of_before_there_were_ids_is_that_of_the_real_robot(tmp_path):
     assert MotionFile(str(path), 'sim_1').read() is None
 
 
+def test_a_file_of_before_records_told_more_is_read(tmp_path):
+    """Otherwise an owed stop would be forgotten when the software is updated."""
+    memory, path = replace(MEMORY, records=(STOP,)), tmp_path / 'motion.json'
+    content = to_json(memory)
+    for name in ('ending', 'acknowledged_by', 'doubt', 'verb', 'stands_for'):
+        del content['records'][0][name]
+    path.write_text(json.dumps(content))
+    assert MotionFile(str(path)).read() == memory
+
+
 @pytest.mark.parametrize('text', ['', '{', '[]', '7', '{"epoch": 1}', '{"epoch": 1, "records": 3}'])
 def test_what_cannot_be_read_is_told_and_is_nothing(tmp_path, monkeypatch, text):
     told = []

@@ -47,7 +47,7 @@ class MotionFile:
             if content.pop(ROBOT_ID, '') != self._robot_id:
                 return None
             memory = from_json(DriveMemory, content, added=(
-                'last_commands', 'ending', 'acknowledged_by', 'doubt', 'verb'))
+                'last_commands', 'ending', 'acknowledged_by', 'doubt', 'verb', 'stands_for'))
         except FileNotFoundError:
             return None
         except (OSError, ValueError, TypeError) as error:
