@@ -41,9 +41,9 @@ def made(tmp_path_factory) -> Made:
     """The laboratory's map with fences as areas, which take seconds."""
     folder = tmp_path_factory.mktemp('made')
     output, picture = folder / 'out.map', folder / 'out.png'
-    with contextlib.redirect_stdout(io.StringIO()) as out:
-        with contextlib.redirect_stderr(io.StringIO()) as err:
-            assert main(arguments(output, '--dock-vertex', '16', '--draw', str(picture))) == 0
+    out, err = io.StringIO(), io.StringIO()
+    with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
+        assert main(arguments(output, '--dock-vertex', '16', '--draw', str(picture))) == 0
     return Made(output, picture, out.getvalue(), err.getvalue())
 
 
