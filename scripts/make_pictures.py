@@ -118,6 +118,7 @@ def film(window: RvizWindow) -> None:
 
     pictures = Film(window)
     goal = lab.find('4')
+    assert goal is not None
     pixel = window.pixel(goal.x / 1000.0, goal.y / 1000.0)
     pictures.take()
     window.tool('c')

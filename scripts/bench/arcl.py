@@ -150,7 +150,6 @@ def nodes() -> List[Row]:
     """Measures latency and CPU of the nodes, and those of the bare publisher."""
     import rospy
     receiver_port, relay_port = free_port(), free_port()
-    quiet = {'stdout': subprocess.DEVNULL, 'stderr': subprocess.DEVNULL}
     points = ' '.join(map(str, np.random.default_rng(2).integers(-15_000, 15_000, 2000)))
     robot = Robot()
     processes: Dict[str, subprocess.Popen] = {}
@@ -162,16 +161,17 @@ def nodes() -> List[Row]:
         lines.write_text('\n'.join([*status, scan]))
         try:
             rospy.init_node('bench', anonymous=True, disable_signals=True)
-            processes['bare'] = subprocess.Popen([sys.executable, '-c', BARE_NODE, str(lines)],
-                                                 **quiet)
-            processes['relay'] = subprocess.Popen(
-                [sys.executable, '-c', BARE_RELAY, str(relay_port)], **quiet)
-            processes['receiver'] = subprocess.Popen(
-                [sys.executable, str(NODES / 'omron_connection_receiver'),
-                 '_robot_ip:=127.0.0.1', f'_port:={receiver_port}'], **quiet)
-            processes['controller'] = subprocess.Popen(
-                [sys.executable, str(NODES / 'omron_controller'), '_robot_ip:=127.0.0.1',
-                 f'_port:={robot.port}', f'_password_file:={password}'], **quiet)
+            commands = {
+                'bare': ['-c', BARE_NODE, str(lines)],
+                'relay': ['-c', BARE_RELAY, str(relay_port)],
+                'receiver': [str(NODES / 'omron_connection_receiver'), '_robot_ip:=127.0.0.1',
+                             f'_port:={receiver_port}'],
+                'controller': [str(NODES / 'omron_controller'), '_robot_ip:=127.0.0.1',
+                               f'_port:={robot.port}', f'_password_file:={password}']}
+            for name, command in commands.items():
+                processes[name] = subprocess.Popen(
+                    [sys.executable, *command], stdout=subprocess.DEVNULL,
+                    stderr=subprocess.DEVNULL)
             return measure(processes, receiver_port, relay_port, points)
         finally:
             for process in reversed(list(processes.values())):

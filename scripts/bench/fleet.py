@@ -33,6 +33,7 @@ from measuring.tables import print_table  # noqa: E402
 from plan_checker import faults  # noqa: E402
 
 from fleet_core.files.plan_file import solved_plan  # noqa: E402
+from fleet_core.fleet import RobotType  # noqa: E402
 from fleet_core.planning.layers import Search, layered  # noqa: E402
 from fleet_core.planning.planner import FleetPlanner  # noqa: E402
 from fleet_core.planning.road_network import RoadNetwork  # noqa: E402
@@ -256,7 +257,7 @@ def replanning() -> Iterator[Row]:
            f'p99 {1e3 * times[int(0.99 * len(times))]:.0f} ms', 'p99 200 ms')
 
 
-def laboratory(robots: int, longest: float, kind: operation.RobotType, seeds: int,
+def laboratory(robots: int, longest: float, kind: RobotType, seeds: int,
                aim: str) -> Callable[[], Iterator[Row]]:
     """Measures a simulated hour on the example laboratory's graph."""
     def section() -> Iterator[Row]:

@@ -15,7 +15,7 @@ import tempfile
 import threading
 import time
 from pathlib import Path
-from typing import Dict, Iterator, List, NamedTuple, Tuple
+from typing import Callable, Dict, Iterator, List, NamedTuple, Tuple
 
 import numpy as np
 import rospy
@@ -286,7 +286,8 @@ def editing() -> None:
             print_row((name, f'{figure:.1f}', f'without displays: {rows[2]:.1f}', '>= 10'))
 
 
-def in_process(command: List[str], vertex: int, more=lambda mouse: None) -> List[float]:
+def in_process(command: List[str], vertex: int, more: Callable[[Mouse], object] = lambda mouse: None
+               ) -> List[float]:
     """Measures the delays of drags that a node answers, then calls `more` with the same mouse."""
     node = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
     mouse = Mouse(vertex)

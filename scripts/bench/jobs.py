@@ -64,10 +64,10 @@ def latency() -> Iterator[Row]:
             found[kind].append(1e3 * (first - begun))
         program.close()
     jobs, floor = sorted(found['job'][2:]), sorted(found['mission'])
-    yield ('line of a job to the first byte of a motion command, one LD-90',
-           f'p50 {statistics.median(jobs):.0f} ms, at most {jobs[-1]:.0f} ms of {len(jobs)}',
-           f'p50 {statistics.median(floor):.0f} ms, at most {floor[-1]:.0f} ms of {len(floor)}: '
-           'from `/mission_request`', 'p50 < 20 ms')
+    yield Row('line of a job to the first byte of a motion command, one LD-90',
+              f'p50 {statistics.median(jobs):.0f} ms, at most {jobs[-1]:.0f} ms of {len(jobs)}',
+              f'p50 {statistics.median(floor):.0f} ms, at most {floor[-1]:.0f} ms of {len(floor)}: '
+              'from `/mission_request`', 'p50 < 20 ms')
 
 
 class Polling:
@@ -128,10 +128,10 @@ def load() -> Iterator[Row]:
         rate = (polling.lines - heard) / (time.monotonic() - begun)
         memory = proportional(pid) / 2 ** 20
         polling.end()
-    yield (f'job_server with {CLIENTS} clients that poll every {POLL} s, {JOBS} active jobs, '
-           f'{AGV_COUNT} AGVs that drive; {rate:.0f} lines a second to the clients',
-           f'{found:.1f} % of a core, {memory:.0f} MB; the jobs were queued in {queueing:.1f} s',
-           f'{floor:.1f} %: the node without clients and jobs', '< 20 % of a core')
+    yield Row(f'job_server with {CLIENTS} clients that poll every {POLL} s, {JOBS} active jobs, '
+              f'{AGV_COUNT} AGVs that drive; {rate:.0f} lines a second to the clients',
+              f'{found:.1f} % of a core, {memory:.0f} MB; the jobs were queued in {queueing:.1f} s',
+              f'{floor:.1f} %: the node without clients and jobs', '< 20 % of a core')
 
 
 def share(pid: int) -> float:

@@ -228,16 +228,17 @@ def devices(count: int, side: int) -> Iterator[Row]:
     plain, doors = (in_a_process(count, side, doors) for doors in (0, DOORS))
     what = f'{count} robots with {DOORS} doors'
     cpu = doors.share, plain.share
-    yield (f'{what}: CPU of `path_supervisor`, {doors.reports:.0f} and {plain.reports:.0f} reports '
-           'a second', f'{cpu[0]:.0f} % ({100 * (cpu[0] / cpu[1] - 1):+.0f} %)',
-           f'{cpu[1]:.0f} %: the same fleet without doors', '+10 %')
+    yield Row(f'{what}: CPU of `path_supervisor`, {doors.reports:.0f} and {plain.reports:.0f} '
+              'reports a second', f'{cpu[0]:.0f} % ({100 * (cpu[0] / cpu[1] - 1):+.0f} %)',
+              f'{cpu[1]:.0f} %: the same fleet without doors', '+10 %')
     times, floor = doors.releases or [math.nan], plain.releases or [math.nan]
-    yield (f'{what}: report to release, {len(times)} and {len(floor)} of robots on rings of their '
-           'own', p50_and_p99(times), f'{p50_and_p99(floor)}: the same fleet without doors',
-           'p50 +10 %')
-    yield (f'{what}: robots drive', f'{doors.travelled / count:.2f} m/s each; missions ended '
-           f'{doors.ended}', f'{plain.travelled / count:.2f} m/s each: the same fleet without '
-           'doors', '')
+    yield Row(f'{what}: report to release, {len(times)} and {len(floor)} of robots on rings '
+              'of their own', p50_and_p99(times),
+              f'{p50_and_p99(floor)}: the same fleet without doors',
+              'p50 +10 %')
+    yield Row(f'{what}: robots drive', f'{doors.travelled / count:.2f} m/s each; missions ended '
+              f'{doors.ended}', f'{plain.travelled / count:.2f} m/s each: the same fleet without '
+              'doors', '')
 
 
 def ended(one: Measured) -> str:
@@ -253,24 +254,25 @@ def robots(count: int, side: int) -> Iterator[Row]:
     one = measured(count, side)
     plans, found, hop = one.planning, one.releases, one.hop
     what = f'{count} robots, {one.edges} edges'
-    yield (f'{what}: CPU; {one.reports:.0f} reports a second ({count / PERIOD:.0f} are due, at '
-           f'most {one.latest:.2f} s late), {one.busy} robots on missions, {one.open} open',
-           ', '.join(f'`{name}` {share:.0f} %' for name, share in sorted(one.shares.items()))
-           + f'; `path_supervisor` {one.memory:.0f} MB',
-           f'{one.bare}: a bare subscriber to as many reports', '`path_supervisor` < 100 %')
+    yield Row(f'{what}: CPU; {one.reports:.0f} reports a second ({count / PERIOD:.0f} are due, at '
+              f'most {one.latest:.2f} s late), {one.busy} robots on missions, {one.open} open',
+              ', '.join(f'`{name}` {share:.0f} %' for name, share in sorted(one.shares.items()))
+              + f'; `path_supervisor` {one.memory:.0f} MB',
+              f'{one.bare}: a bare subscriber to as many reports', '`path_supervisor` < 100 %')
     during = [release for release in found if plans.overlaps(release)]
     for kind, some in (('', found), (' while the planner works', during)):
-        yield (f'{what}: report to release{kind}, {len(some)} of robots on rings of their own',
-               p50_and_p99([1e3 * release.seconds for release in some]) if some else 'none',
-               f'{hop}: a bare hop there and back', 'p99 < 200 ms')
-    yield (f'{what}: commits a second', f'{one.commits:.1f}', '', '<= 25')
+        yield Row(f'{what}: report to release{kind}, {len(some)} of robots on rings of their own',
+                  p50_and_p99([1e3 * release.seconds for release in some]) if some else 'none',
+                  f'{hop}: a bare hop there and back', 'p99 < 200 ms')
+    yield Row(f'{what}: commits a second', f'{one.commits:.1f}', '', '<= 25')
     begun, over = one.span
-    yield (f'{what}: planner, {len(one.planned) / (over - begun):.2f} plans a second, at work '
-           f'{100 * plans.share(begun, over):.0f} % of the time; {plans.failed} failed, '
-           f'{plans.unserved} unserved', p50_and_p99([1e3 * time for time in one.planned or [0.0]])
-           + f', first {1e3 * plans.times[0]:.0f} ms', '', '')
-    yield (f'{what}: robots drive', f'{one.travelled / count:.2f} m/s each; missions ended so far '
-           f'{ended(one)}', '1.00 m/s', '')
+    yield Row(f'{what}: planner, {len(one.planned) / (over - begun):.2f} plans a second, at work '
+              f'{100 * plans.share(begun, over):.0f} % of the time; {plans.failed} failed, '
+              f'{plans.unserved} unserved',
+              p50_and_p99([1e3 * time for time in one.planned or [0.0]])
+              + f', first {1e3 * plans.times[0]:.0f} ms', '', '')
+    yield Row(f'{what}: robots drive', f'{one.travelled / count:.2f} m/s each; missions ended '
+              f'so far {ended(one)}', '1.00 m/s', '')
 
 
 SECTIONS: Dict[str, Callable[[], Iterator[Row]]] = {

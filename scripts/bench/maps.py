@@ -104,7 +104,7 @@ def grid() -> Row:
         message.serialize(io.BytesIO())
 
     def fill() -> None:
-        io.BytesIO().write(np.full((side, side), -1, np.int8))
+        io.BytesIO().write(np.full((side, side), -1, np.int8).data)
     return Row(f'grid of {side} x {side} cells from {len(points):,} points, serialised',
                f'{milliseconds(build):.1f} ms', f'filled and copied: {milliseconds(fill):.1f} ms',
                'under 15 ms')

@@ -19,8 +19,9 @@ import threading
 import time
 import urllib.request
 from contextlib import contextmanager
+from functools import partial
 from pathlib import Path
-from typing import Iterator, List, Tuple
+from typing import Iterator, List, Set, Tuple
 
 import numpy as np
 import rospy
@@ -189,6 +190,11 @@ def cost(program: subprocess.Popen, seconds: float) -> float:
     return 100.0 * (used_by(program) - used) / (time.monotonic() - begun)
 
 
+def seen_since(window: Browser, known: Set[str]) -> List[float]:
+    """Returns when the page has drawn places that are not among the known ones."""
+    return [at for place, at in window.script('return window.seen').items() if place not in known]
+
+
 def changes(window: Browser, fleet: Fleet) -> Tuple[float, float]:
     """Returns the median and p95, in ms, from a change in /fleet_poses to its frame."""
     window.wait(lambda: window.driver.find_elements('css selector', '.robot[data-name=probe]'))
@@ -197,8 +203,7 @@ def changes(window: Browser, fleet: Fleet) -> Tuple[float, float]:
     for number in range(CHANGES):
         known = set(window.script('return Object.keys(window.seen)'))
         moved = fleet.move_probe(3.0 + 0.5 * number)
-        found = window.wait(lambda known=known: [
-            at for place, at in window.script('return window.seen').items() if place not in known])
+        found = window.wait(partial(seen_since, window, known))
         delays.append(1e3 * (min(found) - moved))
         time.sleep(0.05 + 0.013 * (number % 7))
     return statistics.median(delays), float(np.percentile(delays, 95))

@@ -216,9 +216,10 @@ def main() -> None:
     given = parser.parse_args()
     robots, hosted = given.robots or list(ROBOTS), given.hosted or ['true', 'false']
     if given.part and len(robots) == len(hosted) == 1:
-        run = {'fleet': lambda: measure(robots[0], hosted[0] == 'true', given.speed),
-               'floor': lambda: measure_floor(NODES_EACH * robots[0], hosted[0] == 'true')}
-        run[given.part]()
+        if given.part == 'fleet':
+            measure(robots[0], hosted[0] == 'true', given.speed)
+        else:
+            measure_floor(NODES_EACH * robots[0], hosted[0] == 'true')
         return
     print_table([])
     for count in robots:

@@ -59,22 +59,22 @@ class Listener:
         self.port = server.getsockname()[1]
         self._selector.register(server, selectors.EVENT_READ, None)
         self._statuses: Dict[socket.socket, List[float]] = {}
-        threading.Thread(target=self._run, daemon=True).start()
+        threading.Thread(target=self._run, args=(server,), daemon=True).start()
 
-    def _run(self) -> None:
+    def _run(self, server: socket.socket) -> None:
         while True:
             for key, _ in self._selector.select():
                 if key.data is None:
-                    link, _ = key.fileobj.accept()
+                    link, _ = server.accept()
                     self._statuses[link] = []
-                    self._selector.register(link, selectors.EVENT_READ, self._statuses[link])
+                    self._selector.register(link, selectors.EVENT_READ, link)
                     continue
-                data = b''
+                link, data = key.data, b''
                 with contextlib.suppress(ConnectionResetError):
-                    data = key.fileobj.recv(65536)
-                key.data.extend([time.monotonic()] * data.count(b'LocalizationScore'))
+                    data = link.recv(65536)
+                self._statuses[link] += [time.monotonic()] * data.count(b'LocalizationScore')
                 if not data:
-                    self._selector.unregister(key.fileobj)
+                    self._selector.unregister(link)
 
     def pace(self, since: float) -> float:
         """Returns the simulated seconds per real second since then."""
@@ -102,7 +102,9 @@ def share_of_a_core(command: List[str], ready: int, work: Callable[[List[int]], 
     """
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as program:
         try:
-            ports = [int(program.stdout.readline().split('127.0.0.1:')[1].split()[0])
+            output = program.stdout
+            assert output is not None
+            ports = [int(output.readline().split('127.0.0.1:')[1].split()[0])
                      for _ in range(ready)]
             work(ports)
             time.sleep(SETTLE)
@@ -196,6 +198,7 @@ def ready(lab: Path) -> Row:
     """Measures the seconds from the start of the program to the line that says that it listens."""
     def start(command: List[str]) -> None:
         with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as program:
+            assert program.stdout is not None
             program.stdout.readline()
             program.terminate()
     ours = milliseconds(lambda: start([*PROGRAM, '--port', '0', '--map', str(lab)]), 5)
@@ -220,7 +223,9 @@ def plans(floor: SimFloor, start: SimPose) -> Row:
     region = floor.regions[floor.planning_cell(start.x, start.y)]
     cells = np.argwhere(floor.regions == region)
     free = np.where(floor.planning_clearance >= floor.body.half_diagonal, 1.0, -1.0)
-    random, times, searches = np.random.RandomState(1), [], []
+    random = np.random.RandomState(1)
+    times: List[float] = []
+    searches: List[float] = []
     while len(times) < PAIRS:
         a, b = floor.planning_points(cells[random.randint(len(cells), size=2)])
         pose = SimPose(a[0], a[1], random.uniform(-180, 180))

@@ -54,7 +54,7 @@ def drive(strategy: str, route: Sequence[int], delay: float) -> Drive:
         if vertex != DOCK_VERTEX:
             away, since = robot.first_nearest_to(vertex, since)
             worst = max(worst, away)
-    return Drive(seconds, len(robot.commands), robot.distance_from(route), worst)
+    return Drive(seconds, len(robot.commands), robot.distance_from(tuple(route)), worst)
 
 
 def drive_freely(mission: Sequence[int], delay: float) -> Drive:

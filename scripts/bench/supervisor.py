@@ -13,6 +13,7 @@ import statistics
 import subprocess
 import sys
 import time
+from functools import partial
 from pathlib import Path
 from typing import Any, Callable, Dict, Iterator, List, Sequence, Tuple
 
@@ -116,6 +117,16 @@ class Missions:
                                200, f'mission {id} in {states}')
 
 
+def has_ended(route: int, report: ExecutionRouteStates) -> bool:
+    """Returns whether this route is the one of the report, and complete."""
+    return bool(report.route_id == route) and is_complete(report)
+
+
+def is_done(key: int, message: StepStates) -> bool:
+    """Returns whether the step with this key is done."""
+    return any((one.key, one.state) == (key, StepState.DONE) for one in message.steps)
+
+
 def is_complete(report: ExecutionRouteStates) -> bool:
     """Returns whether the whole route is driven and the robot is docked."""
     return bool(report.edge_states) and report.edge_states[-1].edge_id == 13 and all(
@@ -138,15 +149,14 @@ def headline() -> Iterator[Row]:
         stack.end(manager)
         edges = runs[0][1]
         by_hand = connected_publisher(f'/{ROBOT_NAME}/target_route', TargetRoute)
-        floors = [robot.drive(lambda id=id: by_hand.publish(route_id=1000 + id, edges=edges),
-                              lambda report, id=id: report.route_id == 1000 + id
-                              and is_complete(report)) for id in range(RUNS)]
+        floors = [robot.drive(partial(by_hand.publish, route_id=1000 + id, edges=edges),
+                              partial(has_ended, 1000 + id)) for id in range(RUNS)]
     seconds, floor = (statistics.median(run[0] for run in found) * SPEED
                       for found in (runs, floors))
-    yield (f'mission {" ".join(map(str, MISSION))} from the dock, {len(edges)} edges; the robot '
-           f'{SPEED:.0f} times as fast, so that every delay of ours counts so many times',
-           f'{seconds:.1f} s of the robot: {100 * (seconds / floor - 1):+.1f} %',
-           f'{floor:.1f} s, the same edges sent by hand at once', '< 2 %')
+    yield Row(f'mission {" ".join(map(str, MISSION))} from the dock, {len(edges)} edges; the robot '
+              f'{SPEED:.0f} times as fast, so that every delay of ours counts so many times',
+              f'{seconds:.1f} s of the robot: {100 * (seconds / floor - 1):+.1f} %',
+              f'{floor:.1f} s, the same edges sent by hand at once', '< 2 %')
 
 
 def latency() -> Iterator[Row]:
@@ -165,9 +175,9 @@ def latency() -> Iterator[Row]:
             first = min(moment for moment in robot.tap.motions if moment > begun)
             found.append(1e3 * (first - begun))
     found = sorted(found[2:])  # the first two missions prepare the planner
-    yield ('`/mission_request` to the first byte of a motion command, one LD-90',
-           f'p50 {statistics.median(found):.0f} ms, at most {found[-1]:.0f} ms of {len(found)}',
-           '', 'p50 < 60 ms')
+    yield Row('`/mission_request` to the first byte of a motion command, one LD-90',
+              f'p50 {statistics.median(found):.0f} ms, at most {found[-1]:.0f} ms of {len(found)}',
+              '', 'p50 < 60 ms')
 
 
 def step() -> Iterator[Row]:
@@ -188,12 +198,10 @@ def step() -> Iterator[Row]:
             commands.publish(key=key, act=StepCommand.DO, known_run=run, timeout=20.0,
                              type='setOutput' if key % 2 else 'clearOutput',
                              parameters=[StepParameter('output', 'Output_1')])
-            states.wait_for(lambda message, key=key: any(
-                (one.key, one.state) == (key, StepState.DONE) for one in message.steps), 20,
-                f'step {key} done')
+            states.wait_for(partial(is_done, key), 20, f'step {key} done')
             found.append(1e3 * (min(one for one in robot.tap.outputs if one > begun) - begun))
-    yield (f'`step_command` to the first byte of the robot\'s command, one LD-90, {STEPS} steps',
-           p50_and_p99(found[2:]), f'{p50_and_p99(floor)}: a bare hop to a byte', 'p50 < 15 ms')
+    yield Row(f'`step_command` to the first byte of the robot\'s command, one LD-90, {STEPS} steps',
+              p50_and_p99(found[2:]), f'{p50_and_p99(floor)}: a bare hop to a byte', 'p50 < 15 ms')
 
 
 def bare_steps() -> List[float]:
@@ -236,8 +244,8 @@ def acceptance() -> Iterator[Row]:
             commands.publish(request_id=id, command=MissionCommand.CANCEL)
             missions.wait(id, MissionStatus.CANCELLED)
         floor = bare_commits(stack.folder)
-    yield (f'mission sent to its status heard, on the disk before ({ACCEPTED} missions)',
-           p50_and_p99(found), f'{p50_and_p99(floor)}: a bare SQLite commit', 'p99 < 30 ms')
+    yield Row(f'mission sent to its status heard, on the disk before ({ACCEPTED} missions)',
+              p50_and_p99(found), f'{p50_and_p99(floor)}: a bare SQLite commit', 'p99 < 30 ms')
 
 
 def bare_commits(folder: Path) -> List[float]:
@@ -281,10 +289,10 @@ def load() -> Iterator[Row]:
         busy = sum(robot.has_mission for robot in fleet.messages[-1].robots)
     each = ', '.join(f'{name} {share:.0f} %, {memory[name]:.0f} MB'
                      for name, share in sorted(shares.items()))
-    yield (f'supervisor, planner and server with {AGV_COUNT} AGVs, {busy} of them on missions, '
-           f'{rate:.0f} reports a second',
-           f'{sum(shares.values()):.0f} % of a core, {sum(memory.values()):.0f} MB ({each})', '',
-           '< 50 %, 200 MB')
+    yield Row(f'supervisor, planner and server with {AGV_COUNT} AGVs, {busy} of them on missions, '
+              f'{rate:.0f} reports a second',
+              f'{sum(shares.values()):.0f} % of a core, {sum(memory.values()):.0f} MB ({each})', '',
+              '< 50 %, 200 MB')
 
 
 def flood(count: int) -> Iterator[Row]:
@@ -308,10 +316,10 @@ def flood(count: int) -> Iterator[Row]:
               for state in states for robot in state.robots)
     gap = max((later.header.stamp - state.header.stamp).to_sec()
               for state, later in zip(states, states[1:]))
-    yield (f'{count} requests at once, {FLOODED_AGVS} AGVs that drive, a cancel in their midst',
-           f'all answered after {seconds:.1f} s, the cancel after {cancel:.2f} s; oldest report '
-           f'{age:.2f} s, longest time between two `/fleet_state` {gap:.2f} s', '',
-           'reports and cancel < 2 s; answers < 60 s')
+    yield Row(f'{count} requests at once, {FLOODED_AGVS} AGVs that drive, a cancel in their midst',
+              f'all answered after {seconds:.1f} s, the cancel after {cancel:.2f} s; oldest report '
+              f'{age:.2f} s, longest time between two `/fleet_state` {gap:.2f} s', '',
+              'reports and cancel < 2 s; answers < 60 s')
 
 
 class Flooding:

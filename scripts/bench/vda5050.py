@@ -12,14 +12,14 @@ import json
 import signal
 import statistics
 import subprocess
-import sys
 import tempfile
 import threading
 import time
 import uuid
 from contextlib import contextmanager
+from functools import partial
 from pathlib import Path
-from typing import Callable, Dict, Iterator, List, Sequence, Tuple
+from typing import Any, Callable, Dict, Iterator, List, Sequence, Tuple
 
 import rospy
 from arcl_tap import ArclTap
@@ -30,7 +30,7 @@ from measuring.timing import p50_and_p99
 from std_msgs.msg import Bool
 
 from ports import free_port
-from trajectory_graph import load_graph
+from trajectory_graph import Graph, load_graph
 from vda5050_bench.layout import track_on
 from vda5050_bench.master import BenchMaster
 from vda5050_bench.track import Track
@@ -103,7 +103,12 @@ def bare_mqtt(broker: Broker, payload: bytes) -> List[float]:
     arrived: List[float] = []
     event = threading.Event()
     clients = [make_client(f'bare_{uuid.uuid4().hex[:8]}') for _ in range(2)]
-    clients[1].on_message = lambda *_: (arrived.append(time.monotonic()), event.set())
+
+    def on_message(*_: object) -> None:
+        arrived.append(time.monotonic())
+        event.set()
+
+    clients[1].on_message = on_message
     for client in clients:
         client.connect(broker.host, broker.port)
         client.loop_start()
@@ -138,12 +143,16 @@ def ros_to_mqtt(master: BenchMaster) -> List[float]:
         heard = master.count()
         begun = time.monotonic()
         publisher.publish(pressed)
-        master.wait(lambda s, wanted=pressed: s['safetyState']['fieldViolation'] == wanted, 5.0,
-                    'the change', after=heard)
+        master.wait(partial(is_violated, pressed), 5.0, 'the change', after=heard)
         latencies.append(first_with(master, heard, pressed) - begun)
         time.sleep(0.02)
     publisher.unregister()
     return latencies
+
+
+def is_violated(wanted: bool, state: Dict[str, Any]) -> bool:
+    """Returns whether a state has this field violation."""
+    return bool(state['safetyState']['fieldViolation'] == wanted)
 
 
 def first_with(master: BenchMaster, heard: int, pressed: bool) -> float:
@@ -191,7 +200,7 @@ def by_single_edges(master: BenchMaster, track: Track, lengths: Sequence[float],
     return send
 
 
-def order_to_arcl(master: BenchMaster, tap: ArclTap, graph) -> List[float]:
+def order_to_arcl(master: BenchMaster, tap: ArclTap, graph: Graph) -> List[float]:
     """Returns the time from sending an order to the first byte of its command on the ARCL line."""
     latencies = []
     there = track_on(graph, (8, 10), 'map')
@@ -284,7 +293,7 @@ def part_latency(broker: Broker, own_broker: OwnBroker, folder: Path) -> None:
             f'{statistics.median(back):.1f} s, {max(back):.1f} s', '', '< 3 s')
     master.close()
     state = json.dumps(master.state)
-    payload = {'filling': state + 'x' * max(3000 - len(state), 0)}
+    payload: Dict[str, object] = {'filling': state + 'x' * max(3000 - len(state), 0)}
     sent, received, latencies = many_vehicles(broker, payload)
     row(f'{VEHICLES} vehicles at {RATE:g} Hz, 3 kB: lost of {sent}; p50, p99',
         f'{sent - received}; {milliseconds(latencies)}', milliseconds(bare),
@@ -344,4 +353,4 @@ def main() -> None:
 
 
 if __name__ == '__main__':
-    sys.exit(main())
+    main()

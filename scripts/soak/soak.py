@@ -134,7 +134,7 @@ class Soak:
                 is_due = len(self.witness.open_missions) < len(self.hall.radii)
             if is_due:
                 count = self._chance.choice((1, 1, 2))
-                more = {}
+                more: Dict[str, Any] = {}
                 if self._chance.random() < 0.2:
                     more['robot'] = self._chance.choice(sorted(self.hall.radii))
                 if self._chance.random() < 0.3:

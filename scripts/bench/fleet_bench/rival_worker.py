@@ -6,49 +6,58 @@ Input: {"edges": [[a, b], ...], "instances": [{"starts": [...], "goals": [...]}]
 "limit": seconds}. Output: for each instance [seconds, paths or null]; a path lists the vertex of
 one robot at each step.
 """
+from __future__ import annotations
+
 import json
 import signal
 import sys
 import time
+from typing import Any, Callable, List, Sequence, Tuple
+
+Edges = Sequence[Tuple[int, int]]
+Paths = Any
+"""Of each robot its vertices, step by step; empty: there are none."""
+Solver = Callable[[List[int], List[int]], Paths]
+"""It gets starts and goals."""
 
 
 class TooLong(Exception):
     """The time for an instance is over."""
 
 
-def pymapf_solver(name, edges, limit):
+def pymapf_solver(name: str, edges: Edges, limit: float) -> Solver:
     """Returns LaCAM or PIBT of pymapf, pure Python: one robot per vertex, no two swap places."""
     import pymapf
     graph = pymapf.ExplicitGraph.undirected([tuple(edge) for edge in edges])
 
-    def solve(starts, goals):
+    def solve(starts: List[int], goals: List[int]) -> Paths:
         agents = [pymapf.Agent(str(k), *ends) for k, ends in enumerate(zip(starts, goals))]
         solution = pymapf.solve(pymapf.MAPFProblem(graph, agents), name, time_limit=limit)
         return solution and [solution.paths[str(k)] for k in range(len(agents))]
     return solve
 
 
-def w9_solver(name, edges, limit):
+def w9_solver(name: str, edges: Edges, limit: float) -> Solver:
     """Returns HCA* or CBS of w9-pathfinding, C++: one robot per vertex, one per edge."""
     from w9_pathfinding.envs import Graph
     from w9_pathfinding.mapf import CBS, HCAStar
     # in an undirected graph it would let robots swap
     both_ways = [*edges, *(edge[::-1] for edge in edges)]
     graph = Graph(max(map(max, edges)) + 1, edges=both_ways, edge_collision=True)
-    longest = {'max_length': len(edges)}
+    longest = {'max_length': float(len(edges))}
     if name == 'cbs':
         finder, longest['max_time'] = CBS(graph, seed=0), limit
     else:
         finder = HCAStar(graph)
 
-    def solve(starts, goals):
+    def solve(starts: List[int], goals: List[int]) -> Paths:
         return finder.mapf(starts, goals, **longest) or None
     return solve
 
 
-def stopped_after(limit, solve, *instance):
+def stopped_after(limit: float, solve: Solver, *instance: List[int]) -> Paths:
     """Runs Python code for at most `limit` s; raises TooLong after that."""
-    def stop(*_):
+    def stop(*_: object) -> None:
         raise TooLong
     signal.signal(signal.SIGALRM, stop)
     signal.setitimer(signal.ITIMER_REAL, limit)
@@ -59,7 +68,7 @@ def stopped_after(limit, solve, *instance):
         signal.setitimer(signal.ITIMER_REAL, 0.0)
 
 
-def main():
+def main() -> None:
     """Solves the instances on stdin."""
     asked = json.load(sys.stdin)
     package, name = asked['solver'].split('/')

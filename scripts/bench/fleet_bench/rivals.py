@@ -92,11 +92,12 @@ def driven(graph: Graph, instance: Instance, paths: Sequence[Sequence[int]]) -> 
     except Conflicting:
         return None
     bound = sum(agent.query.lower_bound for agent in agents.values())
-    plan = {'sum_of_costs': sum_of_costs(plans), 'makespan': makespan(plans), 'lower_bound': bound,
+    costs = sum_of_costs(plans)
+    plan = {'sum_of_costs': costs, 'makespan': makespan(plans), 'lower_bound': bound,
             'robots': {name: [{'edge': network.signed_id(d.drive), 'start': d.start, 'end': d.end}
                               for d in drives] for name, drives in plans.items()},
             'precedence': [list(constraint) for constraint in constraints]}
-    return None if faults(world_of(graph, instance), plan) else plan['sum_of_costs'] / bound
+    return None if faults(world_of(graph, instance), plan) else costs / bound
 
 
 def _in_order(graph: Graph, instance: Instance,
@@ -109,7 +110,7 @@ def _in_order(graph: Graph, instance: Instance,
     names = list(instance.starts)
     order = []
     for step in range(max(map(len, paths)) - 1):
-        moves = {name: tuple(path[step:step + 2]) for name, path in zip(names, paths)
+        moves = {name: (path[step], path[step + 1]) for name, path in zip(names, paths)
                  if step + 1 < len(path) and path[step] != path[step + 1]}
         while moves:
             leaving = {move[0] for move in moves.values()}

@@ -72,15 +72,15 @@ def history() -> Iterator[Row]:
             finds[count] = [_request(supervisor, Request(7, (1, 2), stamp=1.0 + k))
                             for k in range(REQUESTS)]
             journal.close()
-    yield (f'start of the supervisor, {ENDED} ended missions, {ROBOTS} robots, '
-           f'{len(graph.edges)} edges: journal opened and read',
-           f'{1e-3 * statistics.median(starts[ENDED]):.2f} s, at most '
-           f'{1e-3 * max(starts[ENDED]):.2f} s',
-           f'{1e-3 * statistics.median(starts[0]):.2f} s with an empty one', '< 1 s')
-    yield (f'a request, {ENDED} ended missions', p50_and_p99(requests[ENDED]),
-           f'{p50_and_p99(requests[0])} with an empty journal', '< 5 ms')
-    yield (f'a request whose id is in use again, {ENDED} ended missions',
-           p50_and_p99(finds[ENDED]), f'{p50_and_p99(finds[0])} with an empty journal', '< 5 ms')
+    yield Row(f'start of the supervisor, {ENDED} ended missions, {ROBOTS} robots, '
+              f'{len(graph.edges)} edges: journal opened and read',
+              f'{1e-3 * statistics.median(starts[ENDED]):.2f} s, at most '
+              f'{1e-3 * max(starts[ENDED]):.2f} s',
+              f'{1e-3 * statistics.median(starts[0]):.2f} s with an empty one', '< 1 s')
+    yield Row(f'a request, {ENDED} ended missions', p50_and_p99(requests[ENDED]),
+              f'{p50_and_p99(requests[0])} with an empty journal', '< 5 ms')
+    yield Row(f'a request whose id is in use again, {ENDED} ended missions',
+              p50_and_p99(finds[ENDED]), f'{p50_and_p99(finds[0])} with an empty journal', '< 5 ms')
 
 
 def _begin(path: Path, graph: Graph, fleet: Fleet) -> float:

@@ -74,22 +74,22 @@ def planning() -> Iterator[Row]:
     site = _Site()
     what = f'{ROBOTS} robots, {len(site.graph.vertices)} vertices, {len(site.graph.edges)} edges'
     first = site.plan()
-    yield f'{what}: first answer, no robot has a destination', f'{first.seconds:.2f} s', '', ''
+    yield Row(f'{what}: first answer, no robot has a destination', f'{first.seconds:.2f} s', '', '')
     ramp: List[_Answer] = []
     while len(site.goals) < ROBOTS:
         site.send(AT_ONCE, True)
         ramp.append(site.plan())
-    yield (f'{what}: {AT_ONCE} robots more get a destination, until all have one', _told(ramp), '',
-           '')
+    yield Row(f'{what}: {AT_ONCE} robots more get a destination, until all have one',
+              _told(ramp), '', '')
     replans: List[_Answer] = []
     for _ in range(REPLANS):
         site.send(1, False)
         replans.append(site.plan())
-    yield f'{what}: one of them gets another destination', _told(replans), '', ''
+    yield Row(f'{what}: one of them gets another destination', _told(replans), '', '')
     plain, doors = _all_at_once(0), _all_at_once(DOORS)
-    yield f'{what}: all get a destination at once', _told([plain]), '', ''
-    yield (f'{what}: the same with {DOORS} doors, each for one robot at a time', _told([doors]),
-           f'{plain.seconds:.2f} s without doors', '+10 %')
+    yield Row(f'{what}: all get a destination at once', _told([plain]), '', '')
+    yield Row(f'{what}: the same with {DOORS} doors, each for one robot at a time', _told([doors]),
+              f'{plain.seconds:.2f} s without doors', '+10 %')
 
 
 def _all_at_once(doors: int) -> _Answer:

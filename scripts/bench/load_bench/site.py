@@ -42,7 +42,8 @@ def grid(side: int) -> Graph:
 
 def with_rings(graph: Graph) -> Tuple[Graph, Dict[str, List[int]]]:
     """Returns the graph with rings beside it, and the vertices of each ring by robot name."""
-    vertices, pairs = list(graph.vertices.values()), []
+    vertices = list(graph.vertices.values())
+    pairs: List[Tuple[int, int]] = []
     rings: Dict[str, List[int]] = {}
     radius = SPACING * RING / math.tau
     for number in range(RINGS):

@@ -7,7 +7,7 @@ import socket
 import subprocess
 import xml.etree.ElementTree as ET
 from pathlib import Path
-from typing import List
+from typing import Any, List
 from xmlrpc.client import ServerProxy
 
 import rosgraph
@@ -105,8 +105,8 @@ def process_of(node: str) -> int:
 
     Raises OSError, rosgraph.MasterException or xmlrpc.client.Error.
     """
-    _, _, pid = ServerProxy(rosgraph.Master('/soak').lookupNode(node)).getPid('/soak')
-    return int(pid)
+    answer: Any = ServerProxy(rosgraph.Master('/soak').lookupNode(node)).getPid('/soak')
+    return int(answer[2])
 
 
 def resources(pids: List[int]) -> List[float]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 import json
 import socket
 import threading
-from typing import IO, Dict, Optional, Tuple
+from typing import Dict, Optional, Tuple
 
 Place = Tuple[float, float]
 Pose = Tuple[float, float, float]
@@ -15,7 +15,7 @@ class Simulator:
 
     def __init__(self, port: int) -> None:
         self._port = port
-        self._stream: Optional[IO[bytes]] = None
+        self._stream: Optional[socket.SocketIO] = None
         self._lock = threading.Lock()
 
     def ask(self, line: str) -> str:

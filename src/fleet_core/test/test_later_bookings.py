@@ -7,6 +7,7 @@ from typing import Dict, List, Optional, Tuple
 import pytest
 from fleet_builders import random_graph
 from fleet_cases import MidEdgeCase
+from proofs import is_whole
 
 from fleet_core.fleet import RobotType
 from fleet_core.planning.later_bookings import Booked
@@ -17,6 +18,7 @@ from fleet_core.planning.reservation_table import ReservationTable
 from fleet_core.planning.road_network import RoadNetwork
 from fleet_core.planning.tasks import Task
 
+WHOLE = is_whole(__file__)
 KINDS = (RobotType('small', 0.2, 1.3), RobotType('large', 0.5, 1.0))
 
 
@@ -88,7 +90,7 @@ class Pair:
             for kind, slots in table.slots.items()}
 
 
-@pytest.mark.parametrize('seed', range(60))
+@pytest.mark.parametrize('seed', range(60 if WHOLE else 20))
 def test_bookings_made_later_are_those_made_at_once_whatever_is_changed_and_looked_at(seed):
     pair = Pair(seed)
     for _ in range(pair.random.randrange(5)):
@@ -104,7 +106,7 @@ def at_once(table: ReservationTable, robots: Dict[str, Booked]) -> None:
                    robot.held)
 
 
-@pytest.mark.parametrize('seed', range(40))
+@pytest.mark.parametrize('seed', range(40 if WHOLE else 10))
 def test_plans_are_the_same_as_with_a_table_whose_bookings_are_made_at_once(seed, monkeypatch):
     random = Random(seed)
     case = MidEdgeCase(random)

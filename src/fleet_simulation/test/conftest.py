@@ -2,6 +2,7 @@
 from __future__ import annotations
 
 import sys
+from functools import partial
 from pathlib import Path
 from typing import Callable, Dict
 
@@ -22,7 +23,7 @@ robots:
 DEMAND = 'flows:\n- {to: 25, from: 21, per_hour: 60}\n'
 
 
-@pytest.fixture
+@pytest.fixture(scope='session')
 def yard() -> Graph:
     """A graph like a ladder: two rows of vertices, with a spur at each upper vertex."""
     places, ends = {}, {}
@@ -37,17 +38,25 @@ def yard() -> Graph:
                   for id, pair in ends.items()])
 
 
-@pytest.fixture
-def files(yard: Graph, tmp_path: Path) -> Callable[..., Dict[str, str]]:
-    """A function that writes the files of graph, fleet, demand and, if it is given, work.
+@pytest.fixture(scope='session')
+def files_in(yard: Graph) -> Callable[..., Dict[str, str]]:
+    """A function that writes the files of graph, fleet, demand and, if it is given, work, into a
+    folder.
 
     It returns their paths by name.
     """
-    def write(demand: str = DEMAND, fleet: str = FLEET, work: str = '') -> Dict[str, str]:
-        save_graph(yard, tmp_path / 'graph.yaml')
-        (tmp_path / 'fleet.yaml').write_text(fleet)
-        (tmp_path / 'demand.yaml').write_text(demand)
-        (tmp_path / 'work.yaml').write_text(work)
+    def write(folder: Path, demand: str = DEMAND, fleet: str = FLEET,
+              work: str = '') -> Dict[str, str]:
+        save_graph(yard, folder / 'graph.yaml')
+        (folder / 'fleet.yaml').write_text(fleet)
+        (folder / 'demand.yaml').write_text(demand)
+        (folder / 'work.yaml').write_text(work)
         names = ('graph', 'fleet', 'demand', *(('work',) if work else ()))
-        return {name: str(tmp_path / f'{name}.yaml') for name in names}
+        return {name: str(folder / f'{name}.yaml') for name in names}
     return write
+
+
+@pytest.fixture
+def files(files_in: Callable[..., Dict[str, str]], tmp_path: Path) -> Callable[..., Dict[str, str]]:
+    """The same function for the folder of one test."""
+    return partial(files_in, tmp_path)

@@ -47,7 +47,7 @@ from world.wrong_plans import WRONG, Spoil, exchanged, with_holes, without_order
 
 AGV = RobotType('agv', 0.4, 1.0, docks=frozenset(DOCKS))
 WHOLE = is_whole(__file__)
-LIVES = 60 if LONG else 20 if WHOLE else 2  # number of lives with all guards
+LIVES = 60 if LONG else 20 if WHOLE else 1  # number of lives with all guards
 
 
 class CorruptedFleet(SupervisedFleet):
@@ -172,7 +172,7 @@ def test_an_older_journal_that_is_believed_is_found(monkeypatch: pytest.MonkeyPa
 
 FOUND = (2336, 50429, 51297, 51327, 60171, 61151, 62182)
 FOUND_MOVED = (90917, 90850, 90915, 90924, 12)
-SOME = None if WHOLE else 2
+SOME = None if WHOLE else 1
 """How many of these lives run. A change of the fleet makes another life of a seed."""
 
 

@@ -35,14 +35,14 @@ def run(robots: int, seed: int, succeeded: int, requested: int = 100) -> Figures
                    succeeded=succeeded)
 
 
-@pytest.fixture
-def study(yard: Graph, files):
+@pytest.fixture(scope='module')
+def study(yard: Graph, files_in, tmp_path_factory):
     """A function that makes a study of the yard from the figures of runs."""
-    paths = files()
+    paths = files_in(tmp_path_factory.mktemp('site'))
+    site = site_of(yard, load_fleet(paths['fleet']), load_settings(paths['fleet']),
+                   load_demand(paths['demand'], yard))
 
     def made(runs: Sequence[Figures]) -> Study:
-        site = site_of(yard, load_fleet(paths['fleet']), load_settings(paths['fleet']),
-                       load_demand(paths['demand'], yard))
         return Study(site, InputFiles('graph.yaml', 'fleet.yaml', 'demand.yaml'),
                      datetime(2026, 11, 27, 9, 30), runs, 1.0, 'simulate_fleet')
     return made

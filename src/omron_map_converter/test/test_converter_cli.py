@@ -1,7 +1,11 @@
 """The command line of the converter: its files, messages and drawings."""
 from __future__ import annotations
 
+import contextlib
+import io
 import os
+from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 import pytest
@@ -19,13 +23,34 @@ def arguments(output, *more, graph=LAB / 'lab_graph.yaml', base_map=LAB / 'lab_b
     return ['--graph', str(graph), '--base-map', str(base_map), '--output', str(output), *more]
 
 
-def test_a_map_is_made_and_told_of(tmp_path, capsys):
-    output = tmp_path / 'out.map'
-    assert main(arguments(output, '--dock-vertex', '16')) == 0
-    told = capsys.readouterr()
-    assert f'{output}: 24 goals, 5 of them with heading' in told.out
-    assert 'dock 16: DockLynx at -13200 -7000 mm, facing its station at 180.0 degrees' in told.out
-    assert told.err == ''
+class Made(NamedTuple):
+    """A map and a picture that the command line made, and what it printed."""
+
+    map: Path
+    picture: Path
+    out: str
+    err: str
+
+    @property
+    def document(self) -> MapDocument:
+        return MapDocument.load(str(self.map))
+
+
+@pytest.fixture(scope='module')
+def made(tmp_path_factory) -> Made:
+    """The laboratory's map with fences as areas, which take seconds."""
+    folder = tmp_path_factory.mktemp('made')
+    output, picture = folder / 'out.map', folder / 'out.png'
+    out, err = io.StringIO(), io.StringIO()
+    with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
+        assert main(arguments(output, '--dock-vertex', '16', '--draw', str(picture))) == 0
+    return Made(output, picture, out.getvalue(), err.getvalue())
+
+
+def test_a_map_is_made_and_told_of(made):
+    assert f'{made.map}: 24 goals, 5 of them with heading' in made.out
+    assert 'dock 16: DockLynx at -13200 -7000 mm, facing its station at 180.0 degrees' in made.out
+    assert made.err == ''
 
 
 def test_the_dock_heading_may_be_given(tmp_path):
@@ -60,25 +85,32 @@ def test_missing_options_end_with_status_2():
     assert ended.value.code == 2
 
 
-@pytest.mark.parametrize('fences, areas, lines', [('areas', True, False), ('lines', False, True),
-                                                  ('none', False, False)])
-def test_the_kind_of_fences_is_chosen(tmp_path, fences, areas, lines):
+def kinds_of_fences(document):
+    return {kind for kind, objects in (('areas', document.forbidden_areas),
+                                       ('lines', document.forbidden_lines))
+            if any(map(is_fence, objects))}
+
+
+def test_fences_are_areas_if_nothing_else_is_said(made):
+    assert kinds_of_fences(made.document) == {'areas'}
+
+
+@pytest.mark.parametrize('fences, kinds', [('lines', {'lines'}), ('none', set())])
+def test_the_kind_of_fences_is_chosen(tmp_path, fences, kinds):
     output = tmp_path / 'out.map'
     assert main(arguments(output, '--fences', fences)) == 0
-    document = MapDocument.load(str(output))
-    assert any(map(is_fence, document.forbidden_areas)) == areas
-    assert any(map(is_fence, document.forbidden_lines)) == lines
+    assert kinds_of_fences(MapDocument.load(str(output))) == kinds
 
 
-def test_single_edges_may_be_wider(tmp_path):
-    def blocks_beside_edge_1(*more):
-        output = tmp_path / 'out.map'
-        assert main(arguments(output, *more)) == 0
+def test_single_edges_may_be_wider(tmp_path, made):
+    def blocks_beside_edge_1(document):
         return min(area.rectangle.corners[:, 1].min()
-                   for area in filter(is_fence, MapDocument.load(str(output)).forbidden_areas)
+                   for area in filter(is_fence, document.forbidden_areas)
                    if area.rectangle.contains([[-10000.0, 2000.0]])[0])
-    assert blocks_beside_edge_1() == pytest.approx(450, abs=25)
-    assert blocks_beside_edge_1('--edge-width', '1=1.3,2=1.0') == pytest.approx(650, abs=25)
+    output = tmp_path / 'out.map'
+    assert main(arguments(output, '--edge-width', '1=1.3,2=1.0', '--fences', 'areas')) == 0
+    assert blocks_beside_edge_1(made.document) == pytest.approx(450, abs=25)
+    assert blocks_beside_edge_1(MapDocument.load(str(output))) == pytest.approx(650, abs=25)
 
 
 @pytest.mark.parametrize('option, value, told', [
@@ -96,11 +128,8 @@ def test_corridors_that_make_no_sense_are_refused(tmp_path, capsys, option, valu
     assert len(error.splitlines()) == 1
 
 
-def test_the_picture_shows_fences_and_places(tmp_path):
-    picture = tmp_path / 'out.png'
-    assert main(arguments(tmp_path / 'out.map', '--dock-vertex', '16', '--draw',
-                          str(picture))) == 0
-    image = np.asarray(Image.open(str(picture))).astype(int)
+def test_the_picture_shows_fences_and_places(made):
+    image = np.asarray(Image.open(str(made.picture))).astype(int)
     for colour in (colours.FENCE, colours.CORRIDOR, colours.CURVE, colours.FORBIDDEN, GREEN, BLACK):
         assert (abs(image - colour).max(axis=-1) < 12).sum() > 20, f'the picture has no {colour}'
 

@@ -1,7 +1,7 @@
 """Two robots and a door or a charger in a small yard, in every order of events: see `door_yard`."""
 from __future__ import annotations
 
-from typing import Any, Callable, FrozenSet, Iterator, NamedTuple, Tuple, Type
+from typing import Any, Callable, Dict, FrozenSet, Iterator, NamedTuple, Type
 
 import pytest
 from door_yard import ChargerYard, Door, DoorFault, DoorYard, Request
@@ -73,9 +73,10 @@ def test_no_two_robots_are_in_a_charger_for_one_whatever_happens(name: str, caps
     assert not found.flaw, str(found)
 
 
-def walks(kind: Type[DoorYard] = DoorYard, most: int = WALKS) -> Iterator[Found]:
+def walks(kind: Type[DoorYard] = DoorYard, most: int = WALKS, first: int = 0) -> Iterator[Found]:
+    """Random walks, `first` before all others."""
     walked = yard(STAR, kind)
-    return (walked.walk(WIDE, seed, 200) for seed in range(most))
+    return (walked.walk(WIDE, (first + k) % most, 200) for k in range(most))
 
 
 @pytest.mark.parametrize('kind', (DoorYard, ChargerYard))
@@ -136,14 +137,15 @@ class ForgetsClaimsToTheChargerAtARestart(ChargerYard):
         return super()._restarted_claims(door._replace(stored=frozenset()))
 
 
-YARDS: Tuple[Type[DoorYard], ...] = (
-    ForgetsClaimsAtARestart, TellsADoorNothingOfRobotsThatHaveClaims,
-    ForgetsClaimsToTheChargerAtARestart)
+YARDS: Dict[Type[DoorYard], int] = {
+    ForgetsClaimsAtARestart: 1, TellsADoorNothingOfRobotsThatHaveClaims: 57,
+    ForgetsClaimsToTheChargerAtARestart: 0}
+"""The walk that found each of them, which comes first. After a change another walk may find it."""
 
 
 @pytest.mark.parametrize('kind', YARDS)
 def test_a_restart_with_a_planted_fault_is_found(kind: Type[DoorYard]) -> None:
-    assert any(found.flaw for found in walks(kind, FAR))
+    assert any(found.flaw for found in walks(kind, FAR, YARDS[kind]))
 
 
 def without_the_guards(patch: pytest.MonkeyPatch) -> None:

@@ -279,32 +279,16 @@ chargers:
 '''
 
 
-def read_chargers(tmp_path, text):
+def read_with_docks(tmp_path, text):
     (tmp_path / 'work.yaml').write_text(text)
-    return load_work(tmp_path / 'work.yaml', with_docks(corridor(9), 1, 7, 8)).chargers
+    return load_work(tmp_path / 'work.yaml', with_docks(corridor(9), 1, 7, 8))
 
 
 def test_a_charger_has_room_at_all_its_places_unless_its_capacity_is_less(tmp_path):
-    assert read_chargers(tmp_path, CHARGERS) == {
+    assert read_with_docks(tmp_path, CHARGERS).chargers == {
         'bay': Charger('bay', (7, 8), 1), 'corner': Charger('corner', (1,))}
     both = CHARGERS.replace(', capacity: 1', '')
-    assert read_chargers(tmp_path, both)['bay'].capacity == 2
-
-
-@pytest.mark.parametrize('right, wrong, line, told', [
-    ('places: [1]', 'places: [2]', 7, 'vertex 2 is no dock in the graph'),
-    ('places: [1]', 'places: [8]', 7, 'dock 8 belongs to charger bay already'),
-    ('places: [1]', 'places: []', 7, 'places is empty'),
-    ('places: [1]', 'capacity: 1', 7, 'places is missing'),
-    ('capacity: 1', 'capacity: 3', 6, 'capacity of charger bay is 3, but it has 2 places'),
-    ('capacity: 1', 'capacity: 0', 6, 'capacity of charger bay is 0'),
-    ('capacity: 1', 'queue: [2]', 6, "a charger has an unknown key 'queue'"),
-    ('name: corner', 'name: press', 7, 'a station or device is called press already'),
-    ('name: corner', 'name: gate', 7, 'a station or device is called gate already'),
-    ('name: corner', 'name: bay', 7, 'charger bay occurs twice')])
-def test_a_wrong_charger_is_refused_with_its_line(tmp_path, right, wrong, line, told):
-    with pytest.raises(FileError, match=f'line {line}: .*{told}'):
-        read_chargers(tmp_path, CHARGERS.replace(right, wrong, 1))
+    assert read_with_docks(tmp_path, both).chargers['bay'].capacity == 2
 
 
 # -- zones -----------------------------------------------------------------------------------------
@@ -323,19 +307,34 @@ def test_a_zone_is_for_one_robot_unless_it_says_more(tmp_path):
     assert {'hall', 'bridge', 'press'} == found.names
 
 
-@pytest.mark.parametrize('right, wrong, line, told', [
-    ('edges: [1]', 'edges: [44]', 5, 'the graph has no edge 44'),
-    ('edges: [1]', 'edges: [1, 1]', 5, '1 occurs twice in edges'),
-    ('edges: [1]', 'vertices: [99]', 5, 'the graph has no vertex 99'),
-    ('edges: [1]', 'capacity: 1', 5, 'zone bridge has neither edges nor vertices'),
-    ('edges: [1]', 'edges: []', 5, 'zone bridge has neither edges nor vertices'),
-    ('edges: [1]', 'edge: [1]', 5, "a zone has an unknown key 'edge'; did you mean edges"),
-    ('capacity: 2', 'capacity: 0', 4, 'capacity of zone hall is 0, but must be 1 or more'),
-    ('name: bridge', 'name: press', 5, 'a station, device or charger is called press already'),
-    ('name: bridge', 'name: hall', 5, 'zone hall occurs twice, first in line 4')])
-def test_a_wrong_zone_is_refused_with_its_line(tmp_path, right, wrong, line, told):
+# -- chargers and zones that are wrong -------------------------------------------------------------
+
+
+@pytest.mark.parametrize('text, right, wrong, line, told', [
+    (CHARGERS, 'places: [1]', 'places: [2]', 7, 'vertex 2 is no dock in the graph'),
+    (CHARGERS, 'places: [1]', 'places: [8]', 7, 'dock 8 belongs to charger bay already'),
+    (CHARGERS, 'places: [1]', 'places: []', 7, 'places is empty'),
+    (CHARGERS, 'places: [1]', 'capacity: 1', 7, 'places is missing'),
+    (CHARGERS, 'capacity: 1', 'capacity: 3', 6,
+     'capacity of charger bay is 3, but it has 2 places'),
+    (CHARGERS, 'capacity: 1', 'capacity: 0', 6, 'capacity of charger bay is 0'),
+    (CHARGERS, 'capacity: 1', 'queue: [2]', 6, "a charger has an unknown key 'queue'"),
+    (CHARGERS, 'name: corner', 'name: press', 7, 'a station or device is called press already'),
+    (CHARGERS, 'name: corner', 'name: gate', 7, 'a station or device is called gate already'),
+    (CHARGERS, 'name: corner', 'name: bay', 7, 'charger bay occurs twice'),
+    (ZONES, 'edges: [1]', 'edges: [44]', 5, 'the graph has no edge 44'),
+    (ZONES, 'edges: [1]', 'edges: [1, 1]', 5, '1 occurs twice in edges'),
+    (ZONES, 'edges: [1]', 'vertices: [99]', 5, 'the graph has no vertex 99'),
+    (ZONES, 'edges: [1]', 'capacity: 1', 5, 'zone bridge has neither edges nor vertices'),
+    (ZONES, 'edges: [1]', 'edges: []', 5, 'zone bridge has neither edges nor vertices'),
+    (ZONES, 'edges: [1]', 'edge: [1]', 5, "a zone has an unknown key 'edge'; did you mean edges"),
+    (ZONES, 'capacity: 2', 'capacity: 0', 4, 'capacity of zone hall is 0, but must be 1 or more'),
+    (ZONES, 'name: bridge', 'name: press', 5,
+     'a station, device or charger is called press already'),
+    (ZONES, 'name: bridge', 'name: hall', 5, 'zone hall occurs twice, first in line 4')])
+def test_a_wrong_charger_or_zone_is_refused_with_its_line(tmp_path, text, right, wrong, line, told):
     with pytest.raises(FileError, match=f'line {line}: .*{told}'):
-        read(tmp_path, ZONES.replace(right, wrong, 1))
+        read_with_docks(tmp_path, text.replace(right, wrong, 1))
 
 
 # -- the whole file --------------------------------------------------------------------------------

@@ -26,7 +26,7 @@ from trajectory_graph import Graph
 from world.plain_agv import Agv
 from world.supervised_fleet import SupervisedFleet
 
-LIVES = 40 if LONG else 12 if is_whole(__file__) else 2
+LIVES = 40 if LONG else 12 if is_whole(__file__) else 1
 STAY = 12.0  # s of work at a place
 
 
