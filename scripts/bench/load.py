@@ -5,6 +5,7 @@
     devices_200             200 robots with 50 doors, and the same fleet without
     history                 a journal with a million ended missions (no ROS)
     planning                first plans and replans on 5,000 vertices (no ROS)
+    decisions               reports, ticks and plans of 200 robots (no ROS)
 
 `--only SECTION` runs one part.
 """
@@ -22,6 +23,7 @@ from pathlib import Path
 from typing import Callable, Dict, Iterator, List, Mapping, NamedTuple, Sequence, Tuple
 
 import rospy
+from load_bench.decisions import decisions
 from load_bench.endless_missions import EndlessMissions
 from load_bench.history import history
 from load_bench.light_fleet import PERIOD, LightFleet, Release
@@ -277,7 +279,8 @@ def robots(count: int, side: int) -> Iterator[Row]:
 
 SECTIONS: Dict[str, Callable[[], Iterator[Row]]] = {
     'robots_50': lambda: robots(50, 36), 'robots_200': lambda: robots(200, 71),
-    'devices_200': lambda: devices(200, 71), 'history': history, 'planning': planning}
+    'devices_200': lambda: devices(200, 71), 'history': history, 'planning': planning,
+    'decisions': decisions}
 
 
 if __name__ == '__main__':

@@ -252,3 +252,18 @@ def test_edges_are_held_while_the_vehicle_drives_a_route_that_is_not_open():
     assert after.held == state.held
     stands, _ = real.hear(after, replace(drives, motion=values.Motion.STANDING, number=2), ME, 4)
     assert not stands.held
+
+
+def test_a_report_that_says_nothing_new_leaves_all_that_follows_from_the_state():
+    state = real.MasterState(epoch=1, report=1, number=2, order=2, done=1, commands=True,
+                             open=(real.Order(2, 1, 0, (11, 12, 13)),))
+    states = (values.EdgeState.COMPLETE, *2 * (values.EdgeState.PROCESSING,))
+    drives = values.RouteReport(
+        0, 0, (11, 12, 13), states, values.SymbolicPose(12, 40.0), epoch=1, master=ME, order=2,
+        first=0, motion=values.Motion.ON_ROUTE, number=7)
+    assert state.ahead == (12, 13)
+    after, news = real.hear(state, drives, ME, 4)
+    assert news.is_repeat and after == replace(state, report=7)
+    later = replace(drives, number=8, states=(*2 * (values.EdgeState.COMPLETE,), states[2]))
+    after, news = real.hear(after, later, ME, 4)
+    assert not news.is_repeat and (after.done, after.ahead) == (2, (13,))

@@ -45,7 +45,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import takewhile
-from typing import NamedTuple, Optional, Tuple
+from typing import Any, Dict, NamedTuple, Optional, Tuple
 
 from route_protocol.messages import WrongReport
 from route_protocol.order_rules import MAXIMUM_EDGES
@@ -132,6 +132,15 @@ class MasterState:
     unknown: int = 0
     gap: Tuple[int, int] = (0, 0)
 
+    def after(self, report: int) -> MasterState:
+        """Returns the same state after a report that changes nothing else.
+
+        So what follows from it is not computed anew for each report.
+        """
+        found = object.__new__(MasterState)
+        vars(found).update(vars(self), report=report)
+        return found
+
     @cached_property
     def may_be_on(self) -> Tuple[Step, ...]:
         """All edges on which the vehicle may be, or onto which orders may still bring it."""
@@ -206,6 +215,7 @@ class News:
     was_shorter -- the newest of these stopped the vehicle or shortened its route
     stands   -- the vehicle stands, and tells where
     is_older -- the journal is an older one: the report shows an order that is not in it
+    is_repeat -- nothing but the number of the report changes
     """
 
     is_new: bool = False
@@ -217,6 +227,7 @@ class News:
     was_shorter: bool = False
     stands: bool = False
     is_older: bool = False
+    is_repeat: bool = False
 
 
 OLD_NEWS = News()
@@ -260,7 +271,7 @@ def hear(state: MasterState, said: RouteReport, me: str, clock: int,
     """
     if said.number <= state.report:
         return state, OLD_NEWS
-    state = _with_unknown_numbers(state, said, me)
+    given, state = state, _with_unknown_numbers(state, said, me)
     read = _read(state, said, me)
     _check(state, said, read)
     still = tuple(one for one in state.open if _is_still_open(one, said, read))
@@ -269,14 +280,17 @@ def hear(state: MasterState, said: RouteReport, me: str, clock: int,
     passed = _passed(state, said, read)
     behind = () if stands or read.is_new else (*state.behind, *passed)
     done = state.end + 1 if read.is_new else state.done
-    return replace(
-        state, epoch=said.epoch, report=said.number, order=read.order, refused=read.refused,
-        done=said.done if read.order else done, open=still, behind=behind,
-        held=() if knows_where else _held(state, still, read.is_new),
-        is_anywhere=not stands and _is_moved_otherwise(said, read.is_mine) or (
+    told: Dict[str, Any] = {
+        'epoch': said.epoch, 'order': read.order, 'refused': read.refused,
+        'done': said.done if read.order else done, 'open': still, 'behind': behind,
+        'held': () if knows_where else _held(state, still, read.is_new),
+        'is_anywhere': not stands and _is_moved_otherwise(said, read.is_mine) or (
             state.is_anywhere and not knows_where),
-        commands=read.is_mine, unknown=_unknown(state, read, stands, clock),
-    ), _news(state, said, read, passed, stands)
+        'commands': read.is_mine, 'unknown': _unknown(state, read, stands, clock)}
+    is_repeat = state is given and told.items() <= vars(state).items()
+    after = (state.after(said.number) if is_repeat
+             else replace(state, report=said.number, **told))
+    return after, _news(state, said, read, passed, stands, is_repeat)
 
 
 def _with_unknown_numbers(state: MasterState, said: RouteReport, me: str) -> MasterState:
@@ -311,7 +325,7 @@ def _passed(state: MasterState, said: RouteReport, read: _Reading) -> Tuple[Step
     """Returns the edges of the order that the vehicle follows
     which it has passed since the last report.
     """
-    if read.shown is None or not read.order or read.is_new:
+    if read.shown is None or not read.order or read.is_new or said.done <= state.done:
         return ()
     return tuple(step for step in read.shown.steps(state.done) if step.number < said.done)
 
@@ -330,7 +344,7 @@ def _unknown(state: MasterState, read: _Reading, stands: bool, clock: int) -> in
 
 
 def _news(state: MasterState, said: RouteReport, read: _Reading, passed: Tuple[Step, ...],
-          stands: bool) -> News:
+          stands: bool, is_repeat: bool) -> News:
     refusals = [one for one in state.open if read.order < one.number <= read.refused]
     lost = read.failed and read.shown is not None and bool(read.shown.edges)
     return News(
@@ -338,7 +352,7 @@ def _news(state: MasterState, said: RouteReport, read: _Reading, passed: Tuple[S
         read.order > (0 if read.is_new else state.order),
         (said.reason or SAID_NONE) if lost else NO_REASON,
         (said.refusal or SAID_NONE) if refusals else NO_REASON,
-        bool(refusals) and refusals[-1].end < state.end, stands, read.is_older)
+        bool(refusals) and refusals[-1].end < state.end, stands, read.is_older, is_repeat)
 
 
 def _is_in_gap(state: MasterState, said: RouteReport) -> bool:

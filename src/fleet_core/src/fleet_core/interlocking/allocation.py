@@ -3,7 +3,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import Enum
-from typing import NamedTuple, Optional, Tuple
+from math import inf
+from typing import Dict, NamedTuple, Optional, Tuple
 
 from fleet_core.fleet import RobotType
 from fleet_core.geometry.areas import Area
@@ -45,3 +46,18 @@ class Allocation:
     holds: Tuple[Hold, ...] = ()
     vertex: Optional[int] = None
     areas: Tuple[Area, ...] = ()
+
+    def is_within(self, other: Allocation) -> bool:
+        """Returns whether every place of this allocation is one of another of the same robot.
+
+        So it excludes no robot that the other one does not exclude. The robot is known as well as
+        by the other one, and its load makes it no wider.
+        """
+        if self.knowledge is not other.knowledge or self.kind.reach > other.kind.reach or (
+                self.vertex not in (None, other.vertex)
+                or not set(self.areas) <= set(other.areas)):
+            return False
+        cleared: Dict[int, float] = {}
+        for hold in other.holds:
+            cleared[hold.edge] = min(hold.cleared, cleared.get(hold.edge, 1.0))
+        return all(hold.cleared >= cleared.get(hold.edge, inf) for hold in self.holds)

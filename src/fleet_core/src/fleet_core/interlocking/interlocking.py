@@ -163,7 +163,9 @@ class Interlocking:
         self._to_store: Set[str] = set()
         self._with_areas: Set[str] = set()
         self._unknown: Set[str] = set()
-        self._to_compare: Set[str] = set()  # robots whose allocation has changed
+        self._to_compare: Set[str] = set()  # robots that may exclude another one since a change
+        # robots that excluded another one when they were compared last
+        self._crowded: Set[str] = set()
         self._near: Dict[Tuple[Area, float], Mapping[int, Tuple[float, float]]] = {}
         for name in self.claims.robots - robots.keys():
             self.claims.forget(name)
@@ -365,6 +367,7 @@ class Interlocking:
         self._with_areas.discard(name)
         self._unknown.discard(name)
         self._to_compare.discard(name)
+        self._crowded.discard(name)
 
     # -- robots that exclude each other ------------------------------------------------------------
 
@@ -419,6 +422,9 @@ class Interlocking:
     def separate(self, is_starting: bool = False) -> List[str]:
         """Stops robots that exclude each other since an allocation changed. Returns their names.
 
+        An allocation that loses places only, as nearly each report makes it, excludes no further
+        robot. It is compared again only if the robot excluded another one before.
+
         A grant never makes such a pair: evidence does, or a robot that drives its route again. In
         the second case a robot with nothing to drive needs no stop: it is granted nothing
         meanwhile. A robot that needs a person is stopped already.
@@ -429,7 +435,11 @@ class Interlocking:
         changed, self._to_compare = self._to_compare, set()
         stopped: Dict[str, InterlockedRobot] = {}
         for name in sorted(changed & self._robots.keys()):
-            for other in self.excluding(name):
+            others = self.excluding(name)
+            self._crowded.discard(name)
+            if others:
+                self._crowded.update((name, *others))
+            for other in others:
                 pair = self._robots[name], self._robots[other]
                 if is_starting and not all(robot.master.is_heard for robot in pair):
                     continue
@@ -485,10 +495,14 @@ class Interlocking:
             if name not in self._robots:
                 continue
             allocation = self._robots[name].master.allocation
-            if allocation is self._known.get(name):
+            before = self._known.get(name)
+            if allocation is before:
                 continue
             self._known[name] = allocation
-            self._to_compare.add(name)
+            # A robot that may be anywhere excludes no other one, but others exclude it.
+            if self._unknown or name in self._crowded or before is None or (
+                    not allocation.is_within(before)):
+                self._to_compare.add(name)
             self._holds.put(name, allocation)
             self.claims.follow(name, allocation)
             for names, is_one in ((self._with_areas, bool(allocation.areas)),

@@ -464,7 +464,8 @@ class RouteMaster:
         protocol, news = hear(before, said, ME, self._clock(), point is not None)
         if not news.is_new:
             return Heard()
-        self._set(protocol)
+        known = self._known
+        record.set_protocol(protocol)
         is_first = not self.is_heard
         self._told = self._told or (0.0, None)
         record.pose = report.pose
@@ -484,8 +485,17 @@ class RouteMaster:
         elif news.stands and (is_covered or is_first or self.is_confirmed):
             self._come_to_rest(report, heard, '' if is_covered or is_first
                                else self._expected(before))
-        self._changed()
+        if not news.is_repeat or known != self._known:
+            self._changed()
         return heard
+
+    @property
+    def _known(self) -> Tuple[object, ...]:
+        """What a report may change, besides the protocol. A robot that waits reports it again."""
+        record = self.record
+        return (record.pose, record.position, record.cleared, record.generation, self.locations,
+                self.reach, self._lost, self._beside, self._strays, self._off_graph,
+                self._cut_refused, self.clock_is_off, self.is_heard)
 
     def _is_stray(self, point: Optional[Point]) -> bool:
         """Returns whether the robot is on no place that it holds."""

@@ -1,6 +1,7 @@
 """One robot in a planning problem: the fixed part of its path, and what it still has to do."""
 from __future__ import annotations
 
+from functools import cached_property
 from math import inf
 from typing import FrozenSet, List, Mapping, NamedTuple, Optional, Sequence, Tuple
 
@@ -15,10 +16,32 @@ LATER = 1e-4
 """Weight of a second on the way to parking; a second on the way to the destinations weighs 1."""
 
 
+class Rests:
+    """The vertices at which an agent's path may end for ever.
+
+    Most are common to all robots of a type. So what follows from those is computed once for all.
+
+    common -- vertices that are rests of other agents, too
+    own    -- further vertices
+    """
+
+    def __init__(self, common: FrozenSet[int], own: FrozenSet[int] = frozenset()) -> None:
+        self.common, self.own = common, own
+
+    def __contains__(self, vertex: int) -> bool:
+        return vertex in self.common or vertex in self.own
+
+    @property
+    def whole(self) -> FrozenSet[int]:
+        """All of them."""
+        return self.common | self.own
+
+
 class PathQuery:
     """What one robot has to do, with all data that a search for its path needs.
 
-    The searches read each attribute in their inner loops, so nothing is derived there.
+    The searches read each attribute in their inner loops, so nothing is derived there. A robot that
+    keeps its plan needs no search: what only searches need is computed at first use.
 
     vertex       -- where it starts; -1: between two vertices
     origins      -- {vertex: seconds}: where it can go on from, and the time to get there; for a
@@ -27,16 +50,15 @@ class PathQuery:
     destinations -- vertices to visit in order
     legs         -- number of its destinations
     dwells       -- s to stay at each destination
-    rests        -- vertices at which it may end for ever; None: at the last destination
+    rests        -- where it may end for ever; None: at the last destination
     later        -- weight of the seconds after the last destination; 0 without rests
-    common       -- rests that it shares with other queries
     """
 
     def __init__(self, network: RoadNetwork, kind: RobotType, vertex: int,
                  origins: Mapping[int, float], ready: float, destinations: Sequence[int],
-                 dwells: Sequence[float] = (), rests: Optional[FrozenSet[int]] = None,
-                 later: float = LATER, common: FrozenSet[int] = frozenset()) -> None:
-        self.network = network
+                 dwells: Sequence[float] = (), rests: Optional[Rests] = None,
+                 later: float = LATER) -> None:
+        self.network, self._kind = network, kind
         self.vertex = vertex
         self.start: Arrival = (-1, 0.0, vertex, ready)
         """Its arrival where it stands, without a drive."""
@@ -47,32 +69,60 @@ class PathQuery:
         self.dwells = tuple(dwells) or (0.0,) * self.legs
         self.rests = rests
         self.later = later if rests is not None else 0.0
-        docks = self.destinations if rests is None else (*self.destinations, *rests)
-        self.roads: Roads = network.roads(kind, docks)
-        self.to_go: List[Sequence[float]] = []
+        self.roads: Roads = network.roads(kind, [
+            dock for dock in network.docks
+            if dock in self.destinations or rests is not None and dock in rests])
+
+    @cached_property
+    def _paths(self) -> List[np.ndarray]:
+        """For each leg, the seconds (V,) from each vertex to its destination."""
+        return self.network.paths_to(self._kind, self.destinations)
+
+    @cached_property
+    def _beyond(self) -> List[float]:
+        """For each leg, the seconds from its destination to the last one, with all stays."""
+        beyond = 0.0
+        found: List[float] = []
+        for leg in range(self.legs - 1, -1, -1):
+            beyond += self.dwells[leg]
+            found.insert(0, beyond)
+            if leg:
+                beyond += float(self._paths[leg][self.destinations[leg - 1]])
+        return found
+
+    @cached_property
+    def _to_rests(self) -> List[np.ndarray]:
+        """The seconds (V,) from each vertex to the nearest common rest, and to each own one."""
+        if self.rests is None:
+            return []
+        return [self.network.paths_to_nearest(self._kind, self.rests.common),
+                *self.network.paths_to(self._kind, sorted(self.rests.own))]
+
+    @cached_property
+    def to_go(self) -> List[Sequence[float]]:
         """For each leg, the seconds from each vertex over all later destinations to the last one.
 
         One more entry follows: the seconds to the nearest rest, or 0 without rests.
         """
-        beyond = 0.0
-        paths = network.paths_to(kind, self.destinations)
-        for leg in range(len(paths) - 1, -1, -1):
-            beyond += self.dwells[leg]
-            self.to_go.insert(0, estimated(paths[leg] + beyond) if beyond
-                              else network.estimates(kind, self.destinations[leg]))
-            if leg:
-                beyond += float(paths[leg][self.destinations[leg - 1]])
-        if paths:
-            beyond += self.seconds_to(paths[0])
-        self.lower_bound = ready + beyond
+        to_destinations = [
+            estimated(path + beyond) if beyond else self.network.estimates(self._kind, destination)
+            for path, beyond, destination in zip(self._paths, self._beyond, self.destinations)]
+        to_rest: Sequence[float] = [0.0] * len(self.roads)
+        if self._to_rests:
+            to_rest = estimated(np.minimum.reduce(self._to_rests))
+        return [*to_destinations, to_rest]
+
+    @cached_property
+    def lower_bound(self) -> float:
         """The lowest cost of the robot without traffic; infinite: something is unreachable."""
-        if rests is not None:
-            nearest = network.paths_to_nearest(kind, rests, common)
-            self.to_go.append(estimated(nearest))
-            self.lower_bound += later * (float(nearest[self.destinations[-1]]) if paths
-                                         else self.seconds_to(nearest))
-        else:
-            self.to_go.append([0.0] * len(self.roads))
+        bound = self.ready
+        if self.legs:
+            bound += self._beyond[0] + self.seconds_to(self._paths[0])
+        if self._to_rests:
+            bound += self.later * min(
+                float(path[self.destinations[-1]]) if self.legs else self.seconds_to(path)
+                for path in self._to_rests)
+        return bound
 
     def seconds_to(self, path: np.ndarray) -> float:
         """Returns the seconds from its start to a target, without traffic.

@@ -163,8 +163,8 @@ def _fewest_blocked(reservations: ReservationTable,
     query = agent.query
     drives: List[int] = []
     goals: List[FrozenSet[int]] = [frozenset((d,)) for d in query.destinations]
-    if query.rests:
-        goals.append(query.rests)
+    if query.rests is not None and query.rests.whole:
+        goals.append(query.rests.whole)
     starts: Dict[int, float] = {query.vertex: 0.0}
     standing: Dict[int, Dict[str, None]] = {}
     if agent.mid_edge is not None:

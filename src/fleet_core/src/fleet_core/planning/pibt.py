@@ -330,10 +330,11 @@ def choose_rests(reservations: ReservationTable,
         if query.rests is None:
             found[agent.name] = None
             continue
-        paths = reservations.network.paths_to(agent.kind, sorted(query.rests))
+        rests = sorted(query.rests.whole)
+        paths = reservations.network.paths_to(agent.kind, rests)
         seconds = [float(path[query.destinations[-1]]) if query.destinations
                    else query.seconds_to(path) for path in paths]
-        for _, rest in sorted(zip(seconds, sorted(query.rests))):
+        for _, rest in sorted(zip(seconds, rests)):
             slots = reservations.slots[agent.kind]
             if not slots.row(slots.drives + rest) and not any(
                     reservations.blocking[agent.kind, kind].excludes(rest, vertex)

@@ -9,7 +9,7 @@ from typing import Dict, FrozenSet, Iterable, List, NamedTuple, Optional, Sequen
 
 from fleet_core.fleet import RobotType
 from fleet_core.geometry.exclusions import ROUNDING
-from fleet_core.planning.agents import LATER, Agent, PathQuery
+from fleet_core.planning.agents import LATER, Agent, PathQuery, Rests
 from fleet_core.planning.mid_edge import MidEdgePosition
 from fleet_core.planning.plans import Drive
 from fleet_core.planning.reservation_table import ReservationTable
@@ -40,46 +40,55 @@ class Problem:
         for kind in reservations.kinds:  # all at once: one by one this takes several times as long
             self._network.paths_to(kind, [vertex for name, task in self.tasks.items()
                                           if task.type == kind for vertex in self._wanted[name]])
-        self._common: Dict[RobotType, FrozenSet[int]] = {
-            kind: self.rests(kind, frozenset(self._robots_to)) for kind in reservations.kinds}
-        """Where robots of a type may be parked and where no robot has a destination."""
+        self._allowed = {kind: self._parking_of(kind) for kind in reservations.kinds}
+        """Where robots of a type may be parked."""
+        self._quiet = {kind: allowed.difference(self._robots_to)
+                       for kind, allowed in self._allowed.items()}
+        """Of these vertices those to which no robot drives."""
+        self._everywhere = frozenset(range(self._network.vertices)) - self._network.docks
         self.agents: Dict[str, Agent] = {
             name: self._agent(task) for name, task in self.tasks.items()}
 
-    def rests(self, kind: RobotType, unwanted: FrozenSet[int] = frozenset()) -> FrozenSet[int]:
-        """Returns where robots of a type may be parked, without `unwanted`
-        if enough vertices remain.
-        """
+    def _parking_of(self, kind: RobotType) -> FrozenSet[int]:
         docks = frozenset(self._network.index[id] for id in kind.docks or ()
                           if id in self._network.index)
-        allowed = (self._parking - self._network.docks) | (self._parking & docks)
-        quiet = allowed - unwanted
-        return quiet if len(quiet) >= len(self.tasks) else allowed
+        return (self._parking - self._network.docks) | (self._parking & docks)
+
+    def rests(self, kind: RobotType) -> FrozenSet[int]:
+        """Returns where robots of a type may be parked."""
+        return self._allowed[kind]
+
+    def _rests_of(self, task: Task) -> Rests:
+        """Returns where a robot may be parked: if enough vertices remain, where no other robot
+        drives to.
+        """
+        allowed, quiet = self._allowed[task.type], self._quiet[task.type]
+        own = frozenset(vertex for vertex in self._wanted[task.name]
+                        if self._robots_to[vertex] == 1 and vertex in allowed)
+        is_enough = len(quiet) + len(own) >= len(self.tasks)
+        return Rests(quiet, own) if is_enough else Rests(allowed)
 
     def with_rests(self, agent: Agent, rests: FrozenSet[int]) -> Agent:
         """Returns the same agent, allowed to end at `rests`."""
         task = self.tasks[agent.name]
         return agent._replace(query=self._query(task, agent.fixed, agent.mid_edge,
-                                                  rests))
+                                                  Rests(rests)))
 
     def without_destinations(self, agent: Agent) -> Agent:
         """Returns the same agent without destinations, so that it is only parked."""
         task = replace(self.tasks[agent.name], destinations=(), dwells=())
-        rests = agent.query.rests
-        if rests is None:
-            rests = frozenset(range(self._network.vertices)) - self._network.docks
         return agent._replace(query=self._query(task, agent.fixed, agent.mid_edge,
-                                                  rests))
+                                                  agent.query.rests or Rests(self._everywhere)))
 
     def _agent(self, task: Task) -> Agent:
         fixed = self._fixed(task)
         mid_edge = self._mid_edge(task)
-        if task.stays:
-            rests = None if task.destinations else (
-                frozenset(range(self._network.vertices)) - self._network.docks
-                | frozenset(self._vertices(() if task.vertex is None else (task.vertex,))))
-        else:
-            rests = self.rests(task.type, self._wanted_by_others(task.name))
+        rests: Optional[Rests] = None
+        if not task.stays:
+            rests = self._rests_of(task)
+        elif not task.destinations:
+            rests = Rests(self._everywhere, frozenset(
+                self._vertices(() if task.vertex is None else (task.vertex,))))
         start = -1
         if task.vertex is not None:
             start = self._network.index[task.vertex]
@@ -88,13 +97,8 @@ class Problem:
         return Agent(task.name, task.type, start, fixed,
                      self._query(task, fixed, mid_edge, rests), task.priority, mid_edge)
 
-    def _wanted_by_others(self, name: str) -> FrozenSet[int]:
-        """Returns the destinations of all robots except one."""
-        alone = {vertex for vertex in self._wanted[name] if self._robots_to[vertex] == 1}
-        return frozenset(self._robots_to.keys() - alone)
-
     def _query(self, task: Task, fixed: Sequence[Drive], mid_edge: Optional[MidEdgePosition],
-                rests: Optional[FrozenSet[int]]) -> PathQuery:
+                rests: Optional[Rests]) -> PathQuery:
         network = self._network
         ready = (fixed[-1].end if fixed else 0.0) + task.ready
         vertex = -1
@@ -109,8 +113,7 @@ class Problem:
             origins[vertex] = 0.0
         later = 1.0 if task.stays else LATER
         return PathQuery(network, task.type, vertex, origins, ready,
-                         self._vertices(task.destinations), task.dwells, rests, later,
-                         self._common[task.type])
+                         self._vertices(task.destinations), task.dwells, rests, later)
 
     def _fixed(self, task: Task) -> Tuple[Drive, ...]:
         """Returns the released drives, driven at once."""

@@ -175,30 +175,23 @@ class RoadNetwork:
         return sum(float(self.paths_to(kind, (self.index[other],))[0][self.index[one]])
                    for one, other in zip(vertices, vertices[1:]))
 
-    def paths_to_nearest(self, kind: RobotType, targets: FrozenSet[int],
-                         common: FrozenSet[int] = frozenset()) -> np.ndarray:
+    def paths_to_nearest(self, kind: RobotType, targets: FrozenSet[int]) -> np.ndarray:
         """Returns the seconds (V,) from each vertex to the nearest of some targets; inf: none is
         reachable.
 
         The last results are kept, because many robots park at the same places.
-
-        common -- most of the targets, which others request, too; only the rest takes time
         """
         nearest = self._nearest.pop((kind, targets), None)
         if nearest is None:
-            nearest = self._to_nearest(kind, targets, common if common < targets else frozenset())
+            nearest = self._to_nearest(kind, targets)
             while len(self._nearest) >= _NEAREST_KEPT:
                 del self._nearest[next(iter(self._nearest))]
         self._nearest[kind, targets] = nearest
         return nearest
 
-    def _to_nearest(self, kind: RobotType, targets: FrozenSet[int],
-                    common: FrozenSet[int]) -> np.ndarray:
+    def _to_nearest(self, kind: RobotType, targets: FrozenSet[int]) -> np.ndarray:
         paths = [np.full(self.vertices, math.inf)]
-        if common:
-            paths += [self.paths_to_nearest(kind, common),
-                      *self.paths_to(kind, sorted(targets - common))]
-        elif targets:
+        if targets:
             paths += self.paths_to(kind, sorted(targets & self.docks))
             paths.append(self.prepared(kind).to_nearest(sorted(targets - self.docks)))
         nearest: np.ndarray = np.minimum.reduce(paths)

@@ -63,12 +63,20 @@ def assign(missions: Sequence[Mission], own: Mapping[str, Hindrance],
         order = order[len(group):]
         able: List[Tuple[Mission, Sequence[str]]] = []
         left = room.copy()
+        # by the robots of missions of which none is free: what such a mission waits for
+        busy: Dict[Tuple[str, ...], str] = {}
         for mission in group:
+            names = acceptance.robots_for(mission.request)
+            if names in busy:
+                waiting[mission.serial] = busy[names]
+                continue
             found = hindrances(mission, own, robots, acceptance, networks.nominal, left)
             reason, empty = why_nobody(mission, found, robots, now, left)
             waiting[mission.serial] = reason
             if empty:
                 short[mission.serial] = empty
+            if all(own[name] for name in names):
+                busy[names] = reason
             able_ones = [name for name, one in found.items() if one is Hindrance.NONE]
             if able_ones:
                 able.append((mission, able_ones))
@@ -99,7 +107,7 @@ def own_hindrance(robot: ManagedRobot, is_busy: bool, is_laden: bool) -> Hindran
     some = ((robot.outage is not None, Hindrance.OUTAGE), (robot.is_halted, Hindrance.HALTED),
             (is_busy, Hindrance.BUSY), (is_laden, Hindrance.LADEN),
             (not robot.is_charged, Hindrance.MUST_CHARGE),
-            (not robot.record.held and robot.record.position is None, Hindrance.NO_PLACE))
+            (robot.record.position is None and not robot.record.held, Hindrance.NO_PLACE))
     return next((hindrance for is_so, hindrance in some if is_so), Hindrance.NONE)
 
 

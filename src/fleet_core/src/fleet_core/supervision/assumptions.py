@@ -111,16 +111,16 @@ class Assumptions:
         before, robot = self.robots.get(name), world.robots[name]
         if before is None:
             return False
-        now = assumption_of(robot, world.errands[name])
+        errand, record = world.errands[name], robot.record
         if (before.errand, before.generation, before.kind) != (
-                now.errand, now.generation, now.kind):
+                errand.key, record.generation, robot.type):
             return False
-        if (before.role in (PlanRole.OBSTACLE, PlanRole.ABSENT)
-                or now.role in (PlanRole.OBSTACLE, PlanRole.ABSENT)):
-            return before.role is now.role and all(
-                ours == theirs if now.errand[0] is Duty.STAND else ours <= theirs
-                for ours, theirs in zip(now.places, before.places))
-        return robot.record.end >= before.end and not self._is_used_up(before, world.errands[name])
+        role = _role_of(robot, errand)
+        if not {before.role, role}.isdisjoint((PlanRole.OBSTACLE, PlanRole.ABSENT)):
+            return before.role is role and all(
+                ours == theirs if errand.duty is Duty.STAND else ours <= theirs
+                for ours, theirs in zip(_places_of(robot, role), before.places))
+        return record.end >= before.end and not self._is_used_up(before, errand)
 
     @staticmethod
     def _is_used_up(before: Assumption, errand: Errand) -> bool:
@@ -133,18 +133,26 @@ class Assumptions:
 
 def assumption_of(robot: ManagedRobot, errand: Errand) -> Assumption:
     """Returns the present state of a robot, as an assumption."""
-    record, allocation = robot.record, robot.master.allocation
-    stands = errand.duty is Duty.STAND
-    if allocation.knowledge is not Knowledge.KNOWN:
-        role = PlanRole.ABSENT
-    elif not robot.works or stands or robot.master.has_lost_places or (
+    record, role = robot.record, _role_of(robot, errand)
+    return Assumption(role, record.generation, record.begins[0], record.end, robot.type,
+                      _places_of(robot, role), errand.key)
+
+
+def _role_of(robot: ManagedRobot, errand: Errand) -> PlanRole:
+    """Returns how a plan is to treat a robot now."""
+    record, master = robot.record, robot.master
+    if master.allocation.knowledge is not Knowledge.KNOWN:
+        return PlanRole.ABSENT
+    if not robot.works or errand.duty is Duty.STAND or master.has_lost_places or (
             record.position is None and not record.held):
-        role = PlanRole.OBSTACLE
-    else:
-        role = PlanRole.DRIVING if record.ahead else PlanRole.STANDING
-    places = _places(allocation) if role is PlanRole.OBSTACLE else _NOWHERE
-    return Assumption(role, record.generation, record.begins[0], record.end,
-                      robot.type, places, errand.key)
+        return PlanRole.OBSTACLE
+    return PlanRole.DRIVING if record.ahead else PlanRole.STANDING
+
+
+def _places_of(robot: ManagedRobot,
+               role: PlanRole) -> Tuple[FrozenSet[int], FrozenSet[int], FrozenSet[Area]]:
+    """Returns the vertices, edges and areas where an obstacle may be; of other roles none."""
+    return _places(robot.master.allocation) if role is PlanRole.OBSTACLE else _NOWHERE
 
 
 def _places(allocation: Allocation) -> Tuple[FrozenSet[int], FrozenSet[int], FrozenSet[Area]]:

@@ -71,8 +71,7 @@ class MissionBook:
     @property
     def serving(self) -> Dict[str, Mission]:
         """The open missions that robots serve, by the robot's name."""
-        return {name: mission for name, mission in list(self._by_robot.items())
-                if mission.state.is_open}
+        return dict(self._by_robot)
 
     def is_open(self, serial: int) -> bool:
         """Returns whether a mission has not ended."""
@@ -96,8 +95,7 @@ class MissionBook:
 
     def of_robot(self, name: str) -> Optional[Mission]:
         """Returns the open mission that a robot serves."""
-        mission = self._by_robot.get(name)
-        return mission if mission is not None and mission.state.is_open else None
+        return self._by_robot.get(name)
 
     def add(self, request: Request, acceptance: Acceptance) -> Optional[Mission]:
         """Accepts a request. Returns None for a repeat. Raises RequestRefused."""
@@ -212,6 +210,7 @@ class MissionBook:
         self.changed.add(mission.serial)
         if not state.is_open:
             self.timed.pop(mission.serial, None)
+            self._by_robot.pop(robot, None)
 
     def expect(self, mission: Mission, deadline: DeadlineState) -> None:
         """Notes whether a mission will be done by its deadline."""

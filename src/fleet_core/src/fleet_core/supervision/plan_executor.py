@@ -213,11 +213,12 @@ class PlanExecutor:
                 self._delays.pop(name, None)
                 claims.want(name, ())
                 continue
-            goal = self._goal(name, plan, world, asked)
-            if ends is not None:
-                goal = goal._replace(until=min(goal.until, ends.get(name, 0)))
-            due = Due([]) if has_enough(robot.record, goal.ahead) else due_edges(
-                name, plan, self._records, goal)
+            due = Due([])
+            if not has_enough(robot.record, robot.settings.release_ahead):
+                goal = self._goal(name, plan, world, asked)
+                if ends is not None:
+                    goal = goal._replace(until=min(goal.until, ends.get(name, 0)))
+                due = due_edges(name, plan, self._records, goal)
             self.waits_for[name] = due.waits_for
             self.lacks.pop(name, None)
             if not due.edges:
