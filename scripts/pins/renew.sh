@@ -14,5 +14,6 @@ for name in "$@"; do
     vda5050_master) options=(--universal --python-version 3.10) ;;
     axe) options+=(--no-deps) ;;
   esac
-  uv pip compile --quiet --generate-hashes --no-header --no-annotate "${options[@]}" "$name.in" --output-file "$name.txt"
+  # Debian 12's pip refuses a package that another one requires with an extra, if its pin lacks the extra.
+  uv pip compile --quiet --generate-hashes --no-strip-extras --no-header --no-annotate "${options[@]}" "$name.in" --output-file "$name.txt"
 done

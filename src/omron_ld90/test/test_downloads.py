@@ -86,6 +86,14 @@ def test_every_package_of_pypi_has_the_hashes_of_its_files():
         assert wanted <= names, f'{file} is older than its .in file: run scripts/pins/renew.sh'
 
 
+def test_a_pin_names_the_extra_with_which_another_package_requires_it():
+    """Otherwise pip 23 of Debian 12 says that the requirement has no pin, and installs nothing."""
+    pins = (PINS / 'coverage.txt').read_text(encoding='utf-8')
+    assert 'pytest-cov==' in pins  # it requires coverage[toml]
+    assert set(re.findall(r'^coverage.*?(?===)', pins, re.MULTILINE)) == {'coverage[toml]'}
+    assert '--no-strip-extras' in (PINS / 'renew.sh').read_text(encoding='utf-8')
+
+
 def test_each_dependency_of_the_libraries_without_ros_is_among_their_downloads():
     """Without one of them, the wheels cannot be installed."""
     asked = (PINS / 'wheels_run.in').read_text(encoding='utf-8').lower().split()
