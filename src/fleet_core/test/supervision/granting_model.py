@@ -254,7 +254,7 @@ class Fleet:
 
     def _answered(self, state: State, asked: Asked, answer: Plan) -> State:
         """The answer is used if it fits."""
-        robots = {name: Assumption(PlanRole.STANDING, 0, asked.bases[k], asked.ends[k], _NOWHERE,
+        robots = {name: Assumption(PlanRole.STANDING, 0, asked.bases[k], asked.ends[k], AGV, _NOWHERE,
                                    (Duty.MISSION, 0, 0, 0))
                   for k, name in enumerate(self.names)}
         question = questions.Question(

@@ -11,10 +11,11 @@ from fleet_core.interlocking import interlocking
 from fleet_core.interlocking.interlocking import Gate, Interlocking
 from fleet_core.planning.road_network import RoadNetwork
 from fleet_core.supervision import questions
+from fleet_core.supervision.laden_types import LadenTypes
 from fleet_core.supervision.load_room import LoadRoom
 from fleet_core.supervision.missions import MissionState, Request
 from fleet_core.supervision.plan_executor import PlanExecutor
-from fleet_core.work.loads import LadenTypes, LoadType
+from fleet_core.work.loads import LoadType
 from fleet_core.work.site_work import SiteWork
 from fleet_core.work.stops import LoadEffect, WorkStep, WorkStop, dwells_of
 from fleet_core.work.tables import LoadState
