@@ -174,6 +174,14 @@ def test_a_load_of_which_a_person_says_so_counts_at_once_and_stops_whoever_is_to
     assert fleet.supervisor.desk.load('a').types == ('pallet',)
 
 
+def test_a_robot_that_gives_what_it_does_not_carry_needs_no_room_for_it():
+    fleet = LoadedFleet({'a': 2, 'b': 12})
+    fleet.send(1, WorkStop(2, steps=(GIVE,)), robot='a')
+    fleet.run_until(lambda: fleet.load() is LoadState.UNKNOWN)
+    assert fleet.kind() == AGV
+    fleet.run_until_done(1)
+
+
 def test_a_step_that_takes_a_load_names_its_type_and_one_that_the_site_has():
     fleet = LoadedFleet({'a': 1})
     for id, kind in ((1, ''), (2, 'crate')):

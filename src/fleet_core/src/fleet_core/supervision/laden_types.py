@@ -76,4 +76,4 @@ def _strictest(loads: Iterable[LoadType]) -> LoadType:
     some = tuple(loads)
     return LoadType(_ANY, max(load.radius or 0.0 for load in some),
                     min((load.speed for load in some if load.speed), default=None),
-                    frozenset().union(*(load.closed for load in some)))
+                    frozenset(edge for load in some for edge in load.closed))
