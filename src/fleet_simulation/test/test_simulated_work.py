@@ -60,6 +60,16 @@ def waiting(figures: Figures) -> Dict[str, float]:
     return {name: sum(use.waiting.values()) for name, use in figures.resources.items()}
 
 
+def test_robots_drive_no_faster_than_their_loads_allow(yard: Graph, files: Files) -> None:
+    typed = WORK.replace('load: takes', 'load: takes, load_type: pallet')
+
+    def metres(speed: float) -> float:
+        loads = f'loads:\n- {{name: pallet, speed: {speed}}}\n'
+        return run(yard, files(f'flows:\n- {FLOW}saturated: 1}}\n', work=loads + typed),
+                   1).travelled
+    assert metres(0.1) < 0.5 * metres(1.0)
+
+
 # -- bottlenecks that are known by construction ----------------------------------------------------
 
 

@@ -254,8 +254,8 @@ class Fleet:
 
     def _answered(self, state: State, asked: Asked, answer: Plan) -> State:
         """The answer is used if it fits."""
-        robots = {name: Assumption(PlanRole.STANDING, 0, asked.bases[k], asked.ends[k], _NOWHERE,
-                                   (Duty.MISSION, 0, 0, 0))
+        robots = {name: Assumption(PlanRole.STANDING, 0, asked.bases[k], asked.ends[k], AGV,
+                                   _NOWHERE, (Duty.MISSION, 0, 0, 0))
                   for k, name in enumerate(self.names)}
         question = questions.Question(
             tuple(Task(name, AGV) for name in self.names), (),

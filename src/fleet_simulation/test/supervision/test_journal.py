@@ -337,7 +337,7 @@ def test_a_file_without_types_of_load_is_read_and_its_loads_may_be_anything(path
     db = sqlite3.connect(path)
     for table, column in (('mission', 'request'), ('work', 'work'), ('load', 'load')):
         for number, text in db.execute(f'SELECT rowid, {column} FROM {table}').fetchall():
-            old = text.replace(', "load_type": ""', '').replace(', "types": []', '')
+            old = text.replace(', "load_type": ""', '').replace(', "types": null', '')
             assert old != text
             db.execute(f'UPDATE {table} SET {column} = ? WHERE rowid = ?', (old, number))
     db.commit()

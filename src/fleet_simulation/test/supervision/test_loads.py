@@ -11,10 +11,11 @@ from fleet_core.interlocking import interlocking
 from fleet_core.interlocking.interlocking import Gate, Interlocking
 from fleet_core.planning.road_network import RoadNetwork
 from fleet_core.supervision import questions
+from fleet_core.supervision.laden_types import LadenTypes
 from fleet_core.supervision.load_room import LoadRoom
 from fleet_core.supervision.missions import MissionState, Request
 from fleet_core.supervision.plan_executor import PlanExecutor
-from fleet_core.work.loads import LadenTypes, LoadType
+from fleet_core.work.loads import LoadType
 from fleet_core.work.site_work import SiteWork
 from fleet_core.work.stops import LoadEffect, WorkStep, WorkStop, dwells_of
 from fleet_core.work.tables import LoadState
@@ -171,6 +172,14 @@ def test_a_load_of_which_a_person_says_so_counts_at_once_and_stops_whoever_is_to
     assert not problem and fleet.kind().radius == 1.3
     assert fleet.supervisor.interlocking.excluding('a') == ('b',)
     assert fleet.supervisor.desk.load('a').types == ('pallet',)
+
+
+def test_a_robot_that_gives_what_it_does_not_carry_needs_no_room_for_it():
+    fleet = LoadedFleet({'a': 2, 'b': 12})
+    fleet.send(1, WorkStop(2, steps=(GIVE,)), robot='a')
+    fleet.run_until(lambda: fleet.load() is LoadState.UNKNOWN)
+    assert fleet.kind() == AGV
+    fleet.run_until_done(1)
 
 
 def test_a_step_that_takes_a_load_names_its_type_and_one_that_the_site_has():

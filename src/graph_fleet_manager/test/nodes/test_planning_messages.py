@@ -14,7 +14,8 @@ from fleet_core.geometry.site_geometry import Alone
 from fleet_core.planning.plan_requests import PlanRequest
 from fleet_core.planning.precedence import Constraint
 from fleet_core.planning.tasks import CannotPlan, Obstacle, PlannedDrive, PlanningOutcome, Task
-from fleet_core.work.loads import LadenTypes, LoadType
+from fleet_core.supervision.laden_types import LadenTypes
+from fleet_core.work.loads import LoadType
 from graph_fleet_manager.messages.planning import (
     answer_message,
     no_plan_message,

@@ -298,7 +298,8 @@ def _load(graph: Graph, fleet: Optional[Fleet], name: str, node: yaml.Node,
     if len(fields) == 1:
         raise WrongYaml(f'load {name} changes nothing: give footprint, speed or closed_edges',
                         node)
-    radius = speed = None
+    radius: Optional[float] = None
+    speed: Optional[float] = None
     if 'footprint' in fields:
         footprint = known_fields(fields['footprint'], 'a footprint', ('radius',))
         radius = _above_zero(strict_yaml.field(footprint, 'radius', fields['footprint']))

@@ -1,7 +1,8 @@
 """The room that robots hold for their loads.
 
-A robot with a load is a robot of another type (`work.loads`). Its radius may be larger, so becoming
-one is like a grant: it needs that no other robot's allocation excludes its own with that radius.
+A robot with a load is a robot of another type (`laden_types`). Its radius may be larger, so
+becoming one is like a grant: it needs that no other robot's allocation excludes its own with that
+radius.
 
 - From when its next stop takes a load, a robot becomes one that has the room for it, as soon as
   no robot is in its way: mostly long before it is there. So the planner knows, and leads others
@@ -17,10 +18,10 @@ from typing import AbstractSet, Dict, List, Mapping, Set
 from fleet_core.fleet import RobotType
 from fleet_core.geometry.site_geometry import SiteGeometry
 from fleet_core.interlocking.interlocking import Interlocking
+from fleet_core.supervision.laden_types import LadenTypes
 from fleet_core.supervision.plan_executor import RoomForLoads
 from fleet_core.supervision.robots import ManagedRobot
 from fleet_core.supervision.work_desk import WorkDesk
-from fleet_core.work.loads import LadenTypes
 
 
 class LoadRoom:

@@ -37,6 +37,7 @@ from fleet_core.supervision.fleet_stop import NOT_STOPPED, FleetStop, StopCause
 from fleet_core.supervision.hindrances import Hindrance
 from fleet_core.supervision.journal import Journal
 from fleet_core.supervision.journal_database import JournalUnavailable
+from fleet_core.supervision.laden_types import LadenTypes
 from fleet_core.supervision.liveness import SILENCE
 from fleet_core.supervision.load_room import LoadRoom
 from fleet_core.supervision.machine_view import MachineReports
@@ -76,7 +77,6 @@ from fleet_core.supervision.waiting_missions import WaitingMissions
 from fleet_core.supervision.waits import FLEET_STOPPED, NO_WAIT, STARTING, Wait, WaitCode
 from fleet_core.supervision.work_desk import NEWEST_STEP, WorkDesk
 from fleet_core.supervision.work_requests import WorkRequests
-from fleet_core.work.loads import LadenTypes
 from fleet_core.work.site_work import SiteWork
 from fleet_core.work.timetables import shown_at
 from route_protocol.devices import DeviceReport

@@ -387,7 +387,7 @@ def _known(situation: Situation, place: StepPlace, change: int = 0) -> Situation
     event = LoadEvent.FILLED if count else LoadEvent.EMPTIED
     return situation._replace(load=RobotLoad(after(LOAD, load.state, event),
                                              situation.serial if count else 0, count,
-                                             load.types if count else ()))
+                                             load.types if count else None))
 
 
 def _failed(situation: Situation, place: StepPlace, text: str) -> Situation:
@@ -626,7 +626,7 @@ def said_loaded(load: RobotLoad, serial: int, work: Optional[Work] = None) -> Ro
     types = load.may_be or {step.load_type or ANY_LOAD for _, step, _ in (
         () if work is None else work.steps) if step.load is LoadEffect.TAKES}
     return RobotLoad(after(LOAD, load.state, LoadEvent.SAID_LOADED), serial, max(load.count, 1),
-                     tuple(sorted(types)))
+                     tuple(sorted(types or (ANY_LOAD,))))
 
 
 def to_take(work: Work) -> FrozenSet[str]:

@@ -142,20 +142,20 @@ class RobotLoad:
 
     serial -- of the mission whose load it is; 0: none
     count  -- pieces that it carries; if it is UNKNOWN, before the step that made it so
-    types  -- names of the types of load that it may carry, in order
+    types  -- names of the types of load that it may carry, in order; None: not known
     """
 
     state: LoadState = LoadState.EMPTY
     serial: int = 0
     count: int = 0
-    types: Tuple[str, ...] = ()
+    types: Optional[Tuple[str, ...]] = None
 
     @property
     def may_be(self) -> FrozenSet[str]:
         """The types of load that the robot may carry. `ANY_LOAD`: it is not known."""
         if self.state is LoadState.EMPTY:
             return frozenset()
-        return frozenset(self.types or (ANY_LOAD,))
+        return frozenset((ANY_LOAD,) if self.types is None else self.types)
 
     def with_types(self, types: Iterable[str]) -> RobotLoad:
         """Returns the same load, which may be of these types as well."""

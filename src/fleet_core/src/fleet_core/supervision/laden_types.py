@@ -1,0 +1,79 @@
+"""The types of robots with loads.
+
+A robot with a load is a robot of another type (`fleet.RobotType`): it has another radius and
+another speed, and edges that are closed to it. So the planner and the interlocking need no rule of
+their own for loads, and a site without types of load has no such types of robots.
+"""
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import AbstractSet, Dict, Iterable, Mapping, Tuple
+
+from fleet_core.fleet import RobotType
+from fleet_core.work.loads import LoadType
+
+
+class LadenTypes:
+    """The robot types of a fleet, with each load.
+
+    A robot that may carry several types of load, or one whose type is not known, has the
+    largest radius, the lowest speed, and the closed edges of all.
+
+    loads -- by name, those of the site
+    types -- of the fleet, without loads
+    """
+
+    def __init__(self, loads: Mapping[str, LoadType], types: Iterable[RobotType]) -> None:
+        self._loads = loads
+        self._laden: Dict[Tuple[str, str], RobotType] = {}
+        self._ready: Dict[Tuple[str, str], RobotType] = {}
+        for kind in dict.fromkeys(types):
+            for name, load in loads.items():
+                self._add(kind, name, load)
+            if len(loads) > 1:
+                self._add(kind, _ANY, _strictest(loads.values()))
+        self.types: Tuple[RobotType, ...] = tuple(dict.fromkeys(
+            kind for kind in (*self._laden.values(), *self._ready.values()) if kind.without_load))
+        """All of them, besides those of the fleet."""
+
+    def __bool__(self) -> bool:
+        """Returns whether the site has any type of load."""
+        return bool(self._loads)
+
+    def _add(self, kind: RobotType, name: str, load: LoadType) -> None:
+        radius = max(kind.radius, load.radius or 0.0)
+        speed = min(kind.speed, load.speed or kind.speed)
+        self._laden[kind.name, name] = replace(
+            kind, name=f'{kind.name} with {name}', radius=radius, speed=speed,
+            without_load=kind.name, own_speed=kind.speed, closed=load.closed)
+        self._ready[kind.name, name] = kind if radius == kind.radius else replace(
+            kind, name=f'{kind.name} ready for {name}', radius=radius, without_load=kind.name,
+            own_speed=kind.speed)
+
+    def laden(self, kind: RobotType, loads: AbstractSet[str]) -> RobotType:
+        """Returns the type of a robot that may carry these types of load.
+
+        kind -- its type without load
+        """
+        return self._of(self._laden, kind, loads)
+
+    def ready(self, kind: RobotType, loads: AbstractSet[str]) -> RobotType:
+        """Returns the type of an empty robot that has room to take each of these types of load."""
+        return self._of(self._ready, kind, loads)
+
+    def _of(self, types: Mapping[Tuple[str, str], RobotType], kind: RobotType,
+            loads: AbstractSet[str]) -> RobotType:
+        if not (loads and self._loads):
+            return kind
+        some = loads if loads <= self._loads.keys() else self._loads.keys()
+        return types[kind.name, next(iter(some)) if len(some) == 1 else _ANY]
+
+
+_ANY = 'any load'
+
+
+def _strictest(loads: Iterable[LoadType]) -> LoadType:
+    some = tuple(loads)
+    return LoadType(_ANY, max(load.radius or 0.0 for load in some),
+                    min((load.speed for load in some if load.speed), default=None),
+                    frozenset(edge for load in some for edge in load.closed))
