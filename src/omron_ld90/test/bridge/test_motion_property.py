@@ -170,9 +170,11 @@ class Robots(RuleBasedStateMachine):
         self.world.run(8.0, lambda: self.world.has_ended)
 
     @precondition(lambda self: self.world.up[p.RobotLink.COMMANDS])
-    @rule(act=st.sampled_from(IN_AN_OUTAGE), goal=GOALS)
-    def somebody_acts_in_an_outage(self, act: Sequence[str], goal: str) -> None:
-        """A program drives the robot; it does not know what others do in an outage."""
+    @rule(act=st.sampled_from(IN_AN_OUTAGE), goal=GOALS, restarts=st.booleans())
+    def somebody_acts_in_an_outage(self, act: Sequence[str], goal: str, restarts: bool) -> None:
+        """A program drives the robot; it does not know what others do in an outage, or just before
+        the controller is restarted.
+        """
         program, (doer, *command) = PROGRAMS[0], act
         for _ in range(2):  # a robot at its goal already sets out for the next one
             self.reads(program)
@@ -180,12 +182,15 @@ class Robots(RuleBasedStateMachine):
             self.world.run(1.0)
             goal = str(int(goal) % 4 + 3)
         self.reads(program)
-        self.world.cut(p.RobotLink.COMMANDS, 1.0)
+        if not restarts:
+            self.world.cut(p.RobotLink.COMMANDS, 1.0)
         if doer in PROGRAMS:
             self.give(doer, 'stop', 0.0)
         else:
             getattr(self, doer)(*command)
-        self.world.run(5.5)  # long enough that the robot must have obeyed each stop
+        if restarts:
+            self.controller_restarts(0.0)
+        self.world.run(6.5)  # long enough that the robot must have obeyed each stop
         self.give(program, f'goto {goal}', 0.0)
 
     def help(self) -> None:
@@ -256,9 +261,10 @@ class SimulatedRobots(Robots):
 
     @precondition(lambda self: self.world.up[p.RobotLink.COMMANDS])
     @rule(act=st.sampled_from(
-        [*IN_AN_OUTAGE, *(('another_client', one) for one in WITHOUT_A_GOAL)]), goal=GOALS)
-    def somebody_acts_in_an_outage(self, act: Sequence[str], goal: str) -> None:
-        super().somebody_acts_in_an_outage(act, goal)
+        [*IN_AN_OUTAGE, *(('another_client', one) for one in WITHOUT_A_GOAL)]), goal=GOALS,
+        restarts=st.booleans())
+    def somebody_acts_in_an_outage(self, act: Sequence[str], goal: str, restarts: bool) -> None:
+        super().somebody_acts_in_an_outage(act, goal, restarts)
 
     @precondition(lambda self: not self.world.robot.status.startswith('EStop'))
     @rule()
