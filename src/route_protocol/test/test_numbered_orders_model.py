@@ -6,7 +6,7 @@ from numbered_orders_model import RULES, Bounds, Model, Order, State
 from proofs import LONG, is_whole
 
 WHOLE = is_whole(__file__)
-MOST = None if WHOLE else 50_000  # number of states that a search visits, the nearest first
+MOST = None if WHOLE else 20_000  # number of states that a search visits, the nearest first
 
 BOUNDS = {
     'two orders': Bounds(),

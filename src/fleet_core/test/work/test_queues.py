@@ -5,9 +5,12 @@ from random import Random
 from typing import Dict, List, Optional, Set, Tuple
 
 import pytest
+from proofs import is_whole
 
 from fleet_core.work.queues import EMPTY_QUEUE, Others, Queue, Waiter, advanced, has_place_for
 from fleet_core.work.stations import Station, StationKind
+
+LIVES = 60 if is_whole(__file__) else 20
 
 PRESS = Station('press', (18,), (20, 22))
 SHELVES = Station('shelves', (39, 42), (50,), 2, StationKind.GROUP)
@@ -285,7 +288,7 @@ STATIONS = (PRESS, SHELVES, Station('bare', (18,)), Station('pair', (18, 19), (2
 
 @pytest.mark.parametrize('station', STATIONS, ids=lambda one: one.name)
 def test_in_any_order_of_events_the_queue_keeps_its_order_and_its_bounds(station: Station) -> None:
-    for seed in range(60):
+    for seed in range(LIVES):
         yard = Yard(station, seed, robots=5)
         for _ in range(300):
             yard.event()
@@ -293,7 +296,7 @@ def test_in_any_order_of_events_the_queue_keeps_its_order_and_its_bounds(station
 
 @pytest.mark.parametrize('station', STATIONS, ids=lambda one: one.name)
 def test_when_all_robots_work_again_each_waiter_is_served(station: Station) -> None:
-    for seed in range(60):
+    for seed in range(LIVES):
         yard = Yard(station, seed, robots=5)
         for _ in range(100):
             yard.event()

@@ -7,6 +7,7 @@ from typing import Mapping, Sequence
 
 import pytest
 from fleet_builders import AGV, corridor, graph_of, with_docks
+from proofs import is_whole
 
 from fleet_core.supervision.hindrances import Hindrance
 from fleet_core.supervision.missions import MissionState
@@ -17,6 +18,8 @@ from fleet_core.work.chargers import Charger
 from fleet_core.work.devices import Device, DeviceKind
 from fleet_core.work.site_work import SiteWork
 from world.supervised_fleet import SupervisedFleet
+
+LIVES = 6 if is_whole(__file__) else 2
 
 
 def yard(robots: Mapping[str, int], docks: Sequence[int] = (6,),
@@ -159,7 +162,7 @@ def test_a_mission_to_a_dock_where_a_robot_only_tops_up_gets_a_robot() -> None:
     fleet.run_until_done(1)
 
 
-@pytest.mark.parametrize('seed', range(6))
+@pytest.mark.parametrize('seed', range(LIVES))
 def test_no_two_robots_get_one_dock_and_none_waits_for_one_that_need_not_charge(seed: int) -> None:
     draw = Random(seed)
     fleet = yard({'a': 1, 'b': 4, 'c': 5}, docks=(1, 6), idle_below=0.75)

@@ -25,7 +25,7 @@ from fleet_simulation.agv.steps import SimulatedSteps
 from route_protocol.steps import Word
 from world.supervised_fleet import SupervisedFleet
 
-LIVES = 200 if LONG else 12 if is_whole(__file__) else 5
+LIVES = 200 if LONG else 12 if is_whole(__file__) else 2
 FAULTS = (Word.FAILED, Word.UNKNOWN, Word.RUNNING)
 DISTURBED = 1500   # steps of the world
 
