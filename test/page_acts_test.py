@@ -123,7 +123,7 @@ class FleetOnThePage(unittest.TestCase):
 
     def test_2_a_mission_of_clicks_is_driven_held_and_changed(self) -> None:
         mission = self.send(27, 18, robot=FIRST, first_stay=True, priority=3)
-        request = self.requests.messages[-1]
+        request = self.requests.wait_for(lambda one: one.request_id == mission, 10.0, 'request')
         self.assertEqual((FIRST, 3, (-1.0, 0.0)),
                          (request.robot, request.priority, tuple(request.dwell)))
         self.wait_at(FIRST, 27)

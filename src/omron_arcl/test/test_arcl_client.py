@@ -5,7 +5,7 @@ import inspect
 import socket
 import threading
 from contextlib import contextmanager
-from typing import Iterator
+from typing import Callable, Iterator
 
 import pytest
 from arcl_builders import (
@@ -18,6 +18,7 @@ from arcl_builders import (
     lines,
     wait_for,
 )
+from drive_bench import PERSON, ROUTE
 
 from omron_arcl import (
     Backoff,
@@ -32,6 +33,7 @@ from omron_arcl import (
 from omron_arcl.commands import DriveCourse
 from omron_arcl.errors import StopOwed
 from omron_arcl.judgements import SETTLE
+from omron_arcl.records import MotionCause
 from omron_arcl.transport import TICK
 
 
@@ -55,6 +57,26 @@ def connected_client(robot: ScriptedRobot, **options) -> Iterator[Client]:
     with Client('127.0.0.1', robot.port, PASSWORD, backoff=quick(), **options) as client:
         assert client.wait_connected(5.0).connected, client.link
         yield client
+
+
+@contextmanager
+def repeated(send: Callable[[], None]) -> Iterator[None]:
+    """Sends again and again, until the connection is gone."""
+    done = threading.Event()
+
+    def repeat() -> None:
+        while not done.wait(0.05):
+            try:
+                send()
+            except OSError:
+                return
+    thread = threading.Thread(target=repeat)
+    thread.start()
+    try:
+        yield
+    finally:
+        done.set()
+        thread.join(5.0)
 
 
 def test_it_logs_in_and_carries_a_command(robot):
@@ -151,19 +173,8 @@ def test_by_default_a_dead_link_is_noticed_within_five_seconds():
 def test_bytes_without_a_line_are_no_sign_of_life(robot, links):
     with connected_client(robot, on_link=links, heartbeat=0.1, timeout=0.5):
         robot.mute = True
-        done = threading.Event()
-
-        def drip() -> None:
-            while not done.wait(0.05):
-                try:
-                    robot.send(robot.connections[0], b'x')
-                except OSError:
-                    return
-        thread = threading.Thread(target=drip)
-        thread.start()
-        links.wait(lambda link: 'nothing was received' in link.reason, 'silence')
-        done.set()
-        thread.join(5.0)
+        with repeated(lambda: robot.send(robot.connections[0], b'x')):
+            links.wait(lambda link: 'nothing was received' in link.reason, 'silence')
 
 
 def test_a_robot_without_one_line_statuses_is_asked_for_its_status(robot):
@@ -238,6 +249,19 @@ def test_a_silent_server_is_given_up_during_the_login(links, monkeypatch):
             links.wait(lambda link: 'nothing was received' in link.reason, 'silence', timeout=10.0)
 
 
+def test_a_login_that_never_ends_is_given_up_although_lines_come(links, monkeypatch):
+    monkeypatch.setattr('omron_arcl.arcl_link.LOGIN_TIMEOUT', 0.5)
+    monkeypatch.setattr('omron_arcl.session.PROMPT_TIMEOUT', 60.0)
+    with ScriptedRobot(login=False) as robot:
+        robot.mute = True
+        with Client('127.0.0.1', robot.port, PASSWORD, backoff=quick(), on_link=links):
+            wait_for(lambda: robot.connections, 'a connection')
+            with repeated(lambda: robot.send(robot.connections[0], lines(b'220 FTP'))):
+                link = links.wait(lambda link: 'the login took' in link.reason, 'the reason')
+            assert 'the server said "220 FTP' in link.reason
+            assert not link.connected
+
+
 def test_commands_are_refused_while_nobody_is_connected():
     with Client('127.0.0.1', free_port(), PASSWORD, backoff=quick()) as client, \
             pytest.raises(NotConnected):
@@ -268,6 +292,24 @@ def test_cancelling_a_drive_sends_stop(robot):
         goto = client.execute('goto 12')
         client.cancel(goto)
         assert goto.wait(20.0).outcome is Outcome.CANCELLED
+
+
+def test_cancelling_everything_stops_the_drive_of_another_giver_and_tells_it(robot):
+    motions = Noted()
+    with connected_client(robot, on_motion=motions) as client:
+        goto = client.execute('goto 12', giver=ROUTE)
+        robot.wait_heard(b'goto 12')
+        robot.say(b'Going to 12')
+        motions.wait(lambda motion: motion.memory.giver == ROUTE, 'the drive')
+        client.cancel_all(PERSON)
+        robot.wait_heard(b'stop')
+        robot.say(b'Stopping', b'Stopped')
+        assert goto.wait(20.0).outcome is not Outcome.SUCCEEDED
+        told = motions.wait(lambda motion: motion.memory.cause is MotionCause.CANCEL
+                            and not motion.memory.stop_owed, 'the end of the cancellation')
+        assert told.memory.giver != ROUTE
+        assert client.motion.memory.epoch == told.memory.epoch
+    assert robot.heard.count(b'goto 12') == 1
 
 
 def test_a_drive_that_somebody_stops_without_a_word_of_it_ends(robot, monkeypatch):

@@ -1,6 +1,7 @@
 """Connecting, address by address; and checks if a peer is alive and sends anything new."""
 from __future__ import annotations
 
+import contextlib
 import errno
 import socket
 import time
@@ -56,6 +57,20 @@ def test_an_address_that_fails_at_once_is_not_connected(monkeypatch):
         ArclConnection.open('127.0.0.1', 7171, 1.0, never)
     assert failure.value.errno == errno.ENETUNREACH
     assert reason_of(failure.value) == 'network is unreachable'
+
+
+@pytest.mark.parametrize('seconds, gives_up', [(0.2, False), (60.0, True)])
+def test_an_address_that_does_not_answer_is_given_up_in_time_and_at_the_end(seconds, gives_up):
+    with socket.socket() as deaf, contextlib.ExitStack() as waiting:
+        deaf.bind(('127.0.0.1', 0))
+        deaf.listen(0)
+        for _ in range(2):  # the kernel drops all beyond this
+            client = waiting.enter_context(socket.socket())
+            client.setblocking(False)
+            client.connect_ex(deaf.getsockname())
+        with pytest.raises(OSError) as failure:
+            ArclConnection.open('127.0.0.1', deaf.getsockname()[1], seconds, lambda: gives_up)
+    assert failure.value.errno == errno.ETIMEDOUT
 
 
 def test_without_descriptors_it_fails_and_leaves_none(monkeypatch):

@@ -585,6 +585,19 @@ class TestOwedStop:
         bench.robot('Stopped')
         assert not bench.memory.stop_owed
 
+    def test_a_cancellation_while_the_robot_rests_refuses_the_drives_on_their_way_and_sends_no_stop(
+            self, bench):
+        bench.status('Stopped')
+        known = bench.epoch
+        bench.records.all_cancelled(PERSON)
+        assert (bench.memory.cause, bench.memory.previous_epoch) == (MotionCause.CANCEL, known)
+        with pytest.raises(Overruled):
+            bench.drive(ROUTE, known_epoch=known)
+        bench.drive(ROUTE, 'goto 3', known_epoch=bench.epoch)
+        bench.robot('Going to 3')
+        bench.pass_time(RETRY)
+        assert (bench.memory.giver, bench.sent) == (ROUTE, ['goto 3'])
+
     def test_a_new_stop_does_not_wait_for_the_next_try_of_an_older_one(self, bench):
         bench.stop(ROUTE)
         bench.robot('Stopping', 'Stopped')

@@ -60,8 +60,8 @@ class _Sheet:
 
     def pixel(self, x: float, y: float) -> Pixel:
         """Returns the px of one point (m)."""
-        (across, down), = self.pixels(np.array([(x, y)])).tolist()
-        return across, down
+        across, down = self.pixels(np.array([(x, y)]))[0]
+        return float(across), float(down)
 
     def shows(self, points: np.ndarray) -> np.ndarray:
         """Returns for each of the points (N,2) m whether it is in the picture."""
@@ -113,7 +113,8 @@ def _edges(graph: Graph, drawn: Mapping[int, np.ndarray],
     most = max(heat.values(), default=0.0) or 1.0
     for id, line in sorted(drawn.items(), key=lambda item: heat.get(item[0], 0.0)):
         share = heat.get(id, 0.0) / most
-        yield (f'<polyline points="{svg.points_of(line.tolist())}" fill="none" '
+        points = svg.points_of([(float(x), float(y)) for x, y in line])
+        yield (f'<polyline points="{points}" fill="none" '
                f'stroke="{_heat(share)}" stroke-width="{2 + 6 * share:.1f}" '
                f'stroke-linecap="round"><title>edge {graph.edges[id].drawn_id}: '
                f'{100 * heat.get(id, 0.0):.1f} % of all waiting</title></polyline>')
