@@ -84,7 +84,7 @@ class DrivenRobot:
                  mechanics: Mechanics, delays: Delays, random: Random, charge: float) -> None:
         self.graph, self.kind = graph, kind
         self._now = self._stands_until = 0.0
-        self.due = 0.0
+        self.due = self._event = 0.0
         """Virtual time (s) until which its report does not change, except for its place."""
         epochs = Random(f'epochs of {name}')
         self.vehicle = AgvVehicle(name, graph, vertex, lambda: epochs.getrandbits(63) or 1,
@@ -127,19 +127,11 @@ class DrivenRobot:
         """Advances the robot by the given virtual time, in s."""
         end = self._now + seconds
         while self._now < end - _TOGETHER:
-            self._begin_edge()
-            self._pass(min(end - self._now, self._next_event))
-        self._begin_edge()
-        self._plan()
-
-    @property
-    def _next_event(self) -> float:
-        """The s until its next event; 0: that cannot be told."""
-        known = self.vehicle.next_event
-        if known <= 0.0:
-            return _EVER
-        stops = self._stops if self._drives else ()
-        return max(min(known, *stops, _EVER), _TOGETHER)
+            is_known = self._event > self._now
+            self._pass((min(end, self._event) if is_known else end) - self._now)
+            if not is_known or self._now >= self._event - _TOGETHER:
+                self._begin_edge()
+                self._plan()
 
     @property
     def _drives(self) -> bool:
@@ -147,8 +139,12 @@ class DrivenRobot:
         return self.vehicle.running and not self.is_held
 
     def _plan(self) -> None:
-        is_known = self.vehicle.next_event > 0.0
-        self.due = self._now + (self._next_event if is_known else 0.0) - _TOGETHER
+        """Computes when its next event is; the present time: that cannot be told."""
+        known = self.vehicle.next_event
+        if known > 0.0:
+            known = max(min(known, *(self._stops if self._drives else ()), _EVER), _TOGETHER)
+        self._event = self._now + known
+        self.due = self._event - _TOGETHER
 
     def _pass(self, seconds: float) -> None:
         """Advances it by a time without an event, except at its end."""

@@ -349,8 +349,8 @@ class VirtualFleet(Generic[Body]):
         for number, outcome in self.planner.answers.arrived(self.now):
             self.do(self.supervisor.plan_made(number, outcome, self.now))
         self.do(self.supervisor.tick(self.now))
-        self._reports.follow(self.supervisor, self.agvs, self.now)
         self._supervising += time.thread_time() - begun - (self.planner.spent - planning)
+        self._reports.follow(self.supervisor, self.agvs, self.now)
 
     def _report_steps(self) -> None:
         """Reports the steps of each robot and device when they change, and once a second."""
