@@ -198,19 +198,21 @@ class DrivenRobot:
 
     def seconds_left(self, ahead: float) -> float:
         """Returns the s until no more than `ahead` m of its route are left; infinite: it is so."""
-        return self._seconds_until(self.vehicle.left - ahead)
+        distance = self.vehicle.left - ahead
+        return self._seconds_until(distance) if distance > 0.0 else math.inf
 
     def seconds_past(self, number: int, fraction: float, distance: float) -> float:
         """Returns the s until it is so many m behind this fraction of an edge of its route.
 
         number -- of the edge in its route record
+        0: it is so already. Infinite: it stops before.
         """
         return self._seconds_until(self.vehicle.distance_to(number, fraction) + distance)
 
     def _seconds_until(self, distance: float) -> float:
-        if not self._drives or distance <= 0.0:
-            return math.inf
-        return self.vehicle.drive.seconds_until(distance)
+        if distance <= 0.0:
+            return 0.0
+        return self.vehicle.drive.seconds_until(distance) if self._drives else math.inf
 
     def told(self, stamp: int) -> RouteReport:
         """Returns the robot's next report, with this stamp (ns)."""

@@ -21,6 +21,7 @@ from fleet_core.supervision.supervisor import Supervisor
 from trajectory_graph import Graph
 
 WAITED = 0.5        # s between two reports of a robot for which another waits, at most
+_AGAIN = 0.2        # s between two reports of a robot that has left such a place already
 _BEHIND = 0.001     # m behind a point, so that rounding does not put the robot before it
 _TOGETHER = 1e-6    # s; events with a smaller time difference happen at the same time
 
@@ -64,7 +65,7 @@ class ReportingRobot(Protocol):
         """Returns the s until it is so many m behind this fraction of an edge of its route.
 
         number -- of the edge in its route record
-        Infinite: it is so already, it stops before, or this cannot be told.
+        0: it is so already. Infinite: it stops before, or this cannot be told.
         """
 
 
@@ -133,18 +134,17 @@ class ReportTimes:
                     waiting: List[str], now: float) -> List[float]:
         """Returns when the place of a robot matters to each robot that waits for it."""
         plan, record = supervisor.plan_executor.plan, supervisor.robots[name].record
+        last = self._told.get(name, (now, None))[0]
         found = []
         for other in waiting:
             own = None if plan is None else plan.plan_of(other)
-            turn = None
-            if plan is not None and own is not None:
-                turn = plan.turn_behind(
-                    other, supervisor.robots[other].record.end - own.base, name)
-            seconds = math.inf
-            if turn is not None:
-                seconds = robot.seconds_past(*turn, record.margin(0.0) + _BEHIND)
-            found.append(now + seconds if seconds < math.inf or turn is not None
-                         else self._told.get(name, (now, None))[0] + WAITED)
+            turn = None if plan is None or own is None else plan.turn_behind(
+                other, supervisor.robots[other].record.end - own.base, name)
+            if turn is None:
+                found.append(last + WAITED)
+                continue
+            seconds = robot.seconds_past(*turn, record.margin(0.0) + _BEHIND)
+            found.append(now + seconds if seconds > 0.0 else max(now, last + _AGAIN))
         return found
 
 
