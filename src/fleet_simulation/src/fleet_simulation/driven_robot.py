@@ -1,6 +1,7 @@
 """A robot of a simulated site: the drive of `agv_sim`, with docking, battery and random delays."""
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 from random import Random
 from typing import List, Optional, Tuple
@@ -12,6 +13,7 @@ from route_protocol.values import RouteOrder, RouteRefusal, RouteReport
 from trajectory_graph import Graph
 
 _EVER = 1e9  # s
+_TOGETHER = 1e-6  # s; events with a smaller time difference happen at the same time
 _NANO = 1e9
 
 
@@ -71,6 +73,9 @@ AGV = Mechanics(DriveLimits())
 class DrivenRobot:
     """One robot with a drive, a battery and its own random number generator.
 
+    Its motion is known in closed form until its next event: it passes a vertex, has turned, stands,
+    or begins or ends a stop. So the world need not drive it before `due`.
+
     vertex -- id of the vertex on which it begins
     charge -- of the battery at the beginning, 0..1
     """
@@ -79,15 +84,25 @@ class DrivenRobot:
                  mechanics: Mechanics, delays: Delays, random: Random, charge: float) -> None:
         self.graph, self.kind = graph, kind
         self._now = self._stands_until = 0.0
+        self.due = self._event = 0.0
+        """Virtual time (s) until which its report does not change, except for its place."""
         epochs = Random(f'epochs of {name}')
         self.vehicle = AgvVehicle(name, graph, vertex, lambda: epochs.getrandbits(63) or 1,
                                   lambda: int(1000.0 * self._now), mechanics.limits(kind),
                                   kind.obeys_edge_speed, kind.docks or (), 100.0 * charge)
         self.laden = kind
         """Its type with what it carries: it drives no faster."""
-        self.travelled = 0.0
-        self._mechanics, self._delays, self._random = mechanics, delays, random
+        self._mechanics, self._random = mechanics, random
+        self._kinds = tuple(still for still in (delays.stall, delays.people) if still.every > 0.0)
+        self._stops = [self._driving_until(still) for still in self._kinds]
+        """s that it still drives until its next random stop of each kind."""
+        self._slower = delays.slower
         self._edge: Tuple[Optional[int], int] = (None, -1)
+
+    @property
+    def travelled(self) -> float:
+        """The m that it has driven so far."""
+        return self.vehicle.drive.driven
 
     @property
     def position(self) -> Tuple[float, float]:
@@ -112,24 +127,55 @@ class DrivenRobot:
 
     def drive(self, seconds: float) -> None:
         """Advances the robot by the given virtual time, in s."""
+        end = self._now + seconds
+        while self._now < end - _TOGETHER:
+            is_known = self._event > self._now
+            self._pass((min(end, self._event) if is_known else end) - self._now)
+            if not is_known or self._now >= self._event - _TOGETHER:
+                self._begin_edge()
+                self._plan()
+
+    @property
+    def _drives(self) -> bool:
+        """Whether its random stops come nearer."""
+        return self.vehicle.running and not self.is_held
+
+    def _plan(self) -> None:
+        """Computes when its next event is; the present time: that cannot be told."""
+        known = self.vehicle.next_event
+        if known > 0.0:
+            known = max(min(known, *(self._stops if self._drives else ()), _EVER), _TOGETHER)
+        self._event = self._now + known
+        self.due = self._event - _TOGETHER
+
+    def _pass(self, seconds: float) -> None:
+        """Advances it by a time without an event, except at its end."""
+        drives = self._drives
         self._now += seconds
-        vehicle = self.vehicle
-        drive = vehicle.drive
-        if vehicle.running:
-            edge = drive.edge, drive.index
-            if edge != self._edge and not drive.at_end:
-                self._edge = edge
-                self._begin(edge[0] or 0)
-            for still in (self._delays.stall, self._delays.people):
-                if still.every > 0.0 and not self.is_held and (
-                        self._random.random() < seconds / still.every):
+        self.vehicle.advance(seconds, int(self._now * _NANO))
+        if not drives:
+            return
+        for number, still in enumerate(self._kinds):
+            self._stops[number] -= seconds
+            if self._stops[number] <= _TOGETHER:
+                self._stops[number] = self._driving_until(still)
+                if not self.is_held and self.vehicle.running:
                     self._stand(still.seconds * self._random.uniform(0.5, 1.5))
-            self.travelled += drive.speed * seconds
-        vehicle.advance(seconds, int(self._now * _NANO))
+
+    def _driving_until(self, still: RandomStops) -> float:
+        """Draws for how many s it drives until its next stop of this kind."""
+        return self._random.expovariate(1.0 / still.every)
+
+    def _begin_edge(self) -> None:
+        drive = self.vehicle.drive
+        edge = drive.edge, drive.index
+        if self.vehicle.running and edge != self._edge and not drive.at_end:
+            self._edge = edge
+            self._begin(edge[0] or 0)
 
     def _begin(self, edge: int) -> None:
         """Draws the pace on a new edge; begins the manoeuvre on an edge to or from a dock."""
-        slower = self._random.uniform(1.0, self._delays.slower)
+        slower = self._random.uniform(1.0, self._slower)
         self.vehicle.slow_down(self._pace(edge) / slower, _EVER)
         if self.graph.end_vertex(edge).dock:
             self._stand(self._mechanics.docking)
@@ -151,12 +197,32 @@ class DrivenRobot:
     def receive(self, order: RouteOrder) -> Optional[RouteRefusal]:
         """Gives the robot an order; returns None, `late_refusals` returns its refusal."""
         self.vehicle.handle(order)
+        self._begin_edge()
+        self._plan()
         return None
 
     def late_refusals(self) -> List[RouteRefusal]:
         """Returns the refusals since the last call."""
         return [message for message in self.vehicle.new_messages()
                 if isinstance(message, RouteRefusal)]
+
+    def seconds_left(self, ahead: float) -> float:
+        """Returns the s until no more than `ahead` m of its route are left; infinite: it is so."""
+        distance = self.vehicle.left - ahead
+        return self._seconds_until(distance) if distance > 0.0 else math.inf
+
+    def seconds_past(self, number: int, fraction: float, distance: float) -> float:
+        """Returns the s until it is so many m behind this fraction of an edge of its route.
+
+        number -- of the edge in its route record
+        0: it is so already. Infinite: it stops before.
+        """
+        return self._seconds_until(self.vehicle.distance_to(number, fraction) + distance)
+
+    def _seconds_until(self, distance: float) -> float:
+        if distance <= 0.0:
+            return 0.0
+        return self.vehicle.drive.seconds_until(distance) if self._drives else math.inf
 
     def told(self, stamp: int) -> RouteReport:
         """Returns the robot's next report, with this stamp (ns)."""

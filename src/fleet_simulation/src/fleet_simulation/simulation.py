@@ -71,6 +71,7 @@ class Run:
             self._count_deadline(id, deadline, False)
         figures.seconds = max(world.now - self._warm_up, 0.0)
         figures.open_at_end = len(world.supervisor.book.open)
+        world.drive_all()
         figures.travelled = sum(robot.travelled for robot in world.agvs.values())
         figures.planning = world.planner.plans
         figures.spent, figures.simulated = world.spent, world.now
@@ -167,6 +168,7 @@ class Run:
 
     def _sample(self) -> None:
         seconds, figures = _SAMPLE * STEP, self.figures
+        self.world.drive_all()
         docks = parked = 0
         held_up = self._sample_resources(seconds)
         for name, body in self.world.agvs.items():

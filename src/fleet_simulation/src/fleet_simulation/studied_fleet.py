@@ -6,12 +6,13 @@ from random import Random
 
 from fleet_core.fleet import RobotType
 from fleet_simulation.driven_robot import AGV, LD90, DrivenRobot
+from fleet_simulation.report_times import Rhythm
 from fleet_simulation.site import OrderPolicy, StudiedSite
 from fleet_simulation.virtual_actors import VirtualActors
-from fleet_simulation.virtual_fleet import Rhythm, VirtualFleet
+from fleet_simulation.virtual_fleet import VirtualFleet
 
 MONDAY = datetime(2024, 1, 1)  # no clock is changed in the days after it
-RHYTHM = Rhythm(driving=0.5, standing=2.0, supervisor=0.5, room=1.0)
+RHYTHM = Rhythm(driving=2.0, standing=2.0, supervisor=0.5, room=1.0)
 _BATTERY = 100      # steps between two battery reports
 _CHECK_EVERY = 100  # events of the supervisor between two checks against the model of allocations
 

@@ -54,6 +54,7 @@ from fleet_core.supervision.supervisor import Supervisor
 from fleet_core.supervision.switching import OrderSwitching
 from fleet_core.work.site_work import SiteWork
 from fleet_simulation.agv.steps import SimulatedSteps
+from fleet_simulation.report_times import ReportingRobot, ReportTimes, Rhythm
 from fleet_simulation.virtual_device import VirtualDevice
 from fleet_simulation.virtual_disk import VirtualDisk
 from fleet_simulation.virtual_network import VirtualNetwork
@@ -81,19 +82,15 @@ class Watcher(Protocol):
         """Notes that the supervisor has restarted."""
 
 
-class VirtualRobot(Protocol):
+class VirtualRobot(ReportingRobot, Protocol):
     """The interface that each simulated robot has for the world."""
 
-    graph: Graph
-    kind: RobotType
+    due: float
+    """Virtual time (s) until which its report does not change by itself, except for its place."""
 
     @property
     def position(self) -> Tuple[float, float]:
         """The position x, y in m, in the frame of the graph."""
-
-    @property
-    def is_driving(self) -> bool:
-        """Whether the robot has a route that is not finished."""
 
     def drive(self, seconds: float) -> None:
         """Advances the robot by the given virtual time, in s."""
@@ -107,10 +104,6 @@ class VirtualRobot(Protocol):
     def report(self, stamp: float) -> RouteReport:
         """Returns the robot's report, with this stamp."""
 
-    @property
-    def news(self) -> object:
-        """The part of the report that is sent at once when it changes."""
-
 
 class LinkedRobot(Protocol):
     """The end of the network at the robot: the robot, or its computer without a link to it."""
@@ -120,21 +113,6 @@ class LinkedRobot(Protocol):
 
     def report(self, now: float) -> RouteReport:
         """Returns the report on the robot, with the stamp `now`."""
-
-
-class Rhythm(NamedTuple):
-    """Periods of repeated actions, in virtual s; 0: in every step.
-
-    driving    -- between two reports of a driving robot if nothing changes
-    standing   -- between two reports of a standing robot if nothing changes
-    supervisor -- between two ticks of the supervisor if no message comes
-    room       -- between two checks of the distances between robots
-    """
-
-    driving: float = 0.0
-    standing: float = 0.0
-    supervisor: float = 0.0
-    room: float = 0.0
 
 
 class Crash(NamedTuple):
@@ -241,7 +219,9 @@ class VirtualFleet(Generic[Body]):
         self.nearest = math.inf
         """Smallest free space (m) between two robots so far, minus the clearance."""
         self._supervising = self._stepping = 0.0
-        self._told: Dict[str, Tuple[float, object]] = {}
+        self._driven = dict.fromkeys(robots, 0.0)
+        """By robot: virtual time until which it has been driven."""
+        self._reports = ReportTimes(self.rhythm)
         self._ticks_at = self._looks_at = 0.0
         self._switches, self._check_every = switches, check_every
         self.work = work
@@ -288,13 +268,15 @@ class VirtualFleet(Generic[Body]):
     def step(self) -> None:
         """Simulates one time step: robots, messages, supervisor and planner."""
         begun, before = time.thread_time(), self._supervising + self.planner.spent
+        last = self.now
         self.now += STEP
         for order in self.network.arrived_orders(self.now):
+            self._drive(order.robot, last)
             self._deliver(order)
+            self._reports.touch(order.robot)
         for name, agv in self.agvs.items():
-            agv.drive(STEP)
-            for refusal in agv.late_refusals():
-                self._refuse(name, refusal)
+            if agv.due <= self.now:
+                self._drive(name, self.now)
         if self.now >= self._looks_at:
             self._looks_at = self.now + self.rhythm.room - _TOGETHER
             self._check_room()
@@ -303,7 +285,10 @@ class VirtualFleet(Generic[Body]):
         for device in self.devices.values():
             device.advance(STEP)
         for name, agv in self.agvs.items():
-            if not self.network.is_silent(name, self.now) and self._has_to_tell(name, agv):
+            if not self.network.is_silent(name, self.now) and (
+                    self._reports.has_to_tell(name, agv, self.now)):
+                self._drive(name, self.now)
+                self._reports.tell(name, agv, self.now)
                 told = self.lost.get(name, agv).report(self.now + self.clocks.get(name, 0.0))
                 self.network.carry_report(name, told, self.now)
         if not self.hangs:
@@ -313,20 +298,29 @@ class VirtualFleet(Generic[Body]):
         self._stepping += (time.thread_time() - begun) - (
             self._supervising + self.planner.spent - before)
 
+    def drive_all(self) -> None:
+        """Drives all robots until now, because somebody looks at them."""
+        for name in self.agvs:
+            self._drive(name, self.now)
+
+    def _drive(self, name: str, until: float) -> None:
+        """Drives a robot until this time, unless it has been."""
+        seconds = until - self._driven[name]
+        if seconds < _TOGETHER:
+            return
+        agv, self._driven[name] = self.agvs[name], until
+        was_driving = agv.is_driving
+        agv.drive(STEP if abs(seconds - STEP) < _TOGETHER else seconds)
+        if was_driving and not agv.is_driving:
+            self._reports.ask_all(self.now)
+        self._reports.touch(name)
+        for refusal in agv.late_refusals():
+            self._refuse(name, refusal)
+
     @property
     def spent(self) -> Spent:
         """The processor time of the run so far."""
         return Spent(self._stepping, self._supervising, self.planner.spent)
-
-    def _has_to_tell(self, name: str, robot: Body) -> bool:
-        """Returns whether a robot reports now: its report changed, or the period is over."""
-        news = robot.news
-        last, before = self._told.get(name, (-math.inf, None))
-        pause = self.rhythm.driving if robot.is_driving else self.rhythm.standing
-        if news == before and self.now < last + pause - _TOGETHER:
-            return False
-        self._told[name] = self.now, news
-        return True
 
     def _hang(self, seconds: float) -> None:
         """Lets the supervisor hang for so long in an event, while the world goes on."""
@@ -358,6 +352,7 @@ class VirtualFleet(Generic[Body]):
             self.do(self.supervisor.plan_made(number, outcome, self.now))
         self.do(self.supervisor.tick(self.now))
         self._supervising += time.thread_time() - begun - (self.planner.spent - planning)
+        self._reports.follow(self.supervisor, self.agvs, self.now)
 
     def _report_steps(self) -> None:
         """Reports the steps of each robot and device when they change, and once a second."""
@@ -414,6 +409,7 @@ class VirtualFleet(Generic[Body]):
                 if self.watcher is not None:
                     self.watcher.publishes(action.status)
                 self.statuses.append(action.status)
+                self._reports.ask_all(self.now)
             elif isinstance(action, Note):
                 self.notes.append(action.text)
             elif isinstance(action, AskPlanner):
@@ -431,6 +427,7 @@ class VirtualFleet(Generic[Body]):
         return self.planner.plan(question, self.supervisor.network)
 
     def _check_room(self) -> None:
+        self.drive_all()
         robots = list(self.agvs.items())
         at = np.array([agv.position for _, agv in robots])
         radii = np.array([max(agv.kind.radius, self.loads.get(name, 0.0)) for name, agv in robots])

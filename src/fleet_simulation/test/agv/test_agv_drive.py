@@ -6,10 +6,11 @@ import math
 import pytest
 from fleet_builders import graph_of
 
-from fleet_simulation.agv.drive import STEP, AgvMotion
+from fleet_simulation.agv.drive import AgvMotion
 from fleet_simulation.agv.speed_limits import DriveLimits, SpeedLimits
 from trajectory_graph import CurveType, Edge, Graph, Vertex
 
+STEP = 0.05  # s
 LIMITS = DriveLimits(speed=1.0, acceleration=0.5, braking=0.5, turn_rate=1.0)
 STRAIGHT = graph_of({1: (0, 0), 2: (4, 0), 3: (8, 0), 4: (8, 3)}, {1: (1, 2), 2: (2, 3), 3: (3, 4)})
 

@@ -75,7 +75,8 @@ from fleet_core.work.stops import (
 from fleet_core.work.tables import LoadState, StepState
 from fleet_core.work.work import StepPlace, Work
 from fleet_simulation.agv.steps import SimulatedSteps
-from fleet_simulation.virtual_fleet import Crash, Rhythm
+from fleet_simulation.report_times import Rhythm
+from fleet_simulation.virtual_fleet import Crash
 from route_protocol.devices import DeviceMode, DeviceReport
 from route_protocol.steps import HAND_OVER, StepCommand, StepReport, Word
 from route_protocol.values import TAKEN_OVER, Reason, ReasonCode, RouteReport

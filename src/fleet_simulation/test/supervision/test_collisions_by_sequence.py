@@ -16,7 +16,7 @@ from fleet_core.supervision.missions import MissionState
 from fleet_core.supervision.outages import Outage
 from fleet_core.supervision.settings import RobotSettings
 from fleet_core.supervision.supervisor import Supervisor
-from fleet_simulation.virtual_fleet import Rhythm
+from fleet_simulation.report_times import Rhythm
 from route_protocol.values import TAKEN_OVER
 from world.supervised_fleet import SupervisedFleet
 

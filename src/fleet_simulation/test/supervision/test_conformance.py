@@ -23,7 +23,7 @@ from fleet_core.supervision.networks import Networks
 from fleet_core.supervision.outbox import Outbox
 from fleet_core.supervision.settings import RobotSettings
 from fleet_core.supervision.supervisor import Supervisor
-from fleet_simulation.virtual_fleet import Rhythm
+from fleet_simulation.report_times import Rhythm
 from world.supervised_fleet import SupervisedFleet
 
 

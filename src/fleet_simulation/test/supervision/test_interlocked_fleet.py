@@ -15,7 +15,7 @@ from fleet_core.supervision.fleet_view import robot_views
 from fleet_core.supervision.missions import CommandKind, MissionState
 from fleet_core.supervision.outages import Outage
 from fleet_core.supervision.settings import RobotSettings
-from fleet_simulation.virtual_fleet import Rhythm
+from fleet_simulation.report_times import Rhythm
 from trajectory_graph import Graph
 from world.supervised_fleet import SupervisedFleet, blocked
 

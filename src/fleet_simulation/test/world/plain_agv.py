@@ -71,6 +71,7 @@ class Agv:
 
     def __init__(self, graph: Graph, kind: RobotType, vertex: int) -> None:
         self.graph, self.kind = graph, kind
+        self.due = 0.0  # it is driven in small steps: in each step of the world
         self.edge = graph.edges_from(vertex)[0]
         """Signed id of the edge on which the AGV is."""
         self.arc = 0.0
@@ -105,6 +106,16 @@ class Agv:
         self._drove = False
         self.visited: List[int] = [vertex]
         """Ids of the visited vertices, in order."""
+
+    @staticmethod
+    def seconds_left(ahead: float) -> float:
+        """Infinite: it does not know its motion in advance."""
+        return math.inf
+
+    @staticmethod
+    def seconds_past(number: int, fraction: float, distance: float) -> float:
+        """Infinite: it does not know its motion in advance."""
+        return math.inf
 
     @property
     def position(self) -> Tuple[float, float]:

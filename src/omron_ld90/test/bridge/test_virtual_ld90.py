@@ -36,7 +36,7 @@ def seconds_of_virtual(graph: Graph, start: int, route: Tuple[int, ...]) -> floa
     """Seconds until the robot of the virtual fleet has driven the route."""
     robot = DrivenRobot('virtual', graph, KIND, start, LD90, Delays(1.0, NEVER, NEVER), Random(1),
                         1.0)
-    robot.vehicle.handle(RouteOrder(1, route))
+    robot.receive(RouteOrder(1, route))
     seconds = 0.0
     while robot.is_driving:
         robot.drive(STEP)

@@ -59,6 +59,16 @@ class PlanInForce:
                 return turn.first
         return ''
 
+    def turn_behind(self, name: str, drive: int, first: str) -> Optional[Tuple[int, float]]:
+        """Returns how far `first` must have driven before this drive of another robot is due.
+
+        That is the number of an edge in its record, and a fraction of it. None: it need not.
+        """
+        plan = self.plans.get(first)
+        return None if plan is None else max((
+            (turn.before + plan.base, turn.fraction)
+            for turn in self._turns.get((name, drive), ()) if turn.first == first), default=None)
+
     def asked_to_move(self, working: Iterable[str],
                       records: Mapping[str, RouteRecord]) -> Set[str]:
         """Returns robots that must move because one of `working`, or another such robot, waits for

@@ -3,26 +3,31 @@
 If the next edge has another direction, the vehicle stops and turns on the spot. A vehicle that can
 drive backwards turns by the smaller angle, at most 90 degrees, and then drives with that end ahead.
 It does not stop between edges that continue smoothly.
+
+Between two events the motion is known in closed form (`phases`). It is computed anew when the
+path, the pace, or the wish to stand changes. So the time that is simulated at once may be long.
 Units are m, s and rad.
 """
 from __future__ import annotations
 
 import math
-from typing import Iterator, Optional, Sequence, Tuple
+from typing import Iterator, List, Optional, Sequence, Tuple
 
+from fleet_simulation.agv import phases
+from fleet_simulation.agv.phases import Phase
 from fleet_simulation.agv.speed_limits import DriveLimits, SpeedLimits, angle_between
 from trajectory_graph import Graph
 
-STEP = 0.05        # s of simulated time between two decisions about the speed
 AT_REST = 1e-9     # m/s and rad/s: a lower speed is standing
 ON_PLACE = 1e-4    # m and rad: a smaller distance is none
-_EXACT = 1e-6      # m2/s2, tolerance of a squared speed for rounding
+_EXACT = 1e-6      # m, and m2/s2 of a squared speed: tolerance for rounding
+_TOGETHER = 1e-9   # s; a shorter time is none
 
 
 class AgvMotion:
     """The motion of one vehicle along a path of signed edges.
 
-    Place, speed and heading change together in each step.
+    Place, speed and heading change together.
 
     path, index  -- edges in driving order, and the index of its edge; len(path) at the end
     arc          -- m from the start of its edge
@@ -40,6 +45,10 @@ class AgvMotion:
         self.heading = graph.vertex(vertex).theta
         self.pace = 1.0
         """Factor on all speeds, above 0 and at most 1."""
+        self.driven = 0.0
+        """m that it has driven so far."""
+        self._phases: List[Phase] = []   # of its motion until it stands, or of its turn
+        self._cause: Optional[Tuple[object, ...]] = None  # what the phases were computed from
         self._turn_rate = 0.0
         self._turn_to: Optional[float] = None  # heading to turn to before it drives
         self._backwards = False                # whether its rear is ahead
@@ -80,59 +89,141 @@ class AgvMotion:
         """Replaces the path. On the new one it is `arc` m along the edge `index`, or at the end."""
         goes_on = not self.at_end and index < len(path) and path[index] == self.edge
         self.path, self.index, self.arc = tuple(path), index, arc
+        self._cause = None
         if index < len(path) and not goes_on:
             self._face_ahead()
 
-    def advance(self, seconds: float, hold: bool = False, emergency: bool = False) -> None:
-        """Simulates this time. With `hold` it brakes until it stands, with `emergency` harder."""
-        if self.at_rest and (hold or (self.at_end and self._turn_to is None)):
-            return
-        steps = max(1, math.ceil(seconds / STEP - 1e-9))
-        for _ in range(steps):
-            self._step(seconds / steps, hold, emergency)
+    def stop_dead(self) -> None:
+        """Lets it stand at once: a person has moved it."""
+        self.speed, self._cause = 0.0, None
+
+    def advance(self, seconds: float, hold: bool = False, emergency: bool = False) -> float:
+        """Simulates this time. With `hold` it brakes until it stands, with `emergency` harder.
+
+        Returns for how many s of this time it was moving; it stands in the rest.
+        """
+        left = seconds
+        while left > _TOGETHER and self._wants_to_move(hold):
+            left -= self._pass(left, hold, emergency)
         self._update_place()
+        return seconds - max(left, 0.0)
 
-    # --- one step ---------------------------------------------------------------------------------
+    def next_event(self, hold: bool = False, emergency: bool = False) -> float:
+        """Returns the s until it has turned, passes a vertex, or stands. Infinite: it stands."""
+        if not self._wants_to_move(hold):
+            return math.inf
+        self._compute(hold, emergency)
+        end = sum(phase.seconds for phase in self._phases)
+        if not (self._turns or self.at_end):
+            end = min(phases.seconds_until(self._phases, self._length - self.arc), end)
+        return max(end, 2.0 * _TOGETHER)
 
-    def _step(self, dt: float, hold: bool, emergency: bool) -> None:
-        braking = self.limits.emergency_braking if emergency else self.limits.braking
-        if self._turn_to is not None and self.speed < AT_REST:
-            self._turn(dt, hold)
+    def seconds_until(self, distance: float) -> float:
+        """Returns the s until it has driven on by this distance (m), as it moves now.
+
+        Infinite: it stops before, or is to turn first.
+        """
+        if self._cause is None or self._turn_to is not None:
+            return math.inf
+        return phases.seconds_until(self._phases, distance)
+
+    # --- between two events -----------------------------------------------------------------------
+
+    @property
+    def _turns(self) -> bool:
+        return self._turn_to is not None and self.speed < AT_REST
+
+    def _wants_to_move(self, hold: bool) -> bool:
+        return not self.at_rest or not hold and not (self.at_end and self._turn_to is None)
+
+    def _compute(self, hold: bool, emergency: bool) -> None:
+        """Computes the phases of its motion, unless they are still right."""
+        turns = self._turns
+        cause = hold, hold and emergency, turns, self.pace, self.path, self.speeds
+        if cause == self._cause:
+            return
+        self._cause = cause
+        limits, braking = self.limits, self.limits.braking
+        if hold and emergency:
+            braking = limits.emergency_braking
+        if turns:
+            assert self._turn_to is not None
+            angle = abs(angle_between(self.heading, self._turn_to))
+            self._phases = (
+                phases.braking_to_rest(self._turn_rate, limits.turn_acceleration) if hold else
+                phases.turn(angle, self._turn_rate, limits.turn_rate * self.pace,
+                            limits.turn_acceleration))
         elif hold:
-            self._move(max(0.0, self.speed - braking * dt), dt)
-        elif not self.at_end:
-            slowest = self.speed - braking * dt
-            fastest = self.speed + self.limits.acceleration * dt
-            self._move(max(min(fastest, self._allowed(dt)), slowest, 0.0), dt)
+            self._phases = phases.braking_to_rest(self.speed, braking)
+        else:
+            self._phases = phases.along(list(self._stretches()), self.speed, limits.acceleration,
+                                        braking)
 
-    def _turn(self, dt: float, hold: bool) -> None:
+    def _pass(self, seconds: float, hold: bool, emergency: bool) -> float:
+        """Simulates at most this time, and at most until the phase ends. Returns what it did."""
+        self._compute(hold, emergency)
+        turns = self._turns
+        if not self._phases:
+            self._end_phases(turns, hold)
+            return 0.0
+        phase = self._phases[0]
+        done = min(seconds, phase.seconds)
+        distance, speed = phase.distance_after(done), phase.speed_after(done)
+        rest = phase.seconds - done
+        if rest > _TOGETHER:
+            self._phases[0] = Phase(rest, speed, phase.gain)
+        else:
+            del self._phases[0]
+        if turns:
+            self._turn_by(distance, speed)
+        else:
+            self._move(distance, speed)
+        if not self._phases:
+            self._end_phases(turns, hold)
+        return done
+
+    def _end_phases(self, turns: bool, hold: bool) -> None:
+        """It stands: at the end of its turn, at the vertex where it stops, or as it is held."""
+        self._cause = None
+        if turns:
+            self._turn_rate = 0.0
+            if not hold and self._turn_to is not None:
+                self.heading, self._turn_to = self._turn_to, None
+        else:
+            self.speed = 0.0
+            if not hold and not self.at_end:
+                self._arrive()
+
+    def _turn_by(self, angle: float, rate: float) -> None:
         assert self._turn_to is not None
         left = angle_between(self.heading, self._turn_to)
-        if abs(left) < ON_PLACE:
-            self.heading, self._turn_rate, self._turn_to = self._turn_to, 0.0, None
-            return
-        gain = self.limits.turn_acceleration * dt
-        allowed = 0.0 if hold else speed_towards(abs(left), 0.0, self._turn_rate,
-                                                 self.limits.turn_acceleration, dt)
-        rate = max(min(self._turn_rate + gain, self.limits.turn_rate * self.pace, allowed),
-                   self._turn_rate - gain, 0.0)
-        turned = min((self._turn_rate + rate) / 2.0 * dt, abs(left))
+        turned = min(angle, abs(left))
         self.heading = angle_between(0.0, self.heading + math.copysign(turned, left))
         self._turn_rate = rate
 
-    def _allowed(self, dt: float) -> float:
-        """Returns the highest speed (m/s) after this step from
-        which it can brake for each limit ahead.
-        """
-        assert self.edge is not None
-        highest = self.pace * [limit for arc, limit in self.speeds.along(self.edge)
-                               if arc <= self.arc + 1e-9][-1]
-        top = self.speed + self.limits.acceleration * dt
-        horizon = top * top / (2.0 * self.limits.braking) + top * dt + 0.1
-        for distance, limit in self._ahead(self.path, self.index, self.arc, horizon):
-            highest = min(highest, speed_towards(distance, self.pace * limit, self.speed,
-                                                 self.limits.braking, dt))
-        return highest
+    @property
+    def _length(self) -> float:
+        return self.graph.curve(self.path[self.index]).length
+
+    def _stops_behind(self, index: int) -> bool:
+        """Returns whether it stops at the end of this edge of its path."""
+        return index + 1 == len(self.path) or (
+            self.speeds.stops_between(*self.path[index:index + 2]))
+
+    def _stretches(self) -> Iterator[Tuple[float, float]]:
+        """Yields length (m) and speed limit (m/s) of what is ahead until it stops."""
+        begun = self.arc
+        for index in range(self.index, len(self.path)):
+            limits = self.speeds.along(self.path[index])
+            ends = [begin for begin, _ in limits[1:]]
+            ends.append(self.graph.curve(self.path[index]).length)
+            for (begin, limit), end in zip(limits, ends):
+                length = end - max(begin, begun)
+                if length > 0.0:
+                    yield length, self.pace * limit
+            begun = 0.0
+            if self._stops_behind(index):
+                return
 
     def _ahead(self, path: Sequence[int], index: int, arc: float,
                horizon: float) -> Iterator[Tuple[float, float]]:
@@ -150,25 +241,28 @@ class AgvMotion:
             if base > horizon:
                 return
 
-    def _move(self, speed: float, dt: float) -> None:
-        self.arc += (self.speed + speed) / 2.0 * dt
+    def _move(self, distance: float, speed: float) -> None:
+        self.arc += distance
+        self.driven += distance
         self.speed = speed
-        while not self.at_end:
-            length = self.graph.curve(self.path[self.index]).length
-            last = self.index + 1 == len(self.path)
-            stops = last or self.speeds.stops_between(*self.path[self.index:self.index + 2])
-            if self.arc < length - (ON_PLACE if stops and speed < 0.01 else 0.0):
-                break
-            left_over = self.arc - length
+        while not self.at_end and self.arc >= self._length - _EXACT:
+            if self._stops_behind(self.index):
+                if self.arc > self._length + ON_PLACE:  # it was too fast to stop here
+                    self._arrive()
+                else:
+                    self.arc = min(self.arc, self._length)
+                return
+            self.arc = max(self.arc - self._length, 0.0)
             self.index += 1
-            self.arc = 0.0
-            if not stops:
-                self.arc = left_over
-                continue
-            self.speed = 0.0
-            self._face_along(self.path[self.index - 1], length)
-            if not last:
-                self._face_ahead()
+
+    def _arrive(self) -> None:
+        """It stands at the vertex at which it had to stop, and faces along the next edge."""
+        length = self._length
+        self.index += 1
+        self.arc, self.speed, self._cause = 0.0, 0.0, None
+        self._face_along(self.path[self.index - 1], length)
+        if not self.at_end:
+            self._face_ahead()
 
     def _face_along(self, edge: int, arc: float) -> None:
         """Sets the heading to that of the curve of an edge."""
@@ -197,14 +291,3 @@ class AgvMotion:
 
     def _braking_distance(self) -> float:
         return self.speed ** 2 / (2.0 * self.limits.braking) + 0.1
-
-
-def speed_towards(distance: float, limit: float, speed: float, braking: float, dt: float) -> float:
-    """Returns the highest speed after `dt` from which braking still reaches `limit` at `distance`.
-
-    It is the v' that solves (v + v') / 2 dt + (v'^2 - limit^2) / (2 braking) = distance, and at
-    least `limit`.
-    """
-    half = braking * dt / 2.0
-    root = half * half - 2.0 * half * speed + limit * limit + 2.0 * braking * distance
-    return max(limit, math.sqrt(root) - half) if root > 0.0 else limit

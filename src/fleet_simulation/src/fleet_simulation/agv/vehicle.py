@@ -161,23 +161,64 @@ class AgvVehicle:
         """The true pose: x, y (m) and heading (rad)."""
         return self._off_graph or self.drive.pose
 
+    @property
+    def left(self) -> float:
+        """The m that are left of its route."""
+        return self.distance_to(self._path_begins + len(self.drive.path), 0.0)
+
+    def distance_to(self, number: int, fraction: float) -> float:
+        """Returns the m that it still drives to this fraction of an edge of its route.
+
+        Negative: it is behind it. The edge has this number in the route record.
+        """
+        drive, at = self.drive, number - self._path_begins
+        arcs = [drive.graph.curve(edge).length for edge in drive.path]
+        own = fraction * arcs[at] if 0 <= at < len(arcs) else 0.0
+        return sum(arcs[:max(at, 0)]) + own - sum(arcs[:drive.index]) - drive.arc
+
     def advance(self, seconds: float, stamp: int) -> None:
         """Simulates this time; `stamp` is the stamp of the pose after it."""
-        self._time += seconds
         self.stamp = stamp
+        end = self._time + seconds
+        for pause in sorted((self._stalled_until, self._slow_until)):
+            if self._time < pause < end:
+                self._pass(pause - self._time)
+        self._pass(end - self._time)
+        self._report_change()
+
+    def _pass(self, seconds: float) -> None:
+        """Simulates time in which it either may drive, or must stand."""
         if self.battery.charge <= 0.0:
             self._lose_route(Reason(ReasonCode.BATTERY_EMPTY, 'the battery is empty'))
         if self._time >= self._slow_until:
             self.drive.pace = 1.0
-        hold = not (self.running or self._driven_by_hand) or self._time < self._stalled_until
-        self.drive.advance(seconds, hold, self.emergency)
+        hold = self._holds
+        self._time += seconds
+        moving = self.drive.advance(seconds, hold, self.emergency)
         self.steps.advance(seconds)
-        self.battery.advance(seconds, not self.drive.at_rest, self.drive.vertex in self._chargers)
+        self.battery.advance(moving, True, False)
+        self.battery.advance(seconds - moving, False, self.drive.vertex in self._chargers)
         if self.running:
             self._protocol.complete(self._path_begins + self.drive.index - self.state.first)
         self._driven_by_hand = self._driven_by_hand and not self.drive.at_end
         self._intake.answer(self._time)
-        self._report_change()
+
+    @property
+    def _holds(self) -> bool:
+        """Whether it must stand, or brake until it stands."""
+        return not (self.running or self._driven_by_hand) or self._time < self._stalled_until
+
+    @property
+    def next_event(self) -> float:
+        """The s until its report may change by itself; until then only its place changes.
+
+        0: that cannot be told.
+        """
+        if self._intake.waiting is not None or self._time < self._moved_until:
+            return 0.0
+        pauses = [pause - self._time for pause in (self._stalled_until, self._slow_until)
+                  if pause > self._time]
+        return min(self.drive.next_event(self._holds, self.emergency), *pauses, FOREVER)
 
     # --- faults -----------------------------------------------------------------------------------
 
@@ -244,7 +285,7 @@ class AgvVehicle:
     def push_off_graph(self, metres: float) -> None:
         """Lets a person push it to its left, off the graph: its route fails."""
         x, y, heading = self.pose
-        self.drive.speed = 0.0
+        self.drive.stop_dead()
         self._off_graph = (x - metres * math.sin(heading), y + metres * math.cos(heading), heading)
         self._moved_by_person(Reason(ReasonCode.OFF_GRAPH, 'off the corridor'))
 

@@ -1,0 +1,116 @@
+"""Motion in phases of constant acceleration, in closed form: drives along speed limits, and turns.
+
+Units are m, s and rad; for a turn read rad instead of m.
+"""
+from __future__ import annotations
+
+import math
+from typing import Iterable, List, NamedTuple, Sequence, Tuple
+
+_NONE = 1e-12  # s or m: a shorter phase or stretch is none
+
+
+class Phase(NamedTuple):
+    """A time of constant acceleration.
+
+    seconds -- how long it lasts
+    speed   -- m/s at its begin
+    gain    -- m/s2, negative while it brakes
+    """
+
+    seconds: float
+    speed: float
+    gain: float
+
+    def speed_after(self, seconds: float) -> float:
+        """Returns the speed (m/s) after this time of it."""
+        return max(self.speed + self.gain * seconds, 0.0)
+
+    def distance_after(self, seconds: float) -> float:
+        """Returns the m that are driven in this time of it."""
+        return (self.speed + 0.5 * self.gain * seconds) * seconds
+
+    def seconds_for(self, distance: float) -> float:
+        """Returns the s of it until this distance (m) is driven. The distance lies within it."""
+        if distance <= 0.0:
+            return 0.0
+        root = math.sqrt(max(self.speed * self.speed + 2.0 * self.gain * distance, 0.0))
+        return min(2.0 * distance / max(self.speed + root, _NONE), self.seconds)
+
+
+def braking_to_rest(speed: float, braking: float) -> List[Phase]:
+    """Returns the motion of a vehicle that brakes until it stands."""
+    return [Phase(speed / braking, speed, -braking)] if speed > 0.0 else []
+
+
+def along(stretches: Sequence[Tuple[float, float]], speed: float, acceleration: float,
+          braking: float) -> List[Phase]:
+    """Returns the fastest motion along these stretches to a stop at their end.
+
+    Where it is faster than a limit that it can no longer keep, it brakes.
+
+    stretches -- length (m) and speed limit (m/s) of each
+    speed     -- m/s at the begin
+    """
+    ends = [0.0]  # squared speed at the end of each stretch from which it can brake, the last first
+    for before, (length, limit) in zip(stretches[-2::-1], stretches[:0:-1]):
+        ends.append(min(before[1] ** 2, limit ** 2, ends[-1] + 2.0 * braking * length))
+    phases: List[Phase] = []
+    for (length, limit), end in zip(stretches, reversed(ends)):
+        own = _over(length, limit, speed, end, acceleration, braking)
+        phases += own
+        speed = own[-1].speed_after(own[-1].seconds) if own else speed
+    return phases
+
+
+def turn(angle: float, rate: float, top: float, gain: float) -> List[Phase]:
+    """Returns the fastest turn by this angle to a stop.
+
+    rate -- rad/s at the begin
+    top  -- the fastest rate
+    gain -- rad/s2 of acceleration and of braking
+    """
+    return along([(angle, top)], rate, gain, gain)
+
+
+def seconds_until(phases: Iterable[Phase], distance: float) -> float:
+    """Returns the s until this distance (m) is driven. Infinite: it stops before."""
+    passed = 0.0
+    for phase in phases:
+        whole = phase.distance_after(phase.seconds)
+        if distance <= whole:
+            return passed + phase.seconds_for(max(distance, 0.0))
+        distance -= whole
+        passed += phase.seconds
+    return math.inf
+
+
+def _over(length: float, limit: float, speed: float, end: float, acceleration: float,
+          braking: float) -> List[Phase]:
+    """Returns the motion over one stretch; `end`: highest squared speed at its end."""
+    if length <= _NONE:
+        return []
+    phases: List[Phase] = []
+    square = speed * speed
+    if square - 2.0 * braking * length >= end - 1e-9:  # it must brake all along
+        last = math.sqrt(max(square - 2.0 * braking * length, 0.0))
+        return [Phase(2.0 * length / (speed + last), speed, -braking)]
+    if speed > limit:
+        phases.append(Phase((speed - limit) / braking, speed, -braking))
+        length -= (square - limit * limit) / (2.0 * braking)
+        speed, square = limit, limit * limit
+    # the speed at which acceleration and braking meet, without the limit
+    peak = (2.0 * acceleration * braking * length + braking * square + acceleration * end) / (
+        acceleration + braking)
+    fastest = square + 2.0 * acceleration * length
+    top = min(math.sqrt(min(peak, fastest)), limit)
+    last = math.sqrt(min(end, fastest, top * top))
+    gained = (top * top - square) / (2.0 * acceleration)
+    lost = (top * top - last * last) / (2.0 * braking)
+    for seconds, begin, gain in (
+            ((top - speed) / acceleration, speed, acceleration),
+            ((length - gained - lost) / top, top, 0.0),
+            ((top - last) / braking, top, -braking)):
+        if seconds > _NONE:
+            phases.append(Phase(seconds, begin, gain))
+    return phases
