@@ -14,7 +14,8 @@ from measuring.tables import Row
 from fleet_core.fleet import RobotType
 from fleet_core.supervision.missions import Request
 from fleet_core.supervision.settings import RobotSettings
-from fleet_simulation.virtual_fleet import Rhythm, VirtualFleet
+from fleet_simulation.report_times import Rhythm
+from fleet_simulation.virtual_fleet import VirtualFleet
 from load_bench.site import RELEASE_AHEAD, grid, starts
 from world.plain_agv import Agv
 
@@ -78,8 +79,8 @@ def decisions() -> Iterator[Row]:
     what = f'{ROBOTS} robots, 10 reports a second each, {OPEN} missions'
     for name, told in (('report', 'one report'), ('tick', 'one tick, all have reported'),
                        ('plan_made', 'one new plan taken into use'), ('plan', 'one plan made')):
-        yield f'{what}: {told}', _shown(spent.get(name, [])), '', ''
-    yield f'{what}: one tick without any news', _shown(fleet.spent['tick']), '', ''
+        yield Row(f'{what}: {told}', _shown(spent.get(name, [])))
+    yield Row(f'{what}: one tick without any news', _shown(fleet.spent['tick']))
 
 
 def _shown(seconds: Sequence[float]) -> str:

@@ -352,6 +352,18 @@ class TestAfterAnOutage:
         with pytest.raises(Overruled):
             bench.drive(ROUTE, known_epoch=known)
 
+    @pytest.mark.parametrize('shown_before, cause', [
+        ('Docked', MotionCause.RESTART), ('Stopped', MotionCause.OTHER_CLIENT)])
+    def test_one_that_we_stopped_in_its_dock_was_docked_by_others_only_if_it_showed_no_dock_before(
+            self, shown_before, cause):
+        bench = Bench()
+        bench.stop(ROUTE)
+        bench.robot('Stopping', 'Stopped')
+        bench.status(shown_before)
+        bench = Bench(bench.kept[-1])
+        bench.status('Docked')
+        assert bench.memory.cause is cause
+
     @pytest.mark.parametrize('shown', ['Stopped', DOCKED])
     def test_a_first_connection_that_is_refused_before_is_no_outage(self, shown):
         bench = Bench(is_linked=False)

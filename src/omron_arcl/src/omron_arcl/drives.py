@@ -220,6 +220,10 @@ def _shown(activity: Activity) -> str:
     return f'{activity.kind.name} {activity.goal.casefold()}'
 
 
+def _is_shown_of_others(record: DriveRecord, activity: Activity) -> bool:
+    return record.kind is RecordKind.FOREIGN_DRIVE and record.shown == _shown(activity)
+
+
 def _may_cause(drive: DriveRecord, activity: Activity) -> bool:
     """Returns whether a drive may be the cause of this motion of the robot.
 
@@ -773,14 +777,14 @@ class Drives:
         """
         newest = max((r.number for r in self._records if r.owed), default=0)
         return any(r.number < newest and (
-            r.shown == _shown(activity) or r.may_move and activity.kind in _WITHOUT_A_GOAL)
+            _is_shown_of_others(r, activity) or r.may_move and activity.kind in _WITHOUT_A_GOAL)
             for r in self._records)
 
     def _stands_as_we_stopped_it(self, activity: Activity) -> bool:
         """Returns whether our last command was a stop, and the robot shows nothing else."""
         last = self._records[-1] if self._records else None
-        return (activity.kind is ActivityKind.STOPPED and last is not None
-                and last.kind is RecordKind.STOP and last.fate is Fate.OVER)
+        return last is not None and last.kind is RecordKind.STOP and last.fate is Fate.OVER and (
+            activity.kind is ActivityKind.STOPPED or last.shown == _shown(activity))
 
     def _idle_shown(self, before: Optional[Activity], activity: Activity, text: str) -> None:
         """Notes that no command of ours is under way: another client caused the robot's motion."""
@@ -796,6 +800,10 @@ class Drives:
                 _may_cause(record, activity) for record in self._records)
         else:
             strange = self._ends_unlike(ruling, activity)
+        if ruling.kind is RecordKind.STOP and ruling.fate is Fate.OVER and (
+                activity.kind is ActivityKind.DOCKED and ruling.shown != _shown(activity)):
+            self._mark(ruling.number, shown=_shown(activity))
+            self._keep()
         if strange and self.heard.strange:  # one status may have crossed a line
             self._foreign(_cause_of(activity), moves, text, activity)
         self.heard.strange = strange
@@ -1014,6 +1022,6 @@ class Drives:
         drives = [r for r in reversed(self._records[over + 1:]) if r.kind is RecordKind.DRIVE and (
             r.may_move and _may_cause(r, activity) if moves else name in r.names)]
         named = [r for r in drives if name in r.names]
-        if any(r.shown == _shown(activity) for r in self._records):  # others were driving it so
+        if any(_is_shown_of_others(r, activity) for r in self._records):
             return next(iter(named), None)
         return next(iter(named or drives), None)

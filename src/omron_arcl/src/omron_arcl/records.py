@@ -110,7 +110,9 @@ class DriveRecord:
     ending: CommandFate = CommandFate.NOT_OBEYED
     """How a drive that is OVER ended."""
     shown: str = ''
-    """The motion of a drive of others, by which it is recognised."""
+    """The motion of a drive of others, by which it is recognised. A stop has it, too, if the robot
+    shows since that it is in its dock.
+    """
     acknowledged_by: str = ''
     """The line or status by which the robot acknowledged a drive."""
     verb: str = ''

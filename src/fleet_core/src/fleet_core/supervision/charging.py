@@ -195,17 +195,21 @@ class ChargerDesk:
     def occupancies(self) -> Dict[str, Occupancy]:
         """Returns the robots that take the places of chargers, by the charger's name.
 
-        A robot that only tops up takes none: it yields to missions.
+        A robot that only tops up takes none: it yields to missions. One that stays for nothing at
+        the dock takes none either: it soon makes room, and the next robot comes meanwhile.
         """
-        going = self._going(self._book.serving)
+        serving = self._book.serving
+        going = self._going(serving)
+        stopping = {name: place for name, place in going.items()
+                    if serving[name].request.dwell(serving[name].reached)}
         turns = {name: robot.dock for name, robot in self._robots.items()
                  if robot.dock is not None}
-        staying = [stay for stay in self._stays(turns, self._book.serving)
+        staying = [stay for stay in self._stays(turns, serving)
                    if stay.robot not in going]
         staying += [_Stay(name, self.at[dock].name, dock) for name, dock in turns.items()
                     if dock in self.at and not self._robots[name].tops_up]
         return {name: self._occupancy(
-            {robot: (place,) for robot, place in going.items() if self.at[place].name == name},
+            {robot: (place,) for robot, place in stopping.items() if self.at[place].name == name},
             [stay for stay in staying if stay.charger == name]) for name in self._chargers}
 
     def _occupancy(self, waiters: Mapping[str, Tuple[int, ...]],
