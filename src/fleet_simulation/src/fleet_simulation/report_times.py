@@ -95,7 +95,7 @@ class ReportTimes:
         """Notes that the supervisor may ask the planner now, so that all places matter."""
         self._asked = now
 
-    def has_to_tell(self, name: str, robot: ReportingRobot, now: float) -> bool:
+    def is_due(self, name: str, robot: ReportingRobot, now: float) -> bool:
         """Returns whether a robot reports now."""
         last, before = self._told.get(name, (-math.inf, None))
         pause = self._rhythm.driving if robot.is_driving else self._rhythm.standing
@@ -107,7 +107,7 @@ class ReportTimes:
         self._touched.discard(name)
         return robot.news != before
 
-    def tell(self, name: str, robot: ReportingRobot, now: float) -> None:
+    def reported(self, name: str, robot: ReportingRobot, now: float) -> None:
         """Notes that a robot reports now."""
         self._told[name] = now, robot.news
         self._granted.pop(name, None)
@@ -149,7 +149,7 @@ class ReportTimes:
 
 
 def _waited_for(supervisor: Supervisor) -> Dict[str, List[str]]:
-    """Returns, by robot, who waits for it: by the plan, or for a resource that it claims."""
+    """Returns, by robot, the robots that wait for it by the plan, or for what it claims."""
     found: Dict[str, List[str]] = {}
     executor, claims = supervisor.plan_executor, supervisor.interlocking.claims
     for name, other in executor.waits_for.items():

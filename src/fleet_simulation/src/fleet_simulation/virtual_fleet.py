@@ -286,9 +286,9 @@ class VirtualFleet(Generic[Body]):
             device.advance(STEP)
         for name, agv in self.agvs.items():
             if not self.network.is_silent(name, self.now) and (
-                    self._reports.has_to_tell(name, agv, self.now)):
+                    self._reports.is_due(name, agv, self.now)):
                 self._drive(name, self.now)
-                self._reports.tell(name, agv, self.now)
+                self._reports.reported(name, agv, self.now)
                 told = self.lost.get(name, agv).report(self.now + self.clocks.get(name, 0.0))
                 self.network.carry_report(name, told, self.now)
         if not self.hangs:
@@ -299,7 +299,7 @@ class VirtualFleet(Generic[Body]):
             self._supervising + self.planner.spent - before)
 
     def drive_all(self) -> None:
-        """Drives all robots until now, because somebody looks at them."""
+        """Drives all robots until now: the places of all matter."""
         for name in self.agvs:
             self._drive(name, self.now)
 

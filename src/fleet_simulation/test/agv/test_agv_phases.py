@@ -60,7 +60,7 @@ def test_a_point_is_passed_at_the_time_that_is_told(
 
 def test_a_drive_that_is_too_fast_for_a_limit_brakes() -> None:
     found = phases.along([(5.0, 0.5)], 1.0, ACCELERATION, BRAKING)
-    assert found[0] == phases.Phase(pytest.approx(2.5), 1.0, -BRAKING)
+    assert found[0] == phases.DrivePhase(pytest.approx(2.5), 1.0, -BRAKING)
 
 
 @given(st.lists(st.floats(0.01, 3.0), min_size=1, max_size=20))

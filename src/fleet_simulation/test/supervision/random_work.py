@@ -269,9 +269,8 @@ class RandomWork(SupervisedFleet):
         self.now += period
         for order in self.network.arrived_orders(self.now):
             self._deliver(order)
-        for agv in self.agvs.values():
-            agv.drive(period)
-            agv.late_refusals()
+            self._reports.touch(order.robot)
+        self.drive_all()
         if self.load is not None:
             self.loads = {name: self.load.radius or 0.0
                           for name, carried in self.carried.items() if carried}
@@ -298,7 +297,9 @@ class RandomWork(SupervisedFleet):
         """All that is sent to the fleet manager now."""
         found: List[Message] = []
         for name, agv in self.agvs.items():
-            if not self.network.is_silent(name, self.now) and self._has_to_tell(name, agv):
+            if not self.network.is_silent(name, self.now) and (
+                    self._reports.is_due(name, agv, self.now)):
+                self._reports.reported(name, agv, self.now)
                 self._send(found, partial(self._say, name, agv.report(self.now), self.now))
         for name, hands in self.steps.items():
             if not self.network.is_silent(name, self.now) and self._must_report(name, hands):

@@ -14,7 +14,7 @@ import math
 from typing import Iterator, List, Optional, Sequence, Tuple
 
 from fleet_simulation.agv import phases
-from fleet_simulation.agv.phases import Phase
+from fleet_simulation.agv.phases import DrivePhase
 from fleet_simulation.agv.speed_limits import DriveLimits, SpeedLimits, angle_between
 from trajectory_graph import Graph
 
@@ -47,7 +47,7 @@ class AgvMotion:
         """Factor on all speeds, above 0 and at most 1."""
         self.driven = 0.0
         """m that it has driven so far."""
-        self._phases: List[Phase] = []   # of its motion until it stands, or of its turn
+        self._phases: List[DrivePhase] = []   # of its motion until it stands, or of its turn
         self._cause: Optional[Tuple[object, ...]] = None  # what the phases were computed from
         self._turn_rate = 0.0
         self._turn_to: Optional[float] = None  # heading to turn to before it drives
@@ -171,7 +171,7 @@ class AgvMotion:
         distance, speed = phase.distance_after(done), phase.speed_after(done)
         rest = phase.seconds - done
         if rest > _TOGETHER:
-            self._phases[0] = Phase(rest, speed, phase.gain)
+            self._phases[0] = DrivePhase(rest, speed, phase.gain)
         else:
             del self._phases[0]
         if turns:
@@ -183,7 +183,7 @@ class AgvMotion:
         return done
 
     def _end_phases(self, turns: bool, hold: bool) -> None:
-        """It stands: at the end of its turn, at the vertex where it stops, or as it is held."""
+        """Notes that it stands: at the end of its turn, at the vertex where it stops, or held."""
         self._cause = None
         if turns:
             self._turn_rate = 0.0
@@ -256,7 +256,7 @@ class AgvMotion:
             self.index += 1
 
     def _arrive(self) -> None:
-        """It stands at the vertex at which it had to stop, and faces along the next edge."""
+        """Notes that it stands at the vertex where it had to stop, and faces along the next edge."""
         length = self._length
         self.index += 1
         self.arc, self.speed, self._cause = 0.0, 0.0, None

@@ -10,7 +10,7 @@ from typing import Iterable, List, NamedTuple, Sequence, Tuple
 _NONE = 1e-12  # s or m: a shorter phase or stretch is none
 
 
-class Phase(NamedTuple):
+class DrivePhase(NamedTuple):
     """A time of constant acceleration.
 
     seconds -- how long it lasts
@@ -38,13 +38,13 @@ class Phase(NamedTuple):
         return min(2.0 * distance / max(self.speed + root, _NONE), self.seconds)
 
 
-def braking_to_rest(speed: float, braking: float) -> List[Phase]:
+def braking_to_rest(speed: float, braking: float) -> List[DrivePhase]:
     """Returns the motion of a vehicle that brakes until it stands."""
-    return [Phase(speed / braking, speed, -braking)] if speed > 0.0 else []
+    return [DrivePhase(speed / braking, speed, -braking)] if speed > 0.0 else []
 
 
 def along(stretches: Sequence[Tuple[float, float]], speed: float, acceleration: float,
-          braking: float) -> List[Phase]:
+          braking: float) -> List[DrivePhase]:
     """Returns the fastest motion along these stretches to a stop at their end.
 
     Where it is faster than a limit that it can no longer keep, it brakes.
@@ -55,7 +55,7 @@ def along(stretches: Sequence[Tuple[float, float]], speed: float, acceleration: 
     ends = [0.0]  # squared speed at the end of each stretch from which it can brake, the last first
     for before, (length, limit) in zip(stretches[-2::-1], stretches[:0:-1]):
         ends.append(min(before[1] ** 2, limit ** 2, ends[-1] + 2.0 * braking * length))
-    phases: List[Phase] = []
+    phases: List[DrivePhase] = []
     for (length, limit), end in zip(stretches, reversed(ends)):
         own = _over(length, limit, speed, end, acceleration, braking)
         phases += own
@@ -63,7 +63,7 @@ def along(stretches: Sequence[Tuple[float, float]], speed: float, acceleration: 
     return phases
 
 
-def turn(angle: float, rate: float, top: float, gain: float) -> List[Phase]:
+def turn(angle: float, rate: float, top: float, gain: float) -> List[DrivePhase]:
     """Returns the fastest turn by this angle to a stop.
 
     rate -- rad/s at the begin
@@ -73,7 +73,7 @@ def turn(angle: float, rate: float, top: float, gain: float) -> List[Phase]:
     return along([(angle, top)], rate, gain, gain)
 
 
-def seconds_until(phases: Iterable[Phase], distance: float) -> float:
+def seconds_until(phases: Iterable[DrivePhase], distance: float) -> float:
     """Returns the s until this distance (m) is driven. Infinite: it stops before."""
     passed = 0.0
     for phase in phases:
@@ -86,17 +86,17 @@ def seconds_until(phases: Iterable[Phase], distance: float) -> float:
 
 
 def _over(length: float, limit: float, speed: float, end: float, acceleration: float,
-          braking: float) -> List[Phase]:
+          braking: float) -> List[DrivePhase]:
     """Returns the motion over one stretch; `end`: highest squared speed at its end."""
     if length <= _NONE:
         return []
-    phases: List[Phase] = []
+    phases: List[DrivePhase] = []
     square = speed * speed
     if square - 2.0 * braking * length >= end - 1e-9:  # it must brake all along
         last = math.sqrt(max(square - 2.0 * braking * length, 0.0))
-        return [Phase(2.0 * length / (speed + last), speed, -braking)]
+        return [DrivePhase(2.0 * length / (speed + last), speed, -braking)]
     if speed > limit:
-        phases.append(Phase((speed - limit) / braking, speed, -braking))
+        phases.append(DrivePhase((speed - limit) / braking, speed, -braking))
         length -= (square - limit * limit) / (2.0 * braking)
         speed, square = limit, limit * limit
     # the speed at which acceleration and braking meet, without the limit
@@ -112,5 +112,5 @@ def _over(length: float, limit: float, speed: float, end: float, acceleration: f
             ((length - gained - lost) / top, top, 0.0),
             ((top - last) / braking, top, -braking)):
         if seconds > _NONE:
-            phases.append(Phase(seconds, begin, gain))
+            phases.append(DrivePhase(seconds, begin, gain))
     return phases
