@@ -62,6 +62,12 @@ class RobotType:
         """The speed (m/s) that the robot never exceeds, also if it does not know of its load."""
         return max(self.speed, self.own_speed)
 
+    @property
+    def speed_limit(self) -> float:
+        """The speed (m/s) that its load allows, as orders tell it to the robot; 0: as without it.
+        """
+        return self.speed if self.speed < self.own_speed else 0.0
+
     def drives_at(self, edge_speed: float) -> float:
         """Returns the speed (m/s) on an edge with this speed; 0: it may not drive there."""
         if edge_speed <= 0.0:

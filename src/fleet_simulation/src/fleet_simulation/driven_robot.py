@@ -90,8 +90,6 @@ class DrivenRobot:
         self.vehicle = AgvVehicle(name, graph, vertex, lambda: epochs.getrandbits(63) or 1,
                                   lambda: int(1000.0 * self._now), mechanics.limits(kind),
                                   kind.obeys_edge_speed, kind.docks or (), 100.0 * charge)
-        self.laden = kind
-        """Its type with what it carries: it drives no faster."""
         self._mechanics, self._random = mechanics, random
         self._kinds = tuple(still for still in (delays.stall, delays.people) if still.every > 0.0)
         self._stops = [self._driving_until(still) for still in self._kinds]
@@ -175,19 +173,11 @@ class DrivenRobot:
 
     def _begin(self, edge: int) -> None:
         """Draws the pace on a new edge; begins the manoeuvre on an edge to or from a dock."""
-        slower = self._random.uniform(1.0, self._slower)
-        self.vehicle.slow_down(self._pace(edge) / slower, _EVER)
+        self.vehicle.slow_down(1.0 / self._random.uniform(1.0, self._slower), _EVER)
         if self.graph.end_vertex(edge).dock:
             self._stand(self._mechanics.docking)
         elif self.graph.start_vertex(edge).dock:
             self._stand(self._mechanics.undocking)
-
-    def _pace(self, edge: int) -> float:
-        """Returns the share of its speed on an edge that its load allows."""
-        driven = self.graph.edge(edge)
-        speed = driven.velocity_forward if edge > 0 else driven.velocity_backwards
-        own = self.kind.drives_at(speed)
-        return self.laden.drives_at(speed) / own if own else 1.0
 
     def _stand(self, seconds: float) -> None:
         if seconds > 0.0:

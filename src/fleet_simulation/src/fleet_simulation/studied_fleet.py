@@ -53,8 +53,5 @@ class StudiedFleet:
         """Does what is due after one time step of the world: steps at stops, battery reports."""
         self._steps += 1
         self._actors.stepped()
-        if self._site.work.loads:
-            for name, robot in self.world.agvs.items():
-                robot.laden = self.world.supervisor.robots[name].type
         if self._steps % _BATTERY == 0:
             self.begin()

@@ -375,7 +375,7 @@ class VirtualFleet(Generic[Body]):
 
     def _deliver(self, order: SendRoute) -> None:
         robot = self.lost.get(order.robot, self.agvs[order.robot])
-        refusal = robot.receive(route_order(order.order))
+        refusal = robot.receive(route_order(order.order, order.speed))
         if refusal is not None:
             self._refuse(order.robot, refusal)
 
@@ -473,6 +473,6 @@ class StrictConformance(Conformance):
         return found
 
 
-def route_order(order: Order) -> RouteOrder:
-    """Returns the supervisor's order as the robot receives it."""
-    return order.sent_by(ME)
+def route_order(order: Order, speed: float = 0.0) -> RouteOrder:
+    """Returns the supervisor's order as the robot receives it, with the speed of its load."""
+    return order.sent_by(ME, speed=speed)

@@ -35,6 +35,17 @@ def test_a_route_gets_longer_while_it_is_driven_without_a_stop() -> None:
     assert (agv.states(), agv.vehicle.drive.speed) == ([2, 1], pytest.approx(1.0))
 
 
+def test_it_drives_no_faster_than_its_order_allows_for_its_load() -> None:
+    agv = Conversation()
+    agv.vehicle.handle(RouteOrder(7, (1,), speed=0.4))
+    agv.drive_to(2.0)
+    assert agv.vehicle.drive.speed == pytest.approx(0.4)
+    agv.wait(20.0)
+    agv.order(7, 1, 2)  # without a load
+    agv.drive_to(6.0)
+    assert agv.vehicle.drive.speed == pytest.approx(1.0)
+
+
 def test_a_complete_route_gets_longer() -> None:
     agv = Conversation()
     agv.order(7, 1)

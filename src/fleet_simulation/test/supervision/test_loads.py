@@ -2,7 +2,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Mapping, Tuple
+from typing import Mapping, Set, Tuple
 
 import pytest
 
@@ -68,6 +68,11 @@ class LoadedFleet(SupervisedFleet):
     def kind(self, name: str = 'a') -> RobotType:
         return self.supervisor.robots[name].type
 
+    def told_speeds(self, name: str = 'a') -> Set[float]:
+        """Returns the speeds in the routes that the robot was sent since the last call."""
+        sent, self.sent = self.sent, []
+        return {one.speed for one in sent if one.robot == name and one.edges}
+
 
 def carry(at: int, to: int) -> Tuple[WorkStop, WorkStop]:
     return WorkStop(at, steps=(TAKE,)), WorkStop(to, steps=(GIVE,))
@@ -80,9 +85,11 @@ def test_a_robot_counts_with_its_load_until_it_has_given_it():
     assert (fleet.kind().radius, fleet.kind().speed) == (1.3, 1.0), 'it makes room in time'
     fleet.run_until(lambda: fleet.load() is LoadState.LOADED)
     assert (fleet.kind().radius, fleet.kind().speed) == (1.3, 0.5)
+    assert fleet.told_speeds() == {0.0}
     fleet.run_until_done(1)
     fleet.run(0.2)
     assert fleet.kind() == AGV
+    assert fleet.told_speeds() == {0.5}
 
 
 def test_robots_pass_each_other_empty_but_not_beside_a_load():

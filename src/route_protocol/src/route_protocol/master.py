@@ -105,10 +105,13 @@ class Order(NamedTuple):
         return tuple(Step(self.first + skipped + k, edge)
                      for k, edge in enumerate(self.edges[skipped:]))
 
-    def sent_by(self, master: str, stamp: int = 0) -> RouteOrder:
-        """Returns the order as this master sends it."""
+    def sent_by(self, master: str, stamp: int = 0, speed: float = 0.0) -> RouteOrder:
+        """Returns the order as this master sends it.
+
+        speed -- m/s that the vehicle does not exceed because of its load; 0: no such limit
+        """
         return RouteOrder(self.route_id, self.edges, stamp, known_epoch=self.epoch,
-                          order=self.number, first=self.first, master=master)
+                          order=self.number, first=self.first, master=master, speed=speed)
 
 
 @dataclass(frozen=True)

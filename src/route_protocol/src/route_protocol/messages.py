@@ -40,10 +40,14 @@ class WrongReport(ValueError):
 
 
 def order_of(message: Any, received: int) -> RouteOrder:
-    """Returns the order in an `itrci_nav_msgs/TargetRoute` that came at `received` (ns)."""
+    """Returns the order in an `itrci_nav_msgs/TargetRoute` that came at `received` (ns).
+
+    A speed that is no number above 0 sets no limit.
+    """
+    speed = message.speed if math.isfinite(message.speed) and message.speed > 0.0 else 0.0
     return RouteOrder(message.route_id, tuple(message.edges), message.header.stamp.to_nsec(),
                       received, message.known_epoch, order=message.order, first=message.first,
-                      master=_name(message.master))
+                      master=_name(message.master), speed=speed)
 
 
 def fill_order(message: Any, order: RouteOrder) -> Any:
@@ -52,6 +56,7 @@ def fill_order(message: Any, order: RouteOrder) -> Any:
     message.route_id, message.edges = order.route_id, list(order.edges)
     message.known_epoch, message.order = order.known_epoch, order.order
     message.first, message.master = order.first, order.master
+    message.speed = order.speed
     return message
 
 

@@ -23,6 +23,7 @@ class RouteOrder:
     order       -- its number, which grows; 0: the master does not number its orders
     first       -- number of `edges[0]` in the vehicle's route record
     master      -- the program that orders
+    speed       -- m/s that the vehicle does not exceed because of its load; 0: no such limit
     stamp       -- time of sending; 0 if the sender did not give it
     received    -- time of reception
     """
@@ -37,6 +38,7 @@ class RouteOrder:
     order: int = 0
     first: int = field(default=0, compare=False)
     master: str = ''
+    speed: float = field(default=0.0, compare=False)
 
     @property
     def is_stop(self) -> bool:

@@ -10,6 +10,7 @@ from itrci_nav_msgs.msg import EdgeState as EdgeStateMessage
 from itrci_nav_msgs.msg import ExecutionRouteStates, RouteRefused, TargetRoute
 from itrci_nav_msgs.msg import ReasonCode as ReasonCodeMessage
 from route_protocol.messages import (
+    fill_order,
     fill_refusal,
     fill_report,
     location_of,
@@ -39,6 +40,14 @@ def test_a_target_route_is_an_order():
     order = order_of(message, 13_000_000_000)
     assert order == RouteOrder(7, (3, -4), 12_000_000_005)
     assert order.received == 13_000_000_000
+
+
+@pytest.mark.parametrize('told, read', [
+    (0.6, 0.6), (0.0, 0.0), (-1.0, 0.0), (float('nan'), 0.0), (float('inf'), 0.0)])
+def test_a_speed_limit_is_a_number_above_0(told, read):
+    order = order_of(TargetRoute(speed=told), 0)
+    assert order.speed == read
+    assert fill_order(TargetRoute(), order).speed == read
 
 
 def test_a_refusal_names_the_order_and_the_reason():

@@ -19,11 +19,14 @@ class SendRoute:
     """Publish an order. A repeated one is published with its former stamp.
 
     An order with the number 0 is a stop past the supervisor.
+
+    speed -- m/s that the robot does not exceed because of its load; 0: no such limit
     """
 
     robot: str
     order: Order
     repeated: bool = False
+    speed: float = 0.0
 
     @property
     def edges(self) -> Tuple[int, ...]:

@@ -172,7 +172,8 @@ class Outbox:
         now -- the present time: the commit may have taken long
         """
         self._devices.update_open(now)
-        return [SendRoute(name, *sending) for name, sending in self._interlocking.orders(now)]
+        return [SendRoute(name, *sending, self._everywhere[name].type.speed_limit)
+                for name, sending in self._interlocking.orders(now)]
 
     def _memory(self, name: str) -> Optional[RobotMemory]:
         """Returns the state of a robot to be stored; None: the robot left the fleet for good."""

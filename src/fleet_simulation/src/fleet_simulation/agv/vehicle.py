@@ -76,6 +76,8 @@ class AgvVehicle:
         self._draw, self._clock = draw, clock
         self._obeys_edge_speed = obeys_edge_speed
         self._limits = limits or DriveLimits()
+        self._speed_limit = 0.0
+        """m/s that the last route allowed because of the load; 0: no such limit."""
         self._chargers = frozenset(chargers)
         self._off_graph: Optional[Tuple[float, float, float]] = None
         self._time = 0.0
@@ -328,7 +330,10 @@ class AgvVehicle:
         return AgvMotion(graph, self._limits, self._speeds(graph), vertex)
 
     def _speeds(self, graph: Graph) -> SpeedLimits:
-        return SpeedLimits(graph, self._limits, self._obeys_edge_speed)
+        limits = self._limits
+        if 0.0 < self._speed_limit < limits.speed:
+            limits = replace(limits, speed=self._speed_limit)
+        return SpeedLimits(graph, limits, self._obeys_edge_speed)
 
     def _check(self, order: RouteOrder) -> None:
         """Raises RouteRefused for what the vehicle cannot drive now, wherever it is on the graph.
@@ -348,6 +353,9 @@ class AgvVehicle:
             due = self._from_here(due)
         if not (self.running or self.drive.at_rest):
             raise NotYet(_ROLLS)
+        if due.given.speed != self._speed_limit and due.given.edges:
+            self._speed_limit = due.given.speed
+            self.drive.speeds = self._speeds(self.drive.graph)
         if due.rest:
             self.drive.follow(due.rest, 0, find_start(due.rest, self.state, self.drive))
             self._path_begins = due.done

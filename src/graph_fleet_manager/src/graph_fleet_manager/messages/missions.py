@@ -194,10 +194,13 @@ def _words(text: str) -> str:
     return ''.join(letter if letter.isprintable() else '?' for letter in text[:_LONGEST_REASON])
 
 
-def route_message(order: Order, stamp: genpy.Time) -> msg.TargetRoute:
-    """Returns an order to a robot."""
+def route_message(order: Order, stamp: genpy.Time, speed: float = 0.0) -> msg.TargetRoute:
+    """Returns an order to a robot.
+
+    speed -- m/s that the robot does not exceed because of its load; 0: no such limit
+    """
     return route_messages.fill_order(
-        msg.TargetRoute(), order.sent_by(ME if order.number else '', stamp.to_nsec()))
+        msg.TargetRoute(), order.sent_by(ME if order.number else '', stamp.to_nsec(), speed))
 
 
 def stop_message(stop: FleetStop) -> msg.FleetStop:

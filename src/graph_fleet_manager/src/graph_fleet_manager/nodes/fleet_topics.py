@@ -120,7 +120,8 @@ class FleetTopics:
         """Sends a route unless a stop came before it. A repetition keeps its first stamp."""
         if not action.repeated or action.robot not in self._route_stamps:
             self._route_stamps[action.robot] = rospy.Time.now()
-        message = messages.route_message(action.order, self._route_stamps[action.robot])
+        message = messages.route_message(action.order, self._route_stamps[action.robot],
+                                         action.speed)
         with self._gate.passage(action.edges) as passes:
             if passes:
                 send(self._routes[action.robot].publish, message)
