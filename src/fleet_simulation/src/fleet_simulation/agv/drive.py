@@ -256,7 +256,7 @@ class AgvMotion:
             self.index += 1
 
     def _arrive(self) -> None:
-        """Notes that it stands at the vertex where it had to stop, and faces along the next edge."""
+        """Notes that it stands where it had to stop, and faces along the next edge."""
         length = self._length
         self.index += 1
         self.arc, self.speed, self._cause = 0.0, 0.0, None
