@@ -43,7 +43,10 @@ class Operation(Run):
 
     def __init__(self, site: StudiedSite, robots: int, goals: Sequence[int], seed: int,
                  waiting: int = 0) -> None:
-        super().__init__(site, robots, seed)
+        def at_once(name: str, kind: RobotType, vertex: int, random: Random) -> DrivenRobot:
+            return DrivenRobot(name, site.graph, kind, vertex, AT_ONCE, site.delays,
+                               Random(f'{name} {random.random()}'), 1.0)
+        super().__init__(site, robots, seed, at_once)
         self.longest_standstill = 0.0
         """The longest time in which no robot was driving, in s."""
         self._goals = goals
@@ -54,10 +57,6 @@ class Operation(Run):
         """The robot of each open mission."""
         self._moved = 0.0
         """The virtual time at which a robot last drove."""
-
-    def _make(self, name: str, kind: RobotType, vertex: int) -> DrivenRobot:
-        return DrivenRobot(name, self._site.graph, kind, vertex, AT_ONCE, self._site.delays,
-                           Random(f'{name} {self._random.random()}'), 1.0)
 
     def _request(self) -> None:
         while self._next_id < self._waiting:

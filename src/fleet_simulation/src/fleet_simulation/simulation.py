@@ -14,7 +14,7 @@ from fleet_simulation.driven_robot import DrivenRobot
 from fleet_simulation.figures import Figures, TimetableUse, Use, WaitingCause
 from fleet_simulation.hold_ups import HoldUp, ResourceUse, WaitFor, held_up
 from fleet_simulation.site import OrderPolicy, StudiedSite
-from fleet_simulation.studied_fleet import StudiedFleet
+from fleet_simulation.studied_fleet import MakeRobot, StudiedFleet
 from fleet_simulation.virtual_fleet import STEP
 
 WARM_UP = 600.0     # s at the start of a run that do not count, at most a tenth of the run
@@ -31,12 +31,15 @@ class Run:
     """One fleet that works in virtual time. It watches the virtual world and counts.
 
     Its attributes are the parts of the world, and the counters that one event may change together.
+
+    make -- makes the robots; see StudiedFleet
     """
 
-    def __init__(self, site: StudiedSite, robots: int, seed: int) -> None:
+    def __init__(self, site: StudiedSite, robots: int, seed: int,
+                 make: Optional[MakeRobot] = None) -> None:
         self._site = site
         self._random = Random(f'run {seed}')
-        self._fleet = StudiedFleet(site, robots, seed, self._random)
+        self._fleet = StudiedFleet(site, robots, seed, self._random, make)
         self.world = self._fleet.world
         self.figures = Figures(robots, seed)
         resources = self.world.supervisor.interlocking.claims.needs.resources

@@ -3,6 +3,7 @@ from __future__ import annotations
 
 from datetime import datetime, timedelta
 from random import Random
+from typing import Callable, Optional
 
 from fleet_core.fleet import RobotType
 from fleet_simulation.driven_robot import AGV, LD90, DrivenRobot
@@ -17,20 +18,26 @@ _BATTERY = 100      # steps between two battery reports
 _CHECK_EVERY = 100  # events of the supervisor between two checks against the model of allocations
 
 
+MakeRobot = Callable[[str, RobotType, int, Random], DrivenRobot]
+"""Makes a robot with this name and type on a vertex; the last argument draws what is random."""
+
+
 class StudiedFleet:
     """A fleet of a given size. Its owner calls `begin` before the first step, and watches `world`.
 
     random -- draws the robots' charges and delays
+    make   -- makes the robots; None: they drive and are charged as those of a site
     """
 
-    def __init__(self, site: StudiedSite, robots: int, seed: int, random: Random) -> None:
-        self._site, self._random = site, random
-        fleet = site.robots(robots)
+    def __init__(self, site: StudiedSite, robots: int, seed: int, random: Random,
+                 make: Optional[MakeRobot] = None) -> None:
+        self._site = site
+        fleet, made = site.robots(robots), make or self._make
         self._drivers = {name: robot.driver for name, robot in fleet.items()}
         self.world: VirtualFleet[DrivenRobot] = VirtualFleet(
             site.graph, {name: (robot.type, robot.vertex) for name, robot in fleet.items()},
-            self._make, site.fleet.clearance, seed, planning=site.latency,
-            settings=site.settings_of(fleet), parking=site.parking,
+            lambda name, kind, vertex: made(name, kind, vertex, random), site.fleet.clearance,
+            seed, planning=site.latency, settings=site.settings_of(fleet), parking=site.parking,
             dock_approach=site.fleet.dock_approach, rhythm=RHYTHM,
             switches=site.order is OrderPolicy.SWITCHING, check_every=_CHECK_EVERY,
             work=site.work, wall=(MONDAY + timedelta(minutes=site.begin)).timestamp())
@@ -38,11 +45,10 @@ class StudiedFleet:
         self._actors = VirtualActors(self.world, site.work, site.times, seed)
         self._steps = 0
 
-    def _make(self, name: str, kind: RobotType, vertex: int) -> DrivenRobot:
+    def _make(self, name: str, kind: RobotType, vertex: int, random: Random) -> DrivenRobot:
         mechanics = AGV if kind.obeys_edge_speed or self._drivers[name] == 'agv' else LD90
         return DrivenRobot(name, self._site.graph, kind, vertex, mechanics, self._site.delays,
-                           Random(f'{name} {self._random.random()}'),
-                           self._random.uniform(0.5, 1.0))
+                           Random(f'{name} {random.random()}'), random.uniform(0.5, 1.0))
 
     def begin(self) -> None:
         """Reports the batteries for the first time."""
