@@ -7,6 +7,7 @@ from typing import Callable, Optional, Tuple
 from bridge_builders import DOCK_VERTEX, yard
 
 from omron_ld90_sim.behaviour.robot import SimRobot
+from omron_ld90_sim.behaviour.states import MotorState
 from omron_ld90_sim.clock import SimClock
 from omron_ld90_sim.interface.commands import execute
 from omron_ld90_sim.interface.dialect import SWITCHES
@@ -70,6 +71,11 @@ class SimulatedRobot:
     def status(self) -> str:
         """The status, as the receiver gets it."""
         return self._robot.status
+
+    @property
+    def is_stopped_by_button(self) -> bool:
+        """Whether its emergency stop is pressed, whatever its status shows."""
+        return self._robot.permission.motors is MotorState.ESTOP
 
     @property
     def goal(self) -> Optional[str]:
