@@ -106,3 +106,8 @@ class Fleet:
     robots: Tuple[Robot, ...]
     clearance: float = 0.0
     dock_approach: float = DOCK_APPROACH
+
+    @property
+    def all_types(self) -> Tuple[RobotType, ...]:
+        """The types, and those of the robots: a fleet that is no file may list no types."""
+        return (*self.types, *(robot.type for robot in self.robots))

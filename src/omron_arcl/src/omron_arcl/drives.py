@@ -220,6 +220,18 @@ def _shown(activity: Activity) -> str:
     return f'{activity.kind.name} {activity.goal.casefold()}'
 
 
+def _name_of(activity: Activity) -> Optional[str]:
+    """Returns the name by which a drive is known that the robot carries out, or has completed.
+
+    None: it shows that of no drive.
+    """
+    goal = activity.goal.casefold()
+    return goal if activity.kind in MOVING else {
+        ActivityKind.ARRIVED_AT_GOAL: goal, ActivityKind.DOCKED: _DOCK,
+        ActivityKind.ARRIVED_AT_POINT: '', ActivityKind.STOPPED: goal or None,
+    }.get(activity.kind)
+
+
 def _is_shown_of_others(record: DriveRecord, activity: Activity) -> bool:
     return record.kind is RecordKind.FOREIGN_DRIVE and record.shown == _shown(activity)
 
@@ -456,13 +468,7 @@ class Drives:
 
     def ended(self, execution: Execution, outcome: Outcome, words: str, now: float) -> None:
         """Notes that a command has ended, or could not be sent."""
-        under_way = self.record_of(execution)
-        if execution.command.spec.stops and not self.has_begun(execution) and (
-                outcome in UNHEEDED or under_way and under_way.doubt
-                and is_settled(under_way.doubt, None, now)):  # the robot stands after it
-            self.heard.forget_stop()
-        if under_way is not None:
-            self._mark(under_way.number, doubt=None)
+        self._end_doubt(execution, outcome, now)
         record = self._record_of(execution)
         aside = self.record_of(execution) if record is None else None
         if aside is not None and outcome is Outcome.SUCCEEDED:
@@ -479,6 +485,16 @@ class Drives:
                           else MotionCause.OTHER_CLIENT, False, words)
         else:
             self._drive_ended(record, execution, outcome, words)
+
+    def _end_doubt(self, execution: Execution, outcome: Outcome, now: float) -> None:
+        """Notes that nothing is doubted any more of a command that has ended."""
+        under_way = self.record_of(execution)
+        if execution.command.spec.stops and not self.has_begun(execution) and (
+                outcome in UNHEEDED or under_way and under_way.doubt
+                and is_settled(under_way.doubt, None, now)):  # the robot stands after it
+            self.heard.forget_stop()
+        if under_way is not None:
+            self._mark(under_way.number, doubt=None)
 
     def _stop_ended(self, record: DriveRecord, outcome: Outcome, now: float) -> None:
         if outcome not in _OBEYED_STOP:
@@ -791,22 +807,31 @@ class Drives:
         if before is not None and self._leaves_our_goal(before, activity):
             self._foreign(MotionCause.OTHER_CLIENT, False, text)
         ruling, moves = self._memory.ruling or _NOTHING, activity.kind in MOVING
-        shown, strange = self._shown_drive(activity), False
-        if moves and shown and shown.fate is Fate.UNKNOWN and not self._memory.stop_owed and (
-                activity.goal and activity.goal.casefold() in shown.names):
-            self._obeyed(shown.number, text)
-        elif moves:
-            strange = ruling.kind is not RecordKind.FOREIGN_DRIVE and not any(
-                _may_cause(record, activity) for record in self._records)
+        if moves:
+            strange = self._moves_strangely(ruling, activity, text)
         else:
             strange = self._ends_unlike(ruling, activity)
+        self._note_dock(ruling, activity)
+        if strange and self.heard.strange:  # one status may have crossed a line
+            self._foreign(_cause_of(activity), moves, text, activity)
+        self.heard.strange = strange
+
+    def _moves_strangely(self, ruling: DriveRecord, activity: Activity, text: str) -> bool:
+        """Returns whether no known drive causes a motion; notes the one of ours that is obeyed."""
+        shown = self._shown_drive(activity)
+        if shown and shown.fate is Fate.UNKNOWN and not self._memory.stop_owed and (
+                activity.goal and activity.goal.casefold() in shown.names):
+            self._obeyed(shown.number, text)
+            return False
+        return ruling.kind is not RecordKind.FOREIGN_DRIVE and not any(
+            _may_cause(record, activity) for record in self._records)
+
+    def _note_dock(self, ruling: DriveRecord, activity: Activity) -> None:
+        """Notes that a robot which obeyed our stop shows its dock; see `DriveRecord.shown`."""
         if ruling.kind is RecordKind.STOP and ruling.fate is Fate.OVER and (
                 activity.kind is ActivityKind.DOCKED and ruling.shown != _shown(activity)):
             self._mark(ruling.number, shown=_shown(activity))
             self._keep()
-        if strange and self.heard.strange:  # one status may have crossed a line
-            self._foreign(_cause_of(activity), moves, text, activity)
-        self.heard.strange = strange
 
     def _leaves_our_goal(self, before: Activity, activity: Activity) -> bool:
         """Returns whether a robot at our goal shows that it was stopped:
@@ -1012,11 +1037,7 @@ class Drives:
 
     def _shown_drive(self, activity: Activity) -> Optional[DriveRecord]:
         """Returns the drive that the robot visibly carries out, or has visibly completed."""
-        moves, goal = activity.kind in MOVING, activity.goal.casefold()
-        name = goal if moves else {
-            ActivityKind.ARRIVED_AT_GOAL: goal, ActivityKind.DOCKED: _DOCK,
-            ActivityKind.ARRIVED_AT_POINT: '', ActivityKind.STOPPED: goal or None,
-        }.get(activity.kind)
+        moves, name = activity.kind in MOVING, _name_of(activity)
         over = max((i for i, r in enumerate(self._records)
                     if r.kind is RecordKind.STOP and r.fate is Fate.OVER), default=-1)
         drives = [r for r in reversed(self._records[over + 1:]) if r.kind is RecordKind.DRIVE and (

@@ -287,13 +287,19 @@ def hear(state: MasterState, said: RouteReport, me: str, clock: int,
         'epoch': said.epoch, 'order': read.order, 'refused': read.refused,
         'done': said.done if read.order else done, 'open': still, 'behind': behind,
         'held': () if knows_where else _held(state, still, read.is_new),
-        'is_anywhere': not stands and _is_moved_otherwise(said, read.is_mine) or (
-            state.is_anywhere and not knows_where),
+        'is_anywhere': _may_be_anywhere(state, said, read, stands, knows_where),
         'commands': read.is_mine, 'unknown': _unknown(state, read, stands, clock)}
     is_repeat = state is given and told.items() <= vars(state).items()
     after = (state.after(said.number) if is_repeat
              else replace(state, report=said.number, **told))
     return after, _news(state, said, read, passed, stands, is_repeat)
+
+
+def _may_be_anywhere(state: MasterState, said: RouteReport, read: _Reading, stands: bool,
+                     knows_where: bool) -> bool:
+    """Returns whether the vehicle may be where no order of this master led it."""
+    return not stands and _is_moved_otherwise(said, read.is_mine) or (
+        state.is_anywhere and not knows_where)
 
 
 def _with_unknown_numbers(state: MasterState, said: RouteReport, me: str) -> MasterState:

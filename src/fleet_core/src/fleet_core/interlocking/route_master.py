@@ -467,10 +467,7 @@ class RouteMaster:
         known = self._known
         record.set_protocol(protocol)
         is_first = not self.is_heard
-        self._told = self._told or (0.0, None)
-        record.pose = report.pose
-        # A report without a location says nothing about the graph.
-        self._off_graph = 0 if record.pose.edge else self._off_graph + bool(report.stamp)
+        self._note_pose(report)
         heard = Heard(news, record.passed(news.passed), news.cause if before.epoch else None,
                       had_route)
         self._follow_news(news, said, before)
@@ -488,6 +485,12 @@ class RouteMaster:
         if not news.is_repeat or known != self._known:
             self._changed()
         return heard
+
+    def _note_pose(self, report: Report) -> None:
+        self._told = self._told or (0.0, None)
+        self.record.pose = report.pose
+        # A report without a location says nothing about the graph.
+        self._off_graph = 0 if self.record.pose.edge else self._off_graph + bool(report.stamp)
 
     @property
     def _known(self) -> Tuple[object, ...]:

@@ -24,8 +24,7 @@ def chargers_of(work: SiteWork, fleet: Fleet, graph: Graph) -> Dict[str, Charger
     """
     found = dict(work.chargers)
     named = {place for one in found.values() for place in one.places}
-    types = (*fleet.types, *(robot.type for robot in fleet.robots))
-    docks = {dock for kind in types for dock in kind.docks or ()}
+    docks = {dock for kind in fleet.all_types for dock in kind.docks or ()}
     for vertex in graph.vertices.values():
         if vertex.dock and vertex.id in docks - named:
             name = f'dock_{vertex.id}'

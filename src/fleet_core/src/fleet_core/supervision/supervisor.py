@@ -122,7 +122,7 @@ class Supervisor:
         work = work or SiteWork()
         chargers = chargers_of(work, fleet, graph)
         resources = (*resources_of(work, chargers.values()), *resources)
-        laden = LadenTypes(work.loads, (*fleet.types, *(one.type for one in fleet.robots)))
+        laden = LadenTypes(work.loads, fleet.all_types)
         self.networks = Networks(graph, fleet, rate, resources, laden.types)
         self.rate = rate
         """The factor by which robots are faster than the clock."""
