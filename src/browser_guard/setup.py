@@ -1,5 +1,5 @@
 """Installs with catkin and, without ROS, with pip: the rest stands in setup.cfg."""
 from setuptools import find_packages, setup
 
-setup(name='browser_guard', version='1.0.0', packages=find_packages('src'),
+setup(name='browser_guard', version='1.1.0', packages=find_packages('src'),
       package_dir={'': 'src'})

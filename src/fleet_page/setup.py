@@ -1,4 +1,4 @@
 from setuptools import find_packages, setup
 
-setup(name='fleet_page', version='1.0.0',
+setup(name='fleet_page', version='1.1.0',
       packages=find_packages('src'), package_dir={'': 'src'})

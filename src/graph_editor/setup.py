@@ -1,4 +1,4 @@
 from setuptools import find_packages, setup
 
-setup(name='graph_editor', version='1.0.0',
+setup(name='graph_editor', version='1.1.0',
       packages=find_packages('src'), package_dir={'': 'src'})

@@ -1,5 +1,5 @@
 """Installs with catkin and, without ROS, with pip: the rest stands in setup.cfg."""
 from setuptools import find_packages, setup
 
-setup(name='omron_ld90_sim', version='1.0.0', packages=find_packages('src'),
+setup(name='omron_ld90_sim', version='1.1.0', packages=find_packages('src'),
       package_dir={'': 'src'})

@@ -13,6 +13,7 @@ import pytest
 from job_fleet import tell
 from job_line import ACTIVE, AT, LATER, Line
 
+from omron_jobs.core.job_commands import VERSION
 from omron_jobs.core.job_words import RobotStatus
 from omron_jobs.core.jobs import DriveAct, JobMissionState
 from omron_jobs.core.robots import RobotNews
@@ -212,7 +213,7 @@ ROWS: Dict[str, Sequence[str]] = {
         '< GetDataStoreGroupValues: CancelledJobs 0', '< EndOfGetDataStoreGroupValues',
         '> getDataStoreGroupValues FleetRobotInformation', '< GetDataStoreGroupValues: Robots 0',
         '< EndOfGetDataStoreGroupValues', '> getDataStoreGroupValues Versions',
-        '< GetDataStoreGroupValues: omron_jobs 1.0.0', '< EndOfGetDataStoreGroupValues'),
+        f'< GetDataStoreGroupValues: omron_jobs {VERSION}', '< EndOfGetDataStoreGroupValues'),
     'payload: robots of this fleet have no slots, p. 170-179': (
         '> payloadQuery', '< EndPayloadQuery', '> payloadSlotCount', '< EndPayloadSlotCount'),
     'an empty line has no answer': ('> ', '> \t '),

@@ -166,6 +166,8 @@ def test_there_is_one_version():
     versions = {str(file.relative_to(ROOT)): re.search(pattern, file.read_text()).group(1)
                 for glob, pattern in (('src/*/package.xml', r'<version>(.*)</version>'),
                                       ('src/*/setup.py', r"version='(.*?)'"),
+                                      ('src/omron_jobs/src/omron_jobs/core/job_commands.py',
+                                       r"(?m)^VERSION = '(.*?)'"),
                                       ('CHANGELOG.md', r'(?m)^## (\d+\.\d+\.\d+)'))
                 for file in ROOT.glob(glob)}
     assert len(set(versions.values())) == 1, versions

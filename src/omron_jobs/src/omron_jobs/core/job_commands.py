@@ -23,7 +23,7 @@ from omron_jobs.core.robots import RobotNews, faults_of
 
 MOST_GOALS = 50         # of one job
 SHOWN_ENDED = 11        # segments that have ended in the list of queueShow
-VERSION = '1.0.0'
+VERSION = '1.1.0'
 PICKUP_PRIORITY, DROPOFF_PRIORITY = 10, 20
 _LONGEST_NAME = 16      # characters of an unknown command that are repeated
 DEFAULT_PRIORITIES = {SegmentKind.PICKUP: PICKUP_PRIORITY, SegmentKind.DROPOFF: DROPOFF_PRIORITY}
