@@ -133,7 +133,8 @@ class Graph:
 
     def end_vertex(self, signed_id: int) -> Vertex:
         """Returns the vertex at which the edge ends in driving direction."""
-        return self.start_vertex(-signed_id)
+        edge = self.edge(signed_id)
+        return self.vertices[edge.destination if signed_id > 0 else edge.origin]
 
     def edges_at(self, vertex_id: int) -> Tuple[int, ...]:
         """Returns the ids of the edges at the vertex."""

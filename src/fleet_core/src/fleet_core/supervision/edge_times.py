@@ -64,6 +64,20 @@ class EdgeTimer:
         return driven
 
 
+class _TypeTotals:
+    """What all robots of a type have driven.
+
+    needed, nominal -- the sums, over the edges driven, of the medians and of the nominal times, s
+    drives          -- number of drives
+    """
+
+    __slots__ = ('needed', 'nominal', 'drives')
+
+    def __init__(self) -> None:
+        self.needed = self.nominal = 0.0
+        self.drives = 0
+
+
 class EdgeTimes:
     """The times learned so far. Planner and assignment use `table`, people are told `expected`.
 
@@ -73,15 +87,29 @@ class EdgeTimes:
     def __init__(self, nominal: Callable[[str, int], float]) -> None:
         self._nominal = nominal
         self.table: Times = MappingProxyType({})
-        self._driven: Dict[Tuple[str, int], Deque[float]] = {}
-        self._usual: Dict[str, float] = {}
+        self._latest: Dict[Tuple[str, int], Deque[float]] = {}
+        self._medians: Dict[Tuple[str, int], float] = {}
+        """Of the edges that were driven ENOUGH times."""
+        self._of_types: Dict[str, _TypeTotals] = {}
         self._looked = -inf
 
     def learn(self, kind: str, driven: Driven) -> None:
         """Notes that a robot of this type has driven an edge."""
-        if driven.seconds > 0.0:
-            self._driven.setdefault((kind, driven.edge), deque(maxlen=KEPT)).append(driven.seconds)
-            self._usual.pop(kind, None)
+        key, nominal = (kind, driven.edge), self._nominal(kind, driven.edge)
+        if driven.seconds <= 0.0 or nominal == inf:
+            return
+        latest, of_type = self._latest.get(key), self._of_types.setdefault(kind, _TypeTotals())
+        if latest is None:
+            latest = self._latest[key] = deque(maxlen=KEPT)
+            of_type.nominal += nominal
+        else:
+            of_type.needed -= median(latest)
+        latest.append(driven.seconds)
+        middle = median(latest)
+        of_type.needed += middle
+        of_type.drives += 1
+        if len(latest) >= ENOUGH:
+            self._medians[key] = middle
 
     def usual(self, kind: str) -> float:
         """Returns the time that robots of a type need for the edges that they drove, by the nominal
@@ -89,20 +117,13 @@ class EdgeTimes:
 
         It is 1 until ENOUGH edges were driven.
         """
-        if kind not in self._usual:
-            found = {key: times for key, times in self._driven.items()
-                     if key[0] == kind and self._nominal(*key) < inf}
-            enough = sum(map(len, found.values())) >= ENOUGH
-            self._usual[kind] = sum(map(median, found.values())) / sum(
-                self._nominal(*key) for key in found) if enough else 1.0
-        return self._usual[kind]
+        driven = self._of_types.get(kind)
+        return driven.needed / driven.nominal if driven and driven.drives >= ENOUGH else 1.0
 
     def expected(self, kind: str, edge: int) -> float:
         """Returns the seconds that a robot of this type is expected to need for a signed edge."""
-        driven = self._driven.get((kind, edge), ())
-        if len(driven) >= ENOUGH:
-            return median(driven)
-        return self.usual(kind) * self._nominal(kind, edge)
+        learned = self._medians.get((kind, edge))
+        return self.usual(kind) * self._nominal(kind, edge) if learned is None else learned
 
     def renew(self, now: float) -> bool:
         """Makes a new table if the times have changed enough. Returns whether it did."""
@@ -110,11 +131,9 @@ class EdgeTimes:
         if now - self._looked < PERIOD:
             return False
         self._looked = now
-        found = {key: median(times) for key, times in self._driven.items()
-                 if len(times) >= ENOUGH and nominal(*key) < inf}
         learned: Dict[Tuple[str, int], float] = {}
-        for kind in {kind for kind, _ in found}:
-            own = {key: seconds for key, seconds in found.items() if key[0] == kind}
+        for kind in {kind for kind, _ in self._medians}:
+            own = {key: seconds for key, seconds in self._medians.items() if key[0] == kind}
             usual = median(seconds / nominal(*key) for key, seconds in own.items())
             learned.update((key, seconds / usual) for key, seconds in own.items())
         if all(abs(seconds - self.table.get(key, nominal(*key))) <= WORTH_IT * nominal(*key)

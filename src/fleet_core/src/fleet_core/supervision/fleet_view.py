@@ -4,13 +4,16 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from enum import IntEnum
-from typing import List, Mapping, NamedTuple, Optional, Tuple
+from typing import Collection, List, Mapping, NamedTuple, Optional, Sequence, Tuple
 
 from fleet_core.interlocking.allocation import Knowledge
 from fleet_core.interlocking.reports import Pose
 from fleet_core.supervision.duties import Duty, Errand
+from fleet_core.supervision.fleet_stop import FleetStop
+from fleet_core.supervision.machine_view import MachineView
 from fleet_core.supervision.outages import Outage
 from fleet_core.supervision.plan_in_force import PlanInForce
+from fleet_core.supervision.resource_view import ResourceView, resource_views
 from fleet_core.supervision.restoring import RemovedRobot
 from fleet_core.supervision.robots import ManagedRobot
 from fleet_core.supervision.supervisor import Supervisor
@@ -89,6 +92,25 @@ class RobotView:
     load: RobotLoad = RobotLoad()
 
 
+@dataclass(frozen=True)
+class FleetView:
+    """What displays and diagnoses are told about the fleet at one moment.
+
+    trouble  -- why nothing can be stored, as a clause; empty: it can be stored
+    stop     -- the stop of the fleet; not in force: it is not stopped
+    no_plan  -- why there is no plan, as a clause; empty: there is one, or none is needed yet
+    unserved -- the robots for which the plan has no path
+    """
+
+    robots: Sequence[RobotView]
+    resources: Sequence[ResourceView]
+    machines: Sequence[MachineView]
+    trouble: str
+    stop: FleetStop
+    no_plan: str
+    unserved: Collection[str]
+
+
 class DriveView(NamedTuple):
     """One planned edge. Times are those of the supervisor's clock."""
 
@@ -96,6 +118,15 @@ class DriveView(NamedTuple):
     start: float
     end: float
     released: bool
+
+
+def fleet_view(supervisor: Supervisor, now: float) -> FleetView:
+    """Returns what is told about the fleet at the supervisor's time `now`."""
+    executor = supervisor.plan_executor
+    return FleetView(
+        robot_views(supervisor, now), resource_views(supervisor, now),
+        supervisor.desk.machines(now), supervisor.trouble, supervisor.stop, executor.trouble,
+        () if executor.plan is None else tuple(executor.plan.unserved))
 
 
 def robot_views(supervisor: Supervisor, now: float) -> List[RobotView]:

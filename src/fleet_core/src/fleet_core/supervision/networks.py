@@ -1,6 +1,7 @@
 """The graph as robots can drive it now: closed edges, and learned driving times."""
 from __future__ import annotations
 
+from functools import lru_cache
 from math import inf
 from typing import Iterable, Sequence
 
@@ -32,7 +33,8 @@ class Networks:
             geometry=SiteGeometry(graph, fleet.dock_approach, alone) if alone else self.geometry)
         self.network = self.nominal
         """The network with learned times."""
-        self.edge_times = EdgeTimes(self._nominal_time)
+        # each view of the fleet asks for these constants, for each drive of each plan
+        self.edge_times = EdgeTimes(lru_cache(maxsize=None)(self._nominal_time))
         self._types = {kind.name: kind for kind in (*fleet.types, *laden)}
         self._rate = rate
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from itertools import count
 from math import inf, isnan, nan
-from typing import Iterable, List, NamedTuple, Optional, Sequence
+from typing import Iterable, Iterator, NamedTuple, Optional, Sequence
 
 from fleet_core.fleet import RobotType
 from fleet_core.planning.road_network import RoadNetwork
@@ -58,31 +58,28 @@ def time_to_go(robot: ManagedRobot, errand: Errand, plan: Optional[PlanInForce],
     if mission is not None:
         return _of_mission(mission, drives, usual, now) if (
             mission.state is MissionState.ACTIVE) else UNKNOWN
-    if not drives:
-        return UNKNOWN
-    needed = sum(usual * drive.wait + drive.seconds for drive in drives)
-    return TimeToGo(needed, needed)
+    needed = [usual * drive.wait + drive.seconds for drive in drives]
+    return TimeToGo(sum(needed), sum(needed)) if needed else UNKNOWN
 
 
 def _timed(robot: ManagedRobot, drives: Sequence[PlannedDrive], times: EdgeTimes,
-           clock: float) -> List[_TimedDrive]:
-    """Returns the drives with their times; the robot may have begun the first.
+           clock: float) -> Iterator[_TimedDrive]:
+    """Yields the drives with their times; the robot may have begun the first.
 
     `clock`: s of the plan.
     """
-    record, found = robot.record, []
+    record, kind = robot.record, robot.type.name
     begun = (record.pose.fraction if drives and record.pose.edge == drives[0].edge
              and not record.is_standing else 0.0)
     for drive in drives:
-        found.append(_TimedDrive(
+        yield _TimedDrive(
             record.graph.end_vertex(drive.edge).id,
             0.0 if begun else max(drive.start - clock, 0.0),
-            (1.0 - begun) * times.expected(robot.type.name, drive.edge)))
+            (1.0 - begun) * times.expected(kind, drive.edge))
         clock, begun = drive.end, 0.0
-    return found
 
 
-def _of_mission(mission: Mission, drives: Sequence[_TimedDrive], usual: float,
+def _of_mission(mission: Mission, drives: Iterable[_TimedDrive], usual: float,
                 now: float) -> TimeToGo:
     """Returns the time of a mission over these drives. A stay uses up the planned wait after it."""
     stops = [(vertex, _stay(mission.request.dwell(mission.reached + number)))

@@ -2,61 +2,57 @@
 from __future__ import annotations
 
 import time
-from typing import Optional, Sequence, Tuple
+from typing import Optional, Tuple
 
 from diagnostic_msgs.msg import DiagnosticStatus
 from diagnostic_updater import DiagnosticStatusWrapper
 
-from fleet_core.supervision.fleet_view import RobotState, RobotView, robot_views
+from fleet_core.supervision.fleet_view import FleetView, RobotState
 from fleet_core.supervision.missions import MissionState
-from fleet_core.supervision.resource_view import resource_views
 from fleet_core.supervision.supervisor import Supervisor
 
 _NAMED = 20  # most missions that are listed with their reason
 
 
-def report_fleet(supervisor: Optional[Supervisor], trouble: str,
+def report_fleet(view: Optional[FleetView], trouble: str,
                  status: DiagnosticStatusWrapper) -> None:
-    """Fills in the state of every robot.
+    """Fills in the state of every robot; without a view there is no supervisor.
 
     - ERROR while the journal cannot be written, or a robot is in a door that is not open for it.
       While there is no supervisor, `trouble` says why.
     - WARN while the fleet is stopped, there is no plan, or a robot cannot work or has no path.
     """
-    if supervisor is None and trouble:
+    if view is None and trouble:
         status.summary(DiagnosticStatus.ERROR, f'no mission is accepted: {trouble}')
         return
-    if supervisor is None:
+    if view is None:
         status.summary(DiagnosticStatus.WARN, 'waiting for /graph')
         return
-    views = robot_views(supervisor, time.monotonic())
-    status.summary(*_summary(supervisor, views))
-    for view in views:
-        waits = f': {view.waits_for.text}' if view.waits_for.text else ''
-        status.add(view.name, f'{view.state.name}{waits}')
+    status.summary(*_summary(view))
+    for robot in view.robots:
+        waits = f': {robot.waits_for.text}' if robot.waits_for.text else ''
+        status.add(robot.name, f'{robot.state.name}{waits}')
 
 
-def _summary(supervisor: Supervisor, views: Sequence[RobotView]) -> Tuple[int, str]:
+def _summary(view: FleetView) -> Tuple[int, str]:
     """Returns the level of the whole fleet, and its most important trouble."""
-    if supervisor.trouble:
+    if view.trouble:
         return DiagnosticStatus.ERROR, ('no mission is accepted and no robot gets anything new to '
-                                        f'drive: {supervisor.trouble}')
-    alarms = [alarm for view in resource_views(supervisor, time.monotonic())
-              for alarm in view.alarms]
+                                        f'drive: {view.trouble}')
+    alarms = [alarm for resource in view.resources for alarm in resource.alarms]
     if alarms:
         return DiagnosticStatus.ERROR, '; '.join(alarms)
-    if supervisor.is_stopped:
-        return DiagnosticStatus.WARN, supervisor.stop.words(time.time()).rstrip('.')
-    plan, no_plan = supervisor.plan_executor.plan, supervisor.plan_executor.trouble
-    if no_plan:
-        return DiagnosticStatus.WARN, f'there is no plan: {no_plan}'
-    out = [view for view in views if view.state >= RobotState.OFFLINE]
+    if view.stop.is_in_force:
+        return DiagnosticStatus.WARN, view.stop.words(time.time()).rstrip('.')
+    if view.no_plan:
+        return DiagnosticStatus.WARN, f'there is no plan: {view.no_plan}'
+    out = sum(robot.state >= RobotState.OFFLINE for robot in view.robots)
     if out:
-        return DiagnosticStatus.WARN, f'{len(out)} of {len(views)} robots cannot work'
-    stuck = [view.name for view in views if plan is not None and view.name in plan.unserved]
+        return DiagnosticStatus.WARN, f'{out} of {len(view.robots)} robots cannot work'
+    stuck = [robot.name for robot in view.robots if robot.name in view.unserved]
     if stuck:
         return DiagnosticStatus.WARN, f'no path at present for {", ".join(stuck)}'
-    return DiagnosticStatus.OK, f'{len(views)} robots'
+    return DiagnosticStatus.OK, f'{len(view.robots)} robots'
 
 
 def report_missions(supervisor: Optional[Supervisor], status: DiagnosticStatusWrapper) -> None:

@@ -17,10 +17,9 @@ from fleet_core.supervision.actions import (
     SendRoute,
     SendStep,
 )
-from fleet_core.supervision.fleet_view import plan_progress, robot_views
+from fleet_core.supervision.fleet_view import FleetView, plan_progress
 from fleet_core.supervision.mission_book import MOST_OPEN
 from fleet_core.supervision.missions import Status
-from fleet_core.supervision.resource_view import resource_views
 from fleet_core.supervision.supervisor import Supervisor
 from fleet_core.supervision.timetable_runs import TimetableView
 from fleet_core.work.site_work import SiteWork
@@ -179,17 +178,18 @@ class FleetTopics:
         """Publishes the templates of the work file."""
         send(self._templates.publish, messages.templates_message(work, rospy.Time.now()))
 
-    def publish_views(self, supervisor: Supervisor, now: float) -> None:
+    def publish_views(self, supervisor: Supervisor, view: FleetView, now: float) -> None:
         """Publishes what displays show at the monotonic time `now` (s): the state, the plan and
         the allocations of all robots, and timetables that have changed.
+
+        view -- of the supervisor, at that time
         """
         stamp = rospy.Time.now()
 
         def moment(seconds: float) -> rospy.Time:
             return messages.moment_of(seconds - now, stamp)
         send(self._states.publish, messages.state_message(
-            robot_views(supervisor, now), resource_views(supervisor, now),
-            supervisor.desk.machines(now), supervisor.stop, moment, stamp, self.software,
+            view.robots, view.resources, view.machines, view.stop, moment, stamp, self.software,
             self._rate))
         if self._allocations.get_num_connections():
             robots: Dict[str, InterlockedRobot] = {**supervisor.robots, **supervisor.removed}

@@ -64,6 +64,7 @@ from fleet_core.interlocking.stop_gate import StopGate
 from fleet_core.supervision.actions import Action, PublishStatus
 from fleet_core.supervision.early_stop import EarlyStop
 from fleet_core.supervision.fleet_stop import FleetStop
+from fleet_core.supervision.fleet_view import FleetView, fleet_view
 from fleet_core.supervision.journal_database import JournalUnavailable
 from fleet_core.supervision.missions import CommandKind, MissionChange, RequestRefused, StepAnswer
 from fleet_core.supervision.outbox import AGAIN
@@ -124,6 +125,8 @@ class PathSupervisor:
         self._supervisor: Optional[Supervisor] = None
         self._graph: Optional[Graph] = None
         self._begin_at = math.inf
+        self._view: Optional[FleetView] = None
+        """The last one; other threads read it. None: there is no supervisor."""
         self._viewed = -math.inf
         self._closed: Optional[Tuple[int, ...]] = None
         robots = [robot.name for robot in self._fleet.robots]
@@ -141,7 +144,7 @@ class PathSupervisor:
         self._thread.start()
         publish_diagnostics('none', {
             'fleet': lambda status: report_fleet(
-                self._supervisor, self._file.trouble or self._work_file.trouble, status),
+                self._view, self._file.trouble or self._work_file.trouble, status),
             'missions': lambda status: report_missions(self._supervisor, status)})
         self._subscribers = self._subscribe(robots)
 
@@ -211,7 +214,8 @@ class PathSupervisor:
         if supervisor is None or now - self._viewed < VIEW_PERIOD:
             return
         self._viewed = now
-        self._topics.publish_views(supervisor, now)
+        self._view = fleet_view(supervisor, now)
+        self._topics.publish_views(supervisor, self._view, now)
 
     # -- callbacks --------------------------------------------------------------------------------
 
@@ -248,6 +252,7 @@ class PathSupervisor:
                 now < self._begin_at or (self._supervisor and self._supervisor.trouble)):
             return waiting
         self._supervisor, self._begin_at = None, now + AGAIN
+        self._view, self._viewed = None, -math.inf
         self._events.end()
         work = self._work_file.read(self._graph)
         if work is None:
