@@ -138,7 +138,7 @@ class FleetPlannerTest(unittest.TestCase):
         """The edges in the plan of each robot."""
         answer = self.plan(*tasks, **fields)
         self.assertEqual((PlanAnswer.PLANNED, []), (answer.result, answer.unserved), answer.reason)
-        return [[drive.edge_id for drive in plan.drives] for plan in answer.plans]
+        return [list(plan.drives.edges) for plan in answer.plans]
 
     # -- graph_server -----------------------------------------------------------------------------
 
@@ -276,12 +276,12 @@ class FleetPlannerTest(unittest.TestCase):
             RobotTask(robot='agv_2', robot_type='agv', vertex=5, destinations=[1], stays=True),
             improvement=0.2)
         self.assertEqual((PlanAnswer.PLANNED, []), (answer.result, answer.unserved))
-        ends = [corridor().end_vertex(plan.drives[-1].edge_id).id for plan in answer.plans]
+        ends = [corridor().end_vertex(plan.drives.edges[-1]).id for plan in answer.plans]
         self.assertEqual([5, 1], ends)
-        self.assertTrue(answer.precedence, 'one of them goes first')
+        self.assertTrue(answer.precedence.drive, 'one of them goes first')
         self.assertGreaterEqual(answer.cost, answer.lower_bound)
-        first = answer.plans[0].drives[0]
-        self.assertAlmostEqual(3.0, (first.end - first.start).to_sec(), 6)
+        first = answer.plans[0].drives
+        self.assertAlmostEqual(3.0, first.ends[0] - first.starts[0], 6)
 
     def test_a_closed_edge_is_driven_round(self):
         task = RobotTask(robot='agv_1', robot_type='agv', vertex=2, destinations=[4], stays=True)
@@ -313,16 +313,15 @@ class FleetPlannerTest(unittest.TestCase):
         task = RobotTask(robot='agv_1', robot_type='agv', released=[1, 2], begun=0.5,
                          destinations=[2])
         answer = self.plan(task)
-        drives = answer.plans[0].drives
-        self.assertEqual([(1, True), (2, True)],
-                         [(drive.edge_id, drive.released) for drive in drives[:2]])
-        self.assertAlmostEqual(1.5, (drives[0].end - answer.header.stamp).to_sec(), 6)
+        plan = answer.plans[0]
+        self.assertEqual(((1, 2), 2), (plan.drives.edges[:2], plan.released))
+        self.assertAlmostEqual(1.5, plan.drives.ends[0], 6)
         wait_until(lambda: self.end_of(self.plan(task)) in parking.vertices, 10,
                    'a plan that ends on parking, once the planner also knows the parking')
 
     def end_of(self, answer: PlanAnswer) -> int:
         """The vertex on which the first robot's plan ends."""
-        return corridor().end_vertex(answer.plans[0].drives[-1].edge_id).id
+        return corridor().end_vertex(answer.plans[0].drives.edges[-1]).id
 
     def test_a_planner_that_was_ended_answers_again(self):
         task = RobotTask(robot='agv_1', robot_type='agv', vertex=2, destinations=[4], stays=True)
@@ -333,7 +332,7 @@ class FleetPlannerTest(unittest.TestCase):
         wait_until(lambda: self.requests.get_num_connections() > 0 and self.answers.is_connected(),
                    30, 'a new path_planner')
         answer = wait_until(lambda: self.plan_on_new_graph(task), 30, 'a plan of the new planner')
-        self.assertEqual([2, 3], [drive.edge_id for drive in answer.plans[0].drives])
+        self.assertEqual([2, 3], list(answer.plans[0].drives.edges))
 
     def test_nonsense_is_refused_and_another_graph_told(self):
         stranger = RobotTask(robot='agv_1', robot_type='boat', vertex=1)
@@ -352,7 +351,7 @@ class FleetPlannerTest(unittest.TestCase):
         self.graphs.wait_for(lambda _: True, 10, 'new graph', before)
         task = RobotTask(robot='agv_1', robot_type='agv', vertex=2, destinations=[4], stays=True)
         answer = wait_until(lambda: self.plan_on_new_graph(task), 30, 'a plan on the new graph')
-        self.assertEqual([8, 9], [drive.edge_id for drive in answer.plans[0].drives])
+        self.assertEqual([8, 9], list(answer.plans[0].drives.edges))
 
     def plan_on_new_graph(self, task: RobotTask) -> PlanAnswer | None:
         """The plan on the new graph; None if there is none yet.

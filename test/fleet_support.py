@@ -190,8 +190,8 @@ class Factory:
 
     def released(self, name: str) -> List[int]:
         """The edges that a robot may drive, or on which it stands."""
-        return [abs(drive.edge_id) for plan in self.plans.messages[-1].plans if plan.robot == name
-                for drive in plan.drives if drive.released]
+        return [abs(edge) for plan in self.plans.messages[-1].plans if plan.robot == name
+                for edge in plan.drives.edges[:plan.released]]
 
     def wait_for_state(self, name: str, *states: int, timeout: float = 60.0) -> None:
         """Waits until the fleet manager reports the robot in one of these states."""

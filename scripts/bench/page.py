@@ -42,7 +42,7 @@ from itrci_nav_msgs.msg import (  # noqa: E402  # noqa: E402
     FleetPoses,
     FleetRobot,
     FleetState,
-    PlannedDrive,
+    PlannedDrives,
     RobotPlan,
     SymbolicPose,
     Vertex,
@@ -120,8 +120,9 @@ class Fleet:
                 waits_for=f'robot_{self._ticks % 7}' if k % 5 == 0 else '')
                 for k, name in enumerate(names)]))
             first = self._ticks // 20
-            self._plans.publish(FleetPlan(plans=[RobotPlan(name, [
-                PlannedDrive(1 + (first + k + n) % 900, now, now, n < 3) for n in range(12)])
+            self._plans.publish(FleetPlan(plans=[RobotPlan(
+                name, PlannedDrives([1 + (first + k + n) % 900 for n in range(12)],
+                                    12 * [0.0], 12 * [0.0]), 3)
                 for k, name in enumerate(names)]))
 
 

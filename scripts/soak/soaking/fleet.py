@@ -151,7 +151,6 @@ class Fleet:
 def spoilt(answer: PlanAnswer, chance: Random) -> PlanAnswer:
     """Returns the plan answer after one of the functions in `WRONG` has made it wrong."""
     wrong = copy.copy(answer)
-    released = {plan.robot: sum(drive.released for drive in plan.drives)
-                for plan in answer.plans}
+    released = {plan.robot: plan.released for plan in answer.plans}
     write_outcome(wrong, chance.choice(list(WRONG.values()))(outcome_of(answer), chance), released)
     return wrong

@@ -126,9 +126,8 @@ def test_queues_loads_and_machines_are_told_with_their_robots():
 
 
 def test_a_plan_says_how_much_of_it_is_released():
-    drives = [msg.PlannedDrive(1, Time(1), Time(2), True),
-              msg.PlannedDrive(-2, Time(2), Time(3), False)]
-    plan = messages.plans_of(msg.FleetPlan(plans=[msg.RobotPlan('a', drives)]))['a']
+    drives = msg.PlannedDrives([1, -2], [1.0, 2.0], [2.0, 3.0])
+    plan = messages.plans_of(msg.FleetPlan(plans=[msg.RobotPlan('a', drives, 1)]))['a']
     assert plan.edges == (1, -2) and plan.released == 1
 
 

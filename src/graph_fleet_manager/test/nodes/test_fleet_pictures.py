@@ -37,7 +37,7 @@ from itrci_nav_msgs.msg import (
     FleetPlan,
     FleetRobot,
     FleetState,
-    PlannedDrive,
+    PlannedDrives,
     RobotPlan,
     SymbolicPose,
 )
@@ -192,8 +192,9 @@ def test_a_stop_is_a_red_frame_and_words_that_stay_above_the_buttons():
 
 
 def plan(*drives):
-    return FleetPlan(plans=[RobotPlan('agv_1', [PlannedDrive(edge_id=edge, released=released)
-                                                for edge, released in drives])])
+    """The plan of agv_1: edges, and whether they are released. Released ones come first."""
+    return FleetPlan(plans=[RobotPlan('agv_1', PlannedDrives(edges=[edge for edge, _ in drives]),
+                                      sum(released for _, released in drives))])
 
 
 def test_plan_and_released_part_are_told_apart_in_the_robots_colour():

@@ -10,7 +10,7 @@ import pytest
 from fleet_core.interlocking.reports import Pose
 from fleet_core.interlocking.resources import Resource, ResourceKind
 from fleet_core.supervision.fleet_stop import NOT_STOPPED
-from fleet_core.supervision.fleet_view import DriveView, RobotState, RobotView
+from fleet_core.supervision.fleet_view import RobotState, RobotView
 from fleet_core.supervision.machine_view import MachineState, MachineView
 from fleet_core.supervision.missions import (
     CommandCode,
@@ -31,7 +31,6 @@ from fleet_core.work.work import RobotLoad
 from graph_fleet_manager.messages.missions import (
     LOAD_OF_CODE,
     moment_of,
-    plan_message,
     refusal_status,
     report_of,
     request_of,
@@ -201,9 +200,6 @@ def test_a_moment_that_no_message_can_carry_is_the_nearest_one_that_it_can(secon
     view = RobotView('a', 'agv', RobotState.IDLE, None, Pose(), seconds, 1.0, None, None)
     state_message([view], (), (), NOT_STOPPED, lambda moment: moment_of(moment, NOW),
                   NOW, {}).serialize(io.BytesIO())
-    plan = plan_message([('a', [DriveView(1, -seconds, seconds, True)])],
-                        lambda moment: moment_of(moment, NOW), NOW)
-    plan.serialize(io.BytesIO())
 
 
 def test_who_requests_a_mission_is_kept_short_and_printable():

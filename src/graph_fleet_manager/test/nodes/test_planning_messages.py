@@ -17,6 +17,7 @@ from fleet_core.planning.tasks import CannotPlan, Obstacle, PlannedDrive, Planni
 from fleet_core.supervision.laden_types import LadenTypes
 from fleet_core.work.loads import LoadType
 from graph_fleet_manager.messages.planning import (
+    WrongAnswer,
     answer_message,
     no_plan_message,
     outcome_of,
@@ -159,8 +160,24 @@ class TestAnswers:
     def test_have_the_tasks_order_and_say_what_was_released(self):
         answer = answer_message(self.REQUEST, self.OUTCOME, 0.1)
         assert [plan.robot for plan in answer.plans] == ['r1', 'r2']
-        assert [drive.released for drive in answer.plans[0].drives] == [True, False]
-        assert (answer.plans[0].drives[1].end - STAMP).to_sec() == 7.125
+        assert answer.plans[0].released == 1
+        assert answer.plans[0].drives.ends[1] == 7.125
+
+    @pytest.mark.parametrize('drives', [([1, 2], [0.0], [1.0, 2.0]), ([1], [float('nan')], [1.0]),
+                                        ([1], [0.0], [float('inf')]), ([], [], [1.0])])
+    def test_of_drives_that_make_no_sense_are_no_plan(self, drives):
+        wrong = msg.PlannedDrives(*drives)
+        with pytest.raises(WrongAnswer, match="the plan of 'r1' has "):
+            outcome_of(msg.PlanAnswer(plans=[msg.RobotPlan('r1', wrong, 0)]))
+        task = msg.RobotTask(robot='r1', robot_type='agv', vertex=8, has_plan=True, kept=wrong)
+        with pytest.raises(CannotPlan, match='The kept plan of robot r1 has '):
+            request_of(msg.PlanRequest(tasks=[task]), TYPES, {}, 2.0, 10.0)
+
+    @pytest.mark.parametrize('rules', [([0, 1], [0], [0.5], [1], [0]), ([0], [0], [0.5], [2], [0]),
+                                       ([7], [0], [0.5], [1], [0])])
+    def test_of_an_order_that_makes_no_sense_are_no_plan(self, rules):
+        with pytest.raises(WrongAnswer, match='precedence'):
+            outcome_of(msg.PlanAnswer(precedence=msg.Precedence(['r1', 'r2'], *rules)))
 
     def test_without_a_plan_say_why(self):
         answer = through_ros(no_plan_message(self.REQUEST, msg.PlanAnswer.REFUSED, 'no'))

@@ -22,7 +22,7 @@ from itrci_nav_msgs.msg import (
     Graph,
     MissionRequest,
     PlanAnswer,
-    PlannedDrive,
+    PlannedDrives,
     PlanRequest,
     Precedence,
     RobotPlan,
@@ -36,7 +36,9 @@ from route_protocol.order_rules import MAXIMUM_EDGES
 
 ROBOTS, DRIVES, EDGES = 200, 100, 20_000
 NAME, TEXT = 'a_robot_of_the_hall', 500 * 'x'
-PLANS = ROBOTS * [RobotPlan(NAME, DRIVES * [PlannedDrive()])]
+PLANNED = PlannedDrives(DRIVES * [1], DRIVES * [0.5], DRIVES * [0.5])
+PLANS = ROBOTS * [RobotPlan(NAME, PLANNED, 1)]
+RULES = ROBOTS * DRIVES
 
 
 @pytest.mark.parametrize('message', [
@@ -48,10 +50,11 @@ PLANS = ROBOTS * [RobotPlan(NAME, DRIVES * [PlannedDrive()])]
     DockingPoints(docking_points=ROBOTS * [DockingPoint(1, [NAME])]),
     FleetState(robots=ROBOTS * [FleetRobot(name=NAME, type=NAME, waits_for=TEXT)]),
     FleetPlan(plans=PLANS),
-    PlanAnswer(plans=PLANS, precedence=ROBOTS * DRIVES * [Precedence(NAME, 1, 0.5, NAME, 1)]),
+    PlanAnswer(plans=PLANS, precedence=Precedence(
+        ROBOTS * [NAME], RULES * [1], RULES * [1], RULES * [0.5], RULES * [1], RULES * [1])),
     PlanRequest(edge_times=EDGES * [EdgeTime(NAME, 1, 1.0)], tasks=ROBOTS * [
         RobotTask(robot=NAME, robot_type=NAME, released=MAXIMUM_EDGES * [1],
-                  kept=DRIVES * [PlannedDrive()])]),
+                  kept=PLANNED)]),
     Graph(vertices=EDGES // 2 * [Vertex(label=NAME, frame_id='map/nn0')],
           edges=EDGES * [Edge(curve_type='spline')]),
     PointCloud2(data=bytes(20_000 * 12)),

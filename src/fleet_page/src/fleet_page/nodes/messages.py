@@ -96,8 +96,7 @@ def places_of(message: msg.FleetPoses) -> Dict[str, ShownPose]:
 
 def plans_of(message: msg.FleetPlan) -> Dict[str, ShownPlan]:
     """Returns the plan of each robot, by name. Released edges come first."""
-    return {plan.robot: ShownPlan(tuple(drive.edge_id for drive in plan.drives),
-                                  sum(drive.released for drive in plan.drives))
+    return {plan.robot: ShownPlan(tuple(plan.drives.edges), plan.released)
             for plan in message.plans}
 
 

@@ -243,12 +243,16 @@ def state_message(robots: Iterable[RobotView], resources: Iterable[ResourceView]
     return message
 
 
-def plan_message(plans: Iterable[Tuple[str, List[DriveView]]], moment: Moment,
+def plan_message(plans: Iterable[Tuple[str, List[DriveView]]], behind: Callable[[float], float],
                  now: genpy.Time) -> msg.FleetPlan:
-    """Returns the plans of all robots as a message; `now` is its stamp."""
+    """Returns the plans of all robots as a message; `now` is its stamp.
+
+    behind -- returns the seconds of ROS time from the stamp to a time of the plans
+    """
     message = msg.FleetPlan(plans=[
-        msg.RobotPlan(name, [msg.PlannedDrive(drive.edge, moment(drive.start), moment(drive.end),
-                                              drive.released) for drive in drives])
+        msg.RobotPlan(name, msg.PlannedDrives(
+            [drive.edge for drive in drives], [behind(drive.start) for drive in drives],
+            [behind(drive.end) for drive in drives]), sum(drive.released for drive in drives))
         for name, drives in plans])
     message.header.stamp = now
     return message

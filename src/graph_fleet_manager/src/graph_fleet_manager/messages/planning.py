@@ -1,13 +1,13 @@
 """Messages of requests to the planner and of its answers.
 
-Times in messages are ROS times. The planner counts seconds of the robots' time from the request's
-stamp. With simulated robots, `rate` seconds of the robots' time pass in one ROS second.
+Times in messages are seconds of ROS time after the request's stamp. The planner counts seconds of
+the robots' time from there. With simulated robots, `rate` of these pass in one ROS second.
 """
 from __future__ import annotations
 
 from dataclasses import replace
 from math import inf, isfinite
-from typing import List, Mapping, Optional, Sequence, Tuple
+from typing import Dict, Mapping, Optional, Sequence, Tuple
 
 import genpy
 
@@ -21,31 +21,10 @@ from fleet_core.planning.tasks import CannotPlan, Obstacle, PlannedDrive, Planni
 from itrci_nav_msgs import msg
 
 _LONGEST_NAME = 256
-_NS = 1e9
-_END_OF_TIME = 2 ** 32 * 10 ** 9 - 1  # ns, the latest time that a message can carry
 
 
-class PlanningClock:
-    """Converts ROS time to the planner's seconds and back.
-
-    zero -- ROS time at which the planner's seconds are 0
-    rate -- planner's seconds in one second of ROS time
-    """
-
-    def __init__(self, zero: genpy.Time, rate: float = 1.0) -> None:
-        self._zero = zero.to_nsec()
-        self.rate = rate
-
-    def seconds(self, moment: genpy.Time) -> float:
-        """Returns the planner's seconds at a ROS time."""
-        return (moment.to_nsec() - self._zero) / _NS * self.rate
-
-    def moment(self, seconds: float) -> genpy.Time:
-        """Returns the ROS time of planner's seconds, limited to times that a message can carry."""
-        nanoseconds = self._zero + round(seconds / self.rate * _NS)
-        time = genpy.Time(0, min(max(nanoseconds, 0), _END_OF_TIME))
-        time.canon()
-        return time
+class WrongAnswer(Exception):
+    """An answer of the planner that is no plan. The text is a clause that says why."""
 
 
 # -- requests -------------------------------------------------------------------------------------
@@ -60,7 +39,6 @@ def request_of(message: msg.PlanRequest, types: Mapping[str, RobotType], edge_ti
     time_limit -- s for the search if the message gives none
     longest    -- s, the upper limit of its times for search and improvement
     """
-    clock = PlanningClock(message.header.stamp, rate)
     laden = {one.name: _laden(one, types) for one in message.laden_types}
     types = {**types, **laden}
     for name, seconds in (('time_limit', message.time_limit),
@@ -68,7 +46,7 @@ def request_of(message: msg.PlanRequest, types: Mapping[str, RobotType], edge_ti
         if not (isfinite(seconds) and seconds >= 0.0):
             raise CannotPlan(f'{name} is {seconds}, but must be a time in s, or 0.')
     return PlanRequest(
-        tuple(_task(task, types, clock) for task in message.tasks),
+        tuple(_task(task, types, rate) for task in message.tasks),
         tuple(Obstacle(_name(robot.robot), _type(robot.robot, robot.robot_type, types),
                        tuple(robot.vertices), tuple(robot.edges),
                        tuple(_area(robot.robot, outline) for outline in robot.outlines))
@@ -88,7 +66,6 @@ def request_message(request: PlanRequest, plan_id: int, stamp: genpy.Time,
 
     It has no learned times; messages.edge_times adds them.
     """
-    clock = PlanningClock(stamp, rate)
     message = msg.PlanRequest(
         plan_id=plan_id, graph_stamp=graph_stamp, time_limit=request.time_limit,
         improvement=request.improvement, seed=request.seed, parking=sorted(request.parking),
@@ -97,7 +74,7 @@ def request_message(request: PlanRequest, plan_id: int, stamp: genpy.Time,
                                    sorted(kind.closed)) for kind in request.laden],
         closed_edges=sorted(request.closed),
         alone=[msg.AlonePlaces(sorted(one.edges), sorted(one.vertices)) for one in request.alone],
-        tasks=[_task_message(task, clock) for task in request.tasks],
+        tasks=[_task_message(task, rate) for task in request.tasks],
         obstacles=[msg.FleetObstacle(robot.name, robot.type.name, list(robot.vertices),
                                      list(robot.edges), [_outline(area) for area in robot.areas])
                    for robot in request.obstacles])
@@ -120,7 +97,7 @@ def _laden(message: msg.LadenType, types: Mapping[str, RobotType]) -> RobotType:
                    closed=frozenset(map(abs, message.closed_edges)))
 
 
-def _task(message: msg.RobotTask, types: Mapping[str, RobotType], clock: PlanningClock) -> Task:
+def _task(message: msg.RobotTask, types: Mapping[str, RobotType], rate: float) -> Task:
     name = _name(message.robot)
     mid_edge: Optional[Tuple[int, float]] = None
     if message.edge:
@@ -130,22 +107,24 @@ def _task(message: msg.RobotTask, types: Mapping[str, RobotType], clock: Plannin
                              'a fraction lies in 0..1.')
     kept: Optional[Tuple[PlannedDrive, ...]] = None
     if message.has_plan:
-        kept = tuple(PlannedDrive(drive.edge_id, clock.seconds(drive.start),
-                                  clock.seconds(drive.end)) for drive in message.kept)
+        fault = _fault_of(message.kept)
+        if fault:
+            raise CannotPlan(f'The kept plan of robot {name} has {fault}.')
+        kept = _drives_of(message.kept, rate)
     return Task(
         name, _type(name, message.robot_type, types), message.vertex or None,
-        tuple(message.released), message.begun, mid_edge, message.ready * clock.rate,
-        tuple(message.destinations), tuple(dwell * clock.rate for dwell in message.dwells),
+        tuple(message.released), message.begun, mid_edge, message.ready * rate,
+        tuple(message.destinations), tuple(dwell * rate for dwell in message.dwells),
         message.stays, kept, message.priority)
 
 
-def _task_message(task: Task, clock: PlanningClock) -> msg.RobotTask:
+def _task_message(task: Task, rate: float) -> msg.RobotTask:
     edge, fraction = task.mid_edge or (0, 0.0)
     return msg.RobotTask(
         task.name, task.type.name, task.vertex or 0, list(task.released), task.begun, edge,
-        fraction, task.ready / clock.rate, list(task.destinations),
-        [dwell / clock.rate for dwell in task.dwells], task.stays, task.kept is not None,
-        _drives(task.kept or (), 0, clock), task.priority)
+        fraction, task.ready / rate, list(task.destinations),
+        [dwell / rate for dwell in task.dwells], task.stays, task.kept is not None,
+        _drives_message(task.kept or (), rate), task.priority)
 
 
 def _area(robot: str, outline: msg.Outline) -> Area:
@@ -207,15 +186,15 @@ def answer_message(request: msg.PlanRequest, outcome: PlanningOutcome, planning_
 
 def write_outcome(answer: msg.PlanAnswer, outcome: PlanningOutcome, released: Mapping[str, int],
                   rate: float = 1.0) -> None:
-    """Puts the plans into an answer that has the request's stamp already.
+    """Puts the plans into an answer.
 
     released -- how many drives of each robot are released already
     """
-    clock = PlanningClock(answer.header.stamp, rate)
     names = dict.fromkeys((*released, *outcome.drives))  # in the order of the tasks
-    answer.plans = [msg.RobotPlan(name, _drives(outcome.drives[name], released.get(name, 0), clock))
+    answer.plans = [msg.RobotPlan(name, _drives_message(outcome.drives[name], rate),
+                                  min(released.get(name, 0), len(outcome.drives[name])))
                     for name in names if name in outcome.drives]
-    answer.precedence = [msg.Precedence(*constraint) for constraint in outcome.precedence]
+    answer.precedence = _precedence_message(outcome.precedence)
     answer.unserved = [msg.UnservedRobot(*item) for item in outcome.unserved.items()]
     answer.cost = outcome.cost / rate
     answer.lower_bound = outcome.lower_bound / rate
@@ -232,14 +211,14 @@ def no_plan_message(request: msg.PlanRequest, result: int, reason: str) -> msg.P
 
 
 def outcome_of(answer: msg.PlanAnswer, rate: float = 1.0) -> PlanningOutcome:
-    """Returns the plans in an answer whose result is PLANNED."""
-    clock = PlanningClock(answer.header.stamp, rate)
+    """Returns the plans in an answer whose result is PLANNED. Raises WrongAnswer."""
+    for plan in answer.plans:
+        fault = _fault_of(plan.drives)
+        if fault:
+            raise WrongAnswer(f'the plan of {plan.robot[:_LONGEST_NAME]!r} has {fault}')
     return PlanningOutcome(
-        {plan.robot: tuple(PlannedDrive(drive.edge_id, clock.seconds(drive.start),
-                                        clock.seconds(drive.end)) for drive in plan.drives)
-         for plan in answer.plans},
-        tuple(Constraint(one.before, one.before_drive, one.fraction, one.robot, one.drive)
-              for one in answer.precedence),
+        {plan.robot: _drives_of(plan.drives, rate) for plan in answer.plans},
+        _constraints_of(answer.precedence),
         {one.robot: one.reason for one in answer.unserved},
         answer.cost * rate, answer.lower_bound * rate)
 
@@ -250,7 +229,49 @@ def _answer(request: msg.PlanRequest, result: int) -> msg.PlanAnswer:
     return answer
 
 
-def _drives(drives: Sequence[PlannedDrive], released: int,
-            clock: PlanningClock) -> List[msg.PlannedDrive]:
-    return [msg.PlannedDrive(drive.edge, clock.moment(drive.start), clock.moment(drive.end),
-                             k < released) for k, drive in enumerate(drives)]
+# -- drives and their order -----------------------------------------------------------------------
+
+
+def _drives_message(drives: Sequence[PlannedDrive], rate: float) -> msg.PlannedDrives:
+    return msg.PlannedDrives([drive.edge for drive in drives],
+                             [drive.start / rate for drive in drives],
+                             [drive.end / rate for drive in drives])
+
+
+def _fault_of(drives: msg.PlannedDrives) -> str:
+    """Returns what makes a message no drives, as an object of `has`; empty: nothing."""
+    edges, starts, ends = map(len, (drives.edges, drives.starts, drives.ends))
+    if not edges == starts == ends:
+        return f'{edges} edges, {starts} starts and {ends} ends; their numbers must be equal'
+    if not all(map(isfinite, (*drives.starts, *drives.ends))):
+        return 'times that are not finite'
+    return ''
+
+
+def _drives_of(drives: msg.PlannedDrives, rate: float) -> Tuple[PlannedDrive, ...]:
+    return tuple(PlannedDrive(edge, start * rate, end * rate)
+                 for edge, start, end in zip(drives.edges, drives.starts, drives.ends))
+
+
+def _precedence_message(constraints: Sequence[Constraint]) -> msg.Precedence:
+    numbers: Dict[str, int] = {}
+    for one in constraints:
+        numbers.setdefault(one.first, len(numbers))
+        numbers.setdefault(one.then, len(numbers))
+    return msg.Precedence(
+        list(numbers), [numbers[one.first] for one in constraints],
+        [one.before for one in constraints], [one.fraction for one in constraints],
+        [numbers[one.then] for one in constraints], [one.drive for one in constraints])
+
+
+def _constraints_of(order: msg.Precedence) -> Tuple[Constraint, ...]:
+    """Returns the rules in a message. Raises WrongAnswer."""
+    columns = order.before, order.before_drive, order.fraction, order.robot, order.drive
+    lengths = set(map(len, columns))
+    if len(lengths) > 1:
+        raise WrongAnswer('the arrays of its precedence have different lengths')
+    known = len(order.robots)
+    if any(number >= known for number in (*order.before, *order.robot)):
+        raise WrongAnswer(f'its precedence has {known} robots, and the number of one more')
+    return tuple(Constraint(order.robots[first], before, fraction, order.robots[then], drive)
+                 for first, before, fraction, then, drive in zip(*columns))

@@ -73,8 +73,7 @@ class FleetPlanTopic:
     def _publish(self, told: _Told) -> None:
         made_at = told.now if told.progress is None else told.progress.plan.made_at
 
-        def planned(seconds: float) -> rospy.Time:
-            return messages.moment_of(made_at + (seconds - made_at) / self._rate - told.now,
-                                      told.stamp)
+        def behind(seconds: float) -> float:
+            return made_at + (seconds - made_at) / self._rate - told.now
         send(self._publisher.publish,
-             messages.plan_message(plan_views(told.progress), planned, told.stamp))
+             messages.plan_message(plan_views(told.progress), behind, told.stamp))

@@ -72,7 +72,7 @@ from fleet_core.supervision.supervisor import Supervisor
 from fleet_core.supervision.switching import OrderSwitching
 from graph_fleet_manager.commands import stop_address
 from graph_fleet_manager.messages import missions as messages
-from graph_fleet_manager.messages.planning import outcome_of
+from graph_fleet_manager.messages.planning import WrongAnswer, outcome_of
 from graph_fleet_manager.messages.stops import WrongStopMessage, answer_of, stops_of
 from graph_fleet_manager.nodes.event_loop import SupervisorEvents
 from graph_fleet_manager.nodes.fleet_diagnosis import report_fleet, report_missions
@@ -369,9 +369,13 @@ class PathSupervisor:
         def answered(supervisor: Optional[Supervisor], now: float) -> Sequence[Action]:
             if supervisor is None or not self._topics.is_answered(message):
                 return ()
-            if message.result == PlanAnswer.PLANNED:
-                return supervisor.plan_made(message.plan_id, outcome_of(message, self._rate), now)
-            return supervisor.plan_failed(message.plan_id, message.reason.rstrip('.'), now)
+            if message.result != PlanAnswer.PLANNED:
+                return supervisor.plan_failed(message.plan_id, message.reason.rstrip('.'), now)
+            try:
+                outcome = outcome_of(message, self._rate)
+            except WrongAnswer as wrong:
+                return supervisor.plan_failed(message.plan_id, str(wrong), now)
+            return supervisor.plan_made(message.plan_id, outcome, now)
         self._events.put(answered)
 
 

@@ -5,7 +5,7 @@ from typing import Dict, List, Mapping, Sequence, Set
 
 from visualization_msgs.msg import Marker
 
-from itrci_nav_msgs.msg import FleetPlan, FleetRobot, FleetState, PlannedDrive
+from itrci_nav_msgs.msg import FleetPlan, FleetRobot, FleetState, RobotPlan
 from rviz_drawing import drawing
 from trajectory_graph import Graph
 
@@ -27,18 +27,20 @@ def plan_markers(graph: Graph, plan: FleetPlan, state: FleetState,
 
     numbers -- the number of each robot's colour, by its name
     """
-    drives: Dict[str, Sequence] = {one.robot: one.drives for one in plan.plans}
+    plans: Dict[str, RobotPlan] = {one.robot: one for one in plan.plans}
     markers: List[Marker] = []
     blocked: Set[int] = set()
     for robot in state.robots:
         number = numbers.get(robot.name, 0)
-        known = [drive for drive in drives.get(robot.name, ()) if abs(drive.edge_id) in graph.edges]
+        own = plans.get(robot.name, RobotPlan())
+        released, planned = ([edge for edge in edges if abs(edge) in graph.edges] for edges in (
+            own.drives.edges[:own.released], own.drives.edges[own.released:]))
         if robot.state in BLOCKING:
-            blocked.update(abs(drive.edge_id) for drive in known if drive.released)
+            blocked.update(map(abs, released))
             if abs(robot.pose.edge_id) in graph.edges:
                 blocked.add(abs(robot.pose.edge_id))
             continue
-        markers += _plan_of_robot(graph, known, number)
+        markers += _plan_of_robot(graph, planned, released, number)
         if robot.destination in graph.vertices and robot.has_mission:
             place = graph.vertices[robot.destination].position
             markers.append(drawing.lines('destinations', number, drawing.own_colour(number), 0.07,
@@ -49,13 +51,12 @@ def plan_markers(graph: Graph, plan: FleetPlan, state: FleetState,
     return markers
 
 
-def _plan_of_robot(graph: Graph, drives: Sequence[PlannedDrive], number: int) -> List[Marker]:
+def _plan_of_robot(graph: Graph, planned: Sequence[int], released: Sequence[int],
+                   number: int) -> List[Marker]:
     """Returns the plan of one robot, and the released edges of it."""
     lane = LANE * (number % LANES + 0.5)
-    markers = []
-    for name, width, released in (('plans', PLAN_WIDTH, False), ('released', RELEASED_WIDTH, True)):
-        edges = dict.fromkeys(drive.edge_id for drive in drives if drive.released == released)
-        markers.append(drawing.lines(
-            name, number, drawing.own_colour(number), width,
-            [drawing.beside(graph.curve(edge), lane) for edge in edges], _Z + 0.001 * number))
-    return markers
+    return [drawing.lines(name, number, drawing.own_colour(number), width,
+                          [drawing.beside(graph.curve(edge), lane)
+                           for edge in dict.fromkeys(edges)], _Z + 0.001 * number)
+            for name, width, edges in (('plans', PLAN_WIDTH, planned),
+                                       ('released', RELEASED_WIDTH, released))]
