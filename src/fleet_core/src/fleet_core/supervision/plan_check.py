@@ -10,11 +10,14 @@ The interlocking decides whether two robots may be at the places of the plan.
 """
 from __future__ import annotations
 
-from collections import Counter
-from typing import Dict, List, Sequence
+from typing import Dict, List, Optional, Sequence
+
+import numpy as np
+from scipy.sparse import coo_matrix
+from scipy.sparse.csgraph import connected_components
 
 from fleet_core.planning.precedence import Constraint
-from fleet_core.planning.tasks import PlannedDrive, PlanningOutcome, Task
+from fleet_core.planning.tasks import PlanningOutcome, Task
 from trajectory_graph import Graph
 from trajectory_graph.drawn_names import edge_name
 
@@ -28,11 +31,11 @@ def fault_of(outcome: PlanningOutcome, tasks: Sequence[Task], graph: Graph) -> s
         if name not in asked:
             return f'names robot {name[:_SHOWN]!r}, which the question does not have'
     for task in tasks:
-        drives = outcome.drives.get(task.name, ())
-        fault = _fault_of_drives(task, [drive.edge for drive in drives], graph)
+        edges = [drive.edge for drive in outcome.drives.get(task.name, ())]
+        fault = _fault_of_drives(task, edges, graph)
         if fault:
             return fault
-        if task.name not in outcome.unserved and not _leads_over(task, drives, graph):
+        if task.name not in outcome.unserved and not _leads_over(task, edges, graph):
             return f'does not lead {task.name} to its destinations'
     for constraint in outcome.precedence:
         if not _is_possible(constraint, outcome):
@@ -45,15 +48,18 @@ def fault_of(outcome: PlanningOutcome, tasks: Sequence[Task], graph: Graph) -> s
 
 def _fault_of_drives(task: Task, edges: Sequence[int], graph: Graph) -> str:
     """Returns a fault unless each edge exists and begins where the one before it ends."""
-    name = task.name
-    for edge in edges:
-        if abs(edge) not in graph.edges:
+    name, known = task.name, graph.edges
+    place: Optional[int] = None
+    for number, edge in enumerate(edges):
+        found = known.get(abs(edge))
+        if found is None:
             return f'leads {name} over edge {abs(edge)}, which the graph does not have'
-    for before, edge in zip(edges, edges[1:]):
-        if graph.end_vertex(before).id != graph.start_vertex(edge).id:
-            return (f'leads {name} from {edge_name(graph, before)} to {edge_name(graph, edge)}, '
-                    'which do not meet')
-    if not edges or not all(abs(edge) in graph.edges for edge in task.released):
+        start, end = (found.origin, found.destination)[::1 if edge > 0 else -1]
+        if start != place and place is not None:
+            return (f'leads {name} from {edge_name(graph, edges[number - 1])} to '
+                    f'{edge_name(graph, edge)}, which do not meet')
+        place = end
+    if not edges or not all(abs(edge) in known for edge in task.released):
         return ''
     if task.released:
         begins_right = tuple(edges[:len(task.released)]) == task.released
@@ -65,13 +71,14 @@ def _fault_of_drives(task: Task, edges: Sequence[int], graph: Graph) -> str:
             f'leads {name} over {edge_name(graph, edges[0])} first, but {name} is elsewhere')
 
 
-def _leads_over(task: Task, drives: Sequence[PlannedDrive], graph: Graph) -> bool:
+def _leads_over(task: Task, edges: Sequence[int], graph: Graph) -> bool:
     """Returns whether the drives visit all destinations in order.
 
     Some released drives may be done already.
     """
-    left = list(task.destinations)
-    vertices = [graph.end_vertex(drive.edge).id for drive in drives]
+    left, known = list(task.destinations), graph.edges
+    vertices = [known[abs(edge)].destination if edge > 0 else known[-edge].origin
+                for edge in edges] if left else []
     for vertex in ((task.vertex,) if task.vertex is not None else ()) + tuple(vertices):
         while left and left[0] == vertex:
             del left[0]
@@ -96,26 +103,22 @@ def _ring(outcome: PlanningOutcome) -> List[str]:
     for name, drives in outcome.drives.items():
         first_node[name] = len(robots)
         robots += [name] * len(drives)
-    behind: List[List[int]] = [[] for _ in robots]
-    for node in range(1, len(robots)):
-        if robots[node] == robots[node - 1]:
-            behind[node - 1].append(node)
-    for first, before, fraction, then, drive in outcome.precedence:
-        begun = before if fraction > 0.0 else before - 1
+    before, behind = [], []
+    for first, number, fraction, then, drive in outcome.precedence:
+        begun = number if fraction > 0.0 else number - 1
         if begun >= 0:
-            behind[first_node[first] + begun].append(first_node[then] + drive)
-    return sorted({robots[node] for node in _never_ready(behind)})
-
-
-def _never_ready(behind: Sequence[Sequence[int]]) -> List[int]:
-    """Returns the nodes in a ring, and those behind one,
-    where `behind` are the nodes behind each node.
-    """
-    waits = Counter(node for nodes in behind for node in nodes)
-    ready = [node for node in range(len(behind)) if not waits[node]]
-    for node in ready:  # the list grows in the loop
-        for later in behind[node]:
-            waits[later] -= 1
-            if not waits[later]:
-                ready.append(later)
-    return [node for node, count in waits.items() if count]
+            before.append(first_node[first] + begun)
+            behind.append(first_node[then] + drive)
+    for name, drives in outcome.drives.items():
+        nodes = range(first_node[name], first_node[name] + len(drives))
+        before += nodes[:-1]
+        behind += nodes[1:]
+    if not before:
+        return []
+    # a ring is a strongly connected part of more than one node, or a node before itself
+    count = len(robots)
+    arcs = coo_matrix((np.ones(len(before)), (before, behind)), shape=(count, count))
+    _, part = connected_components(arcs, connection='strong')
+    is_in_ring = np.bincount(part, minlength=1)[part] > 1
+    alone = [node for node, later in zip(before, behind) if node == later]
+    return sorted({robots[node] for node in (*np.flatnonzero(is_in_ring), *alone)})
