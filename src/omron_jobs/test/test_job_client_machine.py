@@ -136,6 +136,16 @@ class HandedJobsInAnyOrder(RuleBasedStateMachine):
             except WrongJob:
                 assert not job.is_open or job.is_unwanted or job.wanted
 
+    @rule(goal=st.integers(0, 1), other=st.integers(0, 1))
+    def modify_what_is_queued(self, goal: int, other: int) -> None:
+        """A job that the Fleet Manager has just queued gets other goals and priorities, so that
+        one modification needs several commands. Single rules seldom meet in this order.
+        """
+        self.request(goal)
+        self.carry_to_server(10_000)
+        self.carry_to_client(1_000_000)
+        self.modify(len([job for job in self.client.jobs if job.is_open]) - 1, goal, other, 30)
+
     def modified(self, segment: QueueSegment, goal: str, priority: int) -> None:
         """The Fleet Manager modifies a segment, and ends its drive."""
         assert (goal, priority) != (segment.goal, segment.priority), 'a drive ends for nothing'

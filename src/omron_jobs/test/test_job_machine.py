@@ -184,6 +184,16 @@ class JobsInAnyOrder(RuleBasedStateMachine):
         if is_heard:
             self.show(key)
 
+    @rule(which=PICK, state=st.sampled_from((State.FAILED, State.CANCELLED)))
+    def end_unheard(self, which: int, state: State) -> None:
+        """A mission that the job server knows ends, and the news is lost. Single rules seldom meet
+        in this order.
+        """
+        self.exchange([], False)
+        open_ones = [key for key, one in self.fleet.missions.items() if one.shown.state.is_open]
+        for key in open_ones[which % max(1, len(open_ones)):][:1]:
+            self.fleet.set(key, state)
+
     def show(self, key: Key) -> None:
         self.server.announce(tell(self.book, key, self.fleet.missions[key].shown, self.now))
         self.after_news()
@@ -365,18 +375,12 @@ class AsksNobody(JobBook):
         return []
 
 
-SEEDS = {ChangesOnce: 0, KeepsTheNewGoal: 2, AsksNobody: 6}
-"""Seeds with which a fault is found soon. Another machine needs other seeds, or more time."""
-
-
 @pytest.mark.parametrize('book', [StoresLate, StampsAnew, CancelsOnce, ChangesOnce,
                                   KeepsTheNewGoal, ForgetsItsCounter, StoresNoRecords,
                                   AsksNobody])
 def test_a_planted_fault_is_found(book: Type[JobBook]) -> None:
     machine = JobsOfBothInterfaces if book is StoresNoRecords else JobsInAnyOrder
-    faulty = type('Faulty', (machine,), {'Book': book})
-    if book in SEEDS:
-        faulty = seed(SEEDS[book])(faulty)
+    faulty = seed(0)(type('Faulty', (machine,), {'Book': book}))
     with pytest.raises((AssertionError, KeyError)):
         run_state_machine_as_test(faulty, settings=settings(
             max_examples=2000, deadline=None, derandomize=True, database=None,
