@@ -304,7 +304,8 @@ class Witness(DelayedDrive):
             self._stops_sent.clear()
             for word in self._before_stops:  # the robot does not obey those stops after them
                 self.words.remove(word)
-                self.words.append(word)
+                if self.robot.goal is None or self._anothers:  # else it has obeyed us since
+                    self.words.append(word)
             self._before_stops.clear()
         super().cut(link, seconds)
 
