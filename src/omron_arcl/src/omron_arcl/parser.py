@@ -151,7 +151,8 @@ _TABLE: Tuple[Row, ...] = (
     *(read.said(phrase) for phrase in (
         'Reset odometer', 'Created info for', 'Updated info for', 'New config starting', 'Added',
         'Will parse config', 'Config parsed fine', 'Config had errors parsing:',
-        'Will add new param', 'Will add config comment', 'ApplicationFaultSet set', 'ApplicationFaultClear cleared',
+        'Will add new param', 'Will add config comment', 'ApplicationFaultSet set',
+        'ApplicationFaultClear cleared',
         'Saying', 'Playing', 'Logging', 'Creating simple popup', 'Outgoing connected to',
         'extIOAdd:', 'extIORemove:', 'payloadSet attempting', 'payloadSet on',
         'payloadRemove attempting', 'payloadRemove on', 'queueDropoff attempting',

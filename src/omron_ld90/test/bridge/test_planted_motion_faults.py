@@ -1,6 +1,7 @@
 """The search of test_motion_property.py finds each of these planted faults.
 
-Each is also found in a scene: a few rules of the search, one after the other. test_last_word.py finds a bridge that gives its stop only once.
+Each is also found in a scene: a few rules of the search, one after the other. test_last_word.py
+finds a bridge that gives its stop only once.
 """
 from __future__ import annotations
 
