@@ -305,6 +305,7 @@ def test_a_stop_that_another_clients_drive_overtakes_ends_at_once_and_not_as_a_s
 
 def test_a_cancelled_drive_is_over_when_another_clients_drive_overtakes_its_stop(talk):
     goto = talk.give('goto A')
+    talk.robot('Going to A')
     talk.cancel(goto)
     talk.send()
     talk.robot('Stopping', 'Going to B')

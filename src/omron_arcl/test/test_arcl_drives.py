@@ -887,6 +887,35 @@ class TestWhoseStopping:
         bench.robot('Stopping')
         assert bench.memory.cause is MotionCause.OTHER_CLIENT
 
+    @pytest.mark.parametrize('said', [['Stopping', 'Stopped'], ['Stopped']])
+    def test_nor_do_stops_that_the_robot_answered_together(self, bench, said):
+        """A program drove on although another client had stopped the robot."""
+        bench.status('Stopped')
+        bench.stop(PERSON)
+        bench.stop(ROUTE)
+        bench.robot(*said)
+        assert not bench.memory.stop_owed
+        for _ in range(2):
+            bench.give('oneLineStatus')
+            bench.status('Stopped')
+        known = bench.epoch
+        bench.robot('Stopping', 'Stopped')
+        with pytest.raises(Overruled):
+            bench.drive(ROUTE, known_epoch=known)
+
+    def test_a_stop_may_be_answered_after_the_next_status(self, bench):
+        """Right after a command the status may be that of before."""
+        bench.status('Going to 9')
+        bench.give('oneLineStatus')
+        stop = bench.stop(ROUTE)
+        bench.give('arclStat')
+        known = bench.epoch
+        bench.status('Going to 9')
+        bench.give('oneLineStatus')
+        bench.status('Going to 9')
+        bench.robot('Stopping', 'Stopped')
+        assert (outcome(stop), bench.epoch) == (Outcome.SUCCEEDED, known)
+
     @pytest.mark.parametrize('interruption', [[], ['Interrupted: Going to 3']])
     def test_the_pair_of_another_client_does_not_end_our_stop_behind_an_unanswered_drive(
             self, bench, interruption):

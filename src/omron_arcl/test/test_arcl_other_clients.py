@@ -80,6 +80,15 @@ class TestAMotionWithoutAName:
             bench.status(shown, 1.0)
         assert (bench.epoch != known, bench.memory.giver) == (True, NO_GIVER)
 
+    @pytest.mark.parametrize('shown', ['Going to 9', 'Going to point'])
+    def test_that_others_break_off_begins_another_epoch_also_if_only_statuses_show_it(
+            self, bench, shown):
+        for _ in range(3):
+            bench.status(shown, 1.0)
+        known = bench.epoch
+        bench.status('Stopped', 1.0)
+        assert bench.epoch != known
+
     @pytest.mark.parametrize('text, line, shown', [
         ('gotoPoint 1 2', 'Going to point', 'Going to point'),
         ('doTask wait 5', 'Doing task wait 5', 'Going to 3'),
@@ -317,6 +326,31 @@ class TestOurStop:
         for _ in range(8):
             bench.status('Going to 12', 1.5)
         assert bench.memory.stop_owed
+
+    @pytest.mark.parametrize('lines', [['Stopping', 'Going to 9'],
+                                       ['Stopping', 'Stopped', 'Going to 9']])
+    def test_is_owed_though_another_client_stops_and_drives_before_the_drive_that_it_is_for(
+            self, bench, lines):
+        """After an outage the robot drove on to 12, and nobody stopped it."""
+        bench.drive(PERSON)
+        bench.stop(PERSON)
+        bench.robot(*lines)
+        assert bench.memory.stop_owed
+        after_outage(bench)
+        bench.status('Going to 12')
+        bench.pass_time(LOOK)
+        assert bench.sent == ['goto 12', 'stop', 'stop']
+
+    def test_is_owed_until_the_drive_is_over_that_was_on_its_way_at_an_emergency_stop(self, bench):
+        bench.drive(PERSON)
+        known = bench.epoch
+        bench.robot('EStop pressed', 'Motors enabled', 'Stopping', 'Stopped',
+                    'Stopping', 'Going to 12')  # another client stopped it, too
+        assert (bench.epoch != known, bench.memory.stop_owed) == (True, True)
+        known = bench.epoch
+        bench.robot('Interrupted: Going to 12', 'Stopping', 'Stopped')
+        assert (bench.epoch, bench.memory.stop_owed, bench.sent) == (
+            known, False, ['goto 12', 'stop'])
 
     def test_for_a_drive_that_timed_out_ends_no_newer_drive(self, bench):
         older = bench.drive(ROUTE, stop_on_timeout=True)

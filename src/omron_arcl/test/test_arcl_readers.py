@@ -10,13 +10,11 @@ from omron_arcl.readers import unquoted
 from omron_arcl.replies import (
     ArrivedAt,
     BatteryVoltage,
-    DistanceFromHere,
     Goal,
     GoingTo,
     LocalizationScore,
     Location,
     MapObjectCoord,
-    Odometer,
     OneLineStatus,
     StateOfCharge,
     Temperature,
@@ -31,7 +29,6 @@ from omron_arcl.replies import (
     ('Temperature', Temperature, ('36', '-128', '-40'), ('1e4', '-200', 'nan', '-inf')),
     ('Location', Location, ('1 2 3', '-1e10 1e10 -180', '0 0 360'),
      ('1e308 0 0', '0 -1e11 0', '0 0 361', 'nan 0 0', '0 0 inf', '1_0 0 0', '1 2', '1 2 3 4')),
-    ('Odometer', Odometer, ('8281 mm 210 deg 469 sec',), ('1e300 mm 210 deg 469 sec',)),
     ('MapObjectInfoCoord', MapObjectCoord, ('"x" 1 2 90.0',), ('"x" 1e11 2 90', '"x" 1 2 1e9')),
 ])
 def test_a_number_that_cannot_be_is_no_measurement(prefix, kind, good, bad):
@@ -69,8 +66,6 @@ def test_impossible_values_are_told_also_those_on_lines_of_their_own(line, field
     ('Goal: "goal space"', Goal('goal space')), ('Going to "charger1"', GoingTo('charger1')),
     ('Arrived at "charger1"', ArrivedAt('charger1')), ('Goal: "', Goal('"')),
     ('Goal: ""', Goal('""')), ('Goal: "a" "b"', Goal('"a" "b"')),
-    ('DistanceFromHere: 12345 "Goal1"', DistanceFromHere(12345.0, 'Goal1')),
-    ('DistanceFromHere: 1.5 goal space', DistanceFromHere(1.5, 'goal space')),
 ])
 def test_names_come_without_the_quotes_around_them(line, reply):
     assert parse_line(line) == reply

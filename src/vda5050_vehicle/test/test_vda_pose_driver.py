@@ -114,6 +114,35 @@ def test_pause_and_cancel_cancel_the_goal(lab):
     assert lab.status(cancel) == 'FINISHED'
 
 
+class TestAPersonStopsTheRobot:
+    """It brakes for a while, and may pass or reach a node meanwhile."""
+
+    def test_it_is_not_driven_on_from_a_node_that_it_passes(self, lab):
+        lab.order(HALL.order('o'))
+        lab.at(*PLACES[0])
+        lab.see(halted=True)
+        lab.at(*PLACES[1])
+        assert len(lab.goals) == 1
+        lab.end_goal(False, 'preempted')
+        assert (lab.errors, len(lab.goals)) == (['driveError'], 1)
+
+    def test_nor_from_a_node_that_it_has_just_reached(self, lab):
+        lab.order(HALL.order('o'))
+        lab.at(*PLACES[0])
+        lab.see(halted=True)
+        lab.end_goal()
+        assert (lab.state['lastNodeId'], lab.errors, len(lab.goals)) == ('10', ['driveError'], 1)
+
+    def test_what_halted_it_before_its_goal_does_not_count(self, lab):
+        lab.see(halted=True)
+        lab.order(HALL.order('o'))
+        lab.at(*PLACES[1])
+        assert (lab.errors, len(lab.goals)) == ([], 2)
+        lab.see(halted=False)
+        lab.end_goal()
+        assert (lab.errors, len(lab.goals)) == ([], 3)
+
+
 def test_a_node_without_a_position_cannot_be_driven_to(lab):
     order = HALL.order('o')
     del order['nodes'][2]['nodePosition']

@@ -181,8 +181,9 @@ class Attribution:
         """Notes that the robot obeys something else, so the commands of ours that it obeyed are
         over.
 
-        This includes a stop after which the robot has said `Stopping`. Without that line the robot
-        may still have to obey the stop.
+        This includes a stop after which the robot has said `Stopping`. Without that line, or if a
+        drive before it is still to come, the robot may still have to obey the stop: that line may
+        be about a stop of another client.
         """
         records = self._commands.records
         if why is Begins.LATE:
@@ -191,7 +192,8 @@ class Attribution:
             records.driven_by_others(
                 MotionCause.ROBOT if why is Begins.ITSELF else MotionCause.OTHER_CLIENT,
                 activity_of(reply), text)
-        for execution in [e for e in self._commands.motion_executions if records.has_begun(e)]:
+        for execution in [e for e in self._commands.motion_executions if records.has_begun(e)
+                          and not (e.command.spec.stops and records.waits_for_a_drive(e))]:
             self._commands.end_before(execution, f'taken over: {text}')
             self._commands.end(execution, Outcome.INTERRUPTED, f'taken over: {text}')
 
@@ -200,10 +202,10 @@ class Attribution:
         if isinstance(reply, (replies.StatusText, replies.OneLineStatus)):
             shown = reply.text if isinstance(reply, replies.StatusText) else reply.status
             if shown:
-                activity = read_activity(shown)
-                self._observe(Observation(
-                    activity, shown, True, asked[0].order if asked else None), now)
-                self._commands.records.showed(activity, shown)
+                seen = Observation(
+                    read_activity(shown), shown, True, asked[0].order if asked else None)
+                self._observe(seen, now)
+                self._commands.records.showed(seen.activity, shown, seen.asked)
         elif activity_of(reply).kind is not ActivityKind.UNKNOWN:
             self._observe(Observation(activity_of(reply), text, False), now)
 

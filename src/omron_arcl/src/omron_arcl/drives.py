@@ -456,7 +456,7 @@ class Drives:
     def sent(self, execution: Execution) -> None:
         """Notes that a command is sent to the robot."""
         if execution.command.spec.stops:
-            self.heard.unheard_stops += 1
+            self.heard.stop_sent(execution.order)
 
     # --- progress of commands ---------------------------------------------------------------------
 
@@ -740,6 +740,7 @@ class Drives:
              and goal.casefold() in r.names), None)
         if record and self._memory.stop_owed:
             self._mark(record.number, acknowledged_by=line)
+            self._count_stops_behind(record)
         elif record:
             self._obeyed(record.number, line)
 
@@ -747,9 +748,11 @@ class Drives:
         """Notes that the robot begins a motion that no program here asked for."""
         self._foreign(cause, True, text, activity)
 
-    def showed(self, activity: Activity, text: str) -> None:
-        """Notes that the robot sends a status."""
+    def showed(self, activity: Activity, text: str, asked: Optional[int] = None) -> None:
+        """Notes that the robot sends a status; `asked`: see `Observation`."""
         before = self.heard.shown
+        if asked is not None:
+            self.heard.answered(asked)
         self.heard.showed(activity)
         if activity.kind is ActivityKind.EMERGENCY_STOP:
             self.note_emergency(text)
@@ -804,7 +807,7 @@ class Drives:
 
     def _idle_shown(self, before: Optional[Activity], activity: Activity, text: str) -> None:
         """Notes that no command of ours is under way: another client caused the robot's motion."""
-        if before is not None and self._leaves_our_goal(before, activity):
+        if before is not None and self._is_stopped(before, activity):
             self._foreign(MotionCause.OTHER_CLIENT, False, text)
         ruling, moves = self._memory.ruling or _NOTHING, activity.kind in MOVING
         if moves:
@@ -833,13 +836,17 @@ class Drives:
             self._mark(ruling.number, shown=_shown(activity))
             self._keep()
 
-    def _leaves_our_goal(self, before: Activity, activity: Activity) -> bool:
-        """Returns whether a robot at our goal shows that it was stopped:
-        it would not do so by itself.
+    def _is_stopped(self, before: Activity, activity: Activity) -> bool:
+        """Returns whether a robot at our goal, or on its way to a place for others, shows that it
+        was stopped: it would not do so by itself.
         """
-        return (before.kind is ActivityKind.ARRIVED_AT_GOAL and self._memory.drives
-                and before.goal.casefold() in self._memory.names
-                and activity.kind in (ActivityKind.STOPPED, ActivityKind.STOPPING))
+        ruling, goal = self._memory.ruling, before.goal.casefold()
+        at_our_goal = (before.kind is ActivityKind.ARRIVED_AT_GOAL and self._memory.drives
+                       and goal in self._memory.names)
+        for_others = (before.kind in (ActivityKind.GOING_TO_GOAL, ActivityKind.GOING_TO_POINT)
+                      and ruling is not None and ruling.kind is RecordKind.FOREIGN_DRIVE)
+        return (at_our_goal or for_others) and activity.kind in (
+            ActivityKind.STOPPED, ActivityKind.STOPPING)
 
     def _ends_unlike(self, ruling: DriveRecord, activity: Activity) -> bool:
         """Returns whether a drive ends otherwise than at its goal. Its command ended as lost with
@@ -907,15 +914,20 @@ class Drives:
         if record is None or record.fate is Fate.OBEYED:
             return
         ruling, at = self._memory.ruling, self._records.index(record)
-        # the robot answers in order: all stops sent before are answered, and none sent after
-        self.heard.unheard_stops = sum(
-            r.kind is RecordKind.STOP and r.number > number
-            and (r.fate is Fate.OVER or self._was_sent(r))
-            for r in (*self._aside, *self._records))
+        self._count_stops_behind(record)
         self._records = (record, *(
             r for r in self._records[at + 1:] if r.kind in (RecordKind.DRIVE, RecordKind.STOP)))
         self._happens(Event.ACKNOWLEDGED, record)
         self._rules(record, ruling)
+
+    def _count_stops_behind(self, drive: DriveRecord) -> None:
+        """Counts the stops without an answer, as the robot answers a drive: it answers in order,
+        so all stops sent before are answered, and none sent after.
+        """
+        self.heard.stops_left(sum(
+            r.kind is RecordKind.STOP and r.number > drive.number
+            and (r.fate is Fate.OVER or self._was_sent(r))
+            for r in (*self._aside, *self._records)))
 
     def _rules(self, record: DriveRecord, ruling: Optional[DriveRecord]) -> None:
         """Makes a drive the ruling record. A new epoch begins, unless the same giver drives on,

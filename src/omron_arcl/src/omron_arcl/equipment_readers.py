@@ -35,12 +35,6 @@ def external_io_update(text: str) -> replies.ExternalIOUpdate:
     return replies.ExternalIOUpdate(name)
 
 
-def range_device(text: str) -> replies.RangeDevice:
-    """Reads `<name> <kind>`."""
-    name, _, kind = text.partition(' ')
-    return replies.RangeDevice(name, kind)
-
-
 def range_reading(text: str, cumulative: bool) -> replies.RangeReading:
     """Reads `<device> x y x y ...`: whole mm in the map frame.
 

@@ -5,7 +5,7 @@ These are facts about the lines. `attribution` decides whose a line is, and `dri
 from __future__ import annotations
 
 from enum import Enum
-from typing import Optional, Set, Union
+from typing import List, Optional, Set, Union
 
 from omron_arcl import replies
 from omron_arcl.activity import MOVING, STANDING, Activity, ActivityKind, activity_of
@@ -70,6 +70,8 @@ class RobotWords:
         """Whether the motors are on; None: the robot has not said it."""
         self.unheard_stops = 0
         """Number of stops that were sent and whose `Stopping` has not come."""
+        self._stops: List[int] = []  # by order of sending: those whose `Stopping` may still come
+        self._answered = 0  # order of the question that the robot answered last
         self.stopped_by_us = False
         """Whether the last `Stopped` may end a stop of ours."""
         self.will_not_stand = False
@@ -143,6 +145,25 @@ class RobotWords:
             self.unheard_stops -= 1
         elif whose is StopOf.CLEARED_FAULT:
             self.stops_itself = None
+
+    def stop_sent(self, order: int) -> None:
+        """Notes that a stop is sent, as the command with this number in the order of sending."""
+        self._stops.append(order)
+        self.unheard_stops += 1
+
+    def stops_left(self, number: int) -> None:
+        """Notes that this number of the stops that were sent has still to be answered."""
+        self.unheard_stops = min(number, len(self._stops))
+
+    def answered(self, order: int) -> None:
+        """Notes that the robot answers a question with a status.
+
+        It answers in the order of sending, but may obey a command a moment after the next answer.
+        So with the second answer after a stop its `Stopping` does not come any more: some robots
+        say it once for several stops.
+        """
+        self._stops = [stop for stop in self._stops if stop > self._answered]
+        self.unheard_stops, self._answered = min(self.unheard_stops, len(self._stops)), order
 
     def forget_stop(self) -> None:
         """Notes that the robot will not answer one of the stops that were sent."""

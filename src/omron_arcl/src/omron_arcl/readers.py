@@ -183,30 +183,6 @@ def fault(text: str, cleared: bool = False) -> replies.Fault:
     return replies.Fault(kind, name, short, long, stops, critical, application, cleared)
 
 
-def odometer(text: str) -> replies.Odometer:
-    """Reads `8281 mm 210 deg 469 sec`."""
-    distance, _, rotation, _, seconds, _ = text.split()
-    return replies.Odometer(number(distance), number(rotation), number(seconds))
-
-
-def distance_between(text: str) -> replies.DistanceBetween:
-    """Reads `<mm> "<goal>" "<goal>"`."""
-    distance, origin, destination = split_words(text)
-    return replies.DistanceBetween(number(distance), origin, destination)
-
-
-def distance_from_here(text: str) -> replies.DistanceFromHere:
-    """Reads `12345 "<goal>"`."""
-    distance, _, goal = text.partition(' ')
-    return replies.DistanceFromHere(number(distance), unquoted(goal.strip()))
-
-
-def map_object(text: str) -> replies.MapObjectName:
-    """Reads `"<name>" <type>`."""
-    name, kind, *_ = split_words(text)
-    return replies.MapObjectName(name, kind)
-
-
 def map_object_coord(text: str) -> replies.MapObjectCoord:
     """Reads `"<name>" -3914 1929 -90.000`: mm, mm, degrees."""
     name, x, y, heading = split_words(text)

@@ -77,7 +77,7 @@ class UnknownLine(Reply):
     text: str
 
 
-# --- status and counters --------------------------------------------------------------------------
+# --- status ---------------------------------------------------------------------------------------
 
 @dataclass(frozen=True)
 class ExtendedStatus(Reply):
@@ -145,22 +145,6 @@ class OneLineStatus(Reply):
     localization_score: Optional[LocalizationScore] = None
     temperature: Optional[Temperature] = None
     ignored: Tuple[str, ...] = ()
-
-
-@dataclass(frozen=True)
-class Odometer(Reply):
-    """Distance (mm), rotation (degrees) and time (s) since the last reset."""
-
-    distance: float
-    rotation: float
-    seconds: float
-
-
-@dataclass(frozen=True)
-class DateTime(Reply):
-    """The robot's clock, in the robot's format (MM/DD/YYYY HH:MM:SS)."""
-
-    text: str
 
 
 # --- driving, docking, stopping, localizing -------------------------------------------------------
@@ -350,13 +334,6 @@ class WaitState(Reply):
     text: str
 
 
-@dataclass(frozen=True)
-class PauseState(Reply):
-    """State of a pause task."""
-
-    text: str
-
-
 # --- the emergency stop, the motors and faults ----------------------------------------------------
 
 @dataclass(frozen=True)
@@ -452,31 +429,6 @@ class Macro(Reply):
 
 
 @dataclass(frozen=True)
-class DistanceBetween(Reply):
-    """Length of the path between two goals, mm."""
-
-    distance: float
-    origin: str
-    destination: str
-
-
-@dataclass(frozen=True)
-class DistanceFromHere(Reply):
-    """Length of the path from the robot to a goal, mm."""
-
-    distance: float
-    goal: str
-
-
-@dataclass(frozen=True)
-class MapObjectName(Reply):
-    """An object of the map, with its type."""
-
-    name: str
-    type: str
-
-
-@dataclass(frozen=True)
 class MapObjectCoord(Reply):
     """Pose of an object of the map: mm, mm, degrees."""
 
@@ -500,26 +452,11 @@ class ConfigValue(Reply):
 
 
 @dataclass(frozen=True)
-class ConfigErrors(Reply):
-    """The configuration was loaded with errors."""
-
-    text: str
-
-
-@dataclass(frozen=True)
 class ConfigurationChanged(Reply):
     """A configuration was loaded."""
 
 
 # --- range devices, inputs and outputs ------------------------------------------------------------
-
-@dataclass(frozen=True)
-class RangeDevice(Reply):
-    """A range device of the robot, e.g. `Laser_1`, and its kind."""
-
-    name: str
-    kind: str
-
 
 @dataclass(frozen=True, eq=False)
 class RangeReading(Reply):

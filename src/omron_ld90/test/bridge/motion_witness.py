@@ -304,7 +304,8 @@ class Witness(DelayedDrive):
             self._stops_sent.clear()
             for word in self._before_stops:  # the robot does not obey those stops after them
                 self.words.remove(word)
-                self.words.append(word)
+                if self.robot.goal is None or self._anothers:  # else it has obeyed us since
+                    self.words.append(word)
             self._before_stops.clear()
         super().cut(link, seconds)
 
@@ -347,6 +348,10 @@ class Witness(DelayedDrive):
         if self.is_alone and motion.memory.cause in (
                 MotionCause.OTHER_CLIENT, MotionCause.ROBOT, MotionCause.INTERRUPTED):
             self.broken.append(f'there is no other client: {motion.memory.reason}')
+        obeyed = [record.giver for record in motion.memory.records if not record.pending]
+        if motion.memory.giver not in (NO_GIVER, *obeyed):
+            self.broken.append(f'{motion.memory.giver.name} is told as the giver before the robot '
+                               'has answered its drive')
         for last in motion.memory.last_commands:
             self._judge_last_command(last)
         super()._on_motion(motion)

@@ -1,17 +1,19 @@
 """The search of test_motion_property.py finds each of these planted faults.
 
-test_last_word.py finds a bridge that gives its stop only once.
+Each is also found in a scene: a few rules of the search, one after the other. test_last_word.py
+finds a bridge that gives its stop only once.
 """
 from __future__ import annotations
 
 import os
+from contextlib import nullcontext
 from dataclasses import replace
-from typing import Any, Callable
+from typing import Any, Callable, Dict, Tuple
 
 import pytest
 from hypothesis import HealthCheck, Phase, settings
 from hypothesis.stateful import run_state_machine_as_test
-from modelled_controller import ModelledController
+from modelled_controller import Delays, ModelledController
 from test_motion_property import SimulatedRobots
 
 from omron_arcl import drives
@@ -21,10 +23,10 @@ from omron_arcl.commands import Command
 from omron_arcl.drives import Drives
 from omron_arcl.execution import NO_GIVER, Execution, Outcome
 from omron_arcl.records import DriveMemory, MotionCause, RecordKind
+from omron_ld90.bridge.events import RobotLink
 from omron_ld90.bridge.robot_monitor import RobotMonitor
 
-pytestmark = pytest.mark.skipif(os.environ.get('LD90_LONG_TESTS') != '1',
-                                reason='takes minutes; LD90_LONG_TESTS=1')
+Call = Tuple[Any, ...]  # a rule, and its arguments
 SEARCH = settings(max_examples=2500, stateful_step_count=30, deadline=None, database=None,
                   phases=[Phase.generate], print_blob=False, report_multiple_bugs=False,
                   suppress_health_check=list(HealthCheck))
@@ -128,6 +130,64 @@ FAULTS = {
 }
 
 
+_ADAPTER_DRIVES: Tuple[Call, ...] = (('program_drives', '/adapter', '3', 0.0), ('passes', 1.0))
+_PERSON_DRIVES: Tuple[Call, ...] = (('person_drives', '3'), ('passes', 1.0))
+_ADAPTER_DRIVES_ON: Tuple[Call, ...] = (('program_drives', '/adapter', '4', 0.0), ('passes', 1.0))
+_STOP_IN_AN_OUTAGE: Tuple[Call, ...] = (
+    *_PERSON_DRIVES, ('link_breaks', RobotLink.COMMANDS, 1.0), ('person_stops',), ('passes', 4.0))
+SCENES: Dict[str, Tuple[Call, ...]] = {
+    'anybody may drive': (('person_stops',), *_ADAPTER_DRIVES_ON),
+    'a stop without a link is forgotten': _STOP_IN_AN_OUTAGE,
+    'an owed stop is never sent': _STOP_IN_AN_OUTAGE,
+    'a lost stop counts as obeyed': (*_PERSON_DRIVES, ('stop_of_a_person_is_lost', 0.1)),
+    'a stop ends newer drives': (*_ADAPTER_DRIVES, ('program_stops', '/joystick', 0.0)),
+    'a stop of the bridge ends each motion': (
+        ('person_drives_as_a_route_fails', '3', RobotLink.OUTGOING), ('passes', 4.0)),
+    'a new link forgets the owed stop': _STOP_IN_AN_OUTAGE,
+    'a restart forgets the owed stop': (
+        *_PERSON_DRIVES, ('person_stops',), ('controller_restarts', 0.0)),
+    'a cancellation is not a word': (('person_cancels',), *_ADAPTER_DRIVES_ON),
+    'a restarted giver is the same': (
+        *_ADAPTER_DRIVES, ('program_restarts', '/adapter'), *_ADAPTER_DRIVES_ON),
+    'an emergency stop begins no epoch': (
+        *_ADAPTER_DRIVES, ('reads', '/adapter'), ('emergency_stop',), ('passes', 1.0), ('help',),
+        ('passes', 4.0), *_ADAPTER_DRIVES_ON),
+    'a stop begins no epoch': (('person_stops',), *_ADAPTER_DRIVES_ON),
+    'another client begins no epoch': (
+        ('another_client', 'goto 3'), ('passes', 1.0), *_ADAPTER_DRIVES_ON),
+    'a drive that the robot broke off begins no epoch': (
+        ('program_drives_before_the_robot_has_said_why_it_broke_off', '/adapter', '4', 'stop'),),
+    'a drive succeeds as soon as the robot sets out': _ADAPTER_DRIVES,
+    'who gave the newest command is the giver': (*_ADAPTER_DRIVES, ('person_drives', '4')),
+    'an outage begins no epoch': (
+        *_ADAPTER_DRIVES, ('reads', '/adapter'), ('link_breaks', RobotLink.COMMANDS, 1.0),
+        ('another_client', 'stop'), ('passes', 4.0), *_ADAPTER_DRIVES_ON),
+    'a motion without a name is ours': (
+        *_ADAPTER_DRIVES, ('link_breaks', RobotLink.COMMANDS, 1.0),
+        ('another_client_drives_without_a_goal', 'gotoPoint 9000 3000 0'), ('passes', 10.0)),
+    'a drive is sent again over a new link': (
+        *_PERSON_DRIVES, ('link_breaks', RobotLink.COMMANDS, 1.0), ('passes', 4.0)),
+}
+assert set(SCENES) == set(FAULTS)
+
+
+@pytest.mark.parametrize('is_planted', [False, True])
+@pytest.mark.parametrize('fault', SCENES)
+def test_it_is_found_in_a_scene(fault, is_planted, monkeypatch):
+    if is_planted:
+        monkeypatch.setattr(*FAULTS[fault])
+    robots = SimulatedRobots()
+    robots.begin('rolling', 'interrupted name', Delays(commands=1.0, to_robot=0.2))
+    for rule, *arguments in SCENES[fault]:
+        getattr(robots, rule)(*arguments)
+    robots.settle()
+    with pytest.raises(AssertionError) if is_planted else nullcontext():
+        robots.no_drive_is_sent_twice()
+        robots.check_end()
+
+
+@pytest.mark.skipif(os.environ.get('LD90_LONG_TESTS') != '1',
+                    reason='takes minutes; LD90_LONG_TESTS=1')
 @pytest.mark.parametrize('fault', FAULTS)
 def test_it_is_found(fault, monkeypatch):
     monkeypatch.setattr(*FAULTS[fault])

@@ -2,7 +2,8 @@
 
 The robot plans its own path between nodes. A node without a heading that is not the last node
 counts as passed within its deviation. The driver then sends the next pose, so that the robot does
-not stop.
+not stop. No pose follows by itself once something else has stopped or moved a robot that obeyed the
+driver (`RobotSnapshot.halted`): the next one could reach it while it still brakes.
 """
 from __future__ import annotations
 
@@ -78,6 +79,7 @@ class PoseDriver(Driver[PoseDrive]):
         self._abilities = abilities
         self._matching = matching
         self._pose: Optional[RobotPose] = None
+        self._is_obeyed = self._is_halted = False  # since the last goal was sent
 
     # --- planning ---------------------------------------------------------------------------------
 
@@ -135,6 +137,7 @@ class PoseDriver(Driver[PoseDrive]):
         leg, goal = self._memory.leg(number), self.drive_state.numbers + 1
         if leg is not None:
             self._set(goal=goal, numbers=goal, along=0.0)
+            self._is_obeyed = self._is_halted = False
             self._commands.append(GoTo(goal, leg.x, leg.y, self._heading(leg)))
 
     def _heading(self, leg: Leg) -> float:
@@ -155,6 +158,8 @@ class PoseDriver(Driver[PoseDrive]):
     def robot_seen(self, robot: RobotSnapshot, now: float) -> None:
         """See Driver."""
         self._pose = robot.pose
+        self._is_obeyed = self._is_obeyed or not robot.halted
+        self._is_halted = self._is_obeyed and robot.halted
         if robot.epoch not in (0, self.drive_state.epoch):
             self._set(epoch=robot.epoch)
         self._update_progress()
@@ -170,7 +175,8 @@ class PoseDriver(Driver[PoseDrive]):
         if along != drive.along:
             self._set(along=along)
         following = drive.passed + 1
-        if following < drive.until and leg.heading is None and away <= leg.within:
+        if (following < drive.until and leg.heading is None and away <= leg.within
+                and not self._is_halted):
             self._set(passed=following)
             self._go_to(following)
 
@@ -184,7 +190,10 @@ class PoseDriver(Driver[PoseDrive]):
             following = drive.passed + 1
             self._set(passed=following, along=0.0)
             if following < drive.until and drive.goal > 0:
-                self._go_to(following)
+                if self._is_halted:
+                    self._set(failure='another program or person has driven or stopped the robot')
+                else:
+                    self._go_to(following)
         elif drive.goal > 0:
             self._set(failure=text or 'the goal was not reached')
 

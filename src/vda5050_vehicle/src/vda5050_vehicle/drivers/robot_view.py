@@ -30,6 +30,8 @@ class RobotSnapshot:
     rests    -- whether the poses have not changed for REST
     epoch    -- the robot's epoch; it changes when another program or person drives or stops the
                 robot; 0: unknown
+    halted   -- whether something else than a drive moved or stopped the robot last: a stop, a
+                cancellation, another client, the robot itself; False if it does not report this
     lost     -- the reason why the robot counts as lost; '' while it reports, or while the time
                 limit has not expired
 
@@ -42,6 +44,7 @@ class RobotSnapshot:
     standing: Optional[bool] = None
     rests: bool = False
     epoch: int = 0
+    halted: bool = False
     localization_score: Optional[float] = None
     localized: bool = True
     battery: BatteryState = BatteryState(0.0, False)

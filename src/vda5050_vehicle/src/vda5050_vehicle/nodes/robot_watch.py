@@ -27,7 +27,8 @@ from node_lifecycle.periodic import Periodic
 from vda5050_protocol.values import BatteryState, EmergencyStop, Velocity
 from vda5050_vehicle.drivers.robot_view import REST, RobotPose, RobotSnapshot, has_moved, silence
 
-SIGNALS = ('emergency_stop', 'lost', 'field_violation', 'localization_score', 'standing', 'epoch')
+SIGNALS = ('emergency_stop', 'lost', 'field_violation', 'localization_score', 'standing', 'epoch',
+           'halted')
 TF_PERIOD = 0.2  # s between two queries of TF
 T = TypeVar('T')
 
@@ -141,7 +142,7 @@ class RobotWatch:
             seen_at, rests = pose.at, fresh('pose') is not None and pose.at - still.at >= REST
         return RobotSnapshot(
             pose=fresh('pose'), velocity=velocity, seen_at=seen_at, rests=rests,
-            standing=standing, epoch=last('epoch') or 0,
+            standing=standing, epoch=last('epoch') or 0, halted=bool(last('halted')),
             localization_score=score if score is not None and 0.0 <= score <= 1.0 else None,
             localized=not fresh('lost', False),
             battery=battery.value if battery else BatteryState(0.0, False),
