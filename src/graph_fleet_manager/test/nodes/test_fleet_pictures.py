@@ -166,6 +166,25 @@ def test_a_load_is_a_box_on_the_robot_with_its_mission_in_the_label(load, serial
     assert named(drawn(robot()), 'loads') == []
 
 
+def test_a_robot_whose_step_asks_needs_a_person_and_says_the_whole_command():
+    asks = robot(state=FleetRobot.BUSY, destination=27, waits_for_code=WaitCode.PERSON, waits_for=(
+        'step 1 (handshake) of stop 1 needs an answer: it has not ended within 5 s. Say `mission '
+        'answer 2079814056 retry|skip|fail|done`'))
+    assert named(drawn(asks), 'outlines')[0].color == RED
+    assert words_of(asks, 0.0).splitlines()[1] == 'needs a person'
+    assert words_of(asks, 0.0).endswith('2079814056\nretry|skip|fail|done`)')
+
+
+def test_a_load_that_a_step_takes_or_gives_needs_no_person():
+    fetching = robot(state=FleetRobot.BUSY, load=FleetRobot.LOAD_UNKNOWN, load_types=['pallet'],
+                     waits_for='step 1 (engage) of stop 1', waits_for_code=WaitCode.STEP)
+    box, = named(drawn(fetching), 'loads')
+    assert (box.color.r, box.color.g, box.color.b) == (LOAD.r, LOAD.g, LOAD.b)
+    assert box.color.a < LOAD.a
+    assert words_of(fetching, 0.0).splitlines()[2] == 'load is being moved (pallet)'
+    assert [one.points for one in named(drawn(fetching), 'outlines')] == [[]]
+
+
 def test_its_label_stands_beside_it_in_its_hue():
     above, below = (named(drawn(robot(), side), 'names')[0] for side in (0, 1))
     assert above.pose.position.y > HERE.y + 0.4 > HERE.y - 0.4 > below.pose.position.y

@@ -22,6 +22,7 @@ Parameters
 """
 from __future__ import annotations
 
+import textwrap
 import threading
 import time
 from typing import Dict, FrozenSet, List, Optional
@@ -46,7 +47,6 @@ from graph_fleet_manager.nodes.rviz.picture import Picture
 from graph_fleet_manager.nodes.rviz.plan_picture import plan_markers
 from graph_fleet_manager.nodes.rviz.resource_picture import DrawnResources, draw_resources
 from graph_fleet_manager.nodes.rviz.robot_picture import (
-    LONGEST_TEXT,
     DrawnPose,
     label_of,
     place_on_graph,
@@ -75,6 +75,7 @@ PERIOD = 0.1         # s between two pictures of the robots
 SLOW = 3             # periods between two pictures of the plans, and two moves of the handles
 RADIUS = 0.4         # m, of a robot whose type is not known
 FEEDBACK_TIME = 8.0  # s for which a sentence is shown
+SAID_WIDTH, SAID_LINES = 64, 3  # characters per line and lines of it: beside the two buttons
 _STATES: Dict[int, RobotState] = {int(state): state for state in RobotState}
 _BAD = {MissionStatus.FAILED: 'failed', MissionStatus.REFUSED: 'was refused',
         MissionStatus.CANCELLED: 'was cancelled', MissionStatus.NEEDS_PERSON: 'needs a person',
@@ -243,7 +244,9 @@ class FleetVisualisation:
                 return
             xs = [vertex.x for vertex in self._graph.vertices.values()]
             top = max(vertex.y for vertex in self._graph.vertices.values())
-        marker = drawing.text('feedback', 0, sentence[:LONGEST_TEXT],
+        words = '\n'.join(textwrap.wrap(sentence, SAID_WIDTH, max_lines=SAID_LINES,
+                                        placeholder=' ...'))
+        marker = drawing.text('feedback', 0, words,
                               ((min(xs) + max(xs)) / 2.0 + 3.0, top + 2.4), 0.4,
                               drawing.colour(1.0, 0.9, 0.4), z=2.0)
         marker.lifetime = rospy.Duration(FEEDBACK_TIME)
