@@ -116,9 +116,9 @@ def texts_in(tree):
 PUT_TOGETHER = ('words_busy', 'words_any_busy', 'words_all_charge', 'words_cancelled_by',
                 'words_closed', 'words_closed_to_load', 'words_fleet_goes_on', 'words_too_near',
                 'words_step_person', 'words_step_program', 'words_step_device', 'words_unload',
-                'words_unload_unknown', 'words_laden', 'words_laden_unknown', 'words_driver_restarted',
-                'words_device_restarted', 'words_robot_unsure', 'words_device_unsure',
-                'words_robot_forgot', 'words_device_forgot')
+                'words_unload_unknown', 'words_laden', 'words_laden_unknown',
+                'words_driver_restarted', 'words_device_restarted', 'words_robot_unsure',
+                'words_device_unsure', 'words_robot_forgot', 'words_device_forgot')
 
 
 def test_every_text_that_is_translated_is_still_said_by_the_fleet_manager():
