@@ -13,7 +13,7 @@ from fleet_core.supervision.load_places import TooNear, too_near
 from fleet_core.work.loads import LoadType
 from fleet_core.work.site_work import JobSteps, SiteWork
 from fleet_core.work.stations import Station, StationKind
-from fleet_core.work.stops import LoadEffect, StopKind, WorkStep
+from fleet_core.work.stops import Condition, LoadEffect, StopKind, WorkStep
 from fleet_core.work.templates import Template, TemplateStop
 from fleet_core.work.timetables import Timetable
 
@@ -105,8 +105,10 @@ def test_a_load_is_carried_until_it_is_given():
 
 
 def test_the_stops_after_a_cancellation_are_those_of_a_robot_with_its_load():
-    template = replace(carry('packing', '4'), on_cancel=(TemplateStop('press', steps=(GIVE,)),))
-    assert found(site(template), {**at(1.5), 4: 90.0}).keys() == {(2, 1)}
+    for condition, told in ((Condition.LOADED, {(2, 1)}), (Condition.EMPTY, set())):
+        template = replace(carry('packing', '4'), on_cancel=(
+            TemplateStop('press', steps=(GIVE,), condition=condition),))
+        assert found(site(template), {**at(1.5), 4: 90.0}).keys() == told
 
 
 def test_a_parameter_stands_for_each_station_and_for_what_timetables_give():

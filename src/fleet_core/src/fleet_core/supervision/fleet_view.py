@@ -55,7 +55,7 @@ LOAD_WORDS: Mapping[LoadState, str] = {
     LoadState.LOADED: 'load of {mission}', LoadState.UNKNOWN: 'load unknown'}
 """What a robot carries, as people read it; `mission`: the short name of the load's mission."""
 LOAD_MOVES = 'load is being moved'
-"""The same while a step takes or gives it. Nobody has to look at the robot then."""
+"""The same while a step takes or gives it. No person has to look at the robot then."""
 _WORDS = {RobotState.BUSY: 'driving', RobotState.STOPPED: 'emergency stop',
           RobotState.OFF_GRAPH: 'off the graph', RobotState.UNKNOWN: 'place unknown'}
 _OF_OUTAGE = {

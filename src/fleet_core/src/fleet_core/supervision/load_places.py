@@ -20,7 +20,7 @@ from fleet_core.geometry.site_geometry import SiteGeometry
 from fleet_core.supervision.laden_types import LadenTypes
 from fleet_core.work.site_work import SiteWork
 from fleet_core.work.stations import places_of
-from fleet_core.work.stops import LoadEffect, StopKind, WorkStep
+from fleet_core.work.stops import Condition, LoadEffect, StopKind, WorkStep
 from fleet_core.work.templates import PARAMETER, Template
 from trajectory_graph import Graph
 
@@ -119,10 +119,10 @@ def _stands(work: SiteWork, fleet: Fleet, graph: Graph, place: int,
             if vertex != place and is_for_both and not (vertex < place and has.get(vertex)):
                 yield _Stand(vertex, f'place {vertex} of station {station.name}', kinds,
                              has.get(vertex, set()))
-    for vertex in graph.vertices.values():
-        charging = [kind for kind in kinds if kind.may_dock(vertex.id)]
-        if vertex.dock and vertex.id != place and charging:
-            yield _Stand(vertex.id, f'dock {vertex.id}', charging, set())
+    for dock in (vertex.id for vertex in graph.vertices.values() if vertex.dock):
+        charging = [kind for kind in kinds if kind.may_dock(dock)]
+        if dock != place and charging:
+            yield _Stand(dock, f'dock {dock}', charging, set())
 
 
 # -- what robots carry -----------------------------------------------------------------------------
@@ -162,7 +162,8 @@ def _stays_of(template: Template, work: SiteWork, graph: Graph,
                      for step in stop.steps)
         carried, all_taken = has if count > 0 else frozenset(), all_taken | has
     for stop in template.on_cancel:
-        yield _Stay(places(stop.at), all_taken, all_taken)
+        if stop.condition is not Condition.EMPTY:
+            yield _Stay(places(stop.at), all_taken, all_taken)
 
 
 def _taken(steps: Sequence[WorkStep]) -> Iterator[str]:

@@ -128,8 +128,8 @@ def needs_person(robot: FleetRobot) -> bool:
 
 
 def _moves_load(robot: FleetRobot) -> bool:
-    """Returns whether a step takes or gives the load: until its end nobody knows who has it."""
-    return robot.load == FleetRobot.LOAD_UNKNOWN and robot.waits_for_code == WaitCode.STEP
+    """Returns whether a step takes or gives the load, so that no person has to look."""
+    return bool(robot.load == FleetRobot.LOAD_UNKNOWN and robot.waits_for_code == WaitCode.STEP)
 
 
 def _paint_of_load(robot: FleetRobot) -> ColorRGBA:
