@@ -32,6 +32,7 @@ from graph_fleet_manager.nodes.rviz.robot_picture import (
     robot_markers,
     words_of,
 )
+from graph_fleet_manager.nodes.rviz.sentence_picture import LETTER, LINES, sentence_marker
 from graph_fleet_manager.nodes.rviz.stop_picture import stop_markers
 from itrci_nav_msgs.msg import (
     FleetPlan,
@@ -208,6 +209,19 @@ def test_a_stop_is_a_red_frame_and_words_that_stay_above_the_buttons():
     assert words.pose.position.y - stop_picture.TEXT_HEIGHT * lines / 2.0 > (
         max(vertex.y for vertex in GRAPH.vertices.values()) + BUTTON_ABOVE + BUTTON[1] / 2.0)
     assert stop_markers(GRAPH, NOT_STOPPED, 1e9) == []
+
+
+@pytest.mark.parametrize('graph', [GRAPH, laboratory()])
+def test_a_sentence_above_the_graph_is_whole_and_beside_the_buttons(graph):
+    sentence = ('Mission 2079814056 needs a person: step 1 (handshake) of stop 1 needs an answer: '
+                'it has not ended within 120 s. Say `mission answer 2079814056 '
+                'retry|skip|fail|done`')
+    marker = sentence_marker(graph, sentence)
+    lines = marker.text.splitlines()
+    assert ' '.join(lines) == sentence and len(lines) <= LINES
+    half = max(map(len, lines)) * marker.scale.z * LETTER / 2.0
+    buttons = min(vertex.x for vertex in graph.vertices.values()) + 2.0 * BUTTON[0] + 0.3
+    assert marker.pose.position.x - half > buttons
 
 
 def plan(*drives):
