@@ -217,7 +217,7 @@ class FleetByMouse(unittest.TestCase):
         """True if the last sentence above the graph has these words."""
         said = [marker.text for message in self.feedback.messages[after:]
                 for marker in message.markers]
-        return bool(said) and words in said[-1]
+        return bool(said) and words in ' '.join(said[-1].split())
 
     # --- where things are ------------------------------------------------------------------------
 

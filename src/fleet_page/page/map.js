@@ -439,25 +439,28 @@ function placeRobot(name, [x, y, theta], robot) {
   shapes.body.setAttribute('transform', `rotate(${turn.toFixed(1)}) scale(${(radius / 10).toFixed(3)})`);
   shapes.nose.style.display = theta === null ? 'none' : '';
   shapes.ring.setAttribute('r', radius + 4);
-  const isInTrouble = Boolean(robot.alarm) || TROUBLE.includes(robot.state), isFirst = isInTrouble || name === chosenRobot;
+  const isInTrouble = Boolean(robot.alarm || robot.asks) || TROUBLE.includes(robot.state), isFirst = isInTrouble || name === chosenRobot;
   const label = robot.battery === null || robot.battery === undefined ? name : `${name} ${Math.round(100 * robot.battery)} %`;
   Object.assign(shapes, { x: px, y: py, isFirst, reach: radius + (isFirst ? 5 : 1), label: view.scale < BATTERY_FROM * rem / 16 ? name : label });
   if (shapes.text.textContent !== shapes.label) shapes.text.textContent = shapes.label;
   const kind = ['robot', isInTrouble ? 'trouble' : '', GONE.includes(robot.state) ? 'gone' : '', name === chosenRobot ? 'chosen' : ''].filter(Boolean).join(' ');
   if (shapes.group.getAttribute('class') !== kind) shapes.group.setAttribute('class', kind);
   const load = loadWords(robot), words = `${label}: ${robotWords(robot)}${load && `, ${load}`}`;
-  shapes.load.setAttribute('class', `load ${robot.load}`);
+  shapes.load.setAttribute('class', `load ${loadState(robot)}`);
   if (shapes.words !== words) { shapes.words = words; shapes.group.setAttribute('aria-label', words); shapes.title.textContent = words; }
 }
 
+// While a step takes or gives the load, nobody knows who has it, and nobody has to look.
+export const loadState = robot => robot.load === 'UNKNOWN' && robot.works ? 'MOVES' : robot.load;
+
 // What a robot carries; empty: nothing.
-export const loadWords = robot => robot.load === 'EMPTY' ? '' : t(`load_${robot.load}`, { mission: `M${robot.load_serial}` }) + (robot.load_types && robot.load_types.length ? ` (${robot.load_types.join(', ')})` : '');
+export const loadWords = robot => robot.load === 'EMPTY' ? '' : t(`load_${loadState(robot)}`, { mission: `M${robot.load_serial}` }) + (robot.load_types && robot.load_types.length ? ` (${robot.load_types.join(', ')})` : '');
 
 export function robotWords(robot) {
   const vertex = robot.destination && vertexName(robot.destination), isBusy = robot.state === 'BUSY';
-  const doing = robot.works ? (vertex ? t('works_at', { vertex }) : t('robot_working')) : isBusy && vertex ? t('drives_to', { vertex }) : t(`robot_${robot.state}`);
+  const asks = robot.asks || robot.alarm === 'LADEN', doing = asks ? t('robot_asks') : robot.works ? (vertex ? t('works_at', { vertex }) : t('robot_working')) : isBusy && vertex ? t('drives_to', { vertex }) : t(`robot_${robot.state}`);
   if (!robot.waits_for) return doing;
-  if (robot.works) return `${doing}: ${said(robot.waits_for)}`;
+  if (robot.works || asks) return `${doing}: ${said(robot.waits_for)}`;
   const why = outageWords(robot);
   if (why.toLowerCase() === doing.toLowerCase()) return doing;
   return [...TROUBLE, ...GONE].includes(robot.state) ? `${doing}: ${why}` : `${doing} (${t('waits_for')}: ${why})`;

@@ -2,7 +2,7 @@
 import { $, make, makeSvg, showRows, withCode } from './dom.js';
 import { all, get } from './server.js';
 import { clockOf, dateOf, language, momentOf, said, store, stored, t } from './texts.js';
-import { chooseRobot, colourOf, followRobot, loadWords, outageWords, robotWords } from './map.js';
+import { chooseRobot, colourOf, followRobot, loadState, loadWords, outageWords, robotWords } from './map.js';
 
 export const GROUPS = ['idle', 'driving', 'working', 'waiting', 'charging', 'trouble', 'away'];
 const MOST_MISSIONS = 5, MOST_EVENTS = 8;
@@ -58,7 +58,7 @@ function showGroups() {
 
 // Asks for battery and events of the chosen robot: when it was chosen, when it changed, and after a while.
 async function askForLog() {
-  const robot = chosen && all(`robot:${chosen}`).find(([rest]) => !rest), of = robot && JSON.stringify([robot[1].state, robot[1].alarm, robot[1].works, robot[1].mission]);
+  const robot = chosen && all(`robot:${chosen}`).find(([rest]) => !rest), of = robot && JSON.stringify([robot[1].state, robot[1].alarm, robot[1].works, robot[1].asks, robot[1].mission]);
   if (!robot || (log.robot === chosen && log.of === of && Date.now() - log.at < FRESH)) return;
   const number = log.number + 1;
   log = { ...log, ...log.robot === chosen ? {} : { charges: [], events: [] }, robot: chosen, of, at: Date.now(), number };
@@ -88,7 +88,7 @@ export function colourDot(name) {
 
 function robotRow(robot) {
   const isChosen = robot.name === chosen, charge = robot.battery === null ? null : Math.round(100 * robot.battery);
-  const row = make('li', { class: [isChosen ? 'chosen' : '', robot.alarm ? 'trouble' : ''].filter(Boolean).join(' ') || null },
+  const row = make('li', { class: [isChosen ? 'chosen' : '', robot.alarm || robot.asks ? 'trouble' : ''].filter(Boolean).join(' ') || null },
     make('button', { class: 'line', 'data-act': 'choose', 'aria-expanded': String(isChosen), onclick: () => choose(robot.name) },
       colourDot(robot.name), make('b', {}, robot.name), make('span', { class: 'words' }, ...withCode(robotWords(robot)), isChosen ? '' : loadOf(robot)),
       make('span', { class: charge !== null && charge <= 20 ? 'charge bad' : 'charge' }, charge === null ? '' : `${charge} %`)));
@@ -96,7 +96,7 @@ function robotRow(robot) {
   return row;
 }
 
-const loadOf = robot => loadWords(robot) && make('span', { class: robot.load === 'UNKNOWN' ? 'bad' : null }, ` · ${loadWords(robot)}`);
+const loadOf = robot => loadWords(robot) && make('span', { class: loadState(robot) === 'UNKNOWN' ? 'bad' : null }, ` · ${loadWords(robot)}`);
 
 function details(robot) {
   const button = kind => make('button', { 'data-act': kind, onclick: () => robotAct(kind, robot.name) }, t(`act_${kind}`));

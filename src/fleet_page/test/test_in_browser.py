@@ -177,6 +177,9 @@ def test_a_load_is_drawn_on_its_robot_and_its_mission_is_in_the_list(window, ser
         document.querySelector(`.robot[data-name=${name}] .load`)).fill)''')
     assert trouble[0] == 'rgb(179, 22, 27)' != trouble[1]
     window.picture('loads')
+    carry(load='UNKNOWN', load_types=('pallet',), state='BUSY', wait='STEP')
+    window.wait(lambda: '· load is being moved (pallet)' in window.text('#robots [data-key=a]'))
+    assert not window.driver.find_elements('css selector', '#robots [data-key=a] .bad')
     carry()
     window.wait(lambda: not window.one('.robot[data-name=a] .load').is_displayed())
 

@@ -9,7 +9,7 @@ import pytest
 from page_builders import PAGE_FOLDER
 
 from fleet_core.interlocking.resources import ResourceKind
-from fleet_core.supervision.fleet_view import LOAD_WORDS, WORKING, RobotState
+from fleet_core.supervision.fleet_view import ASKS, LOAD_MOVES, LOAD_WORDS, WORKING, RobotState
 from fleet_core.supervision.looks import DEVICE_WORDS, QueueState
 from fleet_core.supervision.machine_view import MachineState
 from fleet_core.supervision.outages import Outage
@@ -43,7 +43,7 @@ def used_keys():
     found |= {f'resource_{kind.name}' for kind in ResourceKind}
     found |= {f'device_{mode.name}' for mode in DeviceMode}
     found |= {f'machine_{state.name}' for state in MachineState} | {'machine'}
-    found |= {f'load_{state.name}' for state in LOAD_WORDS}
+    found |= {f'load_{state.name}' for state in LOAD_WORDS} | {'load_MOVES'}
     found |= {f'queue_{state.name}' for state in QueueState}
     tabs = re.search(r'TABS = \[(.*?)\]', SOURCES['main.js']).group(1)
     found |= {f'tab_{name}' for name in re.findall(r"'(\w+)'", tabs)}
@@ -116,7 +116,9 @@ def texts_in(tree):
 PUT_TOGETHER = ('words_busy', 'words_any_busy', 'words_all_charge', 'words_cancelled_by',
                 'words_closed', 'words_closed_to_load', 'words_fleet_goes_on', 'words_too_near',
                 'words_step_person', 'words_step_program', 'words_step_device', 'words_unload',
-                'words_unload_unknown', 'words_laden', 'words_laden_unknown')
+                'words_unload_unknown', 'words_laden', 'words_laden_unknown',
+                'words_driver_restarted', 'words_device_restarted', 'words_robot_unsure',
+                'words_device_unsure', 'words_robot_forgot', 'words_device_forgot')
 
 
 def test_every_text_that_is_translated_is_still_said_by_the_fleet_manager():
@@ -140,6 +142,17 @@ def test_every_reason_to_wait_or_to_end_is_translated(file, name):
                if ' ' in text.strip() and text.strip().replace('){}', ')') not in known
                and re.sub(r'\{\}$', '', text) not in known}
     assert strange == set()
+
+
+def test_every_cause_for_which_a_step_asks_or_fails_is_translated():
+    known = {re.sub(r'\{\w+\}', '{}', text) for key, text in TABLES['en'].items()
+             if key.startswith('words_')}
+    rules = Path(__file__).parents[2] / 'fleet_core/src/fleet_core/work/rules.py'
+    calls = [call for call in ast.walk(ast.parse(rules.read_text())) if isinstance(call, ast.Call)
+             and getattr(call.func, 'id', '') in ('_event', '_failed', '_unknown', '_lost')]
+    causes = {text.replace('driver of {}', 'driver of the robot') for call in calls
+              for argument in call.args for text in whole_texts_in(argument) if ' ' in text}
+    assert len(causes) >= 3 and {one for one in causes if not one.startswith('{} ')} <= known
 
 
 @pytest.mark.parametrize('path', ['core/page.py', 'nodes/fleet_commands.py'])
@@ -184,12 +197,13 @@ def test_every_outage_is_told_in_every_language(outage):
 def test_a_robots_state_has_the_same_words_everywhere(state):
     assert TABLES['en'][f'robot_{state.name}'] == state.words
     assert TABLES['en']['robot_working'] == WORKING
+    assert TABLES['en']['robot_asks'] == ASKS
 
 
 @pytest.mark.parametrize('prefix, words', [
     ('device_', {mode.name: text for mode, text in DEVICE_WORDS.items()}),
     ('machine_', {state.name: state.words for state in MachineState}),
-    ('load_', {state.name: text for state, text in LOAD_WORDS.items()}),
+    ('load_', {'MOVES': LOAD_MOVES, **{state.name: text for state, text in LOAD_WORDS.items()}}),
     ('queue_', {state.name: state.value for state in QueueState}),
     ('resource_', {kind.name: kind.value for kind in ResourceKind})])
 def test_stations_devices_and_loads_have_the_same_words_on_the_page_and_in_rviz(prefix, words):

@@ -14,6 +14,7 @@ from fleet_core.files.fleet_file import load_fleet
 from fleet_core.files.robot_settings import load_settings
 from fleet_core.files.work_file import load_work
 from fleet_core.interlocking.resources import Resource, ResourceKind
+from fleet_simulation import command
 from fleet_simulation.command import main
 from fleet_simulation.demand_file import load_demand
 from fleet_simulation.figures import Figures, WaitingCause
@@ -68,6 +69,18 @@ def test_robots_drive_no_faster_than_their_loads_allow(yard: Graph, files: Files
         return run(yard, files(f'flows:\n- {FLOW}saturated: 1}}\n', work=loads + typed),
                    1).travelled
     assert metres(0.1) < 0.5 * metres(1.0)
+
+
+def test_a_queue_place_too_near_for_a_load_is_told_before_the_runs(
+        files: Files, tmp_path: Path, monkeypatch, capsys) -> None:
+    monkeypatch.setattr(command, '_runs', lambda *_: ([], True))
+    paths = files(f'flows:\n- {FLOW}saturated: 1}}\n', work=WORK.replace(
+        'load: takes', 'load: takes, load_type: pallet')
+        + 'loads:\n- {name: pallet, footprint: {radius: 1.8}}\n')
+    main([*(f'--{name}={path}' for name, path in paths.items()),
+          f'--output={tmp_path / "report"}'])
+    assert f'{paths["work"]}: queue place 15 of station press is 2.00 m from vertex 25' in (
+        capsys.readouterr().err)
 
 
 # -- bottlenecks that are known by construction ----------------------------------------------------

@@ -357,7 +357,7 @@ def test_each_part_may_be_missing_or_empty(tmp_path, text):
     (', timeout: 30', '', 7, 'timeout is missing'),
     ('kind: group', 'kind: group, capacity: 3', 4,
      'capacity of station shelves is 3, but it has 2 places'),
-    ('queue: [2, 1]', 'capacity: 2', 3, 'it has 1 place'),
+    ('queue: [2, 1]', 'capacity: 2', 3, 'it has one place: leave it out'),
     ('name: lamp', 'name: gate', 8, 'device gate occurs twice, first in line 7'),
     # stations
     ('places: [7, 8]', 'places: [7, 3]', 5, 'vertex 3 belongs to station press already'),

@@ -23,6 +23,7 @@ from fleet_core.files.errors import FileError
 from fleet_core.files.fleet_file import load_fleet
 from fleet_core.files.robot_settings import load_settings
 from fleet_core.files.work_file import load_work
+from fleet_core.supervision.load_places import too_near
 from fleet_core.work.site_work import SiteWork
 from fleet_core.work.timetables import DAY, DAYS, minute_of_day
 from fleet_simulation.batch import Done, Job, ProgressBar, run_all
@@ -58,6 +59,8 @@ def main(arguments: Optional[Sequence[str]] = None) -> int:
         counts = options.robots or (max(len(site.fleet.robots), 1),)
         for count in counts:
             site.robots(count)
+        for one in too_near(site.work, site.fleet, site.graph):
+            print(f'{options.work}: {one.text}.', file=sys.stderr)
         runs, ended = _runs(site, counts, options)
         if not runs:
             print('No run was completed: there is no report.', file=sys.stderr)

@@ -32,6 +32,7 @@ from graph_fleet_manager.nodes.rviz.robot_picture import (
     robot_markers,
     words_of,
 )
+from graph_fleet_manager.nodes.rviz.sentence_picture import LETTER, LINES, sentence_marker
 from graph_fleet_manager.nodes.rviz.stop_picture import stop_markers
 from itrci_nav_msgs.msg import (
     FleetPlan,
@@ -166,6 +167,25 @@ def test_a_load_is_a_box_on_the_robot_with_its_mission_in_the_label(load, serial
     assert named(drawn(robot()), 'loads') == []
 
 
+def test_a_robot_whose_step_asks_needs_a_person_and_says_the_whole_command():
+    asks = robot(state=FleetRobot.BUSY, destination=27, waits_for_code=WaitCode.PERSON, waits_for=(
+        'step 1 (handshake) of stop 1 needs an answer: it has not ended within 5 s. Say `mission '
+        'answer 2079814056 retry|skip|fail|done`'))
+    assert named(drawn(asks), 'outlines')[0].color == RED
+    assert words_of(asks, 0.0).splitlines()[1] == 'needs a person'
+    assert words_of(asks, 0.0).endswith('2079814056\nretry|skip|fail|done`)')
+
+
+def test_a_load_that_a_step_takes_or_gives_needs_no_person():
+    fetching = robot(state=FleetRobot.BUSY, load=FleetRobot.LOAD_UNKNOWN, load_types=['pallet'],
+                     waits_for='step 1 (engage) of stop 1', waits_for_code=WaitCode.STEP)
+    box, = named(drawn(fetching), 'loads')
+    assert (box.color.r, box.color.g, box.color.b) == (LOAD.r, LOAD.g, LOAD.b)
+    assert box.color.a < LOAD.a
+    assert words_of(fetching, 0.0).splitlines()[2] == 'load is being moved (pallet)'
+    assert [one.points for one in named(drawn(fetching), 'outlines')] == [[]]
+
+
 def test_its_label_stands_beside_it_in_its_hue():
     above, below = (named(drawn(robot(), side), 'names')[0] for side in (0, 1))
     assert above.pose.position.y > HERE.y + 0.4 > HERE.y - 0.4 > below.pose.position.y
@@ -189,6 +209,19 @@ def test_a_stop_is_a_red_frame_and_words_that_stay_above_the_buttons():
     assert words.pose.position.y - stop_picture.TEXT_HEIGHT * lines / 2.0 > (
         max(vertex.y for vertex in GRAPH.vertices.values()) + BUTTON_ABOVE + BUTTON[1] / 2.0)
     assert stop_markers(GRAPH, NOT_STOPPED, 1e9) == []
+
+
+@pytest.mark.parametrize('graph', [GRAPH, laboratory()])
+def test_a_sentence_above_the_graph_is_whole_and_beside_the_buttons(graph):
+    sentence = ('Mission 2079814056 needs a person: step 1 (handshake) of stop 1 needs an answer: '
+                'it has not ended within 120 s. Say `mission answer 2079814056 '
+                'retry|skip|fail|done`')
+    marker = sentence_marker(graph, sentence)
+    lines = marker.text.splitlines()
+    assert ' '.join(lines) == sentence and len(lines) <= LINES
+    half = max(map(len, lines)) * marker.scale.z * LETTER / 2.0
+    buttons = min(vertex.x for vertex in graph.vertices.values()) + 2.0 * BUTTON[0] + 0.3
+    assert marker.pose.position.x - half > buttons
 
 
 def plan(*drives):

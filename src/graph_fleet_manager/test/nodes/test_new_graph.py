@@ -2,10 +2,10 @@
 from __future__ import annotations
 
 from types import SimpleNamespace
-from typing import Any, Optional
+from typing import Any, List, Optional
 
 import pytest
-from fleet_builders import corridor
+from fleet_builders import AGV, corridor
 
 from fleet_core.fleet import Fleet
 from fleet_core.supervision.missions import Request
@@ -48,3 +48,21 @@ def test_a_supervisor_that_could_not_store_its_changes_stays_until_it_can(wrong_
     begun = node(SimpleNamespace(trouble='no space is left'), corridor(3))
     begun._begin(NOW)
     assert begun._supervisor is not None and not begun._work_file.trouble
+
+
+def test_a_place_that_keeps_robots_from_their_loads_is_told_once(tmp_path, monkeypatch):
+    file = tmp_path / 'work.yaml'
+    file.write_text('''stations: [{name: press, places: [2], queue: [3]}]
+loads: [{name: pallet, footprint: {radius: 1.7}}]
+templates:
+- name: fetch
+  stops: [{at: press, steps: [{type: take, timeout: 60, load: takes, load_type: pallet}]}]
+''')
+    told: List[str] = []
+    monkeypatch.setattr(work_file, 'parameter', lambda *_: str(file))
+    monkeypatch.setattr(work_file.rospy, 'logwarn', lambda text, *values: told.append(
+        text % values))
+    read = work_file.WorkFile(Fleet((AGV,), ())).read
+    assert read(corridor(3)) is not None and read(corridor(3)) is not None
+    assert [text.startswith(f'{file}: queue place 3 of station press is 2.00 m from vertex 2')
+            for text in told] == [True]

@@ -194,9 +194,10 @@ def _capacity(whose: str, fields: Dict[str, yaml.Node], places: Sequence[int],
               default: int) -> int:
     capacity = strict_yaml.optional(fields, 'capacity', strict_yaml.whole, default)
     if not 0 < capacity <= len(places):
-        raise WrongYaml(f'capacity of {whose} is {capacity}, but it has {len(places)} '
-                        f'{"place" if len(places) == 1 else "places"}: give a number from 1 to '
-                        f'{len(places)}', fields['capacity'])
+        given = 'one place: leave it out' if len(places) == 1 else (
+            f'{len(places)} places: give a number from 1 to {len(places)}')
+        raise WrongYaml(f'capacity of {whose} is {capacity}, but it has {given}',
+                        fields['capacity'])
     return capacity
 
 

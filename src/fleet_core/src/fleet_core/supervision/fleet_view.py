@@ -45,14 +45,20 @@ class RobotState(IntEnum):
         return _WORDS.get(self, self.name.lower().replace('_', ' '))
 
     def words_with(self, waits_for: int) -> str:
-        """Returns `words`, but `working` for a busy robot that waits for a step (WaitCode)."""
+        """Returns `words`, but `working` for a busy robot that waits for a step (WaitCode), and
+        `needs a person` for one that waits for an answer, or to be unloaded.
+        """
+        if self in (self.IDLE, self.BUSY) and waits_for == WaitCode.PERSON:
+            return ASKS
         return WORKING if self is self.BUSY and waits_for == WaitCode.STEP else self.words
 
 
-WORKING = 'working'
+WORKING, ASKS = 'working', 'needs a person'
 LOAD_WORDS: Mapping[LoadState, str] = {
     LoadState.LOADED: 'load of {mission}', LoadState.UNKNOWN: 'load unknown'}
 """What a robot carries, as people read it; `mission`: the short name of the load's mission."""
+LOAD_MOVES = 'load is being moved'
+"""The same while a step takes or gives it. No person has to look at the robot then."""
 _WORDS = {RobotState.BUSY: 'driving', RobotState.STOPPED: 'emergency stop',
           RobotState.OFF_GRAPH: 'off the graph', RobotState.UNKNOWN: 'place unknown'}
 _OF_OUTAGE = {

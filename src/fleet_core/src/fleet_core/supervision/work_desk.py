@@ -150,7 +150,7 @@ class WorkDesk:
         load = self.load(name)
         if mission is None:
             return NO_WAIT if load.state is LoadState.EMPTY else Wait(WaitCode.PERSON, (
-                f'a person: its load is {load.state.value}, and its mission has ended. Say '
+                f'its load is {load.state.value}, and its mission has ended. Say '
                 f'`fleet load {name} empty` when it carries nothing'))
         work = self._works.get(mission.serial)
         if work is None or not (rules.gate_is_closed(work) or mission.is_held):

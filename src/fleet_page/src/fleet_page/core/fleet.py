@@ -73,6 +73,11 @@ class ShownRobot:
         return self.state == 'BUSY' and self.wait == WaitCode.STEP.name
 
     @property
+    def needs_person(self) -> bool:
+        """Whether it waits for the answer of a person, or to be unloaded."""
+        return self.state in ('IDLE', 'BUSY') and self.wait == WaitCode.PERSON.name
+
+    @property
     def is_waiting(self) -> bool:
         """Whether it has a mission, and waits for something."""
         return self.mission is not None and not self.is_working and (
@@ -134,7 +139,8 @@ ALARMING = ('STOPPED', 'TAKEN_OVER', 'FAILED', 'OFF_GRAPH', 'TOO_NEAR', 'CLOCK',
 NEVER_HEARD = 'NEVER_HEARD'
 _SILENT = 'SILENT'
 NOT_OPEN = 'NOT_OPEN'  # it is in a door that does not report that it is open
-ALARMS = (*ALARMING, _SILENT, NEVER_HEARD, NOT_OPEN)
+LADEN = 'LADEN'        # it carries something, or may, and its mission has ended
+ALARMS = (*ALARMING, _SILENT, NEVER_HEARD, NOT_OPEN, LADEN)
 
 
 def alarm_of(robot: ShownRobot) -> str:
@@ -144,7 +150,9 @@ def alarm_of(robot: ShownRobot) -> str:
     is_missed = robot.outage == _SILENT and robot.mission is not None
     if is_missed or robot.outage in ALARMING:
         return robot.outage
-    return NOT_OPEN if robot.not_open else ''
+    if robot.not_open:
+        return NOT_OPEN
+    return LADEN if robot.needs_person and robot.mission is None else ''
 
 
 FAULTS = (*ALARMS, *(outage.name for outage in Outage if outage.name not in ALARMS))
@@ -176,7 +184,7 @@ _WITH_WORK = {'IDLE': RobotGroup.IDLE, 'BUSY': RobotGroup.DRIVING, 'CHARGING': R
 
 def group_of(robot: ShownRobot) -> RobotGroup:
     """Returns the group of a robot."""
-    if alarm_of(robot):
+    if alarm_of(robot) or robot.needs_person:
         return RobotGroup.TROUBLE
     if robot.is_working:
         return RobotGroup.WORKING

@@ -413,7 +413,8 @@ def _robot_values(robot: ShownRobot) -> Dict[str, Any]:
     values = asdict(robot)
     for name in ('name', 'edge', 'fraction', 'seen', 'to_end', 'wait'):
         del values[name]
-    values.update(alarm=alarm_of(robot), group=group_of(robot).value, works=robot.is_working)
+    values.update(alarm=alarm_of(robot), group=group_of(robot).value, works=robot.is_working,
+                  asks=robot.needs_person)
     values['battery'] = None if robot.battery is None else round(robot.battery, 2)
     if robot.state in ('OFFLINE', 'ABSENT', 'UNKNOWN', 'OUT_OF_SERVICE'):
         values['seen'] = round(robot.seen)

@@ -46,12 +46,12 @@ from graph_fleet_manager.nodes.rviz.picture import Picture
 from graph_fleet_manager.nodes.rviz.plan_picture import plan_markers
 from graph_fleet_manager.nodes.rviz.resource_picture import DrawnResources, draw_resources
 from graph_fleet_manager.nodes.rviz.robot_picture import (
-    LONGEST_TEXT,
     DrawnPose,
     label_of,
     place_on_graph,
     robot_markers,
 )
+from graph_fleet_manager.nodes.rviz.sentence_picture import sentence_marker
 from graph_fleet_manager.nodes.rviz.stop_picture import stop_markers
 from graph_fleet_manager.nodes.rviz.true_places import TruePlaces
 from graph_topic import FollowedGraph
@@ -66,7 +66,6 @@ from itrci_nav_msgs.msg import (
 from node_lifecycle import parameter, run
 from node_lifecycle.periodic import Periodic
 from node_lifecycle.ready_line import announce_ready
-from rviz_drawing import drawing
 from rviz_drawing.label_places import Label, LabelPlaces
 from trajectory_graph import Graph
 from trajectory_graph.placing import Places
@@ -74,7 +73,6 @@ from trajectory_graph.placing import Places
 PERIOD = 0.1         # s between two pictures of the robots
 SLOW = 3             # periods between two pictures of the plans, and two moves of the handles
 RADIUS = 0.4         # m, of a robot whose type is not known
-FEEDBACK_TIME = 8.0  # s for which a sentence is shown
 _STATES: Dict[int, RobotState] = {int(state): state for state in RobotState}
 _BAD = {MissionStatus.FAILED: 'failed', MissionStatus.REFUSED: 'was refused',
         MissionStatus.CANCELLED: 'was cancelled', MissionStatus.NEEDS_PERSON: 'needs a person',
@@ -239,15 +237,9 @@ class FleetVisualisation:
         """Shows a sentence above the graph for some seconds."""
         rospy.loginfo('%s', sentence)
         with self._lock:
-            if self._graph is None:
-                return
-            xs = [vertex.x for vertex in self._graph.vertices.values()]
-            top = max(vertex.y for vertex in self._graph.vertices.values())
-        marker = drawing.text('feedback', 0, sentence[:LONGEST_TEXT],
-                              ((min(xs) + max(xs)) / 2.0 + 3.0, top + 2.4), 0.4,
-                              drawing.colour(1.0, 0.9, 0.4), z=2.0)
-        marker.lifetime = rospy.Duration(FEEDBACK_TIME)
-        self._feedback.publish(MarkerArray([marker]))
+            graph = self._graph
+        if graph is not None:
+            self._feedback.publish(MarkerArray([sentence_marker(graph, sentence)]))
 
 
 def main() -> None:

@@ -1,13 +1,14 @@
 """The work file of path_supervisor, which is read at the start and with each new graph."""
 from __future__ import annotations
 
-from typing import Optional
+from typing import Optional, Set
 
 import rospy
 
 from fleet_core.files.errors import FileError
 from fleet_core.files.work_file import load_work
 from fleet_core.fleet import Fleet
+from fleet_core.supervision.load_places import too_near
 from fleet_core.work.site_work import SiteWork
 from node_lifecycle import parameter
 from trajectory_graph import Graph
@@ -24,10 +25,13 @@ class WorkFile:
         self._fleet = fleet
         self._path: str = parameter('~work_file', '')
         self.trouble = ''
+        self._warned: Set[str] = set()
 
     def read(self, graph: Graph) -> Optional[SiteWork]:
         """Returns what the file says about the work at the site of a graph; None: it cannot be
         used.
+
+        Warns of places that keep robots from their loads.
 
         Without its devices and stations robots must not drive. So the file is read again until a
         person has mended it.
@@ -44,4 +48,7 @@ class WorkFile:
             self.trouble = trouble
             return None
         self.trouble = ''
+        told, self._warned = self._warned, {one.text for one in too_near(work, self._fleet, graph)}
+        for text in sorted(self._warned - told):
+            rospy.logwarn('%s: %s.', self._path, text)
         return work

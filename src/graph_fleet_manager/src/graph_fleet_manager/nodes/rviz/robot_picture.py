@@ -7,9 +7,16 @@ from dataclasses import dataclass
 from typing import Dict, List, Optional, Tuple
 
 import rospy
+from std_msgs.msg import ColorRGBA
 from visualization_msgs.msg import Marker
 
-from fleet_core.supervision.fleet_view import LOAD_WORDS, WORKING, RobotState
+from fleet_core.supervision.fleet_view import (
+    ASKS,
+    LOAD_MOVES,
+    LOAD_WORDS,
+    WORKING,
+    RobotState,
+)
 from fleet_core.supervision.looks import ResourceLook
 from fleet_core.supervision.missions import short_name
 from fleet_core.supervision.waits import WaitCode
@@ -26,6 +33,7 @@ DARK, WHITE = drawing.colour(0.1, 0.1, 0.12), drawing.colour(1.0, 1.0, 1.0)
 LIFETIME = 3.0  # s after which RViz removes the markers, so that none stay when the node ends
 TEXT_HEIGHT = 0.42
 LONGEST_TEXT = 120  # characters
+MOVED_ALPHA = 0.5  # of a load that a step takes or gives
 WORDS_SATURATION = 0.4  # lighter than the body, to be readable on a dark map
 _STATES: Dict[int, RobotState] = {int(state): state for state in RobotState}
 _TROUBLE = frozenset((FleetRobot.STOPPED, FleetRobot.TAKEN_OVER, FleetRobot.FAILED,
@@ -33,7 +41,7 @@ _TROUBLE = frozenset((FleetRobot.STOPPED, FleetRobot.TAKEN_OVER, FleetRobot.FAIL
 #: States for which no reason is shown beside the word.
 _SAID = frozenset((FleetRobot.OFFLINE, FleetRobot.OUT_OF_SERVICE))
 WAIT_WIDTH, WAIT_LINES = 24, 2  # characters per line and lines, for the reason why a robot waits
-ASK_LINES = 5  # lines if it waits for a person
+ASK_LINES = 6  # lines if it waits for a person
 
 
 @dataclass(frozen=True)
@@ -83,8 +91,7 @@ def robot_markers(robot: FleetRobot, number: int, place: DrawnPose, label: Label
     if robot.load != FleetRobot.LOAD_EMPTY:
         size = 0.6 * width
         markers.append(drawing.shape(
-            Marker.CUBE, 'loads', number, LOAD if robot.load == FleetRobot.LOAD_LOADED else
-            PAINTS[ResourceLook.TROUBLE], (size, size, 0.2),
+            Marker.CUBE, 'loads', number, _paint_of_load(robot), (size, size, 0.2),
             drawing.pose_at(_along(place, -0.25 * length), place.heading, 0.45)))
     outline = drawing.lines('outlines', number, RED if trouble else WHITE, 0.08,
                             [drawing.ring(here, radius + 0.12)] if trouble or chosen else [], 0.3)
@@ -101,7 +108,7 @@ def words_of(robot: FleetRobot, now: float) -> str:
     charge = '' if math.isnan(robot.battery) else f'  {100.0 * robot.battery:.0f} %'
     state = _STATES.get(robot.state)
     doing = '' if state is None else state.words_with(robot.waits_for_code)
-    if robot.state == FleetRobot.BUSY and robot.destination:
+    if robot.state == FleetRobot.BUSY and robot.destination and doing != ASKS:
         doing = f'{WORKING} at' if doing == WORKING else 'to'
         doing += f' {robot.destination}'
     elif robot.state == FleetRobot.OFFLINE and robot.seen.to_sec() > 0.0:
@@ -116,12 +123,25 @@ def words_of(robot: FleetRobot, now: float) -> str:
 
 def needs_person(robot: FleetRobot) -> bool:
     """Returns whether a step asks, or a person must look at the load."""
-    return robot.waits_for_code == WaitCode.PERSON or robot.load == FleetRobot.LOAD_UNKNOWN
+    return robot.waits_for_code == WaitCode.PERSON or (
+        robot.load == FleetRobot.LOAD_UNKNOWN and not _moves_load(robot))
+
+
+def _moves_load(robot: FleetRobot) -> bool:
+    """Returns whether a step takes or gives the load, so that no person has to look."""
+    return bool(robot.load == FleetRobot.LOAD_UNKNOWN and robot.waits_for_code == WaitCode.STEP)
+
+
+def _paint_of_load(robot: FleetRobot) -> ColorRGBA:
+    if _moves_load(robot):
+        return ColorRGBA(LOAD.r, LOAD.g, LOAD.b, MOVED_ALPHA)
+    return LOAD if robot.load == FleetRobot.LOAD_LOADED else PAINTS[ResourceLook.TROUBLE]
 
 
 def load_words(robot: FleetRobot) -> List[str]:
     """Returns what a robot carries, as a line of its label; none if it carries nothing."""
-    words = LOAD_WORDS.get(LOAD_OF_CODE.get(robot.load, LoadState.UNKNOWN))
+    words = LOAD_MOVES if _moves_load(robot) else LOAD_WORDS.get(
+        LOAD_OF_CODE.get(robot.load, LoadState.UNKNOWN))
     if words is None:
         return []
     named = ', '.join(one for one in robot.load_types if one)

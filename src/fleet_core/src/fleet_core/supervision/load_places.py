@@ -1,0 +1,170 @@
+"""Places at which robots stand, too near to those to which others come for a load or with one.
+
+A robot with a load may need more room than without it (`load_room`). While another one waits at a
+queue place that is too near, charges at such a dock, or works at such a place, it gets neither its
+load nor the last edge to its stop. The other one is sent away first, which takes time; if it cannot
+leave, the load stays where it is.
+
+What robots carry follows from the templates and the steps of jobs. A parameter may stand for each
+place of a station, and for what timetables give. Missions that are sent with stops of their own
+are not known before.
+"""
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import AbstractSet, Dict, FrozenSet, Iterator, List, NamedTuple, Sequence, Set, Tuple
+
+from fleet_core.fleet import Fleet, RobotType
+from fleet_core.geometry.site_geometry import SiteGeometry
+from fleet_core.supervision.laden_types import LadenTypes
+from fleet_core.work.site_work import SiteWork
+from fleet_core.work.stations import places_of
+from fleet_core.work.stops import Condition, LoadEffect, StopKind, WorkStep
+from fleet_core.work.templates import PARAMETER, Template
+from trajectory_graph import Graph
+
+
+@dataclass(frozen=True)
+class TooNear:
+    """A place at which a robot stands in the way of loads.
+
+    other    -- the vertex
+    what     -- what it is, in words: a queue place, a place, or a dock
+    place    -- the vertex of the loads
+    loads    -- names of their types
+    distance -- m between the two
+    needed   -- m that robots need there
+    """
+
+    other: int
+    what: str
+    place: int
+    loads: FrozenSet[str]
+    distance: float
+    needed: float
+
+    @property
+    def text(self) -> str:
+        """One clause that says what is wrong and what to do."""
+        return (f'{self.what} is {self.distance:.2f} m from vertex {self.place}, but robots need '
+                f'{self.needed:.2f} m there with load {", ".join(sorted(self.loads))}: while a '
+                f'robot stands at {self.other}, no other one takes or brings such a load at '
+                f'{self.place}; put the two farther apart')
+
+
+class _Stay(NamedTuple):
+    """What robots carry at some places.
+
+    comes -- types of load with which they come
+    has   -- types that they carry there at some time
+    """
+
+    places: Tuple[int, ...]
+    comes: FrozenSet[str]
+    has: FrozenSet[str]
+
+
+class _Stand(NamedTuple):
+    """A vertex at which a robot may stand. `loads`: what it may carry there."""
+
+    vertex: int
+    what: str
+    kinds: Sequence[RobotType]
+    loads: AbstractSet[str]
+
+
+def too_near(work: SiteWork, fleet: Fleet, graph: Graph) -> Tuple[TooNear, ...]:
+    """Returns the places that keep robots from their loads, by the widest robots of a fleet."""
+    if not any(load.radius for load in work.loads.values()):
+        return ()
+    laden = LadenTypes(work.loads, fleet.all_types)
+    geometry = SiteGeometry(graph, fleet.dock_approach)
+    comes: Dict[int, Set[str]] = {}
+    has: Dict[int, Set[str]] = {}
+    for stay in _stays(work, graph):
+        for place in stay.places:
+            comes.setdefault(place, set()).update(stay.comes)
+            has.setdefault(place, set()).update(stay.has)
+
+    def reach(kinds: Sequence[RobotType], loads: AbstractSet[str]) -> float:
+        return max(laden.laden(kind, loads).reach for kind in kinds)
+
+    found: List[TooNear] = []
+    for place in sorted(one for one, loads in has.items() if loads):
+        more = reach(fleet.all_types, has[place]) - reach(fleet.all_types, set())
+        position = graph.vertex(place).position
+        for stand in _stands(work, fleet, graph, place, comes, has):
+            needed = (reach(fleet.all_types, has[place]) + reach(stand.kinds, stand.loads)
+                      + fleet.clearance)
+            is_wider = more > 0.0 or reach(stand.kinds, stand.loads) > reach(stand.kinds, set())
+            if is_wider and geometry.index[stand.vertex] in geometry.exclusions.near(
+                    (position,), needed):
+                found.append(TooNear(
+                    stand.vertex, stand.what, place, frozenset(has[place]),
+                    math.dist(position, graph.vertex(stand.vertex).position), needed))
+    return tuple(found)
+
+
+def _stands(work: SiteWork, fleet: Fleet, graph: Graph, place: int,
+            comes: Dict[int, Set[str]], has: Dict[int, Set[str]]) -> Iterator[_Stand]:
+    """Returns where other robots may stand while one is at a place."""
+    kinds = fleet.all_types
+    for station in work.stations.values():
+        carried = {load for one in station.places for load in comes.get(one, ())}
+        for vertex in station.queue:
+            yield _Stand(vertex, f'queue place {vertex} of station {station.name}', kinds, carried)
+        for vertex in station.places:
+            is_for_both = place not in station.places or station.capacity > 1
+            if vertex != place and is_for_both and not (vertex < place and has.get(vertex)):
+                yield _Stand(vertex, f'place {vertex} of station {station.name}', kinds,
+                             has.get(vertex, set()))
+    for dock in (vertex.id for vertex in graph.vertices.values() if vertex.dock):
+        charging = [kind for kind in kinds if kind.may_dock(dock)]
+        if dock != place and charging:
+            yield _Stand(dock, f'dock {dock}', charging, set())
+
+
+# -- what robots carry -----------------------------------------------------------------------------
+
+
+def _stays(work: SiteWork, graph: Graph) -> Iterator[_Stay]:
+    stations = tuple(place for one in work.stations.values() for place in one.places)
+    for template in work.templates.values():
+        yield from _stays_of(template, work, graph, stations)
+    taken = frozenset(load for one in work.job_steps for load in _taken(one.steps))
+    for one in work.job_steps:
+        places = one.places or stations
+        if one.kind is StopKind.PICKUP:
+            yield _Stay(places, frozenset(), frozenset(_taken(one.steps)))
+        else:
+            yield _Stay(places, taken, taken)
+
+
+def _stays_of(template: Template, work: SiteWork, graph: Graph,
+              stations: Tuple[int, ...]) -> Iterator[_Stay]:
+    """Returns what a robot carries at each stop of a template."""
+    def places(at: str) -> Tuple[int, ...]:
+        if not at.startswith(PARAMETER):
+            return places_of(at, work.stations, graph)
+        given = (dict(one.arguments)[at[len(PARAMETER):]] for one in work.timetables.values()
+                 if one.template == template.name)
+        return (*stations, *(place for word in given
+                             for place in places_of(word, work.stations, graph)))
+
+    count = 0
+    carried: FrozenSet[str] = frozenset()
+    all_taken: FrozenSet[str] = frozenset()
+    for stop in template.stops:
+        has = carried.union(_taken(stop.steps))
+        yield _Stay(places(stop.at), carried, has)
+        count += sum((step.load is LoadEffect.TAKES) - (step.load is LoadEffect.GIVES)
+                     for step in stop.steps)
+        carried, all_taken = has if count > 0 else frozenset(), all_taken | has
+    for stop in template.on_cancel:
+        if stop.condition is not Condition.EMPTY:
+            yield _Stay(places(stop.at), all_taken, all_taken)
+
+
+def _taken(steps: Sequence[WorkStep]) -> Iterator[str]:
+    return (step.load_type for step in steps if step.load is LoadEffect.TAKES and step.load_type)
