@@ -229,7 +229,8 @@ class Witness(DelayedDrive):
         acknowledged, unless another stop is on its way already."""
         records = self._controller.motion.memory.records
         pending = [record.giver for record in records if record.pending]
-        if not self._controller.drove:
+        last = next((word for word in self.words[-2::-1] if not word.is_refused), NO_WORD)
+        if not self._controller.drove or last.is_drive_of(giver):  # it ends a drive of its own
             return
         unknown = [word for word in self._words_after(known)
                    if word.drives and word.giver not in (giver, None, *pending)]
