@@ -104,13 +104,6 @@ class ObservedRobot(Protocol):
         """Whether a person must bring the robot back before it may drive again."""
 
 
-def _needed(needs: Needs, allocation: Optional[Allocation]) -> FrozenSet[str]:
-    """Returns what the places of an allocation need; nothing if the robot may be anywhere."""
-    if allocation is None or allocation.knowledge is not Knowledge.KNOWN:
-        return NOTHING
-    return needs.of(allocation)
-
-
 def edges_of(allocation: Allocation) -> FrozenSet[int]:
     """Returns the signed ids of all edges that an allocation holds."""
     return frozenset(hold.edge for hold in allocation.holds)
@@ -132,6 +125,8 @@ class Conformance:
         self._stored: Dict[str, Allocation] = {}
         self._claims: Dict[str, FrozenSet[str]] = {}
         self._unclaimed: Dict[str, FrozenSet[str]] = {}
+        # by robot: what its present and its stored allocation need, as long as these are the same
+        self._needed: Dict[Tuple[str, bool], Tuple[Allocation, FrozenSet[str]]] = {}
 
     def granted(self, name: str, edges: Collection[int], claims: Claims,
                 before: Allocation, after: Allocation) -> None:
@@ -204,7 +199,7 @@ class Conformance:
         """
         for name, robot in robots.items():
             allocation, stored = robot.master.allocation, self._stored.get(name)
-            needed = _needed(claims.needs, allocation)
+            needed = self._needs_of(name, allocation, claims.needs)
             now, before = claims.of(name), self._claims.get(name)
             self._claims[name] = now
             new = NOTHING if before is None or self._every > 1 else now - needed - before
@@ -212,7 +207,7 @@ class Conformance:
                              > claims.needs.resources[one].capacity)
             # A robot whose place is doubted since the start is to claim again when it is known.
             unstored = NOTHING if allocation.knowledge is Knowledge.UNKNOWN else (
-                _needed(claims.needs, stored) - claims.stored_of(name))
+                self._needs_of(name, stored, claims.needs, True) - claims.stored_of(name))
             for invariant, resources in (
                     (Invariant.CLAIMED, needed - now),
                     (Invariant.CLAIM_STORED, unstored - claims.to_store.get(name, NOTHING)),
@@ -223,6 +218,16 @@ class Conformance:
                         if name in claims.asked_for(resource)) - claims.stored_of(name))):
                 if resources:
                     yield Violation(invariant, name, resources=resources)
+
+    def _needs_of(self, name: str, allocation: Optional[Allocation], needs: Needs,
+                  is_stored: bool = False) -> FrozenSet[str]:
+        """Returns what the places of an allocation need; nothing if the robot may be anywhere."""
+        if allocation is None or allocation.knowledge is not Knowledge.KNOWN:
+            return NOTHING
+        kept = self._needed.get((name, is_stored))
+        if kept is None or kept[0] is not allocation:
+            kept = self._needed[name, is_stored] = allocation, needs.of(allocation)
+        return kept[1]
 
     def _is_seen(self, name: str, master: RouteMaster) -> bool:
         """Returns whether this is the state of the last check; each change makes new objects."""
