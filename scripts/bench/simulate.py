@@ -62,9 +62,9 @@ def busy(targets: tuple) -> Wanted:
 
 
 SECTIONS: Dict[str, Case] = {
-    'laboratory': Case(laboratory, 8, 0.5, 300),
-    '50': Case(lambda: warehouse(500), 50, 0.05, 50),
-    '200': Case(lambda: warehouse(2000), 200, 0.01, 2),
+    'laboratory': Case(laboratory, 8, 0.5, 600),
+    '50': Case(lambda: warehouse(500), 50, 0.05, 130),
+    '200': Case(lambda: warehouse(2000), 200, 0.01, 20),
 }
 
 
