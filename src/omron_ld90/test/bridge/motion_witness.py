@@ -303,10 +303,11 @@ class Witness(DelayedDrive):
                 self._obeyed = None  # it cannot be told from the lost drive to its goal
             self._given.clear()
             self._stops_sent.clear()
-            for word in self._before_stops:  # the robot does not obey those stops after them
-                self.words.remove(word)
-                if self.robot.goal is None or self._anothers:  # else it has obeyed us since
-                    self.words.append(word)
+            if not self._seems_ours:
+                for word in self._before_stops:  # the robot does not obey those stops after them
+                    self.words.remove(word)
+                    if self.robot.goal is None or self._anothers:  # else it has obeyed us since
+                        self.words.append(word)
             self._before_stops.clear()
         super().cut(link, seconds)
 
@@ -465,12 +466,19 @@ class Witness(DelayedDrive):
         carries out a drive of ours, nor stands as we stopped it, and nobody gave a command since.
         """
         before, self._unheard, status = self._unheard, None, self.robot.status
-        last, names = self._last_word(), self._controller.motion.memory.names
-        if before is None or before is not self._newest_word or status.split()[-1] in names:
+        last = self._last_word()
+        if before is None or before is not self._newest_word or self._seems_ours:
             return
         if status.startswith(('Going to', 'Arrived at')) or status == 'Stopped' and (
                 last is None or last.drives):
             self.words.append(Word(None, self.robot.goal is not None))
+
+    @property
+    def _seems_ours(self) -> bool:
+        """True if the robot shows the goal of a drive of ours: another client's drive to it cannot
+        be told apart.
+        """
+        return self.robot.status.split()[-1] in self._controller.motion.memory.names
 
     def _heard(self, line: str, stopped: Word) -> None:
         """Notes another client's command, unless ours has the same effect at the same time.

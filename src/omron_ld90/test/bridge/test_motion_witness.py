@@ -65,6 +65,22 @@ def test_a_foreign_drive_stands_last_if_our_stop_was_lost_with_the_link():
     assert _givers(world) == [PERSON, None]
 
 
+@pytest.mark.parametrize(('goal', 'heard'), [('3', [None, PERSON, PERSON]),
+                                             ('5', [PERSON, PERSON, None])])
+def test_a_foreign_drive_does_not_stand_last_if_the_robot_drives_to_a_goal_of_ours_after_it(
+        goal, heard):
+    """Nobody can tell a further foreign drive from ours, which was lost with the link."""
+    robots = Robots()
+    robots.begin('rolling', 'name', 0.0, Delays())
+    robots.another_client_is_heard_in_parts('goto 4', 3.0)
+    robots.person_stops()
+    robots.person_drives('3')
+    assert _givers(robots.world) == [None, PERSON, PERSON]
+    robots.another_client(f'goto {goal}')
+    robots.world.cut(p.RobotLink.COMMANDS, 1.0)
+    assert _givers(robots.world) == heard
+
+
 def test_a_stop_lost_before_the_foreign_drive_is_heard_is_obeyed_once_it_is_sent_again():
     world = _world()
     world.stall(3.0)
