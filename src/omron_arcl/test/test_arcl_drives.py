@@ -580,6 +580,44 @@ class TestOwedStop:
         bench.pass_time(30.0)
         assert bench.sent == ['goto 12', 'goto 3']
 
+    @pytest.mark.parametrize('outage', ['lost link', 'restart'])
+    @pytest.mark.parametrize('newer', [PERSON, ROUTE])
+    @pytest.mark.parametrize(('shown', 'is_stopped'), [
+        ('Going to 12', True), ('Going to 3', False), ('Arrived at 12', False)])
+    def test_a_cancelled_drive_whose_replacement_was_lost_is_stopped(
+            self, bench, outage, newer, shown, is_stopped):
+        """Otherwise the robot would carry out a drive that nobody wants any more."""
+        drive = bench.drive(ROUTE)
+        bench.robot('Going to 12')
+        bench.drive(newer, 'goto 3')
+        bench.dispatcher.cancel(drive, bench.now, ROUTE)
+        if outage == 'restart':
+            bench = Bench(bench.kept[-1], first_epoch=201)
+        else:
+            bench.lose()
+            bench.connect()
+        known = bench.epoch
+        bench.status(shown)
+        bench.pass_time(0.1)
+        assert (bench.memory.stop_owed, bench.sent[-1:] == ['stop']) == (is_stopped, is_stopped)
+        if is_stopped:
+            assert bench.memory.cause is MotionCause.CANCEL
+            assert not bench.records.knows(PERSON, known)
+            bench.robot('Interrupted: Going to 12', 'Stopping', 'Stopped')
+            assert not bench.memory.stop_owed
+
+    def test_also_if_the_robot_said_nothing_and_shows_the_cancelled_drive_late(self, bench):
+        drive = bench.drive(ROUTE, timeout=3.0)
+        bench.robot('Going to 12')
+        newer = bench.drive(PERSON, 'goto 3', timeout=3.0)
+        bench.dispatcher.cancel(drive, bench.now, ROUTE)
+        bench.pass_time(4.0)
+        assert (outcome(drive), outcome(newer)) == (Outcome.TIMED_OUT, Outcome.TIMED_OUT)
+        assert bench.sent == ['goto 12', 'goto 3']
+        bench.status('Going to 12')
+        bench.pass_time(0.1)
+        assert bench.sent == ['goto 12', 'goto 3', 'stop']
+
     def test_a_stop_that_a_drive_has_followed_does_not_obey_the_cancellation_of_that_drive(
             self, bench):
         bench.drive(ROUTE)

@@ -55,6 +55,8 @@ Derived:
   line or status about its motion begins another: an emergency stop may be the reason, or another
   client. Until then no drive that names an epoch is sent.
 - A stop is owed while its record is not OVER.
+- A stop is also owed if a newer drive is lost, and the robot carries out the drive before it, which
+  its giver has cancelled meanwhile (`is_cancelled`).
 - While a begun drive is doubted because another client may have stopped the robot, no drive that
   names an epoch is sent.
 - The *last command* of each giver that numbers its commands, and what became of it. So a program
@@ -258,6 +260,10 @@ def _may_cause(drive: DriveRecord, activity: Activity) -> bool:
     return drive.may_move and may_be
 
 
+def _cancellation_of(canceller: Giver) -> str:
+    return f'a cancellation of {canceller.name}'
+
+
 def _cause_of(activity: Activity) -> MotionCause:
     """Returns why a drive of ours has ended, if the robot shows this."""
     return MotionCause.ROBOT if activity.kind in _GAVE_UP else MotionCause.OTHER_CLIENT
@@ -417,21 +423,26 @@ class Drives:
             self._keep(replace(_NOTHING, giver=giver, command=number))
 
     def cancelled(self, execution: Execution, canceller: Giver) -> None:
-        """Notes that a giver cancels a drive. If it cancels a drive of its own that it has
-        replaced, or that was not sent, nothing is stopped.
+        """Notes that a giver cancels a drive. If it cancels a drive of its own that a newer one
+        replaces, or that was not sent, nothing is stopped, unless the newer one is lost.
         """
         if not execution.command.spec.drives:
             return
         newest = next((r for r in reversed(self._records) if r.kind is RecordKind.DRIVE), None)
         if canceller != execution.giver or (
                 newest and execution.sent and self._executions.get(newest.number) is execution):
-            self._owe(canceller, MotionCause.CANCEL, f'a cancellation of {canceller.name}')
+            self._owe(canceller, MotionCause.CANCEL, _cancellation_of(canceller))
+            return
+        record = self._record_of(execution)
+        if record is not None:  # the newer drive may be lost
+            self._mark(record.number, is_cancelled=True)
+            self._keep()
 
     def all_cancelled(self, canceller: Giver) -> None:
         """Notes that a giver cancels everything before, including drives
         that have not arrived here yet.
         """
-        words = f'a cancellation of {canceller.name}'
+        words = _cancellation_of(canceller)
         if any(record.may_move for record in self._records) or self._memory.stop_owed:
             self._owe(canceller, MotionCause.CANCEL, words)
         else:
@@ -781,6 +792,8 @@ class Drives:
                 if moves and ruling and ruling.giver != record.giver:  # whose drive was lost
                     self._begin_epoch(record.giver, MotionCause.OTHER_GIVER, record.words, True)
                 self._keep()
+                if moves:
+                    self._stop_if_cancelled(record)
         elif not self.heard.emergency:
             words = f'after an outage the robot shows "{text}"'
             if self._stands_as_we_stopped_it(activity):
@@ -789,6 +802,13 @@ class Drives:
                 self._begin_epoch(None, MotionCause.OTHER_CLIENT, words, False)
             else:
                 self._foreign(_cause_of(activity), activity.kind in MOVING, words, activity)
+
+    def _stop_if_cancelled(self, drive: DriveRecord) -> None:
+        """Owes a stop for a drive that the robot carries out although its giver has cancelled it:
+        the newer drive that was about to replace it is lost.
+        """
+        if drive.is_cancelled:
+            self._owe(drive.giver, MotionCause.CANCEL, _cancellation_of(drive.giver))
 
     def _is_to_be_stopped(self, activity: Activity) -> bool:
         """Returns whether a stop is owed for what the robot shows: perhaps for a drive of ours, or
@@ -825,6 +845,7 @@ class Drives:
         if shown and shown.fate is Fate.UNKNOWN and not self._memory.stop_owed and (
                 activity.goal and activity.goal.casefold() in shown.names):
             self._obeyed(shown.number, text)
+            self._stop_if_cancelled(shown)
             return False
         return ruling.kind is not RecordKind.FOREIGN_DRIVE and not any(
             _may_cause(record, activity) for record in self._records)
