@@ -5,6 +5,7 @@ obeyed it.
 """
 from __future__ import annotations
 
+from contextlib import nullcontext
 from typing import Optional, Tuple
 
 import pytest
@@ -720,6 +721,24 @@ class TestInterruption:
         for giver in (ROUTE, OTHER):
             with pytest.raises(Overruled):
                 bench.drive(giver, known_epoch=unexplained)
+
+
+    @pytest.mark.parametrize(('then', 'is_new'), [('Stopping', True), ('status Going to 9', False)])
+    def test_of_a_drive_of_others_nobody_drives_either_before_the_robot_tells_why(
+            self, bench, then, is_new):
+        bench.status('Stopped')
+        bench.robot('Going to 9', 'Interrupted: Going to 9')
+        known = bench.epoch
+        assert bench.dispatcher.in_doubt, 'a status would help'
+        with pytest.raises(Unclear, match='why it broke off its drive'):
+            bench.drive(OTHER, known_epoch=known)
+        if then.startswith('status'):
+            bench.status(then[len('status '):])
+        else:
+            bench.robot(then)
+        assert (bench.epoch != known) is is_new
+        with pytest.raises(Overruled) if is_new else nullcontext():
+            bench.drive(OTHER, known_epoch=known)
 
 
 class TestTwoGivers:

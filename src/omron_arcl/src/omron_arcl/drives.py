@@ -53,7 +53,7 @@ Derived:
   that of a drive without one, also after an outage.
 - If the robot breaks a drive off (`Interrupted`), an epoch begins at once, and the robot's next
   line or status about its motion begins another: an emergency stop may be the reason, or another
-  client. Until then no drive that names an epoch is sent.
+  client. Until then no drive that names an epoch is sent, and also if it breaks off one of others.
 - A stop is owed while its record is not OVER.
 - A stop is also owed if a newer drive is lost, and the robot carries out the drive before it, which
   its giver has cancelled meanwhile (`is_cancelled`).
@@ -322,8 +322,10 @@ class Drives:
 
     @property
     def is_unexplained(self) -> bool:
-        """Whether the robot broke off a drive, and has not said why yet."""
-        return self._memory.cause is MotionCause.INTERRUPTED
+        """Whether the robot broke off a drive of ours or of others, and has not said why yet."""
+        newest = self._records[-1] if self._records else _NOTHING
+        return self._memory.cause is MotionCause.INTERRUPTED or (
+            self.heard.broke_off and newest.kind is RecordKind.FOREIGN_DRIVE)
 
     def knows(self, giver: Giver, epoch: int) -> bool:
         """Returns whether only `giver`, which knows `epoch`, has given commands since

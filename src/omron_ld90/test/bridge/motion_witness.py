@@ -158,6 +158,10 @@ class Witness(DelayedDrive):
         self._given: List[Execution] = []  # drives and stops that have not reached the robot
         # the drive that the robot carries out; None: none of ours
         self._obeyed: Optional[Execution] = None
+        self._newest_drive: Optional[Execution] = None
+        self._cancelled: List[Execution] = []  # drives that their own givers have cancelled
+        # time since when the robot carries out one of them
+        self._cancelled_since: Optional[float] = None
         # time since when something else is told of it than what the robot does
         self._untrue_since: Optional[float] = None
         # time since when the robot drives for the bridge without a route
@@ -169,6 +173,7 @@ class Witness(DelayedDrive):
         self._time.every(TICK, self._watch_robot)
         self._time.every(TICK, self._watch_stop_of_bridge)
         self._time.every(TICK, self._watch_drive_without_route)
+        self._time.every(TICK, self._watch_cancelled_drive)
         self._time.every(TICK, self._watch_what_is_told)
 
     _controller: WitnessedController
@@ -206,8 +211,9 @@ class Witness(DelayedDrive):
                 self._judge_stop(giver, known)
             return
         self._taken[command] += 1
+        self._newest_drive = self._given[-1]
         if giver.name != BRIDGE:
-            self._others_drives.append(self._given[-1])
+            self._others_drives.append(self._newest_drive)
         if giver == PERSON:
             self.persons, self.came, self._is_number = command, False, self._taken[command]
         passed = [word for word in self._words_after(known or NO_WORD)
@@ -328,6 +334,20 @@ class Witness(DelayedDrive):
             return
         self.words.append(Word(canceller, False))
         self._controller.cancel([one for one in self._drives if one.result is None], canceller)
+
+    @property
+    def open_drives(self) -> List[Execution]:
+        """The drives of programs and people that have not ended for them."""
+        return [drive for drive in self._others_drives if drive.result is None]
+
+    def cancel_own(self, drive: Execution) -> None:
+        """The giver of a drive cancels it: a stop, unless a newer drive is to replace it."""
+        if not self.is_heard:
+            return
+        self._cancelled.append(drive)
+        if drive is self._newest_drive:
+            self.words.append(Word(drive.giver, False))
+        self._controller.cancel_own(drive)
 
     def another_client(self, command: str, stalls: float = 0.0) -> None:
         """A client of the robot's own server gives a command.
@@ -604,6 +624,16 @@ class Witness(DelayedDrive):
             self._routeless_since = self.now
         elif self.now > self._routeless_since + SENT_WITHIN + GIVEN_WITHIN:
             self.broken.append(f'{self.now:.1f} the robot drives for a route that has ended')
+
+    def _watch_cancelled_drive(self) -> None:
+        """Checks that a robot is stopped which carries out a drive that its giver has cancelled."""
+        if (self._obeyed not in self._cancelled or self.robot.goal is None
+                or not self._can_be_reached):
+            self._cancelled_since = None
+        elif self._cancelled_since is None:
+            self._cancelled_since = self.now
+        elif self.now > self._cancelled_since + SENT_WITHIN:
+            self.broken.append(f'{self.now:.1f} the robot carries out a cancelled drive')
 
     def _came_later(self, known: Word, drives: int) -> bool:
         """Tells whether somebody drives of whom the bridge did not know when it gave its stop.
