@@ -156,6 +156,7 @@ class Witness(DelayedDrive):
         self._arrived_at: Dict[str, float] = {}  # time of the last arrival at each goal
         self._stood_at = -100.0
         self._given: List[Execution] = []  # drives and stops that have not reached the robot
+        self._drives_of: Dict[Word, List[Execution]] = {}  # those of one word
         # the drive that the robot carries out; None: none of ours
         self._obeyed: Optional[Execution] = None
         self._newest_drive: Optional[Execution] = None
@@ -212,6 +213,7 @@ class Witness(DelayedDrive):
             return
         self._taken[command] += 1
         self._newest_drive = self._given[-1]
+        self._drives_of.setdefault(self._newest_word, []).append(self._newest_drive)
         if giver.name != BRIDGE:
             self._others_drives.append(self._newest_drive)
         if giver == PERSON:
@@ -307,6 +309,7 @@ class Witness(DelayedDrive):
             self._arrived = Counter(self._taken)
             if self._obeyed and self._obeyed.command in [one.command for one in self._given]:
                 self._obeyed = None  # it cannot be told from the lost drive to its goal
+            self._forget_lost_drives()
             self._given.clear()
             self._stops_sent.clear()
             if not self._seems_ours:
@@ -316,6 +319,16 @@ class Witness(DelayedDrive):
                         self.words.append(word)
             self._before_stops.clear()
         super().cut(link, seconds)
+
+    def _forget_lost_drives(self) -> None:
+        """Drives that are lost with the link change nothing: whose drive the robot carries out goes
+        on. Nobody can tell a drive of others to the goal of a lost one.
+        """
+        goal = self.robot.status.split()[-1]
+        for word, drives in self._drives_of.items():
+            if all(drive in self._given and drive.command.text.split()[-1] != goal
+                   for drive in drives):
+                word.refuse()
 
     def stall(self, seconds: float) -> None:
         """The link of commands holds all lines back for some seconds."""
