@@ -577,7 +577,7 @@ class Witness(DelayedDrive):
             self._before_stops.clear()
             # A stop of another client that crosses a drive is given again, after the drive. One of
             # ours seems to be another client's if that client's drive seemed to be ours.
-            crosses = (self._crosses_anothers('stop')
+            crosses = (any(map(self._crosses_anothers, self._anothers_stops))
                        or self.now <= self._mixed_up_at + AT_ONCE)
             if (not crosses and self._controller.motion.memory.drives
                     and self._newest_word.is_drive_of(PERSON)
@@ -596,6 +596,11 @@ class Witness(DelayedDrive):
             self._obeyed = None  # drives to one goal cannot be told apart if they cross
         elif given is not None and line.split()[-1] == self.robot.goal:
             self._obeyed = given
+
+    @property
+    def _anothers_stops(self) -> Sequence[str]:
+        """What another client gave and the robot answers by `Stopping`; in one dialect, all."""
+        return list(self._another_gave) if self._dialect == 'replacing stopping' else ['stop']
 
     def _crosses_anothers(self, command: str) -> bool:
         return self.now <= self._another_gave.get(command, -100.0) + AT_ONCE
