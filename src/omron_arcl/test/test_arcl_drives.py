@@ -285,6 +285,21 @@ class TestAfterAnOutage:
         bench.connect()
         return bench, bench.epoch
 
+    @pytest.mark.parametrize('shown', ['Going to 12', 'Arrived at 12'])
+    def test_the_giver_of_a_lost_drive_does_not_pass_the_one_whose_drive_went_on(
+            self, bench, shown):
+        bench.drive(ROUTE)
+        bench.robot('Going to 12')
+        bench.drive(OTHER, 'goto 3')
+        bench.lose()
+        bench.connect()
+        known = bench.epoch
+        bench.status(shown)
+        bench.drive(ROUTE, 'goto 14', known_epoch=bench.epoch)
+        bench.robot('Going to 14')
+        with pytest.raises(Overruled):
+            bench.drive(PERSON, 'goto 9', known_epoch=known)
+
     @pytest.mark.parametrize('outage', ['lost link', 'restart'])
     @pytest.mark.parametrize('shown', [
         'Stopped', 'Stopping', 'Arrived at 5', 'Going to 5', 'Teleop driving', DOCKED, 'Parked',

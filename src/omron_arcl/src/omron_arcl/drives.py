@@ -791,8 +791,8 @@ class Drives:
                     record, fate=Fate.OBEYED if moves else Fate.OVER,
                     ending=CommandFate.COMPLETED,
                     acknowledged_by=record.acknowledged_by if leaves else text),)
-                if moves and ruling and ruling.giver != record.giver:  # whose drive was lost
-                    self._begin_epoch(record.giver, MotionCause.OTHER_GIVER, record.words, True)
+                if ruling and ruling.giver != record.giver:  # whose drive was lost
+                    self._begin_epoch(record.giver, MotionCause.OTHER_GIVER, record.words, moves)
                 self._keep()
                 if moves:
                     self._stop_if_cancelled(record)

@@ -321,13 +321,15 @@ class Witness(DelayedDrive):
         super().cut(link, seconds)
 
     def _forget_lost_drives(self) -> None:
-        """Drives that are lost with the link change nothing: whose drive the robot carries out goes
-        on. Nobody can tell a drive of others to the goal of a lost one.
+        """Drives that are lost with the link change nothing if the robot carries out, or has
+        completed, that of another giver. Nobody can tell a drive of others to the goal of a lost
+        one.
         """
         goal = self.robot.status.split()[-1]
         for word, drives in self._drives_of.items():
-            if all(drive in self._given and drive.command.text.split()[-1] != goal
-                   for drive in drives):
+            if self._obeyed and self._obeyed.giver != word.giver and all(
+                    drive in self._given and drive.command.text.split()[-1] != goal
+                    for drive in drives):
                 word.refuse()
 
     def stall(self, seconds: float) -> None:

@@ -285,8 +285,9 @@ class Robots(RuleBasedStateMachine):
         if world.robot.goal is not None and not world._anothers:
             assert memory.giver.name, f'the robot drives to {world.robot.goal} without an owner'
         last = world._last_word()
-        if last and not last.drives and (
-                world._controller.motion.memory.cause is not MotionCause.OTHER_CLIENT):
+        docks_for_others = world._anothers and memory.cause is MotionCause.ROBOT
+        if last and not last.drives and not (
+                docks_for_others or memory.cause is MotionCause.OTHER_CLIENT):
             assert world.robot.goal is None, 'the robot drives on'
 
 
