@@ -154,6 +154,7 @@ class Witness(DelayedDrive):
         self._sent_to: Dict[int, Tuple[str, float]] = {}
         self._driven_at = -100.0  # time of the last drive of any client
         self._arrived_at: Dict[str, float] = {}  # time of the last arrival at each goal
+        self._heard_arrival_at: Dict[str, float] = {}  # the same, of the controller
         self._stood_at = -100.0
         self._given: List[Execution] = []  # drives and stops that have not reached the robot
         self._drives_of: Dict[Word, List[Execution]] = {}  # those of one word
@@ -414,7 +415,10 @@ class Witness(DelayedDrive):
             crosses = max(self._another_gave.get('stop', -100.0) + AT_ONCE,
                           self._powered_at + LATE) >= since
             return self.robot.goal is None or self._stood_at >= since or crosses
+        # nor whose drive to one goal a robot completes; see `_reach_robot`
+        crosses = self._another_gave.get(f'goto {goal}', -100.0) + AT_ONCE >= since
         return (self._arrived_at.get(goal, -1.0) >= since
+                or crosses and self._heard_arrival_at.get(goal, -1.0) >= since
                 or self.robot.status.startswith((f'Arrived at {goal}', 'DockingState: Docked')))
 
     def _watch_what_is_told(self) -> None:
@@ -462,6 +466,8 @@ class Witness(DelayedDrive):
         elif line.startswith('DockingState: Docked'):
             self._arrived_at['dock'] = self.now
         seconds, arrives = self.delays.from_robot, self._controller.carry
+        if line.startswith('Arrived at '):
+            arrives(seconds, lambda: self._heard_arrival_at.update({line.split()[-1]: self.now}))
         if line == 'Stopped':  # which of two stops it answers cannot be told if they cross
             arrives(seconds, self._hear_stopped)
         if line == 'Motors enabled':
