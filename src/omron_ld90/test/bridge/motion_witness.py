@@ -678,7 +678,10 @@ class Witness(DelayedDrive):
             return
         if self._owed_since is None:
             self._owed_since = self.now
-        waits_since = max(self._owed_since + SENT_WITHIN, self._stop_came_at + OBEYED_WITHIN)
+        # whether the robot stands after a stop is judged anew when it arrives for another client
+        arrived_at = max(self._heard_arrival_at.values(), default=-100.0) if self._anothers else 0.0
+        waits_since = max(self._owed_since + SENT_WITHIN, self._stop_came_at + OBEYED_WITHIN,
+                          arrived_at + SENT_WITHIN)
         if self.now > waits_since:
             self.broken.append(f'{self.now:.1f} an owed stop was not sent')
             self._owed_since = None
