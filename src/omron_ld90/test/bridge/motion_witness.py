@@ -323,14 +323,17 @@ class Witness(DelayedDrive):
 
     def _forget_lost_drives(self) -> None:
         """Drives that are lost with the link change nothing if the robot carries out, or has
-        completed, that of another giver. Nobody can tell a drive of others to the goal of a lost
-        one.
+        completed, that of another giver, which nobody had stopped before. Nobody can tell a drive
+        of others to the goal of a lost one.
         """
         goal = self.robot.status.split()[-1]
         for word, drives in self._drives_of.items():
-            if self._obeyed and self._obeyed.giver != word.giver and all(
-                    drive in self._given and drive.command.text.split()[-1] != goal
-                    for drive in drives):
+            before = next((one for one in reversed(self.words[:self.words.index(word)])
+                           if not one.is_refused), NO_WORD)
+            goes_on = self._obeyed and word.giver != before.giver and before.is_drive_of(
+                self._obeyed.giver)
+            if goes_on and all(drive in self._given and drive.command.text.split()[-1] != goal
+                               for drive in drives):
                 word.refuse()
 
     def stall(self, seconds: float) -> None:
