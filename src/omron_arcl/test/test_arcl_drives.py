@@ -5,6 +5,7 @@ obeyed it.
 """
 from __future__ import annotations
 
+from contextlib import nullcontext
 from typing import Optional, Tuple
 
 import pytest
@@ -283,6 +284,21 @@ class TestAfterAnOutage:
         bench.pass_time(10.0)
         bench.connect()
         return bench, bench.epoch
+
+    @pytest.mark.parametrize('shown', ['Going to 12', 'Arrived at 12'])
+    def test_the_giver_of_a_lost_drive_does_not_pass_the_one_whose_drive_went_on(
+            self, bench, shown):
+        bench.drive(ROUTE)
+        bench.robot('Going to 12')
+        bench.drive(OTHER, 'goto 3')
+        bench.lose()
+        bench.connect()
+        known = bench.epoch
+        bench.status(shown)
+        bench.drive(ROUTE, 'goto 14', known_epoch=bench.epoch)
+        bench.robot('Going to 14')
+        with pytest.raises(Overruled):
+            bench.drive(PERSON, 'goto 9', known_epoch=known)
 
     @pytest.mark.parametrize('outage', ['lost link', 'restart'])
     @pytest.mark.parametrize('shown', [
@@ -580,6 +596,44 @@ class TestOwedStop:
         bench.pass_time(30.0)
         assert bench.sent == ['goto 12', 'goto 3']
 
+    @pytest.mark.parametrize('outage', ['lost link', 'restart'])
+    @pytest.mark.parametrize('newer', [PERSON, ROUTE])
+    @pytest.mark.parametrize(('shown', 'is_stopped'), [
+        ('Going to 12', True), ('Going to 3', False), ('Arrived at 12', False)])
+    def test_a_cancelled_drive_whose_replacement_was_lost_is_stopped(
+            self, bench, outage, newer, shown, is_stopped):
+        """Otherwise the robot would carry out a drive that nobody wants any more."""
+        drive = bench.drive(ROUTE)
+        bench.robot('Going to 12')
+        bench.drive(newer, 'goto 3')
+        bench.dispatcher.cancel(drive, bench.now, ROUTE)
+        if outage == 'restart':
+            bench = Bench(bench.kept[-1], first_epoch=201)
+        else:
+            bench.lose()
+            bench.connect()
+        known = bench.epoch
+        bench.status(shown)
+        bench.pass_time(0.1)
+        assert (bench.memory.stop_owed, bench.sent[-1:] == ['stop']) == (is_stopped, is_stopped)
+        if is_stopped:
+            assert bench.memory.cause is MotionCause.CANCEL
+            assert not bench.records.knows(PERSON, known)
+            bench.robot('Interrupted: Going to 12', 'Stopping', 'Stopped')
+            assert not bench.memory.stop_owed
+
+    def test_also_if_the_robot_said_nothing_and_shows_the_cancelled_drive_late(self, bench):
+        drive = bench.drive(ROUTE, timeout=3.0)
+        bench.robot('Going to 12')
+        newer = bench.drive(PERSON, 'goto 3', timeout=3.0)
+        bench.dispatcher.cancel(drive, bench.now, ROUTE)
+        bench.pass_time(4.0)
+        assert (outcome(drive), outcome(newer)) == (Outcome.TIMED_OUT, Outcome.TIMED_OUT)
+        assert bench.sent == ['goto 12', 'goto 3']
+        bench.status('Going to 12')
+        bench.pass_time(0.1)
+        assert bench.sent == ['goto 12', 'goto 3', 'stop']
+
     def test_a_stop_that_a_drive_has_followed_does_not_obey_the_cancellation_of_that_drive(
             self, bench):
         bench.drive(ROUTE)
@@ -682,6 +736,24 @@ class TestInterruption:
         for giver in (ROUTE, OTHER):
             with pytest.raises(Overruled):
                 bench.drive(giver, known_epoch=unexplained)
+
+
+    @pytest.mark.parametrize(('then', 'is_new'), [('Stopping', True), ('status Going to 9', False)])
+    def test_of_a_drive_of_others_nobody_drives_either_before_the_robot_tells_why(
+            self, bench, then, is_new):
+        bench.status('Stopped')
+        bench.robot('Going to 9', 'Interrupted: Going to 9')
+        known = bench.epoch
+        assert bench.dispatcher.in_doubt, 'a status would help'
+        with pytest.raises(Unclear, match='why it broke off its drive'):
+            bench.drive(OTHER, known_epoch=known)
+        if then.startswith('status'):
+            bench.status(then[len('status '):])
+        else:
+            bench.robot(then)
+        assert (bench.epoch != known) is is_new
+        with pytest.raises(Overruled) if is_new else nullcontext():
+            bench.drive(OTHER, known_epoch=known)
 
 
 class TestTwoGivers:

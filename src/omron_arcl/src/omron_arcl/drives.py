@@ -53,8 +53,10 @@ Derived:
   that of a drive without one, also after an outage.
 - If the robot breaks a drive off (`Interrupted`), an epoch begins at once, and the robot's next
   line or status about its motion begins another: an emergency stop may be the reason, or another
-  client. Until then no drive that names an epoch is sent.
+  client. Until then no drive that names an epoch is sent, and also if it breaks off one of others.
 - A stop is owed while its record is not OVER.
+- A stop is also owed if a newer drive is lost, and the robot carries out the drive before it, which
+  its giver has cancelled meanwhile (`is_cancelled`).
 - While a begun drive is doubted because another client may have stopped the robot, no drive that
   names an epoch is sent.
 - The *last command* of each giver that numbers its commands, and what became of it. So a program
@@ -258,6 +260,10 @@ def _may_cause(drive: DriveRecord, activity: Activity) -> bool:
     return drive.may_move and may_be
 
 
+def _cancellation_of(canceller: Giver) -> str:
+    return f'a cancellation of {canceller.name}'
+
+
 def _cause_of(activity: Activity) -> MotionCause:
     """Returns why a drive of ours has ended, if the robot shows this."""
     return MotionCause.ROBOT if activity.kind in _GAVE_UP else MotionCause.OTHER_CLIENT
@@ -316,8 +322,10 @@ class Drives:
 
     @property
     def is_unexplained(self) -> bool:
-        """Whether the robot broke off a drive, and has not said why yet."""
-        return self._memory.cause is MotionCause.INTERRUPTED
+        """Whether the robot broke off a drive of ours or of others, and has not said why yet."""
+        newest = self._records[-1] if self._records else _NOTHING
+        return self._memory.cause is MotionCause.INTERRUPTED or (
+            self.heard.broke_off and newest.kind is RecordKind.FOREIGN_DRIVE)
 
     def knows(self, giver: Giver, epoch: int) -> bool:
         """Returns whether only `giver`, which knows `epoch`, has given commands since
@@ -417,21 +425,26 @@ class Drives:
             self._keep(replace(_NOTHING, giver=giver, command=number))
 
     def cancelled(self, execution: Execution, canceller: Giver) -> None:
-        """Notes that a giver cancels a drive. If it cancels a drive of its own that it has
-        replaced, or that was not sent, nothing is stopped.
+        """Notes that a giver cancels a drive. If it cancels a drive of its own that a newer one
+        replaces, or that was not sent, nothing is stopped, unless the newer one is lost.
         """
         if not execution.command.spec.drives:
             return
         newest = next((r for r in reversed(self._records) if r.kind is RecordKind.DRIVE), None)
         if canceller != execution.giver or (
                 newest and execution.sent and self._executions.get(newest.number) is execution):
-            self._owe(canceller, MotionCause.CANCEL, f'a cancellation of {canceller.name}')
+            self._owe(canceller, MotionCause.CANCEL, _cancellation_of(canceller))
+            return
+        record = self._record_of(execution)
+        if record is not None:  # the newer drive may be lost
+            self._mark(record.number, is_cancelled=True)
+            self._keep()
 
     def all_cancelled(self, canceller: Giver) -> None:
         """Notes that a giver cancels everything before, including drives
         that have not arrived here yet.
         """
-        words = f'a cancellation of {canceller.name}'
+        words = _cancellation_of(canceller)
         if any(record.may_move for record in self._records) or self._memory.stop_owed:
             self._owe(canceller, MotionCause.CANCEL, words)
         else:
@@ -778,9 +791,11 @@ class Drives:
                     record, fate=Fate.OBEYED if moves else Fate.OVER,
                     ending=CommandFate.COMPLETED,
                     acknowledged_by=record.acknowledged_by if leaves else text),)
-                if moves and ruling and ruling.giver != record.giver:  # whose drive was lost
-                    self._begin_epoch(record.giver, MotionCause.OTHER_GIVER, record.words, True)
+                if ruling and ruling.giver != record.giver:  # whose drive was lost
+                    self._begin_epoch(record.giver, MotionCause.OTHER_GIVER, record.words, moves)
                 self._keep()
+                if moves:
+                    self._stop_if_cancelled(record)
         elif not self.heard.emergency:
             words = f'after an outage the robot shows "{text}"'
             if self._stands_as_we_stopped_it(activity):
@@ -789,6 +804,13 @@ class Drives:
                 self._begin_epoch(None, MotionCause.OTHER_CLIENT, words, False)
             else:
                 self._foreign(_cause_of(activity), activity.kind in MOVING, words, activity)
+
+    def _stop_if_cancelled(self, drive: DriveRecord) -> None:
+        """Owes a stop for a drive that the robot carries out although its giver has cancelled it:
+        the newer drive that was about to replace it is lost.
+        """
+        if drive.is_cancelled:
+            self._owe(drive.giver, MotionCause.CANCEL, _cancellation_of(drive.giver))
 
     def _is_to_be_stopped(self, activity: Activity) -> bool:
         """Returns whether a stop is owed for what the robot shows: perhaps for a drive of ours, or
@@ -825,6 +847,7 @@ class Drives:
         if shown and shown.fate is Fate.UNKNOWN and not self._memory.stop_owed and (
                 activity.goal and activity.goal.casefold() in shown.names):
             self._obeyed(shown.number, text)
+            self._stop_if_cancelled(shown)
             return False
         return ruling.kind is not RecordKind.FOREIGN_DRIVE and not any(
             _may_cause(record, activity) for record in self._records)

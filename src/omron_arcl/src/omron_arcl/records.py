@@ -119,6 +119,8 @@ class DriveRecord:
     """The name of its command."""
     stands_for: Tuple[Tuple[str, int], ...] = ()
     """Giver and number of earlier stops that a stop has replaced: it tells what becomes of them."""
+    is_cancelled: bool = False
+    """Whether its giver has cancelled a drive that a newer one was about to replace."""
     doubt: Optional[Doubt] = field(default=None, compare=False)
     """Set while the robot seems not to obey a command under way. It is not stored."""
 

@@ -95,6 +95,11 @@ class ModelledController:
         self._dispatcher.records.all_cancelled(canceller)
         self.turn()
 
+    def cancel_own(self, drive: Execution) -> None:
+        """Cancels one drive for its giver."""
+        self._dispatcher.cancel(drive, self._timeline.now, drive.giver)
+        self.turn()
+
     def connect(self) -> None:
         """The link is connected again."""
         self.connected = True

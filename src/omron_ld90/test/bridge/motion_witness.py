@@ -154,10 +154,16 @@ class Witness(DelayedDrive):
         self._sent_to: Dict[int, Tuple[str, float]] = {}
         self._driven_at = -100.0  # time of the last drive of any client
         self._arrived_at: Dict[str, float] = {}  # time of the last arrival at each goal
+        self._heard_arrival_at: Dict[str, float] = {}  # the same, of the controller
         self._stood_at = -100.0
         self._given: List[Execution] = []  # drives and stops that have not reached the robot
+        self._drives_of: Dict[Word, List[Execution]] = {}  # those of one word
         # the drive that the robot carries out; None: none of ours
         self._obeyed: Optional[Execution] = None
+        self._newest_drive: Optional[Execution] = None
+        self._cancelled: List[Execution] = []  # drives that their own givers have cancelled
+        # time since when the robot carries out one of them
+        self._cancelled_since: Optional[float] = None
         # time since when something else is told of it than what the robot does
         self._untrue_since: Optional[float] = None
         # time since when the robot drives for the bridge without a route
@@ -169,6 +175,7 @@ class Witness(DelayedDrive):
         self._time.every(TICK, self._watch_robot)
         self._time.every(TICK, self._watch_stop_of_bridge)
         self._time.every(TICK, self._watch_drive_without_route)
+        self._time.every(TICK, self._watch_cancelled_drive)
         self._time.every(TICK, self._watch_what_is_told)
 
     _controller: WitnessedController
@@ -206,8 +213,10 @@ class Witness(DelayedDrive):
                 self._judge_stop(giver, known)
             return
         self._taken[command] += 1
+        self._newest_drive = self._given[-1]
+        self._drives_of.setdefault(self._newest_word, []).append(self._newest_drive)
         if giver.name != BRIDGE:
-            self._others_drives.append(self._given[-1])
+            self._others_drives.append(self._newest_drive)
         if giver == PERSON:
             self.persons, self.came, self._is_number = command, False, self._taken[command]
         passed = [word for word in self._words_after(known or NO_WORD)
@@ -301,14 +310,31 @@ class Witness(DelayedDrive):
             self._arrived = Counter(self._taken)
             if self._obeyed and self._obeyed.command in [one.command for one in self._given]:
                 self._obeyed = None  # it cannot be told from the lost drive to its goal
+            self._forget_lost_drives()
             self._given.clear()
             self._stops_sent.clear()
-            for word in self._before_stops:  # the robot does not obey those stops after them
-                self.words.remove(word)
-                if self.robot.goal is None or self._anothers:  # else it has obeyed us since
-                    self.words.append(word)
+            if not self._seems_ours:
+                for word in self._before_stops:  # the robot does not obey those stops after them
+                    self.words.remove(word)
+                    if self.robot.goal is None or self._anothers:  # else it has obeyed us since
+                        self.words.append(word)
             self._before_stops.clear()
         super().cut(link, seconds)
+
+    def _forget_lost_drives(self) -> None:
+        """Drives that are lost with the link change nothing if the robot carries out, or has
+        completed, that of another giver, which nobody had stopped before. Nobody can tell a drive
+        of others to the goal of a lost one.
+        """
+        goal = self.robot.status.split()[-1]
+        for word, drives in self._drives_of.items():
+            before = next((one for one in reversed(self.words[:self.words.index(word)])
+                           if not one.is_refused), NO_WORD)
+            goes_on = self._obeyed and word.giver != before.giver and before.is_drive_of(
+                self._obeyed.giver)
+            if goes_on and all(drive in self._given and drive.command.text.split()[-1] != goal
+                               for drive in drives):
+                word.refuse()
 
     def stall(self, seconds: float) -> None:
         """The link of commands holds all lines back for some seconds."""
@@ -327,6 +353,20 @@ class Witness(DelayedDrive):
             return
         self.words.append(Word(canceller, False))
         self._controller.cancel([one for one in self._drives if one.result is None], canceller)
+
+    @property
+    def open_drives(self) -> List[Execution]:
+        """The drives of programs and people that have not ended for them."""
+        return [drive for drive in self._others_drives if drive.result is None]
+
+    def cancel_own(self, drive: Execution) -> None:
+        """The giver of a drive cancels it: a stop, unless a newer drive is to replace it."""
+        if not self.is_heard:
+            return
+        self._cancelled.append(drive)
+        if drive is self._newest_drive:
+            self.words.append(Word(drive.giver, False))
+        self._controller.cancel_own(drive)
 
     def another_client(self, command: str, stalls: float = 0.0) -> None:
         """A client of the robot's own server gives a command.
@@ -378,7 +418,10 @@ class Witness(DelayedDrive):
             crosses = max(self._another_gave.get('stop', -100.0) + AT_ONCE,
                           self._powered_at + LATE) >= since
             return self.robot.goal is None or self._stood_at >= since or crosses
+        # nor whose drive to one goal a robot completes; see `_reach_robot`
+        crosses = self._another_gave.get(f'goto {goal}', -100.0) + AT_ONCE >= since
         return (self._arrived_at.get(goal, -1.0) >= since
+                or crosses and self._heard_arrival_at.get(goal, -1.0) >= since
                 or self.robot.status.startswith((f'Arrived at {goal}', 'DockingState: Docked')))
 
     def _watch_what_is_told(self) -> None:
@@ -426,6 +469,8 @@ class Witness(DelayedDrive):
         elif line.startswith('DockingState: Docked'):
             self._arrived_at['dock'] = self.now
         seconds, arrives = self.delays.from_robot, self._controller.carry
+        if line.startswith('Arrived at '):
+            arrives(seconds, lambda: self._heard_arrival_at.update({line.split()[-1]: self.now}))
         if line == 'Stopped':  # which of two stops it answers cannot be told if they cross
             arrives(seconds, self._hear_stopped)
         if line == 'Motors enabled':
@@ -465,12 +510,19 @@ class Witness(DelayedDrive):
         carries out a drive of ours, nor stands as we stopped it, and nobody gave a command since.
         """
         before, self._unheard, status = self._unheard, None, self.robot.status
-        last, names = self._last_word(), self._controller.motion.memory.names
-        if before is None or before is not self._newest_word or status.split()[-1] in names:
+        last = self._last_word()
+        if before is None or before is not self._newest_word or self._seems_ours:
             return
         if status.startswith(('Going to', 'Arrived at')) or status == 'Stopped' and (
                 last is None or last.drives):
             self.words.append(Word(None, self.robot.goal is not None))
+
+    @property
+    def _seems_ours(self) -> bool:
+        """True if the robot shows the goal of a drive of ours: another client's drive to it cannot
+        be told apart.
+        """
+        return self.robot.status.split()[-1] in self._controller.motion.memory.names
 
     def _heard(self, line: str, stopped: Word) -> None:
         """Notes another client's command, unless ours has the same effect at the same time.
@@ -536,7 +588,7 @@ class Witness(DelayedDrive):
             self._before_stops.clear()
             # A stop of another client that crosses a drive is given again, after the drive. One of
             # ours seems to be another client's if that client's drive seemed to be ours.
-            crosses = (self._crosses_anothers('stop')
+            crosses = (any(map(self._crosses_anothers, self._anothers_stops))
                        or self.now <= self._mixed_up_at + AT_ONCE)
             if (not crosses and self._controller.motion.memory.drives
                     and self._newest_word.is_drive_of(PERSON)
@@ -555,6 +607,11 @@ class Witness(DelayedDrive):
             self._obeyed = None  # drives to one goal cannot be told apart if they cross
         elif given is not None and line.split()[-1] == self.robot.goal:
             self._obeyed = given
+
+    @property
+    def _anothers_stops(self) -> Sequence[str]:
+        """What another client gave and the robot answers by `Stopping`; in one dialect, all."""
+        return list(self._another_gave) if self._dialect == 'replacing stopping' else ['stop']
 
     def _crosses_anothers(self, command: str) -> bool:
         return self.now <= self._another_gave.get(command, -100.0) + AT_ONCE
@@ -597,6 +654,16 @@ class Witness(DelayedDrive):
         elif self.now > self._routeless_since + SENT_WITHIN + GIVEN_WITHIN:
             self.broken.append(f'{self.now:.1f} the robot drives for a route that has ended')
 
+    def _watch_cancelled_drive(self) -> None:
+        """Checks that a robot is stopped which carries out a drive that its giver has cancelled."""
+        if (self._obeyed not in self._cancelled or self.robot.goal is None
+                or not self._can_be_reached):
+            self._cancelled_since = None
+        elif self._cancelled_since is None:
+            self._cancelled_since = self.now
+        elif self.now > self._cancelled_since + SENT_WITHIN:
+            self.broken.append(f'{self.now:.1f} the robot carries out a cancelled drive')
+
     def _came_later(self, known: Word, drives: int) -> bool:
         """Tells whether somebody drives of whom the bridge did not know when it gave its stop.
 
@@ -614,7 +681,10 @@ class Witness(DelayedDrive):
             return
         if self._owed_since is None:
             self._owed_since = self.now
-        waits_since = max(self._owed_since + SENT_WITHIN, self._stop_came_at + OBEYED_WITHIN)
+        # whether the robot stands after a stop is judged anew when it arrives for another client
+        arrived_at = max(self._heard_arrival_at.values(), default=-100.0) if self._anothers else 0.0
+        waits_since = max(self._owed_since + SENT_WITHIN, self._stop_came_at + OBEYED_WITHIN,
+                          arrived_at + SENT_WITHIN)
         if self.now > waits_since:
             self.broken.append(f'{self.now:.1f} an owed stop was not sent')
             self._owed_since = None

@@ -118,6 +118,24 @@ class Robots(RuleBasedStateMachine):
     def person_cancels(self) -> None:
         self.world.take_cancellation(PERSON)
 
+    @precondition(lambda self: self.world.open_drives)
+    @rule(which=st.integers(0, 2))
+    def giver_cancels_its_drive(self, which: int) -> None:
+        drives = self.world.open_drives
+        self.world.cancel_own(drives[which % len(drives)])
+
+    @precondition(lambda self: self.world.up[p.RobotLink.COMMANDS])
+    @rule(seconds=st.sampled_from([0.1, 1.0]))
+    def drive_that_replaces_a_cancelled_one_is_lost(self, seconds: float) -> None:
+        self.person_drives('6')
+        self.world.run(1.0)
+        self.world.stall(3.0)
+        self.person_drives('3')
+        for drive in self.world.open_drives[-2:-1]:
+            self.world.cancel_own(drive)
+        self.world.cut(p.RobotLink.COMMANDS, seconds)
+        self.world.run(seconds + 6.0)
+
     @rule(command=st.sampled_from(COMMANDS))
     def another_client(self, command: str) -> None:
         self.world.another_client(command)
@@ -267,8 +285,9 @@ class Robots(RuleBasedStateMachine):
         if world.robot.goal is not None and not world._anothers:
             assert memory.giver.name, f'the robot drives to {world.robot.goal} without an owner'
         last = world._last_word()
-        if last and not last.drives and (
-                world._controller.motion.memory.cause is not MotionCause.OTHER_CLIENT):
+        docks_for_others = world._anothers and memory.cause is MotionCause.ROBOT
+        if last and not last.drives and not (
+                docks_for_others or memory.cause is MotionCause.OTHER_CLIENT):
             assert world.robot.goal is None, 'the robot drives on'
 
 

@@ -65,6 +65,41 @@ def test_a_foreign_drive_stands_last_if_our_stop_was_lost_with_the_link():
     assert _givers(world) == [PERSON, None]
 
 
+@pytest.mark.parametrize(('goal', 'heard'), [('3', [None, PERSON, PERSON]),
+                                             ('5', [PERSON, PERSON, None])])
+def test_a_foreign_drive_does_not_stand_last_if_the_robot_drives_to_a_goal_of_ours_after_it(
+        goal, heard):
+    """Nobody can tell a further foreign drive from ours, which was lost with the link."""
+    robots = Robots()
+    robots.begin('rolling', 'name', 0.0, Delays())
+    robots.another_client_is_heard_in_parts('goto 4', 3.0)
+    robots.person_stops()
+    robots.person_drives('3')
+    assert _givers(robots.world) == [None, PERSON, PERSON]
+    robots.another_client(f'goto {goal}')
+    robots.world.cut(p.RobotLink.COMMANDS, 1.0)
+    assert _givers(robots.world) == heard
+
+
+@pytest.mark.parametrize('is_lost', [True, False])
+def test_a_giver_drives_on_after_a_drive_of_another_one_that_was_lost_with_the_link(is_lost):
+    robots = Robots()
+    robots.begin('rolling', 'name', 0.0, Delays(to_robot=0.2))
+    robots.person_drives('3')
+    robots.passes(1.0)
+    robots.reads('/adapter')
+    robots.program_drives('/adapter', '4', 0.0)
+    robots.passes(0.0 if is_lost else 1.0)
+    robots.world.cut(p.RobotLink.COMMANDS, 1.0)
+    robots.passes(1.3)
+    robots.reads('/adapter')
+    robots.person_drives('5')
+    robots.passes(1.0)
+    adapter = robots.world.words[1]
+    assert adapter.is_refused is is_lost
+    assert _givers(robots.world) == [PERSON, adapter.giver, *([] if is_lost else [PERSON])]
+
+
 def test_a_stop_lost_before_the_foreign_drive_is_heard_is_obeyed_once_it_is_sent_again():
     world = _world()
     world.stall(3.0)

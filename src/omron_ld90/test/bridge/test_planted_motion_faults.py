@@ -127,6 +127,8 @@ FAULTS = {
             activity.kind is not ActivityKind.GOING_TO_GOAL
             or activity.goal.casefold() in drive.names)),
     'a drive is sent again over a new link': (ModelledController, 'connect', _sends_again),
+    'the cancellation of a drive is lost with the next one': (
+        Drives, '_stop_if_cancelled', lambda *_: None),
 }
 
 
@@ -167,6 +169,10 @@ SCENES: Dict[str, Tuple[Call, ...]] = {
         ('another_client_drives_without_a_goal', 'gotoPoint 9000 3000 0'), ('passes', 10.0)),
     'a drive is sent again over a new link': (
         *_PERSON_DRIVES, ('link_breaks', RobotLink.COMMANDS, 1.0), ('passes', 4.0)),
+    'the cancellation of a drive is lost with the next one': (
+        ('program_drives', '/adapter', '5', 0.0), ('passes', 1.0), ('link_stalls', 3.0),
+        ('person_drives', '3'), ('giver_cancels_its_drive', 0),
+        ('link_breaks', RobotLink.COMMANDS, 1.0), ('passes', 8.0)),
 }
 assert set(SCENES) == set(FAULTS)
 

@@ -73,7 +73,7 @@ def test_a_file_of_before_records_told_more_is_read(tmp_path):
     """Otherwise an owed stop would be forgotten when the software is updated."""
     memory, path = replace(MEMORY, records=(STOP,)), tmp_path / 'motion.json'
     content = to_json(memory)
-    for name in ('ending', 'acknowledged_by', 'doubt', 'verb', 'stands_for'):
+    for name in ('ending', 'acknowledged_by', 'doubt', 'verb', 'stands_for', 'is_cancelled'):
         del content['records'][0][name]
     path.write_text(json.dumps(content))
     assert MotionFile(str(path)).read() == memory

@@ -47,7 +47,8 @@ class MotionFile:
             if content.pop(ROBOT_ID, '') != self._robot_id:
                 return None
             memory = from_json(DriveMemory, content, added=(
-                'last_commands', 'ending', 'acknowledged_by', 'doubt', 'verb', 'stands_for'))
+                'last_commands', 'ending', 'acknowledged_by', 'doubt', 'verb', 'stands_for',
+                'is_cancelled'))
         except FileNotFoundError:
             return None
         except (OSError, ValueError, TypeError) as error:
