@@ -177,8 +177,7 @@ class RobotMonitor:
         if event.epoch == self.epoch:
             return
         self.drives_for_us, self._is_unexplained = event.obeys_us, event.is_unexplained
-        # an epoch that was not told here may be that of another giver
-        goes_on = (event.is_ours or event.goes_on) and event.previous_epoch == self.epoch
+        goes_on = event.is_ours or event.goes_on and event.previous_epoch == self.epoch
         if self.epoch and not goes_on and not event.is_unexplained:
             self._taken_over = TakenOver(f'Another giver came first: {event.reason}.')
         if self.epoch and not event.is_unexplained and (
