@@ -13,7 +13,18 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import AbstractSet, Dict, FrozenSet, Iterator, List, NamedTuple, Sequence, Set, Tuple
+from typing import (
+    AbstractSet,
+    Dict,
+    FrozenSet,
+    Iterable,
+    Iterator,
+    List,
+    NamedTuple,
+    Sequence,
+    Set,
+    Tuple,
+)
 
 from fleet_core.fleet import Fleet, RobotType
 from fleet_core.geometry.site_geometry import SiteGeometry
@@ -114,15 +125,20 @@ def _stands(work: SiteWork, fleet: Fleet, graph: Graph, place: int,
         carried = {load for one in station.places for load in comes.get(one, ())}
         for vertex in station.queue:
             yield _Stand(vertex, f'queue place {vertex} of station {station.name}', kinds, carried)
-        for vertex in station.places:
-            is_for_both = place not in station.places or station.capacity > 1
-            if vertex != place and is_for_both and not (vertex < place and has.get(vertex)):
+        if place not in station.places or station.capacity > 1:
+            for vertex in _others(station.places, place, has):
                 yield _Stand(vertex, f'place {vertex} of station {station.name}', kinds,
                              has.get(vertex, set()))
     for dock in (vertex.id for vertex in graph.vertices.values() if vertex.dock):
         charging = [kind for kind in kinds if kind.may_dock(dock)]
         if dock != place and charging:
             yield _Stand(dock, f'dock {dock}', charging, set())
+
+
+def _others(places: Iterable[int], place: int, has: Dict[int, Set[str]]) -> List[int]:
+    """Returns the other places of a station; of two with loads, each pair is found once."""
+    return [vertex for vertex in places
+            if vertex != place and not (vertex < place and has.get(vertex))]
 
 
 # -- what robots carry -----------------------------------------------------------------------------
