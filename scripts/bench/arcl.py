@@ -228,15 +228,18 @@ def measure(processes: Dict[str, subprocess.Popen], port: int, relay_port: int,
         connection.close()
     together = share['controller'] + share['receiver']
     return [
-        latency_row('status line (6 lines at 10 Hz)', latencies, ''),
-        latency_row('scan of 1,000 points at 10 Hz', latencies, ' scan'),
+        latency_row('status line (6 lines at 10 Hz)', latencies, '', aim=1.15),
+        latency_row('scan of 1,000 points at 10 Hz', latencies, ' scan', aim=1.3),
         Row('CPU of controller + receiver, 10 Hz status and 1,000-point scans',
             f'{together:.1f} % of a core ({share["controller"]:.1f} + {share["receiver"]:.1f})',
             f'bare publisher of the same lines: {share["bare"]:.1f} %', 'under 6 %')]
 
 
-def latency_row(what: str, latencies: Dict[str, List[float]], of: str) -> Row:
-    """Returns one row: p50 and p99 of the nodes, of the floor, and of the bare relay."""
+def latency_row(what: str, latencies: Dict[str, List[float]], of: str, aim: float) -> Row:
+    """Returns one row: p50 and p99 of the nodes, of the floor, and of the bare relay.
+
+    aim -- limit of the p50, as a multiple of the floor's
+    """
     (p50, p99), (bare50, bare99), (relay50, relay99) = (
         np.percentile(latencies[f'{sender}{of}'], (50, 99)) for sender in ('ours', 'bare', 'relay'))
     return Row(f'socket to subscriber: {what}',
@@ -244,7 +247,7 @@ def latency_row(what: str, latencies: Dict[str, List[float]], of: str) -> Row:
                f'p99 {p99:.2f} ms',
                f'bare rospy hop: p50 {bare50:.2f} ms, p99 {bare99:.2f} ms; '
                f'bare relay: p50 {relay50:.2f} ms, p99 {relay99:.2f} ms',
-               'p50 within 1.5 x, p99 under 5 ms')
+               f'p50 within {aim} x, p99 under 5 ms')
 
 
 def connect(port: int) -> socket.socket:

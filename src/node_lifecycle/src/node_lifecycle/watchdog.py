@@ -1,8 +1,8 @@
 """Detects blocked threads of a node, and reports them in /diagnostics.
 
 Two locks taken in opposite order block a node for good, and nothing else shows it: the node keeps
-its connections, and its last values stay on the screen. So a separate thread checks once a second
-where all other threads are. It takes none of their locks.
+its connections, and its last values stay on the screen. So a separate thread checks every
+`PERIOD` where all other threads are. It takes none of their locks.
 """
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 
 from node_lifecycle.periodic import Periodic
 
-PERIOD = 1.0  # s
+PERIOD = 2.5  # s; the wake-up of an idle process costs more than the check
 STANDSTILL = 10.0  # s
 CALLERS = ('actionlib', 'diagnostic_updater', 'interactive_markers')
 """Libraries that call nodes while they hold locks: their threads are also watched."""

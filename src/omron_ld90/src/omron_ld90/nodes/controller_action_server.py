@@ -26,6 +26,7 @@ class ActionServer(actionlib.ActionServer):
     """
 
     status_frequency: float  # Hz, of actionlib, which reads it from the parameter server
+    status_timer: Any  # of actionlib, a timer that follows ROS time
     last_cancel: rospy.Time  # of actionlib: it refuses goals whose stamp is not newer
 
     def __init__(self, name: str, kind: type, on_goal: Callable[..., None],
@@ -40,10 +41,8 @@ class ActionServer(actionlib.ActionServer):
         """Begins to accept goals and to publish the status."""
         super().start()
         if self.status_frequency > 0.0:
+            self.status_timer.shutdown()
             Periodic('action status', 1.0 / self.status_frequency, self.publish_status)
-
-    def publish_status_async(self, event: object) -> None:
-        """Does nothing when actionlib's own timer calls it: the status follows another clock."""
 
     def internal_cancel_callback(self, goal_id: GoalID) -> None:
         """Handles an incoming cancellation."""
