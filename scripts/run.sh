@@ -33,10 +33,17 @@ need_localhost
 [ -n "${ROS_IP:-}${ROS_HOSTNAME:-}" ] || getent hosts "$(uname -n)" >/dev/null ||
   say "This computer's own name, $(uname -n), has no address, so commands in other terminals would not be heard: run 'export ROS_IP=127.0.0.1' there, or add the line '127.0.1.1 $(uname -n)' to /etc/hosts"
 
+# master_listens: fails if nothing listens at ROS_MASTER_URI. The tools of ROS find that out, too, but take half a second for it.
+master_listens() {
+  [[ "${ROS_MASTER_URI:-http://localhost:11311}" =~ ^http://([^/:]+):([0-9]+)/?$ ]] || return 0  # the tools judge it
+  timeout 10 bash -c 'exec 3<>"/dev/tcp/$0/$1"' "${BASH_REMATCH[@]:1:2}" 2>/dev/null
+}
+
 # refuse_what_runs LAUNCH...: fails if one of the launch's nodes runs already. Two launches with nodes of the same name under
 # one ROS master would end each other's nodes for ever.
 refuse_what_runs() {
   local node running
+  master_listens || return 0
   running="$(timeout 10 rosnode list 2>/dev/null | sort)" || return 0
   for node in $(comm -12 - <(roslaunch --nodes "$@" 2>/dev/null | sort) <<<"$running"); do
     ! timeout 5 rosnode ping -c 1 "$node" 2>/dev/null | grep -q 'xmlrpc reply' ||

@@ -42,7 +42,7 @@ LAYERS: Dict[str, Layer] = {
     'trajectory_graph': layer('file_replacement'),
     'route_protocol': layer(),
     'omron_map': layer('file_replacement'),
-    'omron_map_converter': layer('omron_map trajectory_graph'),
+    'omron_map_converter': layer('file_replacement omron_map trajectory_graph'),
     'omron_arcl': layer('browser_guard', sockets='arcl_link connection transport listener'),
     'node_program': layer(),
     'xmlrpc_guard': layer('browser_guard', ros=True),

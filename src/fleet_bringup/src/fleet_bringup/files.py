@@ -11,13 +11,9 @@ import yaml
 from fleet_bringup.errors import CannotStart
 from fleet_bringup.robot_entries import LD90, RobotEntry
 from omron_map import MapError
-from omron_map_converter.converter import (
-    ConversionError,
-    ConversionOptions,
-    ExistingGoals,
-    convert_file,
-)
+from omron_map_converter.converter import ConversionError, ConversionOptions, ExistingGoals
 from omron_map_converter.fences import Fences
+from omron_map_converter.kept_maps import convert_or_copy, folder_of_this_user
 from trajectory_graph import Graph, save_graph
 
 
@@ -51,10 +47,10 @@ def make_site(folder: str, graph: Graph, base_map: str, map_file: str) -> Starte
         return site
     output = os.path.join(folder, 'fleet.map')
     try:
-        convert_file(graph, base_map, output,
-                     ConversionOptions(dock_vertex=site.dock or None,
-                                       existing_goals=ExistingGoals.REPLACE,
-                                       fences=Fences.AREAS))
+        convert_or_copy(graph, base_map, output,
+                        ConversionOptions(dock_vertex=site.dock or None,
+                                          existing_goals=ExistingGoals.REPLACE,
+                                          fences=Fences.AREAS), folder_of_this_user())
     except (ConversionError, MapError) as error:
         raise CannotStart(
             f'The map of the LD-90s cannot be made from {base_map}: {error}') from None
