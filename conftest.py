@@ -17,9 +17,12 @@ import os
 import subprocess
 import sys
 import threading
+import time
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
-from typing import Any, Callable, Iterator, TypeVar
+from socketserver import BaseServer
+from types import FrameType
+from typing import Any, Callable, Iterator, List, Optional, TypeVar
 
 import pytest
 from hypothesis import HealthCheck, settings
@@ -63,9 +66,10 @@ def pytest_configure() -> None:
 
 @pytest.hookimpl(trylast=True)
 def pytest_runtest_teardown() -> None:
-    """Fails a test that leaves work behind that a node does repeatedly.
+    """Fails a test that leaves work behind: what a node does repeatedly, or a server whose socket
+    was closed before its loop had ended. (Such a loop never waits.)
 
-    Such work goes on beside all later tests of this process: it takes their time, and its warnings
+    This work goes on beside all later tests of this process: it takes their time, and its warnings
     fill their memory.
     """
     owners = [getattr(getattr(thread, '_target', None), '__self__', None)
@@ -74,8 +78,27 @@ def pytest_runtest_teardown() -> None:
             and not owner._ended.is_set()]
     for owner in left:
         owner.shutdown()
-    if left:
-        pytest.fail(f'left behind: {[owner._name for owner in left]}', pytrace=False)
+    deadline = time.monotonic() + 5.0
+    while _closed_servers() and time.monotonic() < deadline:  # its thread may be about to end
+        time.sleep(0.01)
+    servers = _closed_servers()
+    for server in servers:
+        server.shutdown()
+    if left or servers:
+        pytest.fail(f'left behind: {[*(owner._name for owner in left), *servers]}', pytrace=False)
+
+
+def _closed_servers() -> List[BaseServer]:
+    """Returns the servers of which a thread runs the loop, and whose socket is closed."""
+    found = []
+    for frame in sys._current_frames().values():
+        caller: Optional[FrameType] = frame
+        while caller is not None:
+            if caller.f_code is BaseServer.serve_forever.__code__:
+                server = caller.f_locals['self']
+                found += [server] if server.fileno() < 0 else []
+            caller = caller.f_back
+    return found
 
 
 # -- a disk that becomes full, read-only or missing ------------------------------------------------

@@ -25,7 +25,7 @@ from route_protocol.device_messages import device_report_of
 from route_protocol.devices import DeviceMode, DeviceReport
 from route_protocol.step_messages import step_report_of
 from route_protocol.steps import ShownStep, StepCode, Word
-from system_support import Recorder, connected_publisher, process_of, run_cases, wait_until
+from system_support import Recorder, connected_publisher, process_of, program, run_cases, wait_until
 
 plc = pytest.importorskip(
     'plc', reason='pymodbus 3, or the module serial_asyncio that it needs, is not installed')
@@ -76,12 +76,12 @@ class DevicesTest(unittest.TestCase):
     @classmethod
     def start_node(cls) -> None:
         cls.node = subprocess.Popen([
-            'rosrun', 'fleet_devices', 'fleet_devices', f'_work_file:={cls.folder / "work.yaml"}',
+            program('fleet_devices', 'fleet_devices'), f'_work_file:={cls.folder / "work.yaml"}',
             f'_graph_file:={GRAPH}', f'_memory_file:={cls.folder / "memory.json"}',
             f'_steps_file:={cls.folder / "steps.json"}', '_simulated_travel:=0.2'])
 
     def command(self, *words: str) -> Tuple[int, str]:
-        done = subprocess.run(['rosrun', 'fleet_devices', 'device', *words], text=True,
+        done = subprocess.run([program('fleet_devices', 'device'), *words], text=True,
                               capture_output=True, timeout=60, check=False)
         return done.returncode, done.stdout + done.stderr
 

@@ -19,7 +19,7 @@ from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from std_srvs.srv import Trigger
 
 from itrci_nav_msgs.msg import DeviceState, FleetRobot, FleetState, MissionStatus
-from system_support import Recorder, run_cases, wait_until
+from system_support import Recorder, program, run_cases, wait_until
 
 FILES = Path(__file__).resolve().parent
 GRAPH = FILES.parent / 'maps/lab_graph.yaml'
@@ -94,14 +94,15 @@ class DoorsTest(unittest.TestCase):
         """Starts fleet_devices, which knows the holders of the door from its memory."""
         self.end_devices()
         type(self).devices = subprocess.Popen([
-            'rosrun', 'fleet_devices', 'fleet_devices',
+            program('fleet_devices', 'fleet_devices'),
             f'_work_file:={FILES / "vectors/doors_work.yaml"}', f'_graph_file:={GRAPH}',
             f'_memory_file:={self.memory}', '_simulated_travel:=5.0',
             f'_simulated_faults:={json.dumps(list(faults))}'])
 
-    def command(self, *words: str, package: str = 'graph_fleet_manager') -> Tuple[int, str]:
-        done = subprocess.run(['rosrun', package, *words], text=True, capture_output=True,
-                              timeout=60, check=False)
+    def command(self, name: str, *words: str,
+                package: str = 'graph_fleet_manager') -> Tuple[int, str]:
+        done = subprocess.run([program(package, name), *words], text=True,
+                              capture_output=True, timeout=60, check=False)
         return done.returncode, done.stdout + done.stderr
 
     def send(self, mission: int, vertex: int, robot: str = ALONE, *more: str) -> None:

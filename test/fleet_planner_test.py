@@ -33,7 +33,7 @@ from itrci_nav_msgs.msg import (
     SymbolicPose,
 )
 from itrci_nav_msgs.msg import Graph as GraphMessage
-from system_support import Recorder, connected_publisher, run_cases, wait_until
+from system_support import Recorder, connected_publisher, program, run_cases, wait_until
 from trajectory_graph import Edge, Graph, Vertex, save_graph
 from trajectory_graph.messages import graph_from_message
 
@@ -229,7 +229,7 @@ class FleetPlannerTest(unittest.TestCase):
         self.assertEqual(['8'], [row[0] for row in closed])
 
     def edge(self, *words: str) -> subprocess.Popen[str]:
-        return subprocess.Popen(['rosrun', 'graph_fleet_manager', 'edge', *words],
+        return subprocess.Popen([program('graph_fleet_manager', 'edge'), *words],
                                 stdout=subprocess.PIPE, text=True)
 
     def test_a_command_counts_whatever_its_clock_says(self):

@@ -23,7 +23,7 @@ from itrci_nav_msgs.msg import (
     PlanRequest,
     TargetRoute,
 )
-from system_support import Recorder, connected_publisher, run_cases, wait_until
+from system_support import Recorder, connected_publisher, program, run_cases, wait_until
 
 HERE = Path(__file__).resolve().parent
 NODES = ('/graph_server', '/path_planner', '/path_supervisor', '/agv_sim')
@@ -51,9 +51,9 @@ class WatchedMaster(RosMaster):
         return int(pid)
 
 
-def command(*words: str) -> subprocess.CompletedProcess:
+def command(name: str, *words: str) -> subprocess.CompletedProcess:
     """Runs a command as a user would; returns its output."""
-    return subprocess.run(['rosrun', 'graph_fleet_manager', *words], text=True,
+    return subprocess.run([program('graph_fleet_manager', name), *words], text=True,
                           stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=30, check=False)
 
 

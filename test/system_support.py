@@ -18,6 +18,7 @@ from xmlrpc.client import ServerProxy
 
 import pytest
 import rosgraph
+import roslib.packages
 import rospy
 from std_msgs.msg import String
 
@@ -74,6 +75,13 @@ def wait_until(condition: Callable[[], Any], timeout: float, what: str) -> Any:
             return value
         time.sleep(0.02)
     raise AssertionError(f'not within {timeout:.0f} s: {what}')
+
+
+def program(package: str, name: str) -> str:
+    """The path of a program. `rosrun` looks for it too, each time with programs of its own, which
+    take as long as the program; `fleet_mission` starts its commands with it.
+    """
+    return str(roslib.packages.find_node(package, name)[0])
 
 
 def process_of(node: str) -> int:

@@ -17,7 +17,7 @@ import rospy
 from fleet_support import Simulators
 
 from itrci_nav_msgs.msg import FleetRobot, FleetState, MissionStatus
-from system_support import Recorder, run_cases, wait_until
+from system_support import Recorder, program, run_cases, wait_until
 
 PALLET = '''
 stops:
@@ -46,8 +46,8 @@ class WorkTest(unittest.TestCase):
         cls.states.wait_for(lambda state: all(robot.state == FleetRobot.IDLE
                                               for robot in state.robots), 60, 'all robots')
 
-    def command(self, program: str, *words: str) -> Tuple[int, str]:
-        done = subprocess.run(['rosrun', 'graph_fleet_manager', program, *words], text=True,
+    def command(self, name: str, *words: str) -> Tuple[int, str]:
+        done = subprocess.run([program('graph_fleet_manager', name), *words], text=True,
                               capture_output=True, timeout=60, check=False)
         return done.returncode, done.stdout + done.stderr
 

@@ -43,23 +43,32 @@ class Handler(rosgraph.xmlrpc.XmlRpcHandler):
         return [1, name, len(arguments)]
 
 
+@pytest.fixture(name='server', scope='module')
+def _server() -> Iterator[rosgraph.xmlrpc.XmlRpcNode]:
+    node = rosgraph.xmlrpc.XmlRpcNode(0, Handler())
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv('ROS_IP', '127.0.0.1')
+        patch.setenv('ROS_MASTER_URI', 'http://127.0.0.1:11311')
+        patch.setattr(rosgraph.xmlrpc, 'SilenceableXMLRPCRequestHandler', None)
+        guard_servers()
+        node.start()
+        assert node.handler.is_ready.wait(10)
+        yield node
+    node.is_shutdown = True  # `shutdown` closes the socket of a loop that goes on for ever
+    node.server.shutdown()
+    node.shutdown('the end of the tests')
+
+
 @pytest.fixture(name='handler')
-def _handler() -> Handler:
-    return Handler()
+def _handler(server) -> Handler:
+    server.handler.calls.clear()
+    return server.handler
 
 
 @pytest.fixture(name='port')
-def _port(handler, monkeypatch) -> Iterator[int]:
-    monkeypatch.setenv('ROS_IP', '127.0.0.1')
-    monkeypatch.setenv('ROS_MASTER_URI', 'http://127.0.0.1:11311')
+def _port(server, monkeypatch) -> int:
     monkeypatch.setattr(GuardedRequestHandler, '_next_log', 0.0)
-    monkeypatch.setattr(rosgraph.xmlrpc, 'SilenceableXMLRPCRequestHandler', None)
-    guard_servers()
-    node = rosgraph.xmlrpc.XmlRpcNode(0, handler)
-    node.start()
-    assert handler.is_ready.wait(10)
-    yield node.port
-    node.shutdown('the end of the test')
+    return server.port
 
 
 def sent(port: int, headers: Dict[str, str], method: str = 'POST', call: str = 'setParam') -> int:

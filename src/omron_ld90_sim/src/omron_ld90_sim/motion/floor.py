@@ -109,18 +109,20 @@ class SimFloor:
         c1, r1 = np.minimum(high + 1, [self.shape[1], self.shape[0]]).astype(int)
         if c0 >= c1 or r0 >= r1:
             return
-        x = (self.origin[0] + np.arange(c0, c1) * self.resolution)[None, :]
+        x = self.origin[0] + np.arange(c0, c1) * self.resolution
         y = (self.origin[1] + np.arange(r0, r1) * self.resolution)[:, None]
-        ends = np.roll(corners, -1, axis=0)
-        distance = np.full((r1 - r0, c1 - c0), np.inf)
-        within = np.ones_like(distance, bool)
-        for (ax, ay), (bx, by) in zip(corners, ends):
-            dx, dy = bx - ax, by - ay
-            length2 = dx * dx + dy * dy
-            along = (0.0 if length2 == 0
-                     else np.clip(((x - ax) * dx + (y - ay) * dy) / length2, 0.0, 1.0))
-            distance = np.minimum(distance, np.hypot(x - ax - along * dx, y - ay - along * dy))
-            within &= dx * (y - ay) - dy * (x - ax) >= 0
+        squares, within = np.array(np.inf), np.array(True)
+        sides = zip(corners, np.roll(corners, -1, axis=0)) if len(corners) > 2 else [corners]
+        for (ax, ay), (bx, by) in sides:
+            length = math.hypot(bx - ax, by - ay)
+            dx, dy = ((bx - ax) / length, (by - ay) / length) if length else (1.0, 0.0)
+            beside = (y - ay) * dx - (x - ax) * dy
+            beyond = (x - ax) * dx + (y - ay) * dy
+            beyond -= np.minimum(np.maximum(beyond, 0.0), length)
+            if inside:
+                within = within & (beside >= 0)
+            squares = np.minimum(squares, beside * beside + beyond * beyond)
+        distance = np.sqrt(squares)
         if inside:
             distance[within] = 0.0
         window = self.clearance[r0:r1, c0:c1]
