@@ -61,6 +61,12 @@ Derived:
   names an epoch is sent.
 - The *last command* of each giver that numbers its commands, and what became of it. So a program
   whose connection broke, or which was restarted, need not guess whether the robot obeys it.
+- The *foreign epoch* of each such giver: the newest epoch that something else began. A giver begins
+  its own epochs, also by a drive that is lost, and by a stop or a cancellation, unless that ends a
+  drive of another giver which was on its way. Others are begun by another giver, another client,
+  the robot, or the emergency stop. A start of the controller is nobody's, if it has its memory, and
+  so is an outage after which the robot stands as we stopped it. A program that was not told each
+  epoch sees by this one value whether it was told all that it has to know of.
 
 Invariants:
 - No drive that names an epoch passes a stop or drive that its giver does not know of.
@@ -1004,19 +1010,32 @@ class Drives:
 
     def _begin_epoch(self, giver: Optional[Giver], cause: MotionCause, reason: str, drives: bool,
                      given: Optional[DriveRecord] = None) -> None:
-        before = self._memory.epoch
+        self._note_last(given)  # its giver need not know of the epoch that it begins
+        before, epoch = self._memory.epoch, self._draw()
         self._changes.append(_Change(before, giver, drives))
-        self._memory = replace(self._memory, epoch=self._draw(), previous_epoch=before, cause=cause,
-                               reason=reason)
-        self._keep(given)
+        by_nobody = cause is MotionCause.RESTART and before != 0
+        self._memory = replace(
+            self._memory, epoch=epoch, previous_epoch=before, cause=cause, reason=reason,
+            foreign_epoch=self._memory.foreign_epoch if by_nobody else epoch, last_commands=tuple(
+                one if by_nobody or giver is not None and giver.name == one.giver
+                else replace(one, foreign_epoch=epoch) for one in self._memory.last_commands))
+        self._keep()
+
+    def _note_last(self, given: Optional[DriveRecord]) -> None:
+        """Notes the last command of a giver. Before its first one, all epochs were of others."""
+        if given is None or given.command <= self._last_number(given.giver):  # a stop may come late
+            return
+        last, name = self._memory.last_commands, given.giver.name
+        foreign = next((one.foreign_epoch for one in last if one.giver == name),
+                       self._memory.foreign_epoch)
+        self._memory = replace(self._memory, last_commands=(
+            *(one for one in last if one.giver != name),
+            LastCommand(name, given.command, CommandFate.GIVEN, foreign)))
 
     def _keep(self, given: Optional[DriveRecord] = None) -> None:
         """Stores the memory. `given`: a command that was given, or overruled, just now."""
-        last = self._memory.last_commands
-        if given and given.command > self._last_number(given.giver):  # a stop may come late
-            last = (*(one for one in last if one.giver != given.giver.name),
-                    LastCommand(given.giver.name, given.command, CommandFate.GIVEN))
-        told = tuple(replace(one, fate=self._fate_of(one)) for one in last)
+        self._note_last(given)
+        told = tuple(replace(one, fate=self._fate_of(one)) for one in self._memory.last_commands)
         self._memory = replace(self._memory, last_commands=_shortened(
             told, _KEPT_GIVERS, [one for one in told if one.fate in _DECIDED]))
         self._store(replace(self._memory, records=tuple(

@@ -162,6 +162,29 @@ class Robots(RuleBasedStateMachine):
     def link_stalls(self, seconds: float) -> None:
         self.world.stall(seconds)
 
+    @rule(seconds=st.sampled_from([0.3, 1.5, 4.0]))
+    def motions_are_lost(self, seconds: float) -> None:
+        """The bridge hears only the newest message."""
+        self.world.lose_motions(seconds)
+
+    @precondition(lambda self: self.world.is_well and self.world._controller.connected)
+    @rule(act=st.sampled_from(IN_AN_OUTAGE))
+    def epoch_of_others_is_replaced_by_one_of_the_bridge(self, act: Sequence[str]) -> None:
+        """The bridge stops the robot for its own reason, before it hears of the other epoch."""
+        self.order(0, 2, True)
+        self.world.run(1.5)
+        self.world.lose_motions(7.0)
+        doer, *command = act
+        if doer in PROGRAMS:
+            self.reads(doer)
+            self.give(doer, 'stop', 0.0)
+        else:
+            getattr(self, doer)(*command)
+        self.world.cut(p.RobotLink.OUTGOING, 6.0)  # the route fails
+        self.world.run(8.0)
+        self.order(1, 2, True)
+        self.world.run(1.0)
+
     @rule(seconds=st.sampled_from([0.1, 3.0]))
     def bridge_restarts(self, seconds: float) -> None:
         self.world.restart_bridge(seconds)
