@@ -3,10 +3,13 @@ from __future__ import annotations
 
 import pytest
 from bridge_builders import BRIDGE, told_of
+from modelled_controller import Delays
+from motion_witness import Witness
 
 from omron_arcl import Giver, parse_command, parse_line
 from omron_arcl.dispatcher import Dispatcher
 from omron_arcl.drives import Drives
+from omron_ld90.bridge.events import RobotLink
 from omron_ld90.bridge.robot_monitor import RobotMonitor
 from omron_ld90.bridge.route_strategies import RouteSettings
 from route_protocol.values import EpochCause
@@ -152,3 +155,13 @@ def test_each_giver_has_its_own_answer():
     memory = told.records.motion.memory
     assert {last.giver: last.foreign_epoch for last in memory.last_commands} == {
         BRIDGE: memory.epoch, PROGRAM.name: persons}
+
+
+@pytest.mark.parametrize('ends, motions', [(0.0, 0.0), (0.2, 0.0), (0.0, 0.2)])
+def test_a_route_that_fails_with_its_link_is_not_taken_over_as_the_link_comes_back(ends, motions):
+    world = Witness('rolling', Delays(ends=ends, motions=motions), dialect='interrupted name')
+    world.order(7, 1, 2)
+    world.run(2.0)
+    world.cut(RobotLink.COMMANDS, 6.0)
+    world.run(15.0)
+    assert world.bridge.report().cause is EpochCause.LOST_LINK
