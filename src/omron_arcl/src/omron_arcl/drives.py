@@ -707,6 +707,12 @@ class Drives:
         return record.may_move and (
             record.fate is not Fate.UNKNOWN or record.number > self.heard.since)
 
+    def _is_gone(self, record: DriveRecord) -> bool:
+        """Returns whether a drive was lost with an earlier link. If the robot obeys an older one
+        since, it never does the lost one.
+        """
+        return record.fate is Fate.UNKNOWN and record.number <= self.heard.since
+
     def _has_to_answer(self, record: DriveRecord) -> bool:
         """Returns whether the robot has still to answer a drive whose command has ended for its
         giver.
@@ -762,6 +768,7 @@ class Drives:
             self._count_stops_behind(record)
         elif record:
             self._obeyed(record.number, line)
+            self._stop_if_cancelled(record)
 
     def driven_by_others(self, cause: MotionCause, activity: Activity, text: str) -> None:
         """Notes that the robot begins a motion that no program here asked for."""
@@ -787,6 +794,8 @@ class Drives:
         """Judges by the first status after an outage whether the robot still obeys our drive."""
         self._unseen = False
         record = self._shown_drive(activity)
+        if record is not None and self._may_be_several(activity):
+            return  # the robot will name the goal for which it leaves its dock
         if record is not None:
             owed = self._memory.stop_owed and record.number < max(
                 r.number for r in self._records if r.owed)
@@ -810,6 +819,11 @@ class Drives:
                 self._begin_epoch(None, MotionCause.OTHER_CLIENT, words, False)
             else:
                 self._foreign(_cause_of(activity), activity.kind in MOVING, words, activity)
+
+    def _may_be_several(self, activity: Activity) -> bool:
+        """Returns whether the robot leaves its dock, and several drives may be the cause."""
+        return activity.kind is ActivityKind.UNDOCKING and not self._memory.stop_owed and 1 < sum(
+            record.may_move and _may_cause(record, activity) for record in self._records)
 
     def _stop_if_cancelled(self, drive: DriveRecord) -> None:
         """Owes a stop for a drive that the robot carries out although its giver has cancelled it:
@@ -945,7 +959,8 @@ class Drives:
         ruling, at = self._memory.ruling, self._records.index(record)
         self._count_stops_behind(record)
         self._records = (record, *(
-            r for r in self._records[at + 1:] if r.kind in (RecordKind.DRIVE, RecordKind.STOP)))
+            r for r in self._records[at + 1:] if r.kind is RecordKind.STOP
+            or r.kind is RecordKind.DRIVE and not self._is_gone(r)))
         self._happens(Event.ACKNOWLEDGED, record)
         self._rules(record, ruling)
 
