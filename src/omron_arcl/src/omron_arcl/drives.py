@@ -822,8 +822,9 @@ class Drives:
 
     def _may_be_several(self, activity: Activity) -> bool:
         """Returns whether the robot leaves its dock, and several drives may be the cause."""
-        return activity.kind is ActivityKind.UNDOCKING and not self._memory.stop_owed and 1 < sum(
-            record.may_move and _may_cause(record, activity) for record in self._records)
+        causes = [r for r in self._records if r.may_move and _may_cause(r, activity)]
+        return (activity.kind is ActivityKind.UNDOCKING and not self._memory.stop_owed
+                and len(causes) > 1)
 
     def _stop_if_cancelled(self, drive: DriveRecord) -> None:
         """Owes a stop for a drive that the robot carries out although its giver has cancelled it:
