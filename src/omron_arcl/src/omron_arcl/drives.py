@@ -61,12 +61,12 @@ Derived:
   names an epoch is sent.
 - The *last command* of each giver that numbers its commands, and what became of it. So a program
   whose connection broke, or which was restarted, need not guess whether the robot obeys it.
-- The *foreign epoch* of each such giver: the newest epoch that something else began. A giver begins
-  its own epochs, also by a drive that is lost, and by a stop or a cancellation, unless that ends a
-  drive of another giver which was on its way. Others are begun by another giver, another client,
-  the robot, or the emergency stop. A start of the controller is nobody's, if it has its memory, and
-  so is an outage after which the robot stands as we stopped it. A program that was not told each
-  epoch sees by this one value whether it was told all that it has to know of.
+- The *foreign epoch* of each such giver: the newest epoch that it did not begin. A giver begins its
+  own epochs, also by a drive that is lost, and by a stop or a cancellation, unless that ends a
+  drive of another giver which was on its way. All others are foreign. The exceptions are a start of
+  the controller with its memory, and an outage after which the robot stands as we stopped it: no
+  giver acted. A program that was not told each epoch knows by this one value whether it was told
+  all that it has to know of.
 
 Invariants:
 - No drive that names an epoch passes a stop or drive that its giver does not know of.
@@ -1029,11 +1029,11 @@ class Drives:
         self._note_last(given)  # its giver need not know of the epoch that it begins
         before, epoch = self._memory.epoch, self._draw()
         self._changes.append(_Change(before, giver, drives))
-        by_nobody = cause is MotionCause.RESTART and before != 0
+        by_no_giver = cause is MotionCause.RESTART and before != 0
         self._memory = replace(
             self._memory, epoch=epoch, previous_epoch=before, cause=cause, reason=reason,
-            foreign_epoch=self._memory.foreign_epoch if by_nobody else epoch, last_commands=tuple(
-                one if by_nobody or giver is not None and giver.name == one.giver
+            foreign_epoch=self._memory.foreign_epoch if by_no_giver else epoch, last_commands=tuple(
+                one if by_no_giver or giver is not None and giver.name == one.giver
                 else replace(one, foreign_epoch=epoch) for one in self._memory.last_commands))
         self._keep()
 

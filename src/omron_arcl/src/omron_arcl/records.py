@@ -162,8 +162,8 @@ class DriveRecord:
 class LastCommand:
     """The newest command of a giver that numbers its commands.
 
-    foreign_epoch -- the newest epoch that this giver has to know of because something else began
-        it: another giver, another client, the robot itself or its emergency stop
+    foreign_epoch -- the newest epoch that this giver did not begin: another giver, another client,
+        the robot itself or its emergency stop did
     """
 
     giver: str
@@ -177,7 +177,7 @@ class DriveMemory:
     """The state that survives a restart: the epoch, why it began, the records, and what became of
     the last command of each giver.
 
-    foreign_epoch -- the newest epoch that is not the mere start of a controller, for those who have
+    foreign_epoch -- the newest epoch that is not the mere start of a controller, for a giver that has
         no last command; see `LastCommand`
     """
 

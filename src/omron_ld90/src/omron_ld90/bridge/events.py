@@ -25,7 +25,7 @@ class BridgeMemory:
     number: int = 0          # of the command that sent it there; 0: it was not given yet
     owes_stop: bool = False  # the controller has not taken the stop that ended the route
     epoch: int = 0           # the controller's last epoch that the bridge knew
-    foreign_epoch: int = 0   # the newest one that something else began, as the bridge knew
+    foreign_epoch: int = 0   # the newest one that the bridge did not begin, as it knew
     last: Optional[RouteOrder] = None  # the last order that was taken; see `OldMasters`
 
 
@@ -59,8 +59,8 @@ class CommandEnded:
 class MotionTold:
     """The controller reports the epoch and the motion of the robot (omron_ld90_msgs/Motion).
 
-    foreign_epoch -- the newest epoch that something else than the bridge began: another giver,
-        another client, the robot itself or its emergency stop; 0: this one
+    foreign_epoch -- the newest epoch that the bridge did not begin: another giver, another client,
+        the robot itself or its emergency stop did; 0: this one
     is_ours -- the robot obeys the bridge, or is in its emergency stop
     obeys_us -- the robot has acknowledged a drive of the bridge
     reason -- why the epoch is a new one, for a person

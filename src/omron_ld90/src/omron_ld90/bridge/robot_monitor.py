@@ -37,7 +37,7 @@ class RobotMonitor:
         self.epoch = 0
         """The controller's last known epoch; 0: none is known yet."""
         self.foreign_epoch = 0
-        """The newest epoch that something else began, of those that this program has judged."""
+        """The newest epoch that this program did not begin, as it knows."""
         self.drives_for_us = False
         """Whether the present epoch began because the robot obeys a drive of ours."""
         self.overruled: Optional[EpochCause] = None
@@ -185,14 +185,14 @@ class RobotMonitor:
             self._judge_foreign_epoch(known, event)
 
     def _judge_foreign_epoch(self, known: int, event: p.MotionTold) -> None:
-        """Notes whether something else than this program acted since the `known` epoch. Epochs that
-        were not told here may lie between the two.
+        """Notes whether another giver, another client or the robot itself acted since the `known`
+        epoch. Epochs that were not told here may lie between the two.
         """
         before, self.foreign_epoch = self.foreign_epoch, event.foreign_epoch or event.epoch
         if not known or self.foreign_epoch == before:
             return
         cause, reason = event.cause, event.reason
-        if self.foreign_epoch != event.epoch:  # nobody has told why it began
+        if self.foreign_epoch != event.epoch:  # an earlier one, whose cause is not told
             cause, reason = EpochCause.OTHER_GIVER, 'an epoch that was not told here'
         if cause is not EpochCause.EMERGENCY_STOP:
             self._taken_over = TakenOver(f'Another giver came first: {reason}.')
