@@ -177,8 +177,8 @@ class DriveMemory:
     """The state that survives a restart: the epoch, why it began, the records, and what became of
     the last command of each giver.
 
-    foreign_epoch -- the newest epoch that is not the mere start of a controller, for a giver that has
-        no last command; see `LastCommand`
+    foreign_epoch -- the newest epoch that is not the mere start of a controller, for a giver that
+        has no last command; see `LastCommand`
     """
 
     epoch: int

@@ -67,6 +67,10 @@ class Told:
         self.number += 1
         self.dispatcher.start_without_link(parse_command('stop'), OURS, 0, self.number)
 
+    def restart_bridge(self):
+        before, self.robot = self.robot, RobotMonitor(RouteSettings())
+        self.robot.resume(before.epoch, before.foreign_epoch, self.number)
+
     def cancel(self, giver):
         self.records.all_cancelled(giver)
 
@@ -81,6 +85,8 @@ WE_STOP = ('give', OURS, 'stop'), ('say', 'Stopping', 'Stopped')
 
 @pytest.mark.parametrize('missed', [
     (('give', PERSON, 'stop'), ('say', 'Stopping', 'Stopped')), (('give', PERSON, 'stop'),),
+    (('give', PERSON, 'stop'), ('say', 'Stopping', 'Stopped'), ('restart_bridge',)),
+    (('give', PERSON, 'stop'), ('start',), ('shows', 'Stopped')),
     (('cancel', PERSON),), (('say', 'Interrupted: Going to 3', 'Stopping', 'Stopped'),),
     (('say', 'EStop pressed', 'EStop relieved', 'Motors enabled'),),
     (('give', PROGRAM, 'goto 4'), ('say', 'Going to 4')),
@@ -106,7 +112,7 @@ def test_nobody_drives_on_after_a_stop_that_an_epoch_of_ours_has_replaced():
 
 
 @pytest.mark.parametrize('missed', [
-    (), WE_STOP, (*WE_STOP, *WE_DRIVE),
+    (), WE_STOP, (*WE_STOP, *WE_DRIVE), (*WE_STOP, ('restart_bridge',)),
     (('cancel', OURS), *WE_STOP), (('start',),), (*WE_STOP, ('start',)),
     (LOST, ('stop_without_link',), ('connect',), ('shows', 'Going to 3')),
     (*WE_STOP, LOST, ('connect',), ('shows', 'Stopped')),
