@@ -336,6 +336,21 @@ class SimulatedRobots(Robots):
     def somebody_acts_in_an_outage(self, act: Sequence[str], goal: str, restarts: bool) -> None:
         super().somebody_acts_in_an_outage(act, goal, restarts)
 
+    @precondition(lambda self: self.world.up[p.RobotLink.COMMANDS])
+    @rule(seconds=st.sampled_from([0.3, 1.0]))
+    def robot_leaves_its_dock_for_a_cancelled_drive(self, seconds: float) -> None:
+        """The link breaks before the drive that replaces it reaches the robot."""
+        self.take(PERSON, 'dock', 0)
+        self.world.run(25.0, lambda: self.world.robot.status.startswith('DockingState: Docked'))
+        self.person_drives('6')
+        self.world.run(seconds)
+        self.world.stall(0.5)
+        self.person_drives('3')
+        for drive in self.world.open_drives[-2:-1]:
+            self.world.cancel_own(drive)
+        self.world.cut(p.RobotLink.COMMANDS, 0.1)
+        self.world.run(6.1)
+
     @precondition(lambda self: not self.world.robot.is_stopped_by_button)
     @rule()
     def emergency_stop(self) -> None:

@@ -137,6 +137,8 @@ FAULTS = {
     'a drive is sent again over a new link': (ModelledController, 'connect', _sends_again),
     'the cancellation of a drive is lost with the next one': (
         Drives, '_stop_if_cancelled', lambda *_: None),
+    'a robot that leaves its dock obeys the newest drive': (
+        Drives, '_may_be_several', lambda *_: False),
     'an own epoch hides those of others before it': (
         RobotMonitor, '_judge_foreign_epoch', _own_epochs_hide_others),
 }
@@ -183,6 +185,8 @@ SCENES: Dict[str, Tuple[Call, ...]] = {
         ('program_drives', '/adapter', '5', 0.0), ('passes', 1.0), ('link_stalls', 3.0),
         ('person_drives', '3'), ('giver_cancels_its_drive', 0),
         ('link_breaks', RobotLink.COMMANDS, 1.0), ('passes', 8.0)),
+    'a robot that leaves its dock obeys the newest drive': (
+        ('robot_leaves_its_dock_for_a_cancelled_drive', 0.3), ('passes', 4.0)),
     'an own epoch hides those of others before it': (
         ('epoch_of_others_is_replaced_by_one_of_the_bridge', ('person_stops',)),),
 }
