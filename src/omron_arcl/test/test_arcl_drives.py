@@ -622,6 +622,41 @@ class TestOwedStop:
             bench.robot('Interrupted: Going to 12', 'Stopping', 'Stopped')
             assert not bench.memory.stop_owed
 
+    @pytest.mark.parametrize('newer', [PERSON, ROUTE])
+    @pytest.mark.parametrize('by_line', [True, False])
+    @pytest.mark.parametrize(('goal', 'is_stopped'), [('12', True), ('3', False)])
+    def test_also_if_the_robot_leaves_its_dock_first_and_names_no_goal(
+            self, bench, newer, by_line, goal, is_stopped):
+        bench.robot(DOCKED)
+        drive = bench.drive(ROUTE)
+        bench.robot(UNDOCKING)
+        bench.drive(newer, 'goto 3')
+        bench.dispatcher.cancel(drive, bench.now, ROUTE)
+        bench.lose()
+        bench.connect()
+        bench.status('Undocking')
+        assert (bench.memory.giver.name, bench.memory.stop_owed) == ('', False)
+        if by_line:
+            bench.robot(f'Going to {goal}')
+        else:
+            bench.status(f'Going to {goal}', 1.5)
+        bench.pass_time(0.1)
+        assert (bench.memory.stop_owed, bench.sent[-1:] == ['stop']) == (is_stopped, is_stopped)
+        assert bench.memory.giver == (ROUTE if is_stopped else newer)
+
+    @pytest.mark.parametrize('newer', [PERSON, ROUTE])
+    def test_a_robot_that_has_left_its_dock_obeys_the_giver_of_the_goal_that_it_names(
+            self, bench, newer):
+        bench.robot(DOCKED)
+        bench.drive(ROUTE)
+        bench.robot(UNDOCKING)
+        bench.drive(newer, 'goto 3')
+        bench.lose()
+        bench.connect()
+        bench.status('Undocking')
+        bench.robot('Going to 12')
+        assert (bench.memory.giver, bench.memory.goal) == (ROUTE, '12')
+
     def test_also_if_the_robot_said_nothing_and_shows_the_cancelled_drive_late(self, bench):
         drive = bench.drive(ROUTE, timeout=3.0)
         bench.robot('Going to 12')

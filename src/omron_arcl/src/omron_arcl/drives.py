@@ -61,6 +61,12 @@ Derived:
   names an epoch is sent.
 - The *last command* of each giver that numbers its commands, and what became of it. So a program
   whose connection broke, or which was restarted, need not guess whether the robot obeys it.
+- The *foreign epoch* of each such giver: the newest epoch that it did not begin. A giver begins its
+  own epochs, also by a drive that is lost, and by a stop or a cancellation, unless that ends a
+  drive of another giver which was on its way. All others are foreign. The exceptions are a start of
+  the controller with its memory, and an outage after which the robot stands as we stopped it: no
+  giver acted. A program that was not told each epoch knows by this one value whether it was told
+  all that it has to know of.
 
 Invariants:
 - No drive that names an epoch passes a stop or drive that its giver does not know of.
@@ -701,6 +707,12 @@ class Drives:
         return record.may_move and (
             record.fate is not Fate.UNKNOWN or record.number > self.heard.since)
 
+    def _is_gone(self, record: DriveRecord) -> bool:
+        """Returns whether a drive was lost with an earlier link. If the robot obeys an older one
+        since, it never does the lost one.
+        """
+        return record.fate is Fate.UNKNOWN and record.number <= self.heard.since
+
     def _has_to_answer(self, record: DriveRecord) -> bool:
         """Returns whether the robot has still to answer a drive whose command has ended for its
         giver.
@@ -756,6 +768,7 @@ class Drives:
             self._count_stops_behind(record)
         elif record:
             self._obeyed(record.number, line)
+            self._stop_if_cancelled(record)
 
     def driven_by_others(self, cause: MotionCause, activity: Activity, text: str) -> None:
         """Notes that the robot begins a motion that no program here asked for."""
@@ -781,6 +794,8 @@ class Drives:
         """Judges by the first status after an outage whether the robot still obeys our drive."""
         self._unseen = False
         record = self._shown_drive(activity)
+        if record is not None and self._may_be_several(activity):
+            return  # the robot will name the goal for which it leaves its dock
         if record is not None:
             owed = self._memory.stop_owed and record.number < max(
                 r.number for r in self._records if r.owed)
@@ -804,6 +819,12 @@ class Drives:
                 self._begin_epoch(None, MotionCause.OTHER_CLIENT, words, False)
             else:
                 self._foreign(_cause_of(activity), activity.kind in MOVING, words, activity)
+
+    def _may_be_several(self, activity: Activity) -> bool:
+        """Returns whether the robot leaves its dock, and several drives may be the cause."""
+        causes = [r for r in self._records if r.may_move and _may_cause(r, activity)]
+        return (activity.kind is ActivityKind.UNDOCKING and not self._memory.stop_owed
+                and len(causes) > 1)
 
     def _stop_if_cancelled(self, drive: DriveRecord) -> None:
         """Owes a stop for a drive that the robot carries out although its giver has cancelled it:
@@ -939,7 +960,8 @@ class Drives:
         ruling, at = self._memory.ruling, self._records.index(record)
         self._count_stops_behind(record)
         self._records = (record, *(
-            r for r in self._records[at + 1:] if r.kind in (RecordKind.DRIVE, RecordKind.STOP)))
+            r for r in self._records[at + 1:] if r.kind is RecordKind.STOP
+            or r.kind is RecordKind.DRIVE and not self._is_gone(r)))
         self._happens(Event.ACKNOWLEDGED, record)
         self._rules(record, ruling)
 
@@ -1004,19 +1026,32 @@ class Drives:
 
     def _begin_epoch(self, giver: Optional[Giver], cause: MotionCause, reason: str, drives: bool,
                      given: Optional[DriveRecord] = None) -> None:
-        before = self._memory.epoch
+        self._note_last(given)  # its giver need not know of the epoch that it begins
+        before, epoch = self._memory.epoch, self._draw()
         self._changes.append(_Change(before, giver, drives))
-        self._memory = replace(self._memory, epoch=self._draw(), previous_epoch=before, cause=cause,
-                               reason=reason)
-        self._keep(given)
+        by_no_giver = cause is MotionCause.RESTART and before != 0
+        self._memory = replace(
+            self._memory, epoch=epoch, previous_epoch=before, cause=cause, reason=reason,
+            foreign_epoch=self._memory.foreign_epoch if by_no_giver else epoch, last_commands=tuple(
+                one if by_no_giver or giver is not None and giver.name == one.giver
+                else replace(one, foreign_epoch=epoch) for one in self._memory.last_commands))
+        self._keep()
+
+    def _note_last(self, given: Optional[DriveRecord]) -> None:
+        """Notes the last command of a giver. Before its first one, all epochs were of others."""
+        if given is None or given.command <= self._last_number(given.giver):  # a stop may come late
+            return
+        last, name = self._memory.last_commands, given.giver.name
+        foreign = next((one.foreign_epoch for one in last if one.giver == name),
+                       self._memory.foreign_epoch)
+        self._memory = replace(self._memory, last_commands=(
+            *(one for one in last if one.giver != name),
+            LastCommand(name, given.command, CommandFate.GIVEN, foreign)))
 
     def _keep(self, given: Optional[DriveRecord] = None) -> None:
         """Stores the memory. `given`: a command that was given, or overruled, just now."""
-        last = self._memory.last_commands
-        if given and given.command > self._last_number(given.giver):  # a stop may come late
-            last = (*(one for one in last if one.giver != given.giver.name),
-                    LastCommand(given.giver.name, given.command, CommandFate.GIVEN))
-        told = tuple(replace(one, fate=self._fate_of(one)) for one in last)
+        self._note_last(given)
+        told = tuple(replace(one, fate=self._fate_of(one)) for one in self._memory.last_commands)
         self._memory = replace(self._memory, last_commands=_shortened(
             told, _KEPT_GIVERS, [one for one in told if one.fate in _DECIDED]))
         self._store(replace(self._memory, records=tuple(

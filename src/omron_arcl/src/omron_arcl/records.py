@@ -160,20 +160,30 @@ class DriveRecord:
 
 @dataclass(frozen=True)
 class LastCommand:
-    """The newest command of a giver that numbers its commands."""
+    """The newest command of a giver that numbers its commands.
+
+    foreign_epoch -- the newest epoch that this giver did not begin: another giver, another client,
+        the robot itself or its emergency stop did
+    """
 
     giver: str
     number: int
     fate: CommandFate
+    foreign_epoch: int = 0
 
 
 @dataclass(frozen=True)
 class DriveMemory:
     """The state that survives a restart: the epoch, why it began, the records, and what became of
-    the last command of each giver."""
+    the last command of each giver.
+
+    foreign_epoch -- the newest epoch that is not the mere start of a controller, for a giver that
+        has no last command; see `LastCommand`
+    """
 
     epoch: int
     previous_epoch: int = 0
+    foreign_epoch: int = 0
     cause: MotionCause = MotionCause.RESTART
     reason: str = ''
     records: Tuple[DriveRecord, ...] = ()

@@ -7,7 +7,7 @@ from itertools import count
 from typing import Callable, Dict, List, Optional, Sequence, Tuple
 
 from omron_arcl import ActivityKind, Outcome
-from omron_arcl.records import CommandFate, MotionCause, RobotMotion
+from omron_arcl.records import CommandFate, LastCommand, MotionCause, RobotMotion
 from omron_arcl.replies import DockingState
 from omron_ld90.bridge import events as p
 from omron_ld90.bridge.route_follower import RouteFollower
@@ -28,18 +28,17 @@ ENDINGS = {**{outcome: outcome for outcome in Outcome}, **dict.fromkeys(
 def told_of(motion: RobotMotion) -> p.MotionTold:
     """The event for the bridge: what the controller tells of the robot's motion."""
     memory = motion.memory
-    number, fate = next(((last.number, last.fate)
-                         for last in memory.last_commands if last.giver == BRIDGE),
-                        (0, CommandFate.NOT_OBEYED))
+    last = next((one for one in memory.last_commands if one.giver == BRIDGE),
+                LastCommand(BRIDGE, 0, CommandFate.NOT_OBEYED, memory.foreign_epoch))
     return p.MotionTold(
-        memory.epoch, memory.previous_epoch,
+        memory.epoch, last.foreign_epoch,
         memory.giver.name == BRIDGE or memory.cause is MotionCause.EMERGENCY_STOP,
-        memory.cause is MotionCause.RESTART, memory.stop_owed, memory.reason,
+        memory.stop_owed, memory.reason,
         EpochCause.OTHER_GIVER
         if memory.cause in (MotionCause.STOP, MotionCause.INTERRUPTED)
         else EpochCause(memory.cause),
         obeys_us=memory.giver.name == BRIDGE and memory.cause is MotionCause.OTHER_GIVER,
-        number=number, fate=fate, is_unexplained=memory.cause is MotionCause.INTERRUPTED,
+        number=last.number, fate=last.fate, is_unexplained=memory.cause is MotionCause.INTERRUPTED,
         state=motion.state, emergency_stop=motion.emergency_stop)
 
 
@@ -229,7 +228,7 @@ class Bench:
     def hear_motion(self, reason: str) -> None:
         """The controller reports the present epoch."""
         self._heard = self._news
-        self.tell(p.MotionTold(self.epoch, self.epoch - 1, reason=reason,
+        self.tell(p.MotionTold(self.epoch, reason=reason,
                                number=self.robot.last[0], fate=self.robot.last[1],
                                emergency_stop=self.robot.emergency))
 
@@ -249,7 +248,7 @@ class Bench:
         if self.robot.foreign:
             self.robot.foreign = False
             self.epoch += 1
-            self.tell(p.MotionTold(self.epoch, self.epoch - 1, reason='another client',
+            self.tell(p.MotionTold(self.epoch, reason='another client',
                                    number=self.robot.last[0],
                                    fate=CommandFate.NOT_OBEYED))
         if self._heard != self._news:

@@ -71,6 +71,7 @@ class DelayedDrive:
         self._drives: List[Execution] = []  # drives of the route, let through
         self.bridge: Optional[RouteFollower] = None
         self._told: Optional[RobotMotion] = None  # latched message of the controller
+        self._motion_connection = 0  # number of its connection to the bridge; odd: it is broken
         self._controller = self.make_controller(delays)
         self.robot = self.make_robot(vertex, interruption, braking)
         self.bridge = RouteFollower(
@@ -298,15 +299,35 @@ class DelayedDrive:
         self._told = motion
         if motion.memory.cause is MotionCause.OTHER_CLIENT and self.stopped_at is not None:
             self.controller_knows = True
-        generation = self._generation
-        self.later(self.delays.motions, lambda: self._hear_motion(motion, generation))
+        generation, connection = self._generation, self._motion_connection
+        if self.hears_motions:
+            self.later(self.delays.motions, lambda: self._motion_connection == connection
+                       and self._hear_motion(motion, generation))
+
+    @property
+    def hears_motions(self) -> bool:
+        """True if messages of `motion` reach the bridge."""
+        return self._motion_connection % 2 == 0
+
+    def lose_motions(self, seconds: float) -> None:
+        """Loses all messages of `motion` for some seconds. Then the newest one comes: it is
+        latched.
+        """
+        def mend() -> None:
+            self._motion_connection += 1
+            self._note('motion is heard again')
+            self._hear_latched()
+        if self.hears_motions and not self.spared:
+            self._motion_connection += 1
+            self._note('motion is not heard')
+            self.later(seconds, mend)
 
     def _hear_latched(self) -> None:
         if self._told is not None:
             self._hear_motion(self._told, self._generation)
 
     def _hear_motion(self, motion: RobotMotion, generation: int) -> None:
-        if generation == self._generation:
+        if generation == self._generation and self.bridge:
             self._tell(told_of(motion))
 
     # --- the receiver -----------------------------------------------------------------------------

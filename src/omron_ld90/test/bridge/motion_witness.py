@@ -105,6 +105,10 @@ class Witness(DelayedDrive):
         self.words: List[Word] = []
         # by epoch: the last word when the epoch was published
         self.words_of_epoch: Dict[int, Word] = {}
+        # the published epochs, and those of others that the bridge was not told of
+        self._epochs: List[int] = []
+        self._foreign: Set[int] = set()
+        self._overruled_in = 0  # epoch of the bridge's reports in which it was told such an epoch
         # by stop on its way to the robot: the last word when it was sent; and of the last to arrive
         self._stops_sent: List[Word] = []
         self._stopped = NO_WORD
@@ -272,10 +276,24 @@ class Witness(DelayedDrive):
     def _hear_motion(self, motion: RobotMotion, generation: int) -> None:
         if generation == self._generation:
             self._bridge_knows = self.words_of_epoch[motion.memory.epoch]
+            self._note_told(motion)
         super()._hear_motion(motion, generation)
+
+    def _note_told(self, motion: RobotMotion) -> None:
+        """Notes that the bridge is told an epoch, and by that of those before it that others began.
+        """
+        memory, bridge = motion.memory, self.bridge
+        if bridge and memory.cause is not MotionCause.INTERRUPTED:  # else the next one tells why
+            told = self._epochs[:self._epochs.index(memory.epoch) + 1]
+            if bridge.robot.epoch and self._foreign.intersection(told):
+                self._overruled_in = bridge.vehicle.state.epoch
+            self._foreign.difference_update(told)
 
     def _give(self, give: p.Give) -> None:
         if give.command != 'stop':
+            if self.bridge and self._overruled_in == self.bridge.vehicle.state.epoch:
+                self.broken.append(f'{self.now:.1f} {give} passed an epoch of others: the fleet '
+                                   'manager does not know of it')
             self._demanded, self._is_ordered = None, False
         else:
             if not self._is_ordered:
@@ -384,6 +402,12 @@ class Witness(DelayedDrive):
         self.foreign, self._obeyed, self._stalls = False, None, 0.0
 
     def _on_motion(self, motion: RobotMotion) -> None:
+        if motion.memory.epoch not in self.words_of_epoch:
+            ruling = motion.memory.ruling
+            self._epochs.append(motion.memory.epoch)
+            if motion.memory.cause is not MotionCause.RESTART and (
+                    ruling is None or ruling.giver.name != BRIDGE):
+                self._foreign.add(motion.memory.epoch)
         self.words_of_epoch.setdefault(motion.memory.epoch, self._newest_word)
         self._others_of_epoch.setdefault(motion.memory.epoch, len(self._others_drives))
         if self.is_alone and motion.memory.cause in (
@@ -647,7 +671,7 @@ class Witness(DelayedDrive):
         """Checks that a robot which obeys a drive of a route that has ended is stopped."""
         if (self._obeyed is None or self._obeyed.giver.name != BRIDGE or self.robot.goal is None
                 or not self.has_ended or not self.is_well or not self.is_heard
-                or not self._can_be_reached):
+                or not (self._can_be_reached and self.hears_motions)):
             self._routeless_since = None
         elif self._routeless_since is None:
             self._routeless_since = self.now

@@ -39,6 +39,18 @@ def test_what_was_never_sent_is_given_again_once_the_link_stands(command):
     assert (word.problem, word.is_taken) == ('no link', False)
 
 
+@pytest.mark.parametrize('ending', [Outcome.NEVER_SENT, Outcome.LOST])
+@pytest.mark.parametrize('told_first', [True, False])
+def test_a_stop_that_the_controller_owes_is_not_given_again(ending, told_first):
+    """A second one, as the link comes back, would hide what others did during the outage."""
+    word = given_once(STOP)
+    news = [lambda: word.told((5, CommandFate.GIVEN), 1.0),
+            lambda: word.ended(CommandEnded(5, ending, 'no link'), 1.0)]
+    for tell in news if told_first else reversed(news):
+        tell()
+    assert (word.due(True, 60.0), word.is_taken, word.problem) == (False, True, 'no link')
+
+
 @pytest.mark.parametrize('told', [
     (0, CommandFate.NOT_OBEYED), (4, CommandFate.OBEYED), (5, CommandFate.NOT_OBEYED)])
 def test_a_lost_drive_is_given_again_if_the_robot_does_not_obey_it(told):

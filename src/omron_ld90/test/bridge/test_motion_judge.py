@@ -139,7 +139,7 @@ def test_the_bridge_reports_it(event: Optional[str], motion: Motion):
     elif event == 'stop':
         bench.epoch += 1
         bench.robot.obey(None, 'stop')
-        bench.tell(p.MotionTold(bench.epoch, bench.epoch - 1, cause=p.EpochCause.STOP))
+        bench.tell(p.MotionTold(bench.epoch, cause=p.EpochCause.STOP))
     elif event:
         bench.overrule(command=event)
     assert bench.follower.report().motion is motion

@@ -162,6 +162,29 @@ class Robots(RuleBasedStateMachine):
     def link_stalls(self, seconds: float) -> None:
         self.world.stall(seconds)
 
+    @rule(seconds=st.sampled_from([0.3, 1.5, 4.0]))
+    def motions_are_lost(self, seconds: float) -> None:
+        """The bridge hears only the newest message."""
+        self.world.lose_motions(seconds)
+
+    @precondition(lambda self: self.world.is_well and self.world._controller.connected)
+    @rule(act=st.sampled_from(IN_AN_OUTAGE))
+    def epoch_of_others_is_replaced_by_one_of_the_bridge(self, act: Sequence[str]) -> None:
+        """The bridge stops the robot for its own reason, before it hears of the other epoch."""
+        self.order(0, 2, True)
+        self.world.run(1.5)
+        self.world.lose_motions(7.0)
+        doer, *command = act
+        if doer in PROGRAMS:
+            self.reads(doer)
+            self.give(doer, 'stop', 0.0)
+        else:
+            getattr(self, doer)(*command)
+        self.world.cut(p.RobotLink.OUTGOING, 6.0)  # the route fails
+        self.world.run(8.0)
+        self.order(1, 2, True)
+        self.world.run(1.0)
+
     @rule(seconds=st.sampled_from([0.1, 3.0]))
     def bridge_restarts(self, seconds: float) -> None:
         self.world.restart_bridge(seconds)
@@ -312,6 +335,21 @@ class SimulatedRobots(Robots):
         restarts=st.booleans())
     def somebody_acts_in_an_outage(self, act: Sequence[str], goal: str, restarts: bool) -> None:
         super().somebody_acts_in_an_outage(act, goal, restarts)
+
+    @precondition(lambda self: self.world.up[p.RobotLink.COMMANDS])
+    @rule(seconds=st.sampled_from([0.3, 1.0]))
+    def robot_leaves_its_dock_for_a_cancelled_drive(self, seconds: float) -> None:
+        """The link breaks before the drive that replaces it reaches the robot."""
+        self.take(PERSON, 'dock', 0)
+        self.world.run(25.0, lambda: self.world.robot.status.startswith('DockingState: Docked'))
+        self.person_drives('6')
+        self.world.run(seconds)
+        self.world.stall(0.5)
+        self.person_drives('3')
+        for drive in self.world.open_drives[-2:-1]:
+            self.world.cancel_own(drive)
+        self.world.cut(p.RobotLink.COMMANDS, 0.1)
+        self.world.run(6.1)
 
     @precondition(lambda self: not self.world.robot.is_stopped_by_button)
     @rule()

@@ -221,7 +221,7 @@ def test_whoever_overrules_the_fleet_begins_an_epoch_with_that_cause(cause):
     fleet.send(1, 5)
     epoch = fleet.report.epoch
     fleet.epoch += 1
-    fleet.tell(p.MotionTold(fleet.epoch, fleet.epoch - 1, cause is EpochCause.EMERGENCY_STOP,
+    fleet.tell(p.MotionTold(fleet.epoch, is_ours=cause is EpochCause.EMERGENCY_STOP,
                             reason='why', cause=cause))
     assert fleet.report.epoch != epoch
     assert (fleet.report.cause, fleet.report.order, fleet.report.is_failed) == (cause, 0, True)

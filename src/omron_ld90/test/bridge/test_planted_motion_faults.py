@@ -23,16 +23,18 @@ from omron_arcl.commands import Command
 from omron_arcl.drives import Drives
 from omron_arcl.execution import NO_GIVER, Execution, Outcome
 from omron_arcl.records import DriveMemory, MotionCause, RecordKind
-from omron_ld90.bridge.events import RobotLink
+from omron_ld90.bridge.events import MotionTold, RobotLink
 from omron_ld90.bridge.robot_monitor import RobotMonitor
+from route_protocol.values import EpochCause
 
 Call = Tuple[Any, ...]  # a rule, and its arguments
 SEARCH = settings(max_examples=2500, stateful_step_count=30, deadline=None, database=None,
                   phases=[Phase.generate], print_blob=False, report_multiple_bugs=False,
                   suppress_health_check=list(HealthCheck))
 
-_BEGIN, _ON_LINK, _CONNECT = (
-    Drives._begin_epoch, Drives.linked, ModelledController.connect)
+_BEGIN, _ON_LINK, _CONNECT, _JUDGE = (
+    Drives._begin_epoch, Drives.linked, ModelledController.connect,
+    RobotMonitor._judge_foreign_epoch)
 _ENDED, _CHECK, _STOP, _OBEYED = (
     Drives.ended, Drives.check, RobotMonitor.stop, CommandQueue.begin)
 
@@ -91,6 +93,12 @@ def _begun_is_done(self: Any, execution: Execution, line: str) -> None:
         self.end(execution, Outcome.SUCCEEDED, '')
 
 
+def _own_epochs_hide_others(self: Any, known: int, event: MotionTold) -> None:
+    if not event.is_ours or event.cause is EpochCause.EMERGENCY_STOP:
+        _JUDGE(self, known, event)
+    self.foreign_epoch = event.foreign_epoch or event.epoch
+
+
 def _whatever_is_shown_is_ours(self: Any, activity: Any, text: str) -> None:
     self._unseen = False
 
@@ -129,6 +137,10 @@ FAULTS = {
     'a drive is sent again over a new link': (ModelledController, 'connect', _sends_again),
     'the cancellation of a drive is lost with the next one': (
         Drives, '_stop_if_cancelled', lambda *_: None),
+    'a robot that leaves its dock obeys the newest drive': (
+        Drives, '_may_be_several', lambda *_: False),
+    'an own epoch hides those of others before it': (
+        RobotMonitor, '_judge_foreign_epoch', _own_epochs_hide_others),
 }
 
 
@@ -173,6 +185,10 @@ SCENES: Dict[str, Tuple[Call, ...]] = {
         ('program_drives', '/adapter', '5', 0.0), ('passes', 1.0), ('link_stalls', 3.0),
         ('person_drives', '3'), ('giver_cancels_its_drive', 0),
         ('link_breaks', RobotLink.COMMANDS, 1.0), ('passes', 8.0)),
+    'a robot that leaves its dock obeys the newest drive': (
+        ('robot_leaves_its_dock_for_a_cancelled_drive', 0.3), ('passes', 4.0)),
+    'an own epoch hides those of others before it': (
+        ('epoch_of_others_is_replaced_by_one_of_the_bridge', ('person_stops',)),),
 }
 assert set(SCENES) == set(FAULTS)
 

@@ -24,7 +24,7 @@ def monitor() -> RobotMonitor:
 
 def overrule(robot: RobotMonitor) -> None:
     robot.update(MotionTold(1), 0.0)
-    robot.update(MotionTold(2, 1, reason='"stop" of /rviz'), 0.0)
+    robot.update(MotionTold(2, reason='"stop" of /rviz'), 0.0)
 
 
 def why_failed(robot: RobotMonitor, now: float) -> str:
@@ -68,8 +68,9 @@ def test_a_command_carries_the_epoch_that_is_known():
 
 @pytest.mark.parametrize('told, fails', [
     (MotionTold(1, stop_owed=True), False), (MotionTold(2, 1, is_ours=True), False),
-    (MotionTold(2, 1, goes_on=True), False), (MotionTold(3, 2, goes_on=True), True),
-    (MotionTold(2, 1, reason='"stop" of /rviz'), True)])
+    (MotionTold(3, 1, is_ours=True), False), (MotionTold(3, 2, is_ours=True), True),
+    (MotionTold(3, 1), False), (MotionTold(3, 2), True),
+    (MotionTold(2, reason='"stop" of /rviz'), True)])
 def test_only_what_others_do_ends_a_route_and_the_epoch(told, fails):
     robot = monitor()
     robot.update(MotionTold(1), 0.0)
@@ -85,7 +86,7 @@ def test_only_what_others_do_ends_a_route_and_the_epoch(told, fails):
 def test_an_emergency_stop_ends_the_route_and_the_epoch_though_no_giver_took_over():
     robot = monitor()
     robot.update(MotionTold(1), 0.0)
-    robot.update(MotionTold(2, 1, is_ours=True, cause=EpochCause.EMERGENCY_STOP), 0.0)
+    robot.update(MotionTold(2, is_ours=True, cause=EpochCause.EMERGENCY_STOP), 0.0)
     assert robot.overruled is EpochCause.EMERGENCY_STOP
     assert why_failed(robot, 0.0) == 'emergency stop'
 
@@ -100,19 +101,31 @@ def test_a_robot_is_not_driven_before_the_controller_has_told_who_drives_it():
 def test_nor_before_it_has_told_why_the_robot_broke_off_a_drive():
     robot = monitor()
     robot.update(MotionTold(1), 0.0)
-    robot.update(MotionTold(2, 1, is_unexplained=True), 0.0)
+    robot.update(MotionTold(2, is_unexplained=True), 0.0)
     assert 'why it broke off its drive' in robot.why_unknown(0.0).text
     robot.check(0.0)
     assert robot.overruled is None
-    robot.update(MotionTold(3, 2, cause=EpochCause.OTHER_CLIENT), 0.0)
+    robot.update(MotionTold(3, cause=EpochCause.OTHER_CLIENT), 0.0)
     assert not robot.why_unknown(0.0)
     assert robot.overruled is EpochCause.OTHER_CLIENT
+
+
+@pytest.mark.parametrize('told, cause', [
+    (MotionTold(3, 2, is_ours=True, cause=EpochCause.STOP), EpochCause.OTHER_GIVER),
+    (MotionTold(3, 2), EpochCause.OTHER_GIVER),  # the controller was restarted meanwhile
+    (MotionTold(3, cause=EpochCause.EMERGENCY_STOP), EpochCause.EMERGENCY_STOP)])
+def test_an_epoch_of_ours_does_not_explain_why_the_robot_broke_off_a_drive(told, cause):
+    robot = monitor()
+    robot.update(MotionTold(1), 0.0)
+    robot.update(MotionTold(2, is_unexplained=True), 0.0)
+    robot.update(told, 0.0)
+    assert robot.overruled is cause
 
 
 def test_a_drive_that_somebody_else_lost_is_none_of_ours():
     robot = monitor()
     robot.update(MotionTold(1), 0.0)
-    robot.update(MotionTold(2, 1, is_unexplained=True), 0.0)
+    robot.update(MotionTold(2, is_unexplained=True), 0.0)
     assert not robot.tracker.awaits_motion
 
 
@@ -211,12 +224,12 @@ def test_numbers_of_commands_grow_also_above_one_that_only_the_controller_knows(
 
 def own(epoch: int) -> MotionTold:
     """The robot obeys a drive of ours."""
-    return MotionTold(epoch, epoch - 1, is_ours=True, obeys_us=True)
+    return MotionTold(epoch, 5, is_ours=True, obeys_us=True)
 
 
 def others(epoch: int, cause: EpochCause, number: int) -> MotionTold:
     """Somebody else did something, and the robot does not obey our last drive."""
-    return MotionTold(epoch, epoch - 1, reason='why', cause=cause,
+    return MotionTold(epoch, reason='why', cause=cause,
                       is_ours=cause is EpochCause.EMERGENCY_STOP, number=number,
                       fate=CommandFate.NOT_OBEYED)
 
@@ -257,15 +270,14 @@ def test_a_drive_for_an_epoch_that_ended_with_the_controller_is_given_again(caus
     robot.update(MotionTold(5), 0.0)
     robot.tracker.send('12', 'goto 12')
     give, = robot.due_commands(0.0)
-    goes_on = cause is EpochCause.RESTART
-    robot.update(MotionTold(give.known_epoch + 1, give.known_epoch, goes_on=goes_on,
-                            cause=cause), 1.0)
+    foreign = 5 if cause is EpochCause.RESTART else 6
+    robot.update(MotionTold(6, foreign, cause=cause), 1.0)
     robot.update(CommandEnded(give.number, Outcome.OVERRULED, 'the controller was started'), 1.1)
     assert robot.due_commands(1.1) == []
-    robot.update(MotionTold(give.known_epoch + 1, give.known_epoch, goes_on=goes_on, cause=cause,
-                            number=give.number, fate=CommandFate.NOT_OBEYED), 1.2)
+    robot.update(MotionTold(6, foreign, cause=cause, number=give.number,
+                            fate=CommandFate.NOT_OBEYED), 1.2)
     commands = [(one.command, one.known_epoch) for one in robot.due_commands(1.2)]
-    assert commands == ([('goto 12', give.known_epoch + 1)] if again else [])
+    assert commands == ([('goto 12', 6)] if again else [])
     if again:
         robot.check(3.0)
     else:

@@ -25,8 +25,8 @@ DISTURBANCES = st.one_of(
               st.one_of(st.none(), st.sampled_from(list(DockingState)))),
     st.builds(p.CommandEnded, st.integers(0, 12), st.sampled_from(list(Outcome)),
               st.just('words')),
-    st.builds(p.MotionTold, st.integers(1, 4), st.integers(1, 4), st.booleans(), st.booleans(),
-              st.booleans(), state=st.sampled_from(MotionState), emergency_stop=st.booleans()),
+    st.builds(p.MotionTold, st.integers(1, 4), st.integers(0, 4), st.booleans(), st.booleans(),
+              state=st.sampled_from(MotionState), emergency_stop=st.booleans()),
     st.builds(p.LinkReported, st.sampled_from(list(p.RobotLink)), st.booleans(), st.just('why')))
 HAPPENINGS = st.one_of(
     st.tuples(st.just('drive'), st.integers(1, 80)),

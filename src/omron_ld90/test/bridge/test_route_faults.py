@@ -139,7 +139,7 @@ def test_a_drive_that_the_robot_broke_off_waits_until_the_controller_knows_why(
     """Only from an emergency stop the robot comes back to the fleet without a person."""
     def tell(**what):
         bench.epoch += 1
-        bench.tell(p.MotionTold(bench.epoch, bench.epoch - 1, reason='Interrupted: Going to 7',
+        bench.tell(p.MotionTold(bench.epoch, reason='Interrupted: Going to 7',
                                 number=bench.robot.last[0], fate=CommandFate.NOT_OBEYED, **what))
     bench = under_way()
     given = list(bench.commands)
@@ -165,7 +165,7 @@ def test_what_another_client_of_the_robot_does_ends_the_route():
     bench = under_way()
     given = list(bench.commands)
     bench.epoch += 1
-    bench.tell(p.MotionTold(bench.epoch, bench.epoch - 1, reason='Stopping',
+    bench.tell(p.MotionTold(bench.epoch, reason='Stopping',
                             cause=EpochCause.OTHER_CLIENT))
     bench.drive(1.0)
     assert bench.follower.report().reason.text == 'taken over'
@@ -174,7 +174,7 @@ def test_what_another_client_of_the_robot_does_ends_the_route():
 
 def another_client_drives(bench):
     bench.epoch += 1
-    bench.tell(p.MotionTold(bench.epoch, bench.epoch - 1, reason='Going to 5',
+    bench.tell(p.MotionTold(bench.epoch, reason='Going to 5',
                             cause=EpochCause.OTHER_CLIENT))
 
 

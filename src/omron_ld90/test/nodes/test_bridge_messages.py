@@ -65,15 +65,15 @@ def test_an_outcome_is_an_ending(outcome, message, ending):
     assert command_ended(3, result) == CommandEnded(3, ending, message)
 
 
-@pytest.mark.parametrize('giver, cause, is_ours, goes_on', [
-    ('/r/bridge', EpochCause.OTHER_GIVER, True, False),
-    ('/rviz', EpochCause.STOP, False, False), ('', EpochCause.OTHER_CLIENT, False, False),
-    ('', EpochCause.EMERGENCY_STOP, True, False), ('', EpochCause.RESTART, False, True)])
-def test_a_motion_is_that_of_the_bridge_or_of_somebody_else(giver, cause, is_ours, goes_on):
-    told = Motion(epoch=9, previous_epoch=8, giver=giver, cause=int(cause), stop_owed=True,
-                         reason='why')
+@pytest.mark.parametrize('giver, cause, is_ours', [
+    ('/r/bridge', EpochCause.OTHER_GIVER, True), ('/rviz', EpochCause.STOP, False),
+    ('', EpochCause.OTHER_CLIENT, False), ('', EpochCause.EMERGENCY_STOP, True),
+    ('', EpochCause.RESTART, False)])
+def test_a_motion_is_that_of_the_bridge_or_of_somebody_else(giver, cause, is_ours):
+    told = Motion(epoch=9, foreign_epoch=8, giver=giver, cause=int(cause),
+                  stop_owed=True, reason='why')
     assert motion_told(told, '/r/bridge') == MotionTold(
-        9, 8, is_ours, goes_on, True, 'why',
+        9, 8, is_ours, True, 'why',
         EpochCause.OTHER_GIVER if cause is EpochCause.STOP else cause,
         obeys_us=giver == '/r/bridge', fate=CommandFate.NOT_OBEYED)
 
@@ -81,9 +81,9 @@ def test_a_motion_is_that_of_the_bridge_or_of_somebody_else(giver, cause, is_our
 @pytest.mark.parametrize('fate', CommandFate)
 def test_a_motion_tells_what_became_of_the_last_command_of_the_bridge(fate):
     told = motion_told(Motion(last_commands=[
-        LastCommand('/rviz', 3, LastCommand.FAILED),
-        LastCommand('/r/bridge', 2 ** 40, getattr(LastCommand, fate.name))]), '/r/bridge')
-    assert (told.number, told.fate) == (2 ** 40, fate)
+        LastCommand('/rviz', 3, LastCommand.FAILED, 8),
+        LastCommand('/r/bridge', 2 ** 40, getattr(LastCommand, fate.name), 7)]), '/r/bridge')
+    assert (told.number, told.fate, told.foreign_epoch) == (2 ** 40, fate, 7)
 
 
 @pytest.mark.parametrize('state', MotionState)

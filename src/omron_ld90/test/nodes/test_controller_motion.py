@@ -28,9 +28,9 @@ GIVER = Giver('/bridge', 'http://host:1/')
 DRIVE = DriveRecord(3, RecordKind.DRIVE, Fate.OVER, GIVER, '12', ('12', '13'),
                     '"goto 12" of /bridge',
                     2 ** 41, CommandFate.FAILED)
-LAST = LastCommand('/bridge', 2 ** 41, CommandFate.FAILED)
+LAST = LastCommand('/bridge', 2 ** 41, CommandFate.FAILED, 2 ** 63)
 STOP = DriveRecord(4, RecordKind.STOP, Fate.GIVEN, GIVER, words='"stop" of /rviz')
-MEMORY = DriveMemory(2 ** 64 - 1, 7, MotionCause.STOP, '"stop" of /rviz', (DRIVE, STOP), (LAST,))
+MEMORY = DriveMemory(2 ** 64 - 1, 7, 6, MotionCause.STOP, '"stop" of /rviz', (DRIVE, STOP), (LAST,))
 
 
 def test_what_was_kept_is_read(tmp_path):
@@ -157,9 +157,9 @@ def test_of_a_memory_on_a_disk_that_has_become_read_only_only_an_owed_stop_count
 
 def test_everybody_is_told_in_the_words_of_the_message():
     told = message_of(RobotMotion(MEMORY, MotionState.STOPPING, True))
-    assert (told.epoch, told.previous_epoch, told.giver, told.state, told.goal, told.stop_owed,
-            told.cause, told.reason, told.emergency_stop) == (
-                2 ** 64 - 1, 7, '/bridge', msg.Motion.STOPPING, '', True, msg.Motion.STOP,
+    assert (told.epoch, told.previous_epoch, told.foreign_epoch, told.giver, told.state, told.goal,
+            told.stop_owed, told.cause, told.reason, told.emergency_stop) == (
+                2 ** 64 - 1, 7, 6, '/bridge', msg.Motion.STOPPING, '', True, msg.Motion.STOP,
                 '"stop" of /rviz', True)
 
 
@@ -171,6 +171,7 @@ def test_the_constants_are_those_of_the_message(kind):
 
 def test_the_last_commands_are_told_with_the_constants_of_their_message():
     last, = message_of(RobotMotion(MEMORY, MotionState.STOPPING, False)).last_commands
-    assert (last.giver, last.number, last.fate) == ('/bridge', 2 ** 41, msg.LastCommand.FAILED)
+    assert (last.giver, last.number, last.fate, last.foreign_epoch) == (
+        '/bridge', 2 ** 41, msg.LastCommand.FAILED, 2 ** 63)
     for fate in CommandFate:
         assert getattr(msg.LastCommand, fate.name) == fate

@@ -25,6 +25,7 @@ class BridgeMemory:
     number: int = 0          # of the command that sent it there; 0: it was not given yet
     owes_stop: bool = False  # the controller has not taken the stop that ended the route
     epoch: int = 0           # the controller's last epoch that the bridge knew
+    foreign_epoch: int = 0   # the newest one that the bridge did not begin, as it knew
     last: Optional[RouteOrder] = None  # the last order that was taken; see `OldMasters`
 
 
@@ -58,9 +59,10 @@ class CommandEnded:
 class MotionTold:
     """The controller reports the epoch and the motion of the robot (omron_ld90_msgs/Motion).
 
-    is_ours -- the bridge itself began the epoch, or an emergency stop
+    foreign_epoch -- the newest epoch that the bridge did not begin: another giver, another client,
+        the robot itself or its emergency stop did; 0: this one
+    is_ours -- the robot obeys the bridge, or is in its emergency stop
     obeys_us -- the robot has acknowledged a drive of the bridge
-    goes_on -- the controller was restarted, and knows of no giver that did anything meanwhile
     reason -- why the epoch is a new one, for a person
     cause -- the same for programs
     is_unexplained -- the robot broke off a drive, and the next epoch tells why
@@ -72,9 +74,8 @@ class MotionTold:
     """
 
     epoch: int
-    previous_epoch: int = 0
+    foreign_epoch: int = 0
     is_ours: bool = False
-    goes_on: bool = False
     stop_owed: bool = False
     reason: str = ''
     cause: EpochCause = EpochCause.OTHER_GIVER

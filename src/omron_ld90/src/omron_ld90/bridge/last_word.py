@@ -6,7 +6,8 @@ Then `motion` says what became of it: the number and the fate of our last comman
 
     | the answer                        | what follows                                             |
     |-----------------------------------|----------------------------------------------------------|
-    | it was never sent                 | it is given again                                        |
+    | it was never sent                 | it is given again, unless it is a stop that `motion`     |
+    |                                   | tells                                                    |
     | lost; `motion` tells an older one | it is given again: the controller never had it; unless   |
     |                                   | it answered: then `motion` has still to tell             |
     | lost; `motion` tells a newer one  | this program forgot it, and decides anew where to drive  |
@@ -73,7 +74,8 @@ class LastWord:
     def ended(self, event: CommandEnded, now: float) -> None:
         """Notes that the controller's answer came, or was lost."""
         if event.ending is Outcome.NEVER_SENT or self.is_stop and event.ending is Outcome.LOST:
-            self.give_again(now + RETRY)
+            if not (self.is_stop and self.is_taken):  # else the controller sends it when it can
+                self.give_again(now + RETRY)
             self.problem = event.text or event.ending.value
         elif not self.is_stop and event.ending in _TOLD_BY_MOTION:
             self.is_lost, self.is_taken = True, event.ending is not Outcome.LOST

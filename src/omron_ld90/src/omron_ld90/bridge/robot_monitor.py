@@ -36,6 +36,8 @@ class RobotMonitor:
         self._settings = settings
         self.epoch = 0
         """The controller's last known epoch; 0: none is known yet."""
+        self.foreign_epoch = 0
+        """The newest epoch that this program did not begin, as it knows."""
         self.drives_for_us = False
         """Whether the present epoch began because the robot obeys a drive of ours."""
         self.overruled: Optional[EpochCause] = None
@@ -80,9 +82,10 @@ class RobotMonitor:
         self._number += 1
         return [word.give(self._number, self.epoch)]
 
-    def resume(self, epoch: int, number: int) -> None:
-        """Takes the epoch and the last number from before a restart of this program."""
-        self.epoch, self._number = epoch, max(number, self._number)
+    def resume(self, epoch: int, foreign_epoch: int, number: int) -> None:
+        """Takes the epochs and the last number from before a restart of this program."""
+        self.epoch, self.foreign_epoch = epoch, foreign_epoch
+        self._number = max(number, self._number)
 
     # --- judging the robot's state ----------------------------------------------------------------
 
@@ -177,13 +180,23 @@ class RobotMonitor:
         if event.epoch == self.epoch:
             return
         self.drives_for_us, self._is_unexplained = event.obeys_us, event.is_unexplained
-        goes_on = event.is_ours or event.goes_on and event.previous_epoch == self.epoch
-        if self.epoch and not goes_on and not event.is_unexplained:
-            self._taken_over = TakenOver(f'Another giver came first: {event.reason}.')
-        if self.epoch and not event.is_unexplained and (
-                not goes_on or event.cause is EpochCause.EMERGENCY_STOP):
-            self.overruled = event.cause
-        self.epoch = event.epoch
+        known, self.epoch = self.epoch, event.epoch
+        if not event.is_unexplained:  # else the next epoch tells what happened
+            self._judge_foreign_epoch(known, event)
+
+    def _judge_foreign_epoch(self, known: int, event: p.MotionTold) -> None:
+        """Notes whether another giver, another client or the robot itself acted since the `known`
+        epoch. Epochs that were not told here may lie between the two.
+        """
+        before, self.foreign_epoch = self.foreign_epoch, event.foreign_epoch or event.epoch
+        if not known or self.foreign_epoch == before:
+            return
+        cause, reason = event.cause, event.reason
+        if self.foreign_epoch != event.epoch:  # an earlier one, whose cause is not told
+            cause, reason = EpochCause.OTHER_GIVER, 'an epoch that was not told here'
+        if cause is not EpochCause.EMERGENCY_STOP:
+            self._taken_over = TakenOver(f'Another giver came first: {reason}.')
+        self.overruled = cause
 
     def _on_link(self, event: p.LinkReported, now: float) -> None:
         self.links.update(event, now)

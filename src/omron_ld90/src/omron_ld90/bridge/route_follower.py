@@ -132,7 +132,7 @@ class RouteFollower:
         is_sure -- no later record can have been lost
         """
         self.orders.old_masters.last = record.last
-        self.robot.resume(record.epoch, record.number)
+        self.robot.resume(record.epoch, record.foreign_epoch, record.number)
         owes_stop = record.owes_stop
         if not is_sure:
             owes_stop = owes_stop or record.vehicle.is_running
@@ -164,7 +164,8 @@ class RouteFollower:
             target = self.route.target if self.route else None
             number = self.robot.tracker.word.number
         return p.BridgeMemory(self.vehicle.state, target, number, self.robot.must_stop,
-                              self.robot.epoch, self.orders.old_masters.last)
+                              self.robot.epoch, self.robot.foreign_epoch,
+                              self.orders.old_masters.last)
 
     def report(self) -> RouteReport:
         """Returns the next report for the fleet manager."""
@@ -403,16 +404,19 @@ class RouteFollower:
         self._drive_on(now)
 
     def _fail(self, failure: RouteFailed, now: float) -> None:
-        """Ends the route, and stops the robot unless it already obeys another giver."""
+        """Ends the route, and stops the robot unless it already obeys another giver. It may obey us
+        although another giver came first.
+        """
         cause = self.robot.overruled
         self.robot.overruled = None
-        if isinstance(failure, TakenOver):
+        if isinstance(failure, TakenOver) and not self.robot.drives_for_us:
             self.robot.leave()
-            cause = cause or EpochCause.OTHER_GIVER
         else:
             self.robot.stop(self.robot.epoch)
-            if failure.reason.code is ReasonCode.LOST_LINK:
-                cause = cause or EpochCause.LOST_LINK
+        if isinstance(failure, TakenOver):
+            cause = cause or EpochCause.OTHER_GIVER
+        elif failure.reason.code is ReasonCode.LOST_LINK:
+            cause = cause or EpochCause.LOST_LINK
         if isinstance(failure, TakenOver) and cause not in _STOPS:
             self._motion.taken_over()
         else:

@@ -60,14 +60,14 @@ def command_ended(number: int, result: ExecuteCommandResult) -> CommandEnded:
 def motion_told(message: Motion, own_name: str) -> MotionTold:
     """Returns the event for a Motion message; `own_name` is the name of this node."""
     is_ours = message.giver == own_name or message.cause == Motion.EMERGENCY_STOP
-    number, fate = next(((last.number, last.fate) for last in message.last_commands
-                         if last.giver == own_name), (0, LastCommand.NOT_OBEYED))
-    return MotionTold(message.epoch, message.previous_epoch, is_ours,
-                      message.cause == Motion.RESTART, message.stop_owed, message.reason,
+    last = next((one for one in message.last_commands if one.giver == own_name),
+                LastCommand(fate=LastCommand.NOT_OBEYED, foreign_epoch=message.foreign_epoch))
+    return MotionTold(message.epoch, last.foreign_epoch, is_ours,
+                      message.stop_owed, message.reason,
                       _CAUSES.get(message.cause, EpochCause.OTHER_GIVER),
                       _STATES.get(message.state, MotionState.UNKNOWN), message.emergency_stop,
                       message.giver == own_name and message.cause == Motion.OTHER_GIVER,
-                      number, _FATES.get(fate, CommandFate.UNKNOWN),
+                      last.number, _FATES.get(last.fate, CommandFate.UNKNOWN),
                       message.cause == Motion.INTERRUPTED)
 
 

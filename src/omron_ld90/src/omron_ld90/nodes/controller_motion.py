@@ -48,7 +48,7 @@ class MotionFile:
                 return None
             memory = from_json(DriveMemory, content, added=(
                 'last_commands', 'ending', 'acknowledged_by', 'doubt', 'verb', 'stands_for',
-                'is_cancelled'))
+                'is_cancelled', 'foreign_epoch'))
         except FileNotFoundError:
             return None
         except (OSError, ValueError, TypeError) as error:
@@ -107,8 +107,9 @@ def message_of(motion: RobotMotion) -> msg.Motion:
     """Returns a `RobotMotion` as a message, without its stamp."""
     memory = motion.memory
     return msg.Motion(
-        epoch=memory.epoch, previous_epoch=memory.previous_epoch, giver=memory.giver.name,
+        epoch=memory.epoch, previous_epoch=memory.previous_epoch,
+        foreign_epoch=memory.foreign_epoch, giver=memory.giver.name,
         state=int(motion.state), emergency_stop=motion.emergency_stop, goal=memory.goal,
         stop_owed=memory.stop_owed, cause=int(memory.cause), reason=memory.reason,
-        last_commands=[msg.LastCommand(last.giver, last.number, int(last.fate))
+        last_commands=[msg.LastCommand(last.giver, last.number, int(last.fate), last.foreign_epoch)
                        for last in memory.last_commands])
