@@ -871,6 +871,7 @@ class RandomWork(SupervisedFleet):
                 one.blocking for one in (step, *running)], f'(e) {step} begins beside {running}'
             assert work.asking is None, f'(e) {step} begins while another one asks'
             self._check_stands(mission, step, work.stops[place.stop].place)
+        assert mission.robot or not rules.is_at_work(work), f'(g) no robot is at work: {mission}'
         if rules.is_at_work(work) and not self.reckless:  # while NONE steps run, it may be asked
             self._check_stands(mission, None, work.stops[work.current].place)
 

@@ -90,6 +90,8 @@ class WorkDesk:
         self._sent: Dict[Tuple[str, int, StepAct], float] = {}
         for mission in book.serving.values():
             self._show(mission)
+        for mission in book.open:  # earlier fleet managers stored some as at work without a robot
+            self.parted(mission)
 
     # -- what the fleet has to know ---------------------------------------------------------------
 
@@ -174,6 +176,12 @@ class WorkDesk:
         """Notes that an accepted mission could not be stored."""
         self._works.pop(serial, None)
         self._changed.discard(serial)
+
+    def parted(self, mission: Mission) -> None:
+        """Notes that a mission may have no robot any more: then none is at work for it."""
+        work = self._works.get(mission.serial)
+        if work is not None and not mission.robot:
+            self._put(mission.serial, rules.parted(work))
 
     def report(self, name: str, report: StepReport) -> bool:
         """Handles a robot's report of its steps. Returns whether it changed anything."""
