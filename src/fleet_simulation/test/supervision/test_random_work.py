@@ -17,6 +17,7 @@ from random_work import lived
 from fleet_core.interlocking.claims import Claims
 from fleet_core.supervision import device_desk
 from fleet_core.supervision.work_desk import WorkDesk
+from fleet_core.work import rules
 
 WHOLE = is_whole(__file__)
 STEPS = 2_000_000 if LONG else 100_000 if WHOLE else 2_500
@@ -59,6 +60,8 @@ AROUND: Mapping[str, Tuple[Any, str, Any]] = {
     'a report of a device counts while it is fresh': (
         device_desk, '_is_fresh', lambda report, now: True),
     'a robot at work stands': (WorkDesk, 'at_work', property(lambda self: frozenset())),
+    'a robot that was moved away is not at work': (rules, '_moved', lambda work, where: work),
+    'a mission without a robot is not at work': (WorkDesk, 'parted', lambda self, mission: None),
     'a laden robot begins no other mission': (
         WorkDesk, 'laden', property(lambda self: frozenset())),
     'a machine carries out one step': (WorkDesk, '_is_busy', lambda self, device: False),

@@ -471,6 +471,27 @@ def test_a_robot_that_was_moved_away_drives_back_for_the_steps_that_are_left():
     assert fleet.done() == ['more'] and fleet.agvs['a'].visited[-1] == 3
 
 
+@pytest.mark.parametrize('begins', [False, True])
+def test_a_step_before_the_entry_is_repeated_in_front_of_its_stop(begins):
+    fleet = WorkingFleet()
+    steps, lost = fleet.steps['a'], []
+    receive = steps.receive
+    steps.receive = receive if begins else lost.append
+    fleet.send(1, Stop(5, steps=(Step('ask', 60.0, when=When.BEFORE_ENTRY),)))
+    fleet.run_until(lambda: lost or steps.running)
+    if begins:
+        steps.restart()
+    steps.receive = receive
+    moved_to(fleet, 1)
+    fleet.run(5.0)
+    assert not steps.running and not steps.done and fleet.state(1) is MissionState.NEEDS_PERSON
+    fleet.answer(1, StepDecision.RETRY)
+    fleet.run_until(lambda: steps.running)
+    assert fleet.supervisor.robots['a'].position.vertex == 4
+    fleet.run_until_done(1)
+    assert fleet.done() == ['ask']
+
+
 @pytest.mark.parametrize('hangs', [False, True])
 def test_a_cancelled_mission_is_not_at_work_when_its_robot_was_moved_away(hangs):
     fleet = WorkingFleet()

@@ -309,10 +309,7 @@ class WorkDesk:
             for work in self._works.values() for _, step, own in work.steps)
 
     def _where_is(self, robot: ManagedRobot, work: Work) -> Where:
-        """Returns where a robot is, as the rules need it.
-
-        A robot that waits for its turn is not near.
-        """
+        """Returns where a robot is, as the rules need it."""
         stands = robot.is_at_rest and robot.position is not None and not robot.record.ahead
         position = robot.position
         if not stands or position is None or work.current == len(work.stops):
@@ -322,8 +319,9 @@ class WorkDesk:
         graph = robot.record.graph
         edges = (graph.edges_from(position.vertex) if position.vertex is not None
                  else (position.edge, -position.edge))
-        return Where(True, is_there, is_there or self.may_enter(robot.name, place) and any(
-            graph.end_vertex(edge).id == place for edge in edges))
+        is_near = any(graph.end_vertex(edge).id == place for edge in edges)
+        return Where(True, is_there, is_there or is_near,
+                     not is_near or self.may_enter(robot.name, place))
 
     # -- commands of people -----------------------------------------------------------------------
 

@@ -70,11 +70,13 @@ class Where(NamedTuple):
     stands   -- it stands, and no order on its way lets it drive
     is_there -- it stands at the present stop
     is_near  -- it stands there, or in front of it
+    may_enter -- others let it go there now: so it does not only wait for its turn
     """
 
     stands: bool = False
     is_there: bool = False
     is_near: bool = False
+    may_enter: bool = True
 
 
 class WorkPhase(Enum):
@@ -164,7 +166,8 @@ def nobody_is_asked(work: Work) -> bool:
 def stands_for(step: WorkStep, where: Where) -> bool:
     """Returns whether the robot stands where this step needs it."""
     if step.when is When.BEFORE_ENTRY:
-        return step.blocking is StepBlocking.NONE or where.is_near
+        return step.blocking is StepBlocking.NONE or where.is_there or (
+            where.is_near and where.may_enter)
     return where.is_there
 
 
@@ -237,8 +240,8 @@ def follow(situation: Situation, where: Where) -> Situation:
     where -- as the present stop sees it; it may be another one afterwards
     """
     work = situation.work
-    if where.stands and not where.is_there and is_at_work(work):
-        work = _moved(work)  # also if it ends
+    if where.stands:
+        work = _moved(work, where)  # also if it ends
     if _has_stop(work):
         work = _followed(work, where)
     return settle(situation._replace(work=work))
@@ -301,17 +304,20 @@ def _was_at_work(work: Work) -> bool:
                for place, step, own in work.steps if place.stop == number)
 
 
-def _moved(work: Work) -> Work:
-    """Returns the work of a robot that was moved away from its stop.
+def _moved(work: Work, where: Where) -> Work:
+    """Returns the work after a robot was moved away from its stop, if it was.
 
     A person looks first at what runs. Then the robot drives back, if steps are left there.
     """
+    if where.is_there or work.current == len(work.progress) or (
+            where.is_near and not is_at_work(work)):
+        return work
     for place, step, own in work.steps:
         if own.state is StepState.RUNNING and step.blocking is not StepBlocking.NONE:
             work = work.with_step(place, replace(
                 own, state=after(STEP, own.state, StepEvent.ASK), is_ended=True,
                 text='the robot was moved away meanwhile'))
-    return _stop(work, StopEvent.MOVED)
+    return _stop(work, StopEvent.MOVED) if is_at_work(work) else work
 
 
 # -- steps ----------------------------------------------------------------------------------------
