@@ -627,8 +627,8 @@ def _place_is_free(site: Interlocking, asked: Asked) -> Optional[Refusal]:
 
 def _claims_are_ready(site: Interlocking, asked: Asked) -> Optional[Refusal]:
     name = asked.robot.name
-    resource = site.claims.keeping_out(name, asked.edge, asked.is_inside,
-                                       rest=asked.rest) if site.claims else ''
+    resource = site.claims.keeping_out(name, asked.edge, asked.is_inside, NOTHING,
+                                       asked.rest) if site.claims else ''
     if not resource:
         return None
     others = (other for other in site.claims.holders(resource) if other != name)
