@@ -95,6 +95,15 @@ def test_an_edge_needs_what_the_vertices_at_its_ends_need() -> None:
     assert needs.of_edge(7) == {'door'} and not needs.of_vertex(7)
 
 
+@pytest.mark.parametrize(('edge', 'cleared', 'needed'), [
+    (5, 0.0, {'press'}), (5, 0.1, {'press'}), (5, 0.5, set()), (-4, 0.5, set()),
+    (4, 0.5, {'press'}), (-5, 0.5, {'press'}), (6, 0.5, {'door'})])
+def test_an_edge_does_not_need_what_only_the_vertex_behind_its_robot_needs(
+        edge: int, cleared: float, needed: set) -> None:
+    needs = Needs([resource('press', vertices=(5,)), resource('door', 6)], GRAPH)
+    assert needs.of(Allocation(AGV, Knowledge.KNOWN, (Hold(edge, cleared),))) == needed
+
+
 def test_who_leaves_a_resource_gets_into_nothing() -> None:
     needs = Needs([resource('station', vertices=(5,)), resource('door', 5)], GRAPH)
     assert needs.on_entry(5, is_inside=False) == {'door'}

@@ -70,6 +70,25 @@ def test_a_robot_that_waits_to_bring_a_load_has_it_already():
     assert found(site(carry('packing', 'press')), at(1.5)).keys() == {(2, 1)}
 
 
+def test_two_queue_places_nearer_than_robots_with_loads_need_are_told_once():
+    line = {1: 0.0, 2: 5.0, 4: 6.5, 3: 50.0}
+    press = replace(PRESS, queue=(2, 4))
+    one, = found(site(carry('packing', 'press'), press, PACKING), line).values()
+    assert one.text == (
+        'queue place 4 of station press is 1.50 m from vertex 2, but robots need 1.70 m there '
+        'with load pallet: while a robot stands at 4, no other one waits with such a load at 2; '
+        'put the two farther apart')
+    assert found(site(carry('press', 'packing'), press, PACKING), line) == {}
+    assert found(site(carry('packing', 'press'), press, PACKING), {**line, 4: 6.7}) == {}
+
+
+def test_a_queue_place_beside_that_of_another_station_is_told_if_robots_wait_there_with_a_load():
+    line = {1: 0.0, 2: 5.0, 5: 6.2, 3: 50.0}
+    work = site(carry('packing', 'press'), PRESS, replace(PACKING, queue=(5,)))
+    assert found(work, line).keys() == {(5, 2)}
+    assert found(work, {**line, 5: 6.4}) == {}
+
+
 def test_a_dock_beside_the_place_of_a_load_is_told_if_a_robot_may_stand_there():
     work = site(carry('press', 'packing'), Station('press', (1,)), PACKING)
     assert found(work, at(1.2), docks=(2,))[2, 1].what == 'dock 2'

@@ -20,7 +20,8 @@ Invariants, after each step (letters as in the docstrings of `claims` and `work_
 (e) a step is stored under its key before it is begun; it is begun once per key, and not a second
     time if it has been done; an unknown outcome is asked
 (f) a load counts as EMPTY or LOADED only if that is true; the mission of a load keeps its robot
-(g) a robot that is at work stands at its stop, and does not move while a step runs that is not NONE
+(g) a robot that is at work stands at its stop, and does not move while a step runs that is not
+    NONE; it is told to begin such a step only there, or in front of its stop
 (h) no two robots have one queue place
 (i) a mission waits only for missions that were accepted before it
 (j) what has ended does not change any more
@@ -78,7 +79,7 @@ from fleet_simulation.agv.steps import SimulatedSteps
 from fleet_simulation.report_times import Rhythm
 from fleet_simulation.virtual_fleet import Crash
 from route_protocol.devices import DeviceMode, DeviceReport
-from route_protocol.steps import HAND_OVER, StepCommand, StepReport, Word
+from route_protocol.steps import HAND_OVER, StepAct, StepCommand, StepReport, Word
 from route_protocol.values import TAKEN_OVER, Reason, ReasonCode, RouteReport
 from trajectory_graph import Edge, Graph, Vertex
 from world.supervised_fleet import SupervisedFleet
@@ -243,6 +244,8 @@ class RandomWork(SupervisedFleet):
                 continue
             if isinstance(action, PublishStatus):
                 self._check_final(action)
+            if isinstance(action, SendStep) and action.command.act is StepAct.DO:
+                self._check_sent(action)
             super()._perform((action,))
 
     def _perform_late(self, action: Action) -> None:
@@ -871,8 +874,18 @@ class RandomWork(SupervisedFleet):
                 one.blocking for one in (step, *running)], f'(e) {step} begins beside {running}'
             assert work.asking is None, f'(e) {step} begins while another one asks'
             self._check_stands(mission, step, work.stops[place.stop].place)
+        assert mission.robot or not rules.is_at_work(work), f'(g) no robot is at work: {mission}'
         if rules.is_at_work(work) and not self.reckless:  # while NONE steps run, it may be asked
             self._check_stands(mission, None, work.stops[work.current].place)
+
+    def _check_sent(self, sent: SendStep) -> None:
+        """(g) A robot is told to begin a step only where its work is."""
+        mission = self.supervisor.book.of_robot(sent.robot)
+        work = None if mission is None else self.supervisor.desk.work(mission.serial)
+        assert mission is not None and work is not None, f'(e) {sent} is of no mission'
+        for place, step, own in work.steps:
+            if own.key == sent.command.key and place.stop == work.current:
+                self._check_stands(mission, step, work.stops[place.stop].place)
 
     def _check_stands(self, mission: Mission, step: Optional[WorkStep], place: int) -> None:
         """(g) A robot is where its work is."""

@@ -17,6 +17,7 @@ from random_work import lived
 from fleet_core.interlocking.claims import Claims
 from fleet_core.supervision import device_desk
 from fleet_core.supervision.work_desk import WorkDesk
+from fleet_core.work import rules
 
 WHOLE = is_whole(__file__)
 STEPS = 2_000_000 if LONG else 100_000 if WHOLE else 2_500
@@ -32,7 +33,7 @@ def test_work_keeps_its_rules_and_ends_in_each_random_life(part: int) -> None:
         seed += PARTS
 
 
-@pytest.mark.parametrize('seed', [29, 151] if WHOLE else [151])
+@pytest.mark.parametrize('seed', [29, 151, 5031, 5085, 5112, 5115, 5223] if WHOLE else [151])
 def test_lives_that_found_a_fault_once_find_none(seed: int) -> None:
     lived(seed, LIFE)
 
@@ -59,6 +60,8 @@ AROUND: Mapping[str, Tuple[Any, str, Any]] = {
     'a report of a device counts while it is fresh': (
         device_desk, '_is_fresh', lambda report, now: True),
     'a robot at work stands': (WorkDesk, 'at_work', property(lambda self: frozenset())),
+    'a robot that was moved away is not at work': (rules, '_moved', lambda work, where: work),
+    'a mission without a robot is not at work': (WorkDesk, 'parted', lambda self, mission: None),
     'a laden robot begins no other mission': (
         WorkDesk, 'laden', property(lambda self: frozenset())),
     'a machine carries out one step': (WorkDesk, '_is_busy', lambda self, device: False),
@@ -81,7 +84,9 @@ LATER = {
     'a mission that has become impossible ends its steps first': 18,
     'the stop is not entered before its steps': 10, 'a step that may still run is not retried': 0,
     'claims never exceed the capacity': 24, 'a machine carries out one step': 23,
-    'a command is sent when its step is stored': 13}
+    'a command is sent when its step is stored': 13,
+    'a robot that was moved away is not at work': 36,
+    'a mission without a robot is not at work': 5085}
 """By guard, the life that finds that it is left out."""
 LIVES = {**SOON, **(LATER if WHOLE else {})}
 

@@ -258,6 +258,23 @@ def test_a_robot_without_work_leaves_the_station_when_another_one_waits() -> Non
     assert fleet.supervisor.robots['b'].position.vertex in PARKING
 
 
+def test_a_robot_that_is_brought_in_on_the_way_out_of_a_station_leaves_though_another_claims_it(
+) -> None:
+    fleet = lane(3)
+    fleet.do(fleet.supervisor.take_out('c', fleet.now))
+    fleet.visit(1, 18, robot='b')
+    fleet.run_until(lambda: fleet.arrived == ['b'])
+    fleet.visit(2, 18, robot='a')
+    fleet.agvs['c'].be_carried(6, 0.8 * LANE.curve(6).length)
+    fleet.run_until(lambda: fleet.queued == ['a'])
+    fleet.visit(3, 11, robot='c')
+    assert not fleet.bring_in('c')
+    fleet.run_until(lambda: fleet.agvs['c'].visited[-1] == 16, limit=4.0)
+    assert fleet.state(1) is MissionState.ACTIVE and fleet.supervisor.stations.inside(
+        'press') == ['b']
+    fleet.run_until_done(1, 2, 3)
+
+
 def test_a_robot_that_has_its_next_stop_at_the_same_station_stays_there() -> None:
     fleet = lane(2)
     fleet.request(1, 18, 18, dwells=(STAY, STAY), robot='b')

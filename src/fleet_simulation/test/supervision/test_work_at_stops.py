@@ -33,7 +33,7 @@ from fleet_core.work.stops import (
 from fleet_core.work.stops import (
     WorkStop as Stop,
 )
-from fleet_core.work.tables import LoadState
+from fleet_core.work.tables import LoadState, StopState
 from fleet_simulation.agv.steps import SimulatedSteps
 from route_protocol.steps import MOST_KEY, StepAct, StepCommand, Word
 from world.supervised_fleet import SupervisedFleet
@@ -401,6 +401,135 @@ def test_a_mission_without_steps_stays_with_the_robot_that_carries_its_load():
     fleet.do(fleet.supervisor.take_out(name, fleet.now))
     fleet.run(30.0)
     assert fleet.robot_of(1) == name and fleet.state(1).is_open
+
+
+# -- a robot that a person moves away from its stop ----------------------------------------------
+
+
+def moved_to(fleet: WorkingFleet, edge: int, name: str = 'a') -> None:
+    """A person takes a robot out of service, carries it to the begin of an edge, and brings it in.
+    """
+    fleet.do(fleet.supervisor.take_out(name, fleet.now))
+    fleet.agvs[name].be_carried(edge, 0.0)
+    fleet.run(2.0)
+    assert not fleet.bring_in(name)
+
+
+def working_fleet(*words: Word) -> WorkingFleet:
+    """A fleet whose robot works at its first stop; its steps end in these ways."""
+    fleet = WorkingFleet()
+    for word in words:
+        fleet.steps['a'].fail_next(word, 1)
+    fleet.send(1, Stop(3, steps=(Step('work', 20.0),)), Stop(6))
+    fleet.run_until(lambda: bool(fleet.steps['a'].running))
+    return fleet
+
+
+def stop_state(fleet: WorkingFleet, id: int = 1) -> StopState:
+    work = fleet.supervisor.desk.work(fleet.supervisor.book.find(id).serial)
+    return work.progress[work.current].state
+
+
+def test_a_robot_that_was_moved_away_drives_back_and_repeats_its_step_there_when_a_person_says_so():
+    fleet = working_fleet(Word.FAILED)
+    fleet.steps['a'].restart()
+    moved_to(fleet, 1)
+    fleet.run_until_asked(1)
+    fleet.run(10.0)
+    assert fleet.done() == [] and stop_state(fleet) is StopState.DRIVING
+    fleet.answer(1, StepDecision.RETRY)
+    assert not fleet.steps['a'].running
+    fleet.run_until(lambda: fleet.steps['a'].running)
+    assert fleet.supervisor.robots['a'].position.vertex == 3
+    fleet.run_until_done(1)
+    assert fleet.done() == ['work'] and fleet.agvs['a'].visited[-1] == 6
+
+
+@pytest.mark.parametrize('answer, end', [
+    (StepDecision.SKIP, MissionState.SUCCEEDED), (StepDecision.DONE, MissionState.SUCCEEDED),
+    (StepDecision.FAIL, MissionState.FAILED)])
+def test_a_robot_that_was_moved_away_does_not_drive_back_for_a_step_that_is_over(answer, end):
+    fleet = working_fleet()
+    fleet.steps['a'].restart()
+    moved_to(fleet, 4)
+    fleet.run_until_asked(1)
+    before = len(fleet.agvs['a'].visited)
+    fleet.answer(1, answer)
+    fleet.run_until_done(1)
+    assert fleet.state(1) is end and 3 not in fleet.agvs['a'].visited[before:]
+
+
+def test_a_robot_that_was_moved_away_drives_back_for_the_steps_that_are_left():
+    fleet = WorkingFleet()
+    fleet.send(1, Stop(3, steps=(Step('work', 20.0), Step('more', 20.0))))
+    fleet.run_until(lambda: bool(fleet.steps['a'].running))
+    fleet.steps['a'].restart()
+    moved_to(fleet, 4)
+    fleet.run_until_asked(1)
+    fleet.answer(1, StepDecision.SKIP)
+    fleet.run_until_done(1)
+    assert fleet.done() == ['more'] and fleet.agvs['a'].visited[-1] == 3
+
+
+@pytest.mark.parametrize('begins', [False, True])
+def test_a_step_before_the_entry_is_repeated_in_front_of_its_stop(begins):
+    fleet = WorkingFleet()
+    steps, lost = fleet.steps['a'], []
+    receive = steps.receive
+    steps.receive = receive if begins else lost.append
+    fleet.send(1, Stop(5, steps=(Step('ask', 60.0, when=When.BEFORE_ENTRY),)))
+    fleet.run_until(lambda: lost or steps.running)
+    if begins:
+        steps.restart()
+    steps.receive = receive
+    moved_to(fleet, 1)
+    fleet.run(5.0)
+    assert not steps.running and not steps.done and fleet.state(1) is MissionState.NEEDS_PERSON
+    fleet.answer(1, StepDecision.RETRY)
+    fleet.run_until(lambda: steps.running)
+    assert fleet.supervisor.robots['a'].position.vertex == 4
+    fleet.run_until_done(1)
+    assert fleet.done() == ['ask']
+
+
+@pytest.mark.parametrize('hangs', [False, True])
+def test_a_cancelled_mission_is_not_at_work_when_its_robot_was_moved_away(hangs):
+    fleet = WorkingFleet()
+    fleet.steps['a'].fail_next(Word.RUNNING, 1)
+    fleet.send(1, Stop(3, steps=(replace(TAKE, timeout=5.0),)), Stop(8))
+    fleet.run_until(lambda: bool(fleet.steps['a'].running))
+    if hangs:
+        fleet.run_until_asked(1)
+    else:
+        fleet.steps['a'].restart()
+    fleet.command(1, CommandKind.CANCEL)
+    fleet.run(1.0)
+    moved_to(fleet, 1)
+    assert fleet.state(1) is MissionState.NEEDS_PERSON and (
+        stop_state(fleet) is StopState.DRIVING)
+    fleet.steps['a'].restart()
+    fleet.run(1.0)
+    assert not fleet.set_load('a')
+    fleet.run_until_done(1)
+    assert fleet.state(1) is MissionState.CANCELLED and fleet.done() == []
+
+
+@pytest.mark.parametrize('restarts', [False, True])
+def test_a_mission_whose_robot_drops_out_before_its_steps_begins_anew_with_another(restarts):
+    fleet = WorkingFleet('a', 'b')
+    fleet.send(1, Stop(3, steps=(Step('work', 20.0),)))
+    fleet.run_until(lambda: fleet.agvs['a'].edge == 2)
+    fleet.command(1, CommandKind.PAUSE)
+    fleet.run_until(lambda: stop_state(fleet) is StopState.AT_WORK)
+    assert fleet.robot_of(1) == 'a'
+    fleet.do(fleet.supervisor.take_out('a', fleet.now))
+    if restarts:
+        fleet.restart()
+    assert not fleet.robot_of(1) and stop_state(fleet) is StopState.WAITING
+    fleet.command(1, CommandKind.RESUME)
+    fleet.agvs['a'].be_carried(1, 0.0)
+    fleet.run_until_done(1)
+    assert fleet.done('a') == [] and fleet.done('b') == ['work']
 
 
 # -- keys -----------------------------------------------------------------------------------------

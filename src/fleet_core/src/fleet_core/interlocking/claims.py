@@ -64,7 +64,7 @@ from typing import (
 )
 
 from fleet_core.interlocking.allocation import Allocation, Knowledge
-from fleet_core.interlocking.resources import NOTHING, Needs
+from fleet_core.interlocking.resources import NOTHING, WHOLE, Needs, Rest
 from fleet_core.interlocking.route_master import ME
 from route_protocol.devices import DeviceMode, DeviceRequest
 
@@ -177,7 +177,7 @@ class Claims:
         return asked is not None and self.open_for.get(resource, 0) >= asked
 
     def keeping_out(self, name: str, edge: int, is_inside: bool,
-                    here: AbstractSet[str] = NOTHING) -> str:
+                    here: AbstractSet[str] = NOTHING, rest: Rest = WHOLE) -> str:
         """Returns the name of a resource that keeps a robot from driving a signed edge now.
 
         It is empty if none does.
@@ -186,8 +186,9 @@ class Claims:
 
         is_inside -- it stands on the edge, between the ends
         here      -- what is needed on the edge that it drives before this one
+        rest      -- of the edge, which it has still to drive
         """
-        needed = self.needs.of_edge(edge)
+        needed = self.needs.of_edge(edge, rest)
         if not needed:
             return ''
         entered = self.needs.on_entry(edge, is_inside) - here
@@ -207,33 +208,35 @@ class Claims:
         if not self:
             return
         needed = (self.of(name) if allocation.knowledge is Knowledge.UNKNOWN
-                  else self.needs.of(allocation))
+                  else self.needs.of(allocation, self.of(name)))
         if needed != self._needed.get(name):
             self._needed[name] = needed
             self._note(name)
 
-    def want(self, name: str, edges: Sequence[int]) -> None:
+    def want(self, name: str, edges: Sequence[int], rest: Rest = WHOLE) -> None:
         """Notes that a robot asks for these signed edges, and for no others: it claims what they
         need.
 
         The claims of edges that follow each other are had together or not at all, in the order of
         the edges.
+
+        rest -- of the first edge, which it has still to drive
         """
         if not self or not edges and not self._wanted.get(name):
             return
         wanted = NOTHING
-        for needed in self._stretches(edges):
+        for needed in self._stretches(edges, rest):
             if not all(self._is_free(name, resource) for resource in needed):
                 break
             wanted |= needed
         self._wanted[name] = wanted
         self._note(name)
 
-    def _stretches(self, edges: Iterable[int]) -> Iterator[FrozenSet[str]]:
+    def _stretches(self, edges: Iterable[int], rest: Rest) -> Iterator[FrozenSet[str]]:
         """Yields what each run of edges needs of which each needs something."""
         run = NOTHING
-        for edge in edges:
-            needed = self.needs.of_edge(edge)
+        for number, edge in enumerate(edges):
+            needed = self.needs.of_edge(edge, WHOLE if number else rest)
             if run and not needed:
                 yield run
             run = run | needed if needed else NOTHING

@@ -41,7 +41,7 @@ from typing import (
 
 from fleet_core.interlocking.allocation import Allocation, Knowledge
 from fleet_core.interlocking.claims import Claims
-from fleet_core.interlocking.resources import NOTHING, Needs
+from fleet_core.interlocking.resources import NOTHING, Needs, Rest
 from fleet_core.interlocking.route_master import RouteMaster
 from route_protocol.master import MasterState
 from trajectory_graph.id_lists import listed
@@ -135,7 +135,9 @@ class Conformance:
         if not set(after.areas) <= set(before.areas):
             self._grown.add(name)
         if claims:
-            needed = NOTHING.union(*map(claims.needs.of_edge, edges))
+            needed = NOTHING.union(*(
+                claims.needs.of_edge(hold.edge, Rest(hold.cleared, after.kind.reach))
+                for hold in after.holds if hold.edge in edges))
             self._unclaimed[name] = self._unclaimed.get(name, NOTHING) | (
                 needed - claims.stored_of(name))
 

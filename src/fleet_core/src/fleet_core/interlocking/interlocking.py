@@ -33,7 +33,7 @@ from fleet_core.interlocking.claims import Claims
 from fleet_core.interlocking.conformance import Conformance, Violation
 from fleet_core.interlocking.held_places import HeldPlace, HeldPlaces
 from fleet_core.interlocking.reports import GraphPosition
-from fleet_core.interlocking.resources import NOTHING, Needs, Resource
+from fleet_core.interlocking.resources import NOTHING, WHOLE, Needs, Resource, Rest
 from fleet_core.interlocking.route_master import RouteMaster, Sending
 
 _REMEMBERED = 1000  # number of areas of which the near places are remembered
@@ -117,6 +117,11 @@ class Asked:
     is_inside: bool = False
     place: HeldPlace = HeldPlace(-1)
 
+    @property
+    def rest(self) -> Rest:
+        """The part of the edge that the robot has still to drive."""
+        return Rest(self.place.cleared, self.robot.type.reach)
+
 
 class Interlocking:
     """Grants edges to the robots of one site.
@@ -189,7 +194,9 @@ class Interlocking:
         granted: List[int] = []
         if not refusal and self.claims:
             needs = any(map(self.claims.needs.of_edge, edges))
-            self.claims.want(robot.name, self._lacking_claims(robot, edges) if needs else ())
+            lacking = self._lacking_claims(robot, edges) if needs else []
+            self.claims.want(robot.name, [asked.edge for asked in lacking],
+                             lacking[0].rest if lacking else WHOLE)
         for asked in () if refusal else self._asked(robot, edges):
             refusal = first_refusal(CONDITIONS, self, asked)
             if refusal is not None:
@@ -204,11 +211,10 @@ class Interlocking:
                                           robot.master.allocation)
         return Grant(tuple(granted), refusal)
 
-    def _lacking_claims(self, robot: InterlockedRobot, edges: Sequence[int]) -> List[int]:
+    def _lacking_claims(self, robot: InterlockedRobot, edges: Sequence[int]) -> List[Asked]:
         """Returns the longest beginning of these edges from which at most claims keep the robot."""
-        return [asked.edge for asked in takewhile(
-            lambda asked: first_refusal(WITHOUT_CLAIMS, self, asked) is None,
-            self._asked(robot, edges))]
+        return list(takewhile(lambda asked: first_refusal(WITHOUT_CLAIMS, self, asked) is None,
+                              self._asked(robot, edges)))
 
     def would_grant(self, wanted: Mapping[str, Sequence[int]]) -> Dict[str, Tuple[int, ...]]:
         """Returns for each robot the longest beginning of its edges that all may have now, at once.
@@ -318,11 +324,13 @@ class Interlocking:
         """
         protocol, needs = robot.master.protocol, self.claims.needs
         here = needs.of_edge(protocol.ahead[0]) if protocol.shown and may_leave else NOTHING
-        start = robot.master.record.position
+        record = robot.master.record
+        start = record.position
         for number, edge in enumerate(protocol.ahead[begin:], begin):
             is_inside = not number and not protocol.shown and (
                 start is not None and start.vertex is None)
-            resource = self.claims.keeping_out(robot.name, edge, is_inside, here)
+            rest = Rest(record.begun(edge, start), robot.type.reach) if is_inside else WHOLE
+            resource = self.claims.keeping_out(robot.name, edge, is_inside, here, rest)
             if resource:
                 return number
         return None
@@ -619,7 +627,8 @@ def _place_is_free(site: Interlocking, asked: Asked) -> Optional[Refusal]:
 
 def _claims_are_ready(site: Interlocking, asked: Asked) -> Optional[Refusal]:
     name = asked.robot.name
-    resource = site.claims.keeping_out(name, asked.edge, asked.is_inside) if site.claims else ''
+    resource = site.claims.keeping_out(name, asked.edge, asked.is_inside, NOTHING,
+                                       asked.rest) if site.claims else ''
     if not resource:
         return None
     others = (other for other in site.claims.holders(resource) if other != name)

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import Enum
-from typing import Dict, FrozenSet, Iterable, Mapping, Set, Tuple
+from typing import AbstractSet, Dict, FrozenSet, Iterable, Mapping, NamedTuple, Set, Tuple
 
 from fleet_core.geometry.site_geometry import SiteGeometry
 from fleet_core.interlocking.allocation import Allocation
@@ -56,10 +56,27 @@ class Resource:
         return self.capacity == 1 and (bool(self.edges) or len(self.vertices) > 1)
 
 
+class Rest(NamedTuple):
+    """The rest of an edge, which a robot has still to drive.
+
+    behind -- the fraction of the edge, in driving direction, that lies behind the robot's centre
+    reach  -- m from its centre that the robot may cover
+    """
+
+    behind: float = 0.0
+    reach: float = 0.0
+
+
+WHOLE = Rest()
+
+
 class Needs:
     """The resources that the places of one graph need.
 
     An edge needs also what the vertices at its ends need, because a robot on it may stand there.
+    But the rest of an edge does not need what the vertex behind the robot needs, if no part of the
+    robot covers that vertex. So a robot that was put down there may drive on while another one
+    claims what is behind it. A robot that has such a claim keeps it until it has left the edge.
     """
 
     def __init__(self, resources: Iterable[Resource], geometry: SiteGeometry) -> None:
@@ -70,6 +87,7 @@ class Needs:
         self._at: Dict[int, FrozenSet[str]] = {}  # by place
         self._vertices: Set[int] = set()  # places of vertices that need anything
         self._of_edge: Dict[int, FrozenSet[str]] = {}  # computed once: each grant asks for it
+        self._covered: Dict[Tuple[int, float], float] = {}
         for one in self.resources.values():
             vertices = [geometry.index[vertex] for vertex in one.vertices & geometry.index.keys()]
             self._vertices.update(vertices)
@@ -81,13 +99,27 @@ class Needs:
         """Returns the names of the resources that a vertex needs."""
         return self._at.get(self._geometry.index[vertex], NOTHING)
 
-    def of_edge(self, edge: int) -> FrozenSet[str]:
-        """Returns the names of the resources that a signed edge needs, with both of its ends."""
+    def of_edge(self, edge: int, rest: Rest = WHOLE) -> FrozenSet[str]:
+        """Returns the names of the resources that a signed edge, or the rest of it, needs, with
+        both of its ends.
+        """
         known = self._of_edge.get(edge)
         if known is None:
             one, other = self._ends(edge)
             known = self._of_edge[edge] = (
                 self._inside(edge) | self.of_vertex(one) | self.of_vertex(other))
+        if not (rest.behind and known) or rest.behind <= self._covers_start(edge, rest.reach):
+            return known
+        return self._inside(edge) | self.of_vertex(self._ends(edge)[1])
+
+    def _covers_start(self, edge: int, reach: float) -> float:
+        """Returns the fraction of a signed edge up to which a robot on it covers its start."""
+        known = self._covered.get((edge, reach))
+        if known is None:
+            start = self._geometry.graph.start_vertex(edge).position
+            low, high = self._geometry.exclusions.near((start,), reach).get(
+                self._geometry.edge_place(edge), (0.0, 1.0))
+            known = self._covered[edge, reach] = high if edge > 0 else 1.0 - low
         return known
 
     def on_entry(self, edge: int, is_inside: bool) -> FrozenSet[str]:
@@ -98,8 +130,10 @@ class Needs:
         _, end = self._ends(edge)
         return self.of_vertex(end) | (NOTHING if is_inside else self._inside(edge))
 
-    def of(self, allocation: Allocation) -> FrozenSet[str]:
+    def of(self, allocation: Allocation, claimed: AbstractSet[str] = NOTHING) -> FrozenSet[str]:
         """Returns the names of the resources that all places of an allocation need.
+
+        Of those that the robot has claimed it also returns those of whole edges.
 
         A robot that may stand between vertices needs what an edge needs if its centre may be on
         that edge. It needs what a vertex needs if any part of it covers the vertex.
@@ -108,7 +142,8 @@ class Needs:
             return NOTHING
         needs = NOTHING
         for hold in allocation.holds:
-            needs |= self.of_edge(hold.edge)
+            needs |= self.of_edge(hold.edge, Rest(hold.cleared, allocation.kind.reach)) | (
+                self.of_edge(hold.edge) & claimed)
         if allocation.vertex is not None:
             needs |= self.of_vertex(allocation.vertex)
         for area in allocation.areas:

@@ -1,4 +1,4 @@
-"""Places at which robots stand, too near to those to which others come for a load or with one.
+"""Places at which robots stand, too near to those at which others take, bring or hold a load.
 
 A robot with a load may need more room than without it (`load_room`). While another one waits at a
 queue place that is too near, charges at such a dock, or works at such a place, it gets neither its
@@ -27,7 +27,7 @@ from typing import (
 )
 
 from fleet_core.fleet import Fleet, RobotType
-from fleet_core.geometry.site_geometry import SiteGeometry
+from fleet_core.geometry.exclusions import ROUNDING
 from fleet_core.supervision.laden_types import LadenTypes
 from fleet_core.work.site_work import SiteWork
 from fleet_core.work.stations import places_of
@@ -46,6 +46,7 @@ class TooNear:
     loads    -- names of their types
     distance -- m between the two
     needed   -- m that robots need there
+    is_queue -- robots wait at `place` with their loads; False: they take or bring them there
     """
 
     other: int
@@ -54,13 +55,15 @@ class TooNear:
     loads: FrozenSet[str]
     distance: float
     needed: float
+    is_queue: bool = False
 
     @property
     def text(self) -> str:
         """One clause that says what is wrong and what to do."""
+        does = 'waits with' if self.is_queue else 'takes or brings'
         return (f'{self.what} is {self.distance:.2f} m from vertex {self.place}, but robots need '
                 f'{self.needed:.2f} m there with load {", ".join(sorted(self.loads))}: while a '
-                f'robot stands at {self.other}, no other one takes or brings such a load at '
+                f'robot stands at {self.other}, no other one {does} such a load at '
                 f'{self.place}; put the two farther apart')
 
 
@@ -90,7 +93,6 @@ def too_near(work: SiteWork, fleet: Fleet, graph: Graph) -> Tuple[TooNear, ...]:
     if not any(load.radius for load in work.loads.values()):
         return ()
     laden = LadenTypes(work.loads, fleet.all_types)
-    geometry = SiteGeometry(graph, fleet.dock_approach)
     comes: Dict[int, Set[str]] = {}
     has: Dict[int, Set[str]] = {}
     for stay in _stays(work, graph):
@@ -101,30 +103,41 @@ def too_near(work: SiteWork, fleet: Fleet, graph: Graph) -> Tuple[TooNear, ...]:
     def reach(kinds: Sequence[RobotType], loads: AbstractSet[str]) -> float:
         return max(laden.laden(kind, loads).reach for kind in kinds)
 
+    def are_near(place: int, loads: AbstractSet[str], stand: _Stand,
+                 is_queue: bool) -> Iterator[TooNear]:
+        ours, theirs = reach(fleet.all_types, loads), reach(stand.kinds, stand.loads)
+        needed = ours + theirs + fleet.clearance
+        is_wider = ours > reach(fleet.all_types, set()) or theirs > reach(stand.kinds, set())
+        distance = math.dist(graph.vertex(place).position, graph.vertex(stand.vertex).position)
+        if is_wider and distance < needed - ROUNDING:
+            yield TooNear(stand.vertex, stand.what, place, frozenset(loads), distance, needed,
+                          is_queue)
+
     found: List[TooNear] = []
+    queues = _queues(work, fleet, comes)
     for place in sorted(one for one, loads in has.items() if loads):
-        more = reach(fleet.all_types, has[place]) - reach(fleet.all_types, set())
-        position = graph.vertex(place).position
-        for stand in _stands(work, fleet, graph, place, comes, has):
-            needed = (reach(fleet.all_types, has[place]) + reach(stand.kinds, stand.loads)
-                      + fleet.clearance)
-            is_wider = more > 0.0 or reach(stand.kinds, stand.loads) > reach(stand.kinds, set())
-            if is_wider and geometry.index[stand.vertex] in geometry.exclusions.near(
-                    (position,), needed):
-                found.append(TooNear(
-                    stand.vertex, stand.what, place, frozenset(has[place]),
-                    math.dist(position, graph.vertex(stand.vertex).position), needed))
+        for stand in (*queues, *_stands(work, fleet, graph, place, has)):
+            found += are_near(place, has[place], stand, False)
+    for number, one in enumerate(queues):
+        for other in queues[number + 1:]:
+            first, second = (one, other) if one.loads else (other, one)
+            if first.loads and first.vertex != second.vertex:
+                found += are_near(first.vertex, first.loads, second, True)
     return tuple(found)
 
 
+def _queues(work: SiteWork, fleet: Fleet, comes: Dict[int, Set[str]]) -> List[_Stand]:
+    """Returns the queue places of all stations, where robots wait with what they bring."""
+    return [_Stand(vertex, f'queue place {vertex} of station {station.name}', fleet.all_types,
+                   {load for one in station.places for load in comes.get(one, ())})
+            for station in work.stations.values() for vertex in station.queue]
+
+
 def _stands(work: SiteWork, fleet: Fleet, graph: Graph, place: int,
-            comes: Dict[int, Set[str]], has: Dict[int, Set[str]]) -> Iterator[_Stand]:
-    """Returns where other robots may stand while one is at a place."""
+            has: Dict[int, Set[str]]) -> Iterator[_Stand]:
+    """Yields where other robots may stand while one is at a place, besides queue places."""
     kinds = fleet.all_types
     for station in work.stations.values():
-        carried = {load for one in station.places for load in comes.get(one, ())}
-        for vertex in station.queue:
-            yield _Stand(vertex, f'queue place {vertex} of station {station.name}', kinds, carried)
         if place not in station.places or station.capacity > 1:
             for vertex in _others(station.places, place, has):
                 yield _Stand(vertex, f'place {vertex} of station {station.name}', kinds,

@@ -8,14 +8,15 @@ from fleet_core.supervision.mission_book import MissionBook
 from fleet_core.supervision.outages import Outage
 from fleet_core.supervision.outbox import Outbox
 from fleet_core.supervision.robots import ManagedRobot
+from fleet_core.supervision.work_desk import WorkDesk
 
 
 class OutageWatch:
     """Compares the outage of each robot with its outage at the last comparison."""
 
     def __init__(self, book: MissionBook, robots: Mapping[str, ManagedRobot],
-                 outbox: Outbox) -> None:
-        self._book, self._robots, self._outbox = book, robots, outbox
+                 outbox: Outbox, desk: WorkDesk) -> None:
+        self._book, self._robots, self._outbox, self._desk = book, robots, outbox, desk
         self._before: Dict[str, Optional[Outage]] = {}
 
     def compare(self) -> None:
@@ -37,7 +38,10 @@ class OutageWatch:
             self._come_back(robot, before not in (None, Outage.UNSEEN))
 
     def _drop_out(self, robot: ManagedRobot) -> None:
+        mission = self._book.of_robot(robot.name)
         mission_progress.drop_out(self._book, robot)
+        if mission is not None:
+            self._desk.parted(mission)
         if robot.outage is not Outage.UNSEEN and robot.outage is not None:
             self._outbox.note(f'{robot.name} cannot work: {robot.why or robot.outage.value}. '
                               f'{robot.outage.way_back(robot.name)}', True)

@@ -183,7 +183,7 @@ class Supervisor:
             self._doubt_journal('it is not the one that the last run has left')
         else:
             journal.store(values={RUN_NUMBER: self._run.draw()})
-        self._outages = OutageWatch(self.book, self.robots, self._out)
+        self._outages = OutageWatch(self.book, self.robots, self._out, self.desk)
         self.stop = journal.stop()
         if self.stop.is_in_force:
             self._close_gate()

@@ -90,6 +90,8 @@ class WorkDesk:
         self._sent: Dict[Tuple[str, int, StepAct], float] = {}
         for mission in book.serving.values():
             self._show(mission)
+        for mission in book.open:  # earlier fleet managers stored some as at work without a robot
+            self.parted(mission)
 
     # -- what the fleet has to know ---------------------------------------------------------------
 
@@ -174,6 +176,12 @@ class WorkDesk:
         """Notes that an accepted mission could not be stored."""
         self._works.pop(serial, None)
         self._changed.discard(serial)
+
+    def parted(self, mission: Mission) -> None:
+        """Notes that a mission may have no robot any more: then none is at work for it."""
+        work = self._works.get(mission.serial)
+        if work is not None and not mission.robot:
+            self._put(mission.serial, rules.parted(work))
 
     def report(self, name: str, report: StepReport) -> bool:
         """Handles a robot's report of its steps. Returns whether it changed anything."""
@@ -301,10 +309,7 @@ class WorkDesk:
             for work in self._works.values() for _, step, own in work.steps)
 
     def _where_is(self, robot: ManagedRobot, work: Work) -> Where:
-        """Returns where a robot is, as the rules need it.
-
-        A robot that waits for its turn is not near.
-        """
+        """Returns where a robot is, as the rules need it."""
         stands = robot.is_at_rest and robot.position is not None and not robot.record.ahead
         position = robot.position
         if not stands or position is None or work.current == len(work.stops):
@@ -314,8 +319,9 @@ class WorkDesk:
         graph = robot.record.graph
         edges = (graph.edges_from(position.vertex) if position.vertex is not None
                  else (position.edge, -position.edge))
-        return Where(True, is_there, is_there or self.may_enter(robot.name, place) and any(
-            graph.end_vertex(edge).id == place for edge in edges))
+        is_near = any(graph.end_vertex(edge).id == place for edge in edges)
+        return Where(True, is_there, is_there or is_near,
+                     not is_near or self.may_enter(robot.name, place))
 
     # -- commands of people -----------------------------------------------------------------------
 

@@ -70,11 +70,13 @@ class Where(NamedTuple):
     stands   -- it stands, and no order on its way lets it drive
     is_there -- it stands at the present stop
     is_near  -- it stands there, or in front of it
+    may_enter -- others let it go there now: so it does not only wait for its turn
     """
 
     stands: bool = False
     is_there: bool = False
     is_near: bool = False
+    may_enter: bool = True
 
 
 class WorkPhase(Enum):
@@ -164,7 +166,8 @@ def nobody_is_asked(work: Work) -> bool:
 def stands_for(step: WorkStep, where: Where) -> bool:
     """Returns whether the robot stands where this step needs it."""
     if step.when is When.BEFORE_ENTRY:
-        return step.blocking is StepBlocking.NONE or where.is_near
+        return step.blocking is StepBlocking.NONE or where.is_there or (
+            where.is_near and where.may_enter)
     return where.is_there
 
 
@@ -237,19 +240,37 @@ def follow(situation: Situation, where: Where) -> Situation:
     where -- as the present stop sees it; it may be another one afterwards
     """
     work = situation.work
-    number = work.current
+    if where.stands:
+        work = _moved(work, where)  # also if it ends
     if _has_stop(work):
-        if work.progress[number].state is StopState.WAITING:
-            work = _stop(work, StopEvent.GO)
-        if where.is_there and work.progress[number].state is StopState.DRIVING and (
-                _is_made(work, number) and place_not_to_enter(work) is None):
-            work = _stop(work, StopEvent.ARRIVE)
-        elif where.stands and not where.is_there and (
-                work.progress[number].state is StopState.AT_WORK):
-            work = _moved(work)
-        if work.progress[number].state is StopState.AT_WORK and _may_leave(work):
-            work = _stop(work, StopEvent.LEAVE)
+        work = _followed(work, where)
     return settle(situation._replace(work=work))
+
+
+def _followed(work: Work, where: Where) -> Work:
+    """Returns the work after its present stop has begun or ended, if it has."""
+    number = work.current
+    if work.progress[number].state is StopState.WAITING:
+        work = _stop(work, StopEvent.GO)
+    if where.is_there and work.progress[number].state is StopState.DRIVING and (
+            _is_made(work, number) and place_not_to_enter(work) is None):
+        work = _stop(work, StopEvent.ARRIVE)
+    if _may_leave(work) and is_at_work(work):
+        return _stop(work, StopEvent.LEAVE)
+    if _may_leave(work) and _was_at_work(work):
+        return _stop(work, StopEvent.PASS)
+    return work
+
+
+def parted(work: Work) -> Work:
+    """Returns the work of a mission that its robot does not serve any more.
+
+    Nothing of it was ordered, so another robot begins it.
+    """
+    number = work.current
+    is_behind = number < len(work.progress) and work.progress[number].state in (
+        StopState.DRIVING, StopState.AT_WORK)
+    return _stop(work, StopEvent.PART) if is_behind else work
 
 
 def _stop(work: Work, event: StopEvent) -> Work:
@@ -274,16 +295,29 @@ def _may_leave(work: Work) -> bool:
                for place, step, own in work.steps if is_last or place.stop == number)
 
 
-def _moved(work: Work) -> Work:
-    """Returns the work of a robot that was moved away from its stop: it drives back,
-    after what runs has been looked at.
+def _was_at_work(work: Work) -> bool:
+    """Returns whether a step of the present stop was ordered there. Its robot was moved away if
+    it is not at work.
     """
+    number = work.current
+    return any(own.times_ordered and step.when is not When.BEFORE_ENTRY
+               for place, step, own in work.steps if place.stop == number)
+
+
+def _moved(work: Work, where: Where) -> Work:
+    """Returns the work after a robot was moved away from its stop, if it was.
+
+    A person looks first at what runs. Then the robot drives back, if steps are left there.
+    """
+    if where.is_there or work.current == len(work.progress) or (
+            where.is_near and not is_at_work(work)):
+        return work
     for place, step, own in work.steps:
         if own.state is StepState.RUNNING and step.blocking is not StepBlocking.NONE:
             work = work.with_step(place, replace(
                 own, state=after(STEP, own.state, StepEvent.ASK), is_ended=True,
                 text='the robot was moved away meanwhile'))
-    return _stop(work, StopEvent.MOVED)
+    return _stop(work, StopEvent.MOVED) if is_at_work(work) else work
 
 
 # -- steps ----------------------------------------------------------------------------------------

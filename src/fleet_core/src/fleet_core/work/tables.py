@@ -40,7 +40,7 @@ class StopState(Enum):
 
     WAITING = 'waiting'
     DRIVING = 'driving'   # it is the next one; steps before the entry to it may run
-    AT_WORK = 'at work'   # the robot stands there
+    AT_WORK = 'at work'   # the robot stands there; it is DRIVING again when it was moved away
     DONE = 'done'
     FAILED = 'failed'
     SKIPPED = 'skipped'
@@ -57,7 +57,8 @@ class StopEvent(Enum):
     GO = 'it is the next one'
     ARRIVE = 'the robot stands there'
     MOVED = 'the robot was moved away'
-    PASS = 'the robot has passed it, and there is nothing to do'
+    PART = 'its robot does not serve the mission any more'
+    PASS = 'there is nothing to do any more, and the robot does not stand there'
     LEAVE = 'the robot may go on'
     FAIL = 'one of its steps has failed'
     SKIP = 'the mission ends before it'
@@ -97,6 +98,7 @@ STOP: Mapping[Tuple[StopState, StopEvent], StopState] = {
     **_rows(_P.DRIVING, StopEvent.GO, _P.WAITING),
     **_rows(_P.AT_WORK, StopEvent.ARRIVE, _P.DRIVING),
     **_rows(_P.DRIVING, StopEvent.MOVED, _P.AT_WORK),
+    **_rows(_P.WAITING, StopEvent.PART, _P.DRIVING, _P.AT_WORK),
     **_rows(_P.DONE, StopEvent.PASS, _P.WAITING, _P.DRIVING),
     **_rows(_P.DONE, StopEvent.LEAVE, _P.AT_WORK),
     **_rows(_P.FAILED, StopEvent.FAIL, _P.DRIVING, _P.AT_WORK),
