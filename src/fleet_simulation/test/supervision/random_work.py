@@ -193,7 +193,7 @@ class RandomWork(SupervisedFleet):
         self.lies = False
         """Does the door report that it is open although it is not?"""
         self._deceived: Set[str] = set()  # robots on their way into a door that is not open
-        self._failed = -math.inf          # when the door closed by itself
+        self._failed = -math.inf          # when the door closed by itself, or ended its lies
         self._doors, self._disks = Random(f'doors {seed}'), Random(f'disks {seed}')
         self._is_slow = False             # the commit of the next tick takes long
         self._dead: Set[str] = set()      # machines that report nothing
@@ -609,8 +609,7 @@ class RandomWork(SupervisedFleet):
         self.later(self._door_is_honest)
 
     def _door_is_honest(self) -> None:
-        self.lies = False
-        self._deceived = {name for name in self.agvs if self._is_on_way_into_door(name)}
+        self.lies, self._failed = False, self.now  # what it has said may be on its way
 
     def _is_on_way_into_door(self, name: str) -> bool:
         """Returns whether a robot is in the door, or was sent there.
