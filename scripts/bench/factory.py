@@ -199,7 +199,7 @@ def start() -> None:
         shown = median(factory('rviz:=true'), watch_fleet, 2 * COUNT, environment)
         hidden = median(factory('rviz:=false'), watch_fleet, 2 * COUNT)
         floor = median(lambda port: ['roslaunch', '-p', port, bare.name], watch_topics, nodes)
-    print_table([('with RViz', shown, floor, '< 20 s'), ('without', hidden, floor, '')],
+    print_table([('with RViz', shown, floor, '< 8 s'), ('without', hidden, floor, '')],
                 (f'`run.sh fleet:={COUNT}` to all {2 * COUNT} robots ready, median of {RUNS} runs',
                  'measured', f'floor ({nodes} bare rospy nodes)', 'goal'))
 
