@@ -6,7 +6,7 @@ import json
 import re
 import subprocess
 from pathlib import Path
-from typing import Dict, Iterator, List, Tuple
+from typing import Dict, Iterator, List, Set, Tuple
 
 import pytest
 
@@ -94,18 +94,36 @@ def test_a_pin_names_the_extra_with_which_another_package_requires_it():
     assert '--no-strip-extras' in (PINS / 'renew.sh').read_text(encoding='utf-8')
 
 
-def test_each_dependency_of_the_libraries_without_ros_is_among_their_downloads():
-    """Without one of them, the wheels cannot be installed."""
-    asked = (PINS / 'wheels_run.in').read_text(encoding='utf-8').lower().split()
+def libraries_without_ros() -> List[str]:
+    """The libraries of which wheels are made."""
     table = re.search(r'^pure_libraries=\((.*?)\)', (
         ROOT / 'scripts/common.sh').read_text(encoding='utf-8'), re.MULTILINE)
     assert table is not None
-    libraries = table.group(1).split()
-    needed = set()
-    for library in libraries:
-        setup = configparser.ConfigParser()
-        setup.read(ROOT / 'src' / library / 'setup.cfg', encoding='utf-8')
-        needed.update(setup.get('options', 'install_requires', fallback='').split())
+    return table.group(1).split()
+
+
+def required(library: str) -> Set[str]:
+    """What pip installs with a library."""
+    setup = configparser.ConfigParser()
+    setup.read(ROOT / 'src' / library / 'setup.cfg', encoding='utf-8')
+    return set(setup.get('options', 'install_requires', fallback='').split())
+
+
+@pytest.mark.parametrize('library', libraries_without_ros())
+def test_pip_installs_with_a_library_what_its_package_depends_on(library):
+    declared = set(re.findall(r'<(?:exec_)?depend>([\w-]+)<', (
+        ROOT / 'src' / library / 'package.xml').read_text(encoding='utf-8')))
+    modules = {'PyYAML': 'yaml', 'Pillow': 'pil', 'scikit-image': 'skimage'}
+    assert declared == {
+        name if (ROOT / 'src' / name).is_dir() else f'python3-{modules.get(name, name)}'
+        for name in required(library)}
+
+
+def test_each_dependency_of_the_libraries_without_ros_is_among_their_downloads():
+    """Without one of them, the wheels cannot be installed."""
+    asked = (PINS / 'wheels_run.in').read_text(encoding='utf-8').lower().split()
+    libraries = libraries_without_ros()
+    needed = set().union(*map(required, libraries))
     assert len(needed - set(libraries)) >= 6
     assert sorted(name.lower() for name in needed - set(libraries)) == sorted(asked)
 

@@ -794,31 +794,37 @@ class Drives:
         """Judges by the first status after an outage whether the robot still obeys our drive."""
         self._unseen = False
         record = self._shown_drive(activity)
-        if record is not None and self._may_be_several(activity):
-            return  # the robot will name the goal for which it leaves its dock
-        if record is not None:
-            owed = self._memory.stop_owed and record.number < max(
-                r.number for r in self._records if r.owed)
-            if not owed:
-                moves, leaves = activity.kind in MOVING, activity.kind is ActivityKind.UNDOCKING
-                ruling = self._memory.ruling
-                self._records = (replace(
-                    record, fate=Fate.OBEYED if moves else Fate.OVER,
-                    ending=CommandFate.COMPLETED,
-                    acknowledged_by=record.acknowledged_by if leaves else text),)
-                if ruling and ruling.giver != record.giver:  # whose drive was lost
-                    self._begin_epoch(record.giver, MotionCause.OTHER_GIVER, record.words, moves)
-                self._keep()
-                if moves:
-                    self._stop_if_cancelled(record)
-        elif not self.heard.emergency:
-            words = f'after an outage the robot shows "{text}"'
-            if self._stands_as_we_stopped_it(activity):
-                self._begin_epoch(None, MotionCause.RESTART, words, False)
-            elif self._is_to_be_stopped(activity):
-                self._begin_epoch(None, MotionCause.OTHER_CLIENT, words, False)
-            else:
-                self._foreign(_cause_of(activity), activity.kind in MOVING, words, activity)
+        if record is None:
+            self._other_shown(activity, f'after an outage the robot shows "{text}"')
+        elif not self._may_be_several(activity):  # else it names its goal later
+            self._drive_shown(record, activity, text)
+
+    def _drive_shown(self, record: DriveRecord, activity: Activity, text: str) -> None:
+        """Notes that the robot obeys this drive after an outage, unless a stop after it is owed."""
+        if self._memory.stop_owed and record.number < max(
+                r.number for r in self._records if r.owed):
+            return
+        moves, leaves = activity.kind in MOVING, activity.kind is ActivityKind.UNDOCKING
+        ruling = self._memory.ruling
+        self._records = (replace(
+            record, fate=Fate.OBEYED if moves else Fate.OVER, ending=CommandFate.COMPLETED,
+            acknowledged_by=record.acknowledged_by if leaves else text),)
+        if ruling and ruling.giver != record.giver:  # whose drive was lost
+            self._begin_epoch(record.giver, MotionCause.OTHER_GIVER, record.words, moves)
+        self._keep()
+        if moves:
+            self._stop_if_cancelled(record)
+
+    def _other_shown(self, activity: Activity, words: str) -> None:
+        """Notes that the robot obeys none of our drives after an outage."""
+        if self.heard.emergency:
+            return
+        if self._stands_as_we_stopped_it(activity):
+            self._begin_epoch(None, MotionCause.RESTART, words, False)
+        elif self._is_to_be_stopped(activity):
+            self._begin_epoch(None, MotionCause.OTHER_CLIENT, words, False)
+        else:
+            self._foreign(_cause_of(activity), activity.kind in MOVING, words, activity)
 
     def _may_be_several(self, activity: Activity) -> bool:
         """Returns whether the robot leaves its dock, and several drives may be the cause."""

@@ -16,7 +16,6 @@ from typing import Iterator, Optional, Union
 import numpy
 import scipy
 import shapely
-import shapely.geos
 
 import omron_map
 import omron_map_converter
@@ -70,8 +69,8 @@ def _key(graph: Graph, base_map: str, options: ConversionOptions) -> str:
 
 def _versions() -> Iterator[str]:
     """Yields the versions of all code that makes a map."""
-    yield from (sys.version, numpy.__version__, scipy.__version__, shapely.__version__,
-                repr(shapely.geos.geos_version))
+    geos = getattr(shapely, 'geos_version', None) or shapely.geos.geos_version  # before Shapely 2
+    yield from (sys.version, numpy.__version__, scipy.__version__, shapely.__version__, repr(geos))
     for package in (omron_map, omron_map_converter, trajectory_graph):
         for folder in package.__path__:
             for source in sorted(Path(folder).rglob('*.py')):
