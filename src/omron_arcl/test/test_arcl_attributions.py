@@ -62,6 +62,9 @@ OCCASIONS: Dict[str, Occasion] = {
     'refused late': Occasion('Stopped', ['goto 12'],
                              ['EStop pressed', again, 'CommandError: goto 12', REASON],
                              ['emergency stop'], MotionCause.EMERGENCY_STOP),
+    'broken off late': Occasion('Stopped', ['goto 12'],
+                                [outage, 'Interrupted: Going to 12', 'Going to 12'],
+                                ['lost'], OTHERS),
     # refusals
     'refused: whole line': Occasion('Stopped', ['gotoPoint 1 2', 'gotoPoint 3 4'],
                                     ['CommandError: gotoPoint 3 4', REASON], ['sent', 'rejected']),

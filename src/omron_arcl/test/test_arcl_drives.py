@@ -14,7 +14,7 @@ from drive_bench import DOCKED, DOCKING, OTHER, PERSON, ROUTE, UNDOCKED, UNDOCKI
 
 from omron_arcl import Busy, Giver, Outcome, parse_command
 from omron_arcl.drives import LOOK, MOST_OPEN, RETRY, Overruled, Unclear, draw_epoch
-from omron_arcl.records import CommandFate, DriveMemory, Fate, MotionCause, MotionState
+from omron_arcl.records import CommandFate, DriveMemory, Fate, MotionCause, MotionState, RecordKind
 
 
 @pytest.fixture
@@ -299,6 +299,30 @@ class TestAfterAnOutage:
         bench.robot('Going to 14')
         with pytest.raises(Overruled):
             bench.drive(PERSON, 'goto 9', known_epoch=known)
+
+    @pytest.mark.parametrize(('text', 'motion'), [
+        ('goto 12', 'Going to 12'), ('gotoPoint 1 2', 'Going to point'), ('dock', 'Docking'),
+        ('patrolOnce a', 'Patrolling route a once')])
+    @pytest.mark.parametrize('stops', [False, True])
+    def test_a_lost_drive_that_the_robot_broke_off_does_not_begin_late(self, text, motion, stops):
+        """Another client drives to the same goal after the robot said that it obeys us no more."""
+        bench, _ = self.after('lost link', text)
+        if stops:
+            bench.stop(PERSON)
+        bench.robot(UNDOCKED, f'Interrupted: {motion}', *['Stopping'] * stops)
+        known = bench.epoch
+        bench.robot(DOCKING if motion == 'Docking' else motion)
+        assert bench.epoch != known
+        assert bench.memory.ruling.kind is RecordKind.FOREIGN_DRIVE
+        assert not bench.memory.stop_owed, 'the drive of another client is not stopped'
+
+    def test_a_drive_that_is_to_be_answered_is_not_the_one_that_was_broken_off(self, bench):
+        bench.status('Going to 12')
+        bench.drive(ROUTE, 'goto 12')
+        bench.robot('EStop pressed', 'EStop relieved and motors still disabled')
+        assert bench.memory.stop_owed
+        bench.robot('Interrupted: Going to 12', 'Motors enabled', 'Going to 12')
+        assert bench.memory.stop_owed, 'the drive that was on its way is to be stopped'
 
     @pytest.mark.parametrize('outage', ['lost link', 'restart'])
     @pytest.mark.parametrize('shown', [

@@ -58,7 +58,7 @@ class LinePart(Enum):
     """What a line may concern; each part decides on its own."""
 
     HALT = 'whose stop makes the robot halt'
-    ENDED = 'the drive whose command has ended, and that the line answers'
+    ENDED = 'the drives whose commands have ended, and that the line is about'
     COMMAND = 'the drive, or the refused command, that the line is about'
     START = 'the giver that makes the robot set out, if no command under way does'
     ANSWER = 'the query or stop that the line answers'
@@ -110,9 +110,9 @@ class Attribution:
                 self._commands.add_line(stop, text, now)
             records.begins_to_stop(StopOf(row.meaning))
         records.said(reply)
-        ended = _ended_drive(self._commands, reply)
-        if ended and self._decide(LinePart.ENDED, reply):
-            records.refused_late(ended)
+        ended = _ended_drives(self._commands, reply)
+        for row, _ in self._decide(LinePart.ENDED, reply):
+            records.ended_late(ended, Outcome(row.meaning), text)
             return
         claimed = self._apply(LinePart.COMMAND, reply, text, now)
         if records.heard.sets_out and not claimed:
@@ -372,17 +372,22 @@ def _obeyed_stops(commands: CommandQueue, reply: Reply) -> List[Execution]:
             and not commands.records.answers_a_drive_before(e)]
 
 
-def _ended_drive(commands: CommandQueue, reply: Reply) -> Optional[DriveRecord]:
-    """Returns the drive that a refusal names, if its command has ended
-    and the robot answers it next.
+def _ended_drives(commands: CommandQueue, reply: Reply) -> Sequence[DriveRecord]:
+    """Returns the drives whose commands have ended: the one that a refusal names, and that the
+    robot answers next, or those that may be the cause of an interrupted motion.
     """
+    if isinstance(reply, replies.Interrupted):
+        is_of_another = _first(_begun, _was_interrupted)(commands, reply)
+        return [] if is_of_another else commands.records.lost_drives(activity_of(
+            parse_line(reply.text)))
     if not isinstance(reply, replies.CommandError):
-        return None
+        return []
     try:
         command = parse_command(reply.command)
     except InvalidCommand:
-        return None
-    return commands.records.ended_drive(names_of(command), command.name)
+        return []
+    ended = commands.records.ended_drive(names_of(command), command.name)
+    return [ended] if ended else []
 
 
 # --- does a line fit a command? -------------------------------------------------------------------
@@ -598,8 +603,11 @@ ATTRIBUTIONS: Mapping[LinePart, Tuple[Row, ...]] = {
             'p. 46: all clients receive it')),
     LinePart.ENDED: (
         Row('refused late', (replies.CommandError,),
-            lambda commands, reply: _ended_drive(commands, reply) is not None, Outcome.REJECTED,
-            'p. 46: the line names the command'),),
+            lambda commands, reply: bool(_ended_drives(commands, reply)), Outcome.REJECTED,
+            'p. 46: the line names the command'),
+        Row('broken off late', (replies.Interrupted,),
+            lambda commands, reply: bool(_ended_drives(commands, reply)), Outcome.INTERRUPTED,
+            'p. 242: the line repeats the status of the motion')),
     LinePart.COMMAND: (
         # refusals
         Row('refused: whole line', (replies.CommandError,),

@@ -21,7 +21,8 @@ The fate of a drive, and its next fate after an event (`Event`):
     COMPLETED by the robot       OVER         OVER         OVER         first ACKNOWLEDGED
     REFUSED, or never sent       dropped      dropped      dropped      the giver before it stays
     FAILED: the robot gave up    dropped      OVER         OVER
-    WITHDRAWN by its giver       dropped      OVER         OVER
+    WITHDRAWN by its giver, or   dropped      OVER         OVER
+    broken off by the robot
     CALLED_BACK                  UNKNOWN      OVER         OVER         WITHDRAWN, but the robot may
                                                                         still obey it: it has not
                                                                         answered a stop before
@@ -752,9 +753,25 @@ class Drives:
         return any(r.may_move and r.number not in self._executions and _may_cause(r, activity)
                    for r in self._records)
 
-    def refused_late(self, record: DriveRecord) -> None:
-        """Notes that the robot refuses a drive whose command has ended for its giver."""
-        self._happens(Event.REFUSED, record)
+    def lost_drives(self, activity: Activity) -> List[DriveRecord]:
+        """Returns the lost drives that the robot carries out with this motion, if it does so for
+        us. A motion within a task is none of them: others of the same task may follow.
+        """
+        goal = activity.goal.casefold()
+        return [r for r in self._records if r.fate is Fate.UNKNOWN and _may_cause(r, activity)
+                and r.number not in self._executions and not self._has_to_answer(r)
+                and (goal in r.names or activity.kind is ActivityKind.DOCKING)
+                and (goal or spec_of(r.verb).course is not DriveCourse.OF_TASKS)]
+
+    def ended_late(self, drives: Sequence[DriveRecord], outcome: Outcome, line: str) -> None:
+        """Notes that the robot refuses or breaks off drives whose commands have ended for their
+        givers.
+        """
+        is_newest = bool(drives) and self._records[-1] is drives[-1]
+        for drive in drives:
+            self._happens(_EVENTS[outcome], drive)
+        if is_newest and outcome is Outcome.INTERRUPTED:
+            self._foreign(MotionCause.INTERRUPTED, False, line)
 
     def begins_late(self, goal: str, line: str) -> None:
         """Notes that the robot sets out for a drive of ours whose command has ended for its
