@@ -15,7 +15,7 @@ import math
 import re
 from dataclasses import dataclass
 from enum import Enum
-from typing import Any, Callable, Iterable, List, Mapping, Optional, Sequence, Tuple, Type, Union
+from typing import Any, Callable, Iterable, List, Mapping, Sequence, Tuple, Type, Union
 
 from omron_arcl import replies
 from omron_arcl.activity import STANDING, ActivityKind, activity_of, read_activity
