@@ -170,6 +170,20 @@ class TestWhatIsNotSentYet:
 
 
 class TestAnotherClientOfTheRobot:
+    @pytest.mark.parametrize(('text', 'motion'), [
+        ('goto 12', 'Going to 12'), ('gotoPoint 1 2', 'Going to point'),
+        ('doTask wait 1', 'Doing task wait 1')])
+    def test_a_drive_to_our_goal_after_its_stop_is_not_ours(self, bench, text, motion):
+        """Although our command has not ended yet: no line has named it."""
+        bench.drive(ROUTE, text)
+        bench.robot(motion, 'Stopping')
+        known = bench.epoch
+        bench.robot(motion)
+        assert bench.memory.ruling.kind is RecordKind.FOREIGN_DRIVE
+        assert bench.epoch != known
+        with pytest.raises(Overruled):
+            bench.drive(OTHER, 'goto 3', known_epoch=known)
+
     def test_a_robot_that_obeys_our_stop_was_stopped_by_us(self, bench):
         bench.drive(ROUTE)
         bench.stop(ROUTE)

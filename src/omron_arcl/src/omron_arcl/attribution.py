@@ -282,11 +282,13 @@ def _began(commands: CommandQueue) -> List[Execution]:
     """Returns the drives that the robot has acknowledged, the newest first.
 
     A drive that was sent before a stop does not set out again, even if the robot has not yet said
-    that the drive is over.
+    that the drive is over. Nor does one that something newer has replaced, such as a stop of
+    another client.
     """
     begun = commands.begun_drives[::-1]
     if not commands.records.heard.sets_out:
         return begun
+    begun = [e for e in begun if not commands.records.is_replaced(e)]
     stops = [e.order for e in commands.motion_executions
              if e.command.spec.stops and commands.records.has_begun(e)]
     return [e for e in begun if e.order > max(stops, default=0)]

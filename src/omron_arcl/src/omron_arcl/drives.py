@@ -406,6 +406,10 @@ class Drives:
             return execution in stops[:max(len(stops) - self.heard.unheard_stops, 0)]
         return execution.is_answered
 
+    def is_replaced(self, execution: Execution) -> bool:
+        """Returns whether something newer has replaced a drive or stop under way."""
+        return self.record_of(execution) in self._aside
+
     # --- commands ---------------------------------------------------------------------------------
 
     def given(self, execution: Execution) -> None:

@@ -146,8 +146,8 @@ class Witness(DelayedDrive):
         # the last known word, by process and number of the stop
         self._known_to_stops: Dict[Tuple[str, int], Word] = {}
         self._known_to_stop: Optional[Word] = None  # the same word for the stop that arrives now
-        # drives of all but the bridge that the controller took; by epoch: their number when the
-        # epoch was published
+        # drives of all but the bridge that the controller took; by epoch: how many of them the
+        # robot had answered when the epoch was published, so that it tells of them
         self._others_drives: List[Execution] = []
         self._others_of_epoch: Dict[int, int] = {}
         # the last word that the giver of the bridge's stop knew, and the number of the drives of
@@ -409,7 +409,10 @@ class Witness(DelayedDrive):
                     ruling is None or ruling.giver.name != BRIDGE):
                 self._foreign.add(motion.memory.epoch)
         self.words_of_epoch.setdefault(motion.memory.epoch, self._newest_word)
-        self._others_of_epoch.setdefault(motion.memory.epoch, len(self._others_drives))
+        unanswered = sum(record.pending and record.giver.name != BRIDGE
+                         for record in motion.memory.records)
+        self._others_of_epoch.setdefault(motion.memory.epoch,
+                                         len(self._others_drives) - unanswered)
         if self.is_alone and motion.memory.cause in (
                 MotionCause.OTHER_CLIENT, MotionCause.ROBOT, MotionCause.INTERRUPTED):
             self.broken.append(f'there is no other client: {motion.memory.reason}')

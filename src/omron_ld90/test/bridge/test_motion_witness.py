@@ -233,3 +233,18 @@ def test_it_is_found_that_a_stop_is_told_as_not_obeyed_although_the_robot_stands
     robots.passes(15.0)
     assert robots.world.robot.goal is None
     assert bool(robots.world.broken) is is_planted
+
+
+def test_a_stop_of_the_bridge_does_not_end_a_drive_that_the_robot_had_not_answered_in_its_epoch():
+    """The bridge learns that the robot obeys its own drive after all, and gives a stop, before it
+    learns that a person's drive was given meanwhile.
+    """
+    robots = SimulatedRobots()
+    robots.begin('rolling', 'interrupted name', Delays(commands=1.0, motions=1.0, to_robot=0.2))
+    robots.order(0, 2, True)
+    robots.passes(1.0)
+    robots.another_client_is_heard_in_parts('goto 4', 3.0)
+    robots.person_drives('6')
+    robots.passes(30.0)
+    assert robots.world.robot.status == 'Arrived at 6'
+    assert not robots.world.broken
