@@ -70,6 +70,22 @@ def test_a_bridge_that_dies_again_before_it_has_seen_the_robot_still_knows_its_g
     assert bench.commands == ['goto 2', 'goto 7']
 
 
+@pytest.mark.parametrize('command', ['', 'goto 3'])
+def test_one_that_dies_again_before_it_has_seen_the_robot_still_knows_that_another_drove_it(
+        command):
+    bench = under_way()
+    known = bench.follower.report().epoch
+    look, bench.look = bench.look, lambda: None
+    bench.restart()
+    bench.overrule(command=command)
+    bench.restart()
+    bench.look = look
+    driven = len(bench.commands)
+    bench.run()
+    assert bench.follower.report().epoch != known
+    assert 'goto' not in ' '.join(bench.commands[driven:]), 'the route is over'
+
+
 def test_the_same_order_once_more_changes_nothing():
     bench = under_way()
     bench.restart()

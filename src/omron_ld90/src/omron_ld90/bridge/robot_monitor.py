@@ -135,13 +135,18 @@ class RobotMonitor:
         heard = max(self.location.heard, self.links.up_since(p.RobotLink.OUTGOING))
         return now - heard > self._settings.location_timeout
 
-    def check(self, now: float) -> None:
-        """Raises RouteFailed or TakenOver if something has ended the running route."""
+    def check_giver(self) -> None:
+        """Raises RouteFailed or TakenOver if others, or an emergency stop, ended the route."""
         if self.emergency or self.overruled is EpochCause.EMERGENCY_STOP:
             raise RouteFailed(EMERGENCY_STOP)
-        for failure in (self._taken_over, self.tracker.failure):
-            if failure is not None:
-                raise failure
+        if self._taken_over is not None:
+            raise self._taken_over
+
+    def check(self, now: float) -> None:
+        """Raises RouteFailed or TakenOver if something has ended the running route."""
+        self.check_giver()
+        if self.tracker.failure is not None:
+            raise self.tracker.failure
         lost = self.links.why_lost(now)
         if lost:
             raise RouteFailed(lost)

@@ -372,6 +372,9 @@ class RouteFollower:
         if self._restored is None:
             return
         record, give_up = self._restored
+        if self.running and self.robot.overruled is not None:  # it must not be forgotten again
+            self._restored = None
+            self.robot.check_giver()
         unknown = self._why_unknown(now) or (NO_REASON if seen else _SILENT)
         if unknown and now <= give_up:
             return
