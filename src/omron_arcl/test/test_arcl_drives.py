@@ -170,6 +170,27 @@ class TestWhatIsNotSentYet:
 
 
 class TestAnotherClientOfTheRobot:
+    @pytest.mark.parametrize('refusal', [
+        ('Unknown command dock',), ('CommandError: dock', 'CommandErrorDescription: not today')])
+    @pytest.mark.parametrize('arrives', [(), ('Arrived at 3',)])
+    def test_a_robot_that_seemed_to_set_out_for_a_refused_drive_does_so_for_others(
+            self, bench, arrives, refusal):
+        bench.status('Going to 5')
+        stop = bench.stop(ROUTE)
+        bench.robot('Stopping')
+        dock = bench.drive(OTHER, 'dock')
+        bench.robot('Going to 3', *arrives, *refusal)
+        assert outcome(dock) in (Outcome.REJECTED, Outcome.UNKNOWN_COMMAND)
+        assert bench.memory.ruling.kind is RecordKind.FOREIGN_DRIVE
+        assert (outcome(stop), bench.memory.stop_owed) == (Outcome.INTERRUPTED, False)
+
+    def test_a_stop_after_that_motion_and_before_the_refusal_is_the_newer_act_of_others(
+            self, bench):
+        bench.status('Stopped')
+        bench.drive(OTHER, 'dock')
+        bench.robot('Going to 3', 'Stopping', 'Stopped', 'Unknown command dock')
+        assert bench.memory.ruling.kind is RecordKind.FOREIGN_STOP
+
     @pytest.mark.parametrize(('text', 'motion'), [
         ('goto 12', 'Going to 12'), ('gotoPoint 1 2', 'Going to point'),
         ('doTask wait 1', 'Doing task wait 1')])

@@ -18,7 +18,7 @@ from enum import Enum
 from typing import Any, Callable, Iterable, List, Mapping, Sequence, Tuple, Type, Union
 
 from omron_arcl import replies
-from omron_arcl.activity import STANDING, ActivityKind, activity_of, read_activity
+from omron_arcl.activity import STANDING, Activity, ActivityKind, activity_of, read_activity
 from omron_arcl.command_line import parse_command
 from omron_arcl.command_queue import CommandQueue
 from omron_arcl.commands import DriveCourse
@@ -34,6 +34,8 @@ from omron_arcl.secret import redact_passwords
 
 _TO_GOAL = ActivityKind.GOING_TO_GOAL
 _CUT_NAME = 16  # length to which the robot shortens the name of an unknown command
+_STOPPED = (ActivityKind.STOPPING, ActivityKind.STOPPED)
+_REFUSED = (Outcome.REJECTED, Outcome.NO_GOAL, Outcome.UNKNOWN_COMMAND)
 _ROUNDED = 2.0  # mm or degrees by which the robot may repeat a point otherwise
 _NO_GOAL = re.compile(r'\bno (such )?goal\b|\bgoal\b.*\b(not found|not exist|unknown)\b|'
                       r'\b(unknown|invalid) goal\b', re.IGNORECASE)
@@ -117,7 +119,9 @@ class Attribution:
         claimed = self._apply(LinePart.COMMAND, reply, text, now)
         if records.heard.sets_out and not claimed:
             for row, _ in self._decide(LinePart.START, reply):
-                self._starts(Begins(row.meaning), reply, text)
+                self._starts(Begins(row.meaning), activity_of(reply), text)
+        for execution in claimed:
+            self._refused(execution)
         answered = self._apply(LinePart.ANSWER, reply, text, now, bool(claimed))
         self._activity(reply, text, now, answered)
 
@@ -167,7 +171,10 @@ class Attribution:
             execution.progress.set_out = True
         if to_goal:
             execution.progress.dock_name = activity.goal.casefold()
-        stands = execution in self._commands.begun_drives and activity.kind in STANDING
+        has_begun = execution in self._commands.begun_drives
+        if self._commands.records.heard.sets_out and not has_begun:
+            execution.progress.seemed_to_begin = text
+        stands = has_begun and activity.kind in STANDING
         self._commands.add_line(execution, text, now, sign_of_life=not stands)
 
     def _refused_soon(self, execution: Execution, reply: Reply, text: str, now: float) -> None:
@@ -177,7 +184,16 @@ class Attribution:
     def _answered(self, execution: Execution, reply: Reply, text: str, now: float) -> None:
         self._commands.add_line(execution, text, now)
 
-    def _starts(self, why: Begins, reply: Reply, text: str) -> None:
+    def _refused(self, execution: Execution) -> None:
+        """Notes that the robot set out for others, if it seemed to do so for a drive that it has
+        refused now. If it was stopped since, that is known already.
+        """
+        text, shown = execution.progress.seemed_to_begin, self._commands.records.heard.activity
+        is_refused = execution.result is not None and execution.result.outcome in _REFUSED
+        if text and is_refused and shown is not None and shown.kind not in _STOPPED:
+            self._starts(Begins.OTHERS, activity_of(parse_line(text)), text)
+
+    def _starts(self, why: Begins, activity: Activity, text: str) -> None:
         """Notes that the robot obeys something else, so the commands of ours that it obeyed are
         over.
 
@@ -187,11 +203,11 @@ class Attribution:
         """
         records = self._commands.records
         if why is Begins.LATE:
-            records.begins_late(activity_of(reply).goal, text)
+            records.begins_late(activity.goal, text)
         else:
             records.driven_by_others(
                 MotionCause.ROBOT if why is Begins.ITSELF else MotionCause.OTHER_CLIENT,
-                activity_of(reply), text)
+                activity, text)
         for execution in [e for e in self._commands.motion_executions if records.has_begun(e)
                           and not (e.command.spec.stops and records.waits_for_a_drive(e))]:
             self._commands.end_before(execution, f'taken over: {text}')

@@ -52,6 +52,7 @@ class CommandProgress:
     sent_at, heard -- when it was sent, and when its last line came
     shown_when_sent -- the activity in the status before it was sent
     set_out -- whether the robot stood, and now leaves the dock or drives to it
+    seemed_to_begin -- the line with which the robot seemed to set out for it, before it obeyed it
     cancel_requested, stopping -- when its end was asked for; whether a stop was given for that
     rejected_at -- when CommandError came; its description follows
     points -- coordinates that the robot showed as its goal
@@ -65,6 +66,7 @@ class CommandProgress:
     heard: float = 0.0
     shown_when_sent: Optional[Activity] = None
     set_out: bool = False
+    seemed_to_begin: str = ''
     cancel_requested: Optional[float] = None
     stopping: bool = False
     rejected_at: Optional[float] = None
