@@ -28,7 +28,7 @@ class RobotProgress(NamedTuple):
     """The progress of a robot on its plan. Drives are counted from 0.
 
     released   -- number of its first drives that are granted
-    cleared    -- the drive, and the fraction of it, that certainly lie behind the robot
+    cleared    -- number of the first drive that is not cleared, and its cleared fraction
     is_between -- it stands between two vertices, on the first drive that is not released
     """
 
@@ -42,8 +42,8 @@ class RobotProgress(NamedTuple):
 class EdgeGroup(NamedTuple):
     """Drives of two robots that must all be driven in one order, or all in the other.
 
-    constraints -- those by which `first` goes first
-    reverse     -- those by which `then` goes first; empty: that is impossible
+    constraints -- let `first` go first
+    reverse     -- let `then` go first; empty: this is impossible
     """
 
     first: str
@@ -78,7 +78,10 @@ class _Marks(NamedTuple):
 
 def edge_groups(network: RoadNetwork, clearance: float,
               fleet: Mapping[str, RobotProgress]) -> List[EdgeGroup]:
-    """Returns all groups of the remaining plans. Their constraints are as safe as `precedence`."""
+    """Returns all groups of the remaining plans.
+
+    Their constraints are as safe as those of `precedence`.
+    """
     names = sorted(name for name, one in fleet.items() if one.cleared[0] < len(one.plan))
     if len(names) < 2:
         return []
@@ -109,8 +112,8 @@ def _rest(fleet: Sequence[RobotProgress]) -> _Drives:
 
 def _marks(network: RoadNetwork, clearance: float, drives: _Drives, kind: RobotType,
            other_kind: RobotType, of_kind: np.ndarray, of_other: np.ndarray) -> _Marks:
-    """Returns the marks of robots of one type with those robots of another type
-    that follow by name.
+    """Returns the marks of robots of one type with the robots of another type whose names come
+    later.
     """
     conflicts = network.exclusions.at(kind.reach + other_kind.reach + clearance)
     one = np.flatnonzero(of_kind)
@@ -118,7 +121,7 @@ def _marks(network: RoadNetwork, clearance: float, drives: _Drives, kind: RobotT
     lengths = conflicts.starts[place + 1] - conflicts.starts[place]
     at = np.repeat(conflicts.starts[place], lengths) + count_up(lengths)
     one = np.repeat(one, lengths)
-    # Each edge that one of them excludes, with all drives on that edge.
+    # Each edge that one of these drives excludes, with all drives on this edge.
     other = np.flatnonzero(of_other)
     other = other[np.argsort(drives.drive[other] >> 1, kind='stable')]
     edges = drives.drive[other] >> 1
