@@ -187,7 +187,7 @@ class Pibt:
             self._promoted
 
     def _decide(self, robot: int) -> None:
-        """Chooses the move of a robot: one towards the end of its leg, or none if none is possible.
+        """Chooses the move of a robot: towards the end of its leg, or none if that is impossible.
         """
         self._decided.add(robot)
         agent, vertex = self.agents[robot], self._vertex[robot]

@@ -19,11 +19,12 @@ class Readiness:
 
     def words(self, robots: Mapping[str, RobotState], is_surveyed: bool, is_stopped: bool,
               now: float) -> str:
-        """Returns the sentences that tell it; empty: it is told already, or robots are still
-        awaited.
+        """Returns the sentences that say that the fleet is ready.
+
+        Empty: they were returned before, or robots are still awaited.
 
         robots      -- by name
-        is_surveyed -- whether the graph is surveyed, which logs several lines
+        is_surveyed -- whether the survey of the graph, which logs several lines, has ended
         now         -- time of these news, in s
         """
         if self._is_told:

@@ -19,8 +19,8 @@ _KINDS: Mapping[DeviceKind, ResourceKind] = {
 def chargers_of(work: SiteWork, fleet: Fleet, graph: Graph) -> Dict[str, Charger]:
     """Returns the chargers of a site, by name.
 
-    Each dock at which a robot type charges, and which the work file does not make a place of a
-    charger, is a charger of its own.
+    If the work file does not make a dock a place of a charger, but a robot type charges there, the
+    dock is a charger of its own.
     """
     found = dict(work.chargers)
     named = {place for one in found.values() for place in one.places}
