@@ -5,9 +5,9 @@ from dataclasses import dataclass
 from typing import FrozenSet, Optional, Tuple
 
 DOCK_APPROACH = 2.0  # m in front of a dock in which a robot manoeuvres freely
-# m: largest distance from a vertex at which a robot counts as standing on it, for any play
+# m: a robot that is farther from a vertex never counts as standing on it, however large its play is
 NEAR = 0.3
-# m: the same distance for a robot without play
+# m from a vertex within which a robot without play counts as standing on it
 AT_VERTEX = 0.02
 
 
@@ -18,13 +18,13 @@ class RobotType:
     radius           -- of the disc that contains the robot in each orientation
     speed            -- its speed if the edge allows it
     play             -- the distance by which it may stray from its curve
-    obeys_edge_speed -- whether it obeys an edge's speed that is lower than its own; no robot may
-                        drive on an edge with speed 0
+    obeys_edge_speed -- whether it slows down to the speed of an edge; an edge with speed 0 is
+                        forbidden in any case
     docks            -- dock vertices at which it charges and may park; None: it charges and parks
                         at no dock, but may be sent to any dock
     without_load     -- name of the fleet's type from which this type was made for a load; empty:
                         this is a type of the fleet
-    own_speed        -- the speed of that type, which the robot can still reach; 0: `speed`
+    own_speed        -- the speed of the type `without_load`; 0: the same as `speed`
     closed           -- ids of the edges onto which it is not sent because of its load
     """
 

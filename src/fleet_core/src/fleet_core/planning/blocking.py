@@ -44,7 +44,7 @@ class Meeting(NamedTuple):
 class _Blocks(NamedTuple):
     """The blocks of all places, row by row.
 
-    The type is Python's array, not numpy's, because short rows are read number by number.
+    The columns are arrays of Python, not of numpy, because short rows are read number by number.
     """
 
     rows: List[slice]     # of each place

@@ -2,9 +2,9 @@
 
 Draw the drives of one robot along x and those of another robot along y. Mark each pair of drives
 that exclude each other. The two plans are a path through this picture that passes each mark on one
-side. Marks that touch each other, also at a corner, form a *group*. One order holds for all of
-them, whether the robots drive through it one behind the other or against each other. The path may
-pass the group on its other side instead. It may not if one of the robots was granted a drive in the
+side. Marks that touch each other, also at a corner, form a *group*. One order holds for all marks
+of a group, whether the robots drive through it one behind the other or against each other. The path
+may pass the group on its other side instead, except if one of the robots was granted a drive in the
 group, stands in it already, or ends in it (edge grouping: Feng et al., AAAI 2025).
 """
 from __future__ import annotations
@@ -156,7 +156,7 @@ def _fixed(network: RoadNetwork, drives: _Drives, marks: _Marks,
 
     - one of the drives is released,
     - the robot that goes first already stands in the other's way, or
-    - the other robot would end in the way of the first.
+    - the other robot would end in the way of the first robot.
     """
     first, then = marks.first, marks.then
     fixed = drives.released[first] | drives.released[then] | drives.is_between[first]
@@ -216,7 +216,8 @@ def _groups(names: Sequence[str], drives: _Drives, marks: _Marks) -> List[EdgeGr
 
 def _needed(group: np.ndarray, before: np.ndarray, clear: np.ndarray,
             then: np.ndarray) -> np.ndarray:
-    """Returns the marks of each group that demand more than the marks of its earlier drives."""
+    """Returns the marks of each group whose conditions do not follow from marks of earlier drives.
+    """
     if not len(group):
         return np.zeros(0, dtype=np.int64)
     by_demand = np.lexsort((clear, before))

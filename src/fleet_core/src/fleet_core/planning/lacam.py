@@ -25,7 +25,7 @@ Configuration = Tuple[int, ...]
 """The state of each robot: leg * vertices + vertex."""
 
 _Forced = Tuple[Tuple[int, int], ...]
-"""(robot, drive or STAY) that a step must contain."""
+"""The moves (robot, drive or STAY) that a step must contain."""
 
 
 class _Node(NamedTuple):

@@ -75,7 +75,7 @@ def _find_path(query: PathQuery, slots: Slots, layer: float, arrivals: Sequence[
 
 
 def _moves(query: PathQuery, slots: Slots, state: State, next_layer: float) -> List[Arrival]:
-    """Returns the drives that the robot may begin now, and waiting until the next layer."""
+    """Returns the drives that the robot may begin now, and the wait until the next layer."""
     busy = slots.busy
     vertex, now, _, _, until, _, _, _ = state
     moves = [(drive, now, end, now + seconds) for drive, end, seconds in query.roads[vertex]

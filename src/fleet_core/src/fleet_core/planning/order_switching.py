@@ -19,7 +19,7 @@ from fleet_core.planning.edge_groups import EdgeGroup
 from fleet_core.planning.precedence import Constraint
 
 GAIN = 5.0     # s that all robots together must gain by a change
-LATE = 5.0     # s beyond the plan's times by which a robot may hold up another one
+LATE = 5.0     # s after its planned time from which a drive that waits for a robot counts as late
 TRIALS = 40    # maximum number of orders that are tried
 _IN_A_ROW = 6  # maximum number of groups that are reversed together
 _LATER = 1e-4  # weight of a second after the errand; a second before its end weighs 1
@@ -284,7 +284,7 @@ class _Orders:
         return None
 
     def _ring(self, nodes: Set[int], chosen: FrozenSet[int]) -> List[_Arc]:
-        """Returns one ring among nodes that all wait for another one of them."""
+        """Returns one ring among nodes of which each waits for another."""
         node = min(nodes)
         path: List[_Arc] = []
         seen: Dict[int, int] = {}

@@ -6,9 +6,9 @@ them (Cap et al., arXiv 1501.07704):
 - The rest of the graph is still connected.
 - Each of these robots can leave and come back.
 
-Then a robot can always move, for all missions. Vertices that the graph forbids as parking, such as
-those that cut an edge into sections, may be cut off. If closed edges divide the graph into parts
-without a path between them, the conditions hold for each part.
+Then robots can always move, whatever their missions are. Vertices that the graph forbids as
+parking, such as those that cut an edge into sections, may be cut off. If closed edges divide the
+graph into parts without a path between them, the conditions hold for each part.
 
 The capacity of the graph is the size of the largest such set. The largest set is hard to find, so
 it is searched for from many beginnings, as long as a fixed amount of work allows. The result is
@@ -151,7 +151,7 @@ class WellFormedSets:
         return sorted(self._candidates, key=lambda v: (v in cut, roads.degree(v), v))
 
     def _grown(self, parked: Set[int], order: Sequence[int]) -> Set[int]:
-        """Adds the vertices that can be added, in this order, in batches while that succeeds."""
+        """Adds the vertices that can be added, in this order. A batch that fails is halved."""
         waiting: List[Tuple[int, ...]] = [tuple(v for v in order if v not in parked)]
         parked = set(parked)
         while waiting:

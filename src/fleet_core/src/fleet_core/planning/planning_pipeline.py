@@ -33,8 +33,9 @@ from fleet_core.planning.tea_star import Path, Paths, TeaStar, by_length, is_too
 _ORDERS = 10      # maximum number of orders in which all are planned anew before LaCAM begins
 _ROOM_ORDERS = 4  # maximum number of orders in which a robot and those in its way are planned
 _QUICKLY_BOOKED = 20000  # number of drives that can be booked quickly after the time limit
-_TO_EXPLAIN = 0.05  # s after the time limit in which the robots in the way are searched for
-# The time kept free for the last outcome: _TO_FINISH s, plus _SLOWER times the time of the first
+_TO_EXPLAIN = 0.05  # s after the time limit, for the search for the robots in the way
+# The time kept free for the last outcome: _TO_FINISH s, plus _SLOWER times the duration of the
+# first outcome
 _TO_FINISH = 0.002
 _SLOWER = 1.5
 # maximum number of steps of LaCAM if there is no deadline
@@ -128,7 +129,7 @@ class PlanningPipeline:
             self._book_standing(self._agents[name])
 
     def _give_up_what_is_out_of_reach(self) -> None:
-        """Gives up destinations that a robot cannot reach even without traffic: it only parks."""
+        """Only parks a robot that cannot reach its destinations, even without traffic."""
         for agent in self._mobile():
             if agent.query.lower_bound == inf:
                 self._unserved[agent.name] = out_of_reach(self._network, agent)
@@ -275,7 +276,10 @@ class PlanningPipeline:
         return list(failed)
 
     def _use_unfinished(self) -> List[Agent]:
-        """Uses the unfinished paths of some robots. Returns the robots without a path."""
+        """Uses the paths that were found before the time was over.
+
+        Returns the robots without a path.
+        """
         self._old.clear()  # these plans are all empty: each robot only stands
         self._paths.update(self._unfinished)
         mobile = self._mobile()

@@ -15,7 +15,8 @@ class Drive(NamedTuple):
 
 
 Plan = List[Drive]
-"""The drives of one robot in order, with waits between them. At the last end it stays for ever."""
+"""The drives of one robot in order. It may wait between two drives, and stays after the last one.
+"""
 
 Plans = Dict[str, Plan]
 """The plan of each robot by name."""

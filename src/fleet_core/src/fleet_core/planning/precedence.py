@@ -110,8 +110,8 @@ def _in_order(plans: Plans, names: Sequence[str], released: Mapping[str, int]) -
 
 def _meetings(reservations: ReservationTable, drives: _Drives, moving: RobotType,
               observer: RobotType, moves: np.ndarray, observes: np.ndarray) -> _Pairs:
-    """Returns, for each planned drive of an observer, the last conflicting drive before it of each
-    moving robot.
+    """Returns, for each planned drive of an observer and each moving robot, the robot's last
+    conflicting drive before it.
 
     The robots are those of the given types.
     """

@@ -37,7 +37,7 @@ class Task:
     stays         -- it is to stay at its last destination for ever; otherwise it goes on to parking
     kept          -- its present plan after the released edges, with the old times; they can be
                      compared with the old times of other robots. None: it has no plan
-    priority      -- the higher one is planned first
+    priority      -- robots with a higher priority are planned first
     """
 
     name: str

@@ -28,7 +28,7 @@ _TO_ANSWER = 5e-6  # s for each drive of a plan that is booked and answered
 
 
 class Path(NamedTuple):
-    """The path found for one robot: its cost, and the plan behind the fixed drives."""
+    """The path found for one robot: its cost, and the plan after the fixed drives."""
 
     cost: float
     plan: Plan
@@ -67,7 +67,7 @@ class TeaStar:
         return Path(cost, plan)
 
     def book(self, agent: Agent, path: Path, until: float = inf) -> None:
-        """Makes a path an obstacle for all others. The robot stands at its end until `until`."""
+        """Books a path as an obstacle for others. At its end the robot stands until `until`."""
         self.reservations.book(agent.name, agent.kind, agent.vertex,
                                agent.whole(path.plan), agent.mid_edge, until,
                                len(agent.fixed))
@@ -129,7 +129,9 @@ class TeaStar:
 
     def _plan_in(self, order: Sequence[Agent], paths: Paths,
                  deadline: float) -> Optional[Agent]:
-        """Plans the agents without a path in this order. Returns the first that finds none in time.
+        """Plans the agents without a path in this order.
+
+        Returns the first agent that finds no path in time.
         """
         drives = sum(len(path.plan) for path in paths.values())
         for agent in order:

@@ -1,4 +1,4 @@
-"""Assignment: decides which robot serves which mission, so that they drive little altogether."""
+"""Assignment: decides which robot serves which mission, so that robots drive little altogether."""
 from __future__ import annotations
 
 from dataclasses import dataclass

@@ -30,7 +30,7 @@ class Assumption(NamedTuple):
     generation -- generation of its route record
     base       -- number in the record of the first edge of the plan
     end        -- number in the record after the last granted edge
-    kind       -- its type, with its load
+    kind       -- its type, which depends on its load
     places     -- for an obstacle: the vertices, edges and areas where it may be
     errand     -- key of its errand
     reach      -- number of its mission's destinations that the plan includes; None: all
@@ -61,7 +61,7 @@ class World(NamedTuple):
 class WorldView:
     """Finds out which robots and errands have changed since the last call of `world`.
 
-    changes -- of the robots' route masters
+    changes -- those that the robots' route masters note
     """
 
     def __init__(self, robots: Mapping[str, ManagedRobot], changes: Changes) -> None:

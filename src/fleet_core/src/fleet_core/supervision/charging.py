@@ -59,7 +59,7 @@ class _Need(Enum):
 
 
 class _Stay(NamedTuple):
-    """A robot that stays in a charger, and is no candidate. `place`: None: between vertices."""
+    """A robot that stays in a charger, and is no candidate. `place` is None between vertices."""
 
     robot: str
     charger: str
@@ -83,7 +83,7 @@ class ChargerDesk:
         self._view = view
         self.at: Mapping[int, Charger] = {
             place: one for one in chargers.values() for place in one.places}
-        """Charger of each of its places."""
+        """By place, the charger to which it belongs."""
 
     @property
     def reserved(self) -> FrozenSet[int]:
@@ -188,7 +188,7 @@ class ChargerDesk:
                     yield _Stay(name, charger, None if robot is None else robot.record.last_vertex)
 
     def _going(self, serving: Mapping[str, Mission]) -> Dict[str, int]:
-        """Returns the places of chargers to which missions go now, by their robots."""
+        """Returns, by robot, the place of a charger to which its mission goes now."""
         return {name: mission.left[0] for name, mission in serving.items()
                 if mission.left and mission.left[0] in self.at and follows(mission)}
 

@@ -16,7 +16,7 @@ from fleet_core.supervision.actions import AskDevice
 from route_protocol.devices import DeviceMode, DeviceReport, DeviceUse
 
 FRESH = 3.0   # s for which a reading counts
-REPEAT = 1.0  # s between two requests that no report shows
+REPEAT = 1.0  # s after which a request that no report shows is sent again
 AHEAD = 0.2   # s by which the clock of the program that reads devices may be ahead
 
 

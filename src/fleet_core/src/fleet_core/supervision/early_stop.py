@@ -1,4 +1,4 @@
-"""Stops all robots while no supervisor can do it: before there is a graph, or while it hangs.
+"""Stops all robots while no supervisor can do so: without a graph, or while the supervisor hangs.
 
 Each robot gets a stop with the number 0. Such a stop begins a new epoch, so the robot obeys no
 order that is still on its way. As soon as the supervisor can, it stops the robots once more, in its

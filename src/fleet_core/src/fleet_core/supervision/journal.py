@@ -54,7 +54,7 @@ from json_records import from_json, to_json
 from route_protocol.master import MasterState, Step
 from trajectory_graph import CurveType, Edge, Graph, Vertex
 
-_LONGEST_NUMBER = 30  # number of characters in the file beside the journal
+_LONGEST_NUMBER = 30  # maximum number of characters read from the file beside the journal
 OPEN_STATES = f'({", ".join(str(int(state)) for state in MissionState if state.is_open)})'
 """The states of missions that have not ended, in SQL."""
 _MISSION = 'serial, request, state, robot, reached, reason, deadline_state'
@@ -271,7 +271,7 @@ class Journal:
         return {name: frozenset(resources) for name, resources in found.items()}
 
     def find(self, request: Request) -> Optional[Mission]:
-        """Returns the last mission that exactly this request became, however long ago it ended.
+        """Returns the last mission made from exactly this request, however long ago it ended.
 
         Raises JournalUnavailable.
         """

@@ -70,7 +70,7 @@ class NoJournal(JournalError):
 
 
 class UnknownLayout(JournalError):
-    """The file is a database, but no journal that this version can read."""
+    """The file is a database, but not a journal that this version can read."""
 
     def __init__(self, path: str, what: str) -> None:
         super().__init__(f'The journal {os.path.abspath(path)} cannot be used: {what}. Choose '

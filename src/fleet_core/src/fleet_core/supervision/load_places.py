@@ -127,7 +127,8 @@ def too_near(work: SiteWork, fleet: Fleet, graph: Graph) -> Tuple[TooNear, ...]:
 
 
 def _queues(work: SiteWork, fleet: Fleet, comes: Dict[int, Set[str]]) -> List[_Stand]:
-    """Returns the queue places of all stations, where robots wait with what they bring."""
+    """Returns the queue places of all stations, where robots wait with the loads that they bring.
+    """
     return [_Stand(vertex, f'queue place {vertex} of station {station.name}', fleet.all_types,
                    {load for one in station.places for load in comes.get(one, ())})
             for station in work.stations.values() for vertex in station.queue]
@@ -149,7 +150,10 @@ def _stands(work: SiteWork, fleet: Fleet, graph: Graph, place: int,
 
 
 def _others(places: Iterable[int], place: int, has: Dict[int, Set[str]]) -> List[int]:
-    """Returns the places of a station except `place`. A pair with loads is found only once."""
+    """Returns the other places of a station, without lower ones that have loads.
+
+    For such a pair of places, the call for the lower one finds the other one.
+    """
     return [vertex for vertex in places
             if vertex != place and not (vertex < place and has.get(vertex))]
 

@@ -103,7 +103,7 @@ def _place_of_step(device: str, key: int, mission: Mission,
                    works: Mapping[int, Work]) -> Optional[int]:
     """Returns the vertex of the stop at which a mission has this step.
 
-    None: it does not have it.
+    None: the mission does not have the step.
     """
     work = works.get(mission.serial)
     return next((work.stops[place.stop].place for place, step, own in work.steps

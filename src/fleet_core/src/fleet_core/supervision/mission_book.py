@@ -275,7 +275,7 @@ class MissionBook:
         return [self._by_serial[serial] for serial in sorted(self.changed)]
 
     def new_stays(self, now: float) -> Dict[int, float]:
-        """Returns, by serial, how long ago (s) each stay began that is not stored yet."""
+        """Returns, by serial, how long ago (s) each stay that is not stored yet began."""
         return {serial: now - since for serial in sorted(self._begun_stays)
                 for since in (self._by_serial[serial].stays_since,) if since is not None}
 

@@ -53,7 +53,7 @@ class MissionTimes:
     def follow(self, needed: Callable[[Mission], float], now: float) -> Iterator[str]:
         """Lets missions begin or expire. Yields a sentence for each mission that becomes late.
 
-        needed -- the s that a mission still needs, as far as is known
+        needed -- returns the s that a mission still needs, as far as is known
         now    -- the supervisor's time
         """
         moment = self._clock() / 1000.0

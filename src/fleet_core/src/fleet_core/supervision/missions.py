@@ -85,7 +85,7 @@ class Request:
     requested_by -- person or program, for the records; empty: the sender gave none
     stops      -- the destinations with their steps; empty: nothing is to be done there
     on_cancel  -- stops that the robot may make after a cancellation
-    after      -- missions that must end before it begins, without those that have ended
+    after      -- missions that must end before it begins; those that have ended are left out
     template   -- name of the template from which its stops were made; empty: none
     arguments  -- of the template, by parameter
     earliest   -- s since 1970 before which it does not begin; 0: it begins at once
@@ -166,7 +166,7 @@ class StepAnswer:
 class Status:
     """The published status of a request.
 
-    stamp        -- time (s) at which the request was sent; it tells requests with one id apart
+    stamp        -- time (s) at which it was sent; it distinguishes requests with the same id
     command      -- the command to which `reason` and `command_code` refer; None: none
     asks         -- key of the step that waits for an answer; 0: no step waits
     template, arguments, earliest, deadline -- as in the request
@@ -243,7 +243,7 @@ class Mission:
 
     @property
     def has_begun(self) -> bool:
-        """Whether a robot serves it, or a destination was visited."""
+        """Whether a robot serves it, or has reached a destination of it."""
         return bool(self.robot or self.reached or self.stays_since is not None)
 
     @property

@@ -27,7 +27,7 @@ HOLD = 2.0               # s for which grants may be limited while an answer is 
 HELD_UP = 5.0            # s for which a due edge may be refused before the plan counts as useless
 USELESS = 3              # number of useless plans in a row after which a person is called
 _OPEN = 3                # number of open questions whose answers are still accepted
-_TIMED = 5               # number of last answers; the next one is expected as late as the slowest
+_TIMED = 5               # number of last answers; the slowest of them predicts the next one
 _PLANNING = '/planning'  # key of the planner's state in `note_state`; no robot has such a name
 _HELD_UP = '/held_up'
 
@@ -42,8 +42,8 @@ class _Delay(NamedTuple):
 class RoomForLoads(NamedTuple):
     """What must be free before robots that stand at their stops can take their loads.
 
-    robots   -- those that must leave
-    vertices -- those at which no robot is parked
+    robots   -- robots that must leave
+    vertices -- vertices at which no robot is parked
     """
 
     robots: FrozenSet[str] = frozenset()
@@ -74,9 +74,9 @@ class PlanExecutor:
                  laden: Tuple[RobotType, ...] = ()) -> None:
         self.plan: Optional[PlanInForce] = None
         self.waits_for: Dict[str, str] = {}
-        """What each robot waits for, in words; empty: nothing."""
+        """By robot, what it waits for, in words; empty: nothing."""
         self.lacks: Dict[str, Resource] = {}
-        """The resource for which a robot waits."""
+        """By robot, the resource for which it waits."""
         self.trouble = ''
         """Why the planner has not given the requested plan, in words; empty: it has given it."""
         self._robots, self._interlocking, self._outbox = robots, interlocking, outbox
@@ -88,7 +88,7 @@ class PlanExecutor:
         self._number = 0
         self._asked_at = -inf
         self._was_useless = False
-        """Grants during planning made the last answer useless."""
+        """Whether grants during planning made the last answer useless."""
         self._took: Deque[float] = deque([HOLD], _TIMED)
         """s that the last answers took, at most HOLD."""
         self._is_anew = False
@@ -117,7 +117,7 @@ class PlanExecutor:
     # -- answers of the planner -------------------------------------------------------------------
 
     def plan_made(self, number: int, outcome: PlanningOutcome, world: World, now: float) -> bool:
-        """Uses the planner's answer, even a late one, if it fits. Returns whether it was expected.
+        """Uses the planner's answer if it fits, even a late one. Returns whether one was expected.
         """
         question = self._open.pop(number, None)
         if question is None:

@@ -11,7 +11,7 @@ _NOT_WANTED = (RobotState.ABSENT, RobotState.OUT_OF_SERVICE)  # a person has sai
 
 
 class Readiness:
-    """Tells once that the fleet is ready."""
+    """The message that the fleet is ready. It is made only once."""
 
     def __init__(self) -> None:
         self._since: Optional[float] = None

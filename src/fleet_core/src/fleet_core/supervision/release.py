@@ -1,13 +1,13 @@
 """Finds the edges that are due for a robot in the order of the plan, but no more than it needs.
 
-An edge is due only when all robots that use a conflicting place before, by the order of the plan,
-have left that place. A grant is final. So a robot is granted no more edges than it needs to drive
-on without braking.
+An edge is due only when all robots that come before this robot at a conflicting place, in the order
+of the plan, have left the place. A grant is final. So a robot is granted no more edges than it
+needs to drive on without braking.
 
-Grants go on while the planner works. Its answer fits only if its plans begin with all edges that
-were granted meanwhile. So a question names the edges that are *foreseen*: they will be due before
-the answer is there, and the robots may have all of them at once. The planner counts them as
-released.
+Grants go on while the planner works. The planner's answer fits only if its plans begin with all
+edges that were granted meanwhile. So a question names the edges that are *foreseen*: they will be
+due before the answer is there, and the robots may have all of them at once. The planner counts them
+as released.
 """
 from __future__ import annotations
 

@@ -24,7 +24,7 @@ from fleet_core.supervision.outages import (
 from fleet_core.supervision.settings import RobotSettings
 from route_protocol.values import Motion, ReasonCode
 
-RETRY = 10.0  # s between two orders to a robot that refuses them for its clock or its link
+RETRY = 10.0  # s between two orders to a robot that refuses them because of its clock or its link
 REFUSALS = 3       # number of refusals in a row after which a person must look
 
 

@@ -37,7 +37,7 @@ def chargers_of(work: SiteWork, fleet: Fleet, graph: Graph) -> Dict[str, Charger
 def resources_of(work: SiteWork, chargers: Iterable[Charger] = ()) -> Tuple[Resource, ...]:
     """Returns the resources of a site: one for each device, station, zone and charger.
 
-    A device is for one robot at a time. The others are for as many as their capacity says.
+    A device is for one robot at a time. Each other resource is for as many as its capacity says.
     """
     return (*(Resource(one.name, _KINDS[one.kind], frozenset(one.edges), has_device=True)
               for one in work.devices.values()),

@@ -510,8 +510,9 @@ class Supervisor:
                                   'that bypassed the fleet manager'))
 
     def _doubt_orders(self, robot: ManagedRobot, report: Report) -> None:
-        """Notes that a robot shows an order that the journal does not have:
-        the journal is an older one.
+        """Notes that a robot reports an order that the journal does not have.
+
+        So the journal is an old one.
         """
         why = f'{robot.name} reports order {report.said.order}, which the journal does not know'
         self._doubt_journal(why, robot.name)
@@ -528,8 +529,8 @@ class Supervisor:
     def _doubt_journal(self, why: str, reporting: str = '') -> None:
         """Counts the place of each robot as unknown until it has stopped once.
 
-        The run number stays wrong until all places are known. So after a restart before that the
-        places are unknown again.
+        The run number stays wrong until all places are known. If the fleet manager restarts before,
+        the places are unknown again.
 
         why       -- the reason as a clause
         reporting -- the robot whose report is just being handled
@@ -562,23 +563,18 @@ class Supervisor:
             self._out.send()
 
     def _too_near(self, subject: str, robot: ManagedRobot) -> str:
-        """Returns a clause that names all robots to which this one is too near.
-
-        Empty: there is none.
-        """
+        """Returns a clause that names all robots to which this one is too near; empty: none."""
         near = ' and '.join(self.interlocking.excluding(robot.name))
         return near and f'{subject} is too near to {near}: move one of them by hand'
 
     def _actions(self, now: float) -> List[Action]:
-        """Returns all actions that follow an event.
-
-        Robots that exclude each other now are stopped.
+        """Returns all actions that follow an event. First it stops robots that exclude each other.
         """
         self._separate()
         return self._checked(self._out.actions(now), now)
 
     def _checked(self, actions: List[Action], now: float) -> List[Action]:
-        """Stops the fleet if the event did what the model of allocations does not allow."""
+        """Stops the fleet if the event violated the model of allocations."""
         violations = self.interlocking.violations()
         if not violations:
             return actions
@@ -743,7 +739,7 @@ class Supervisor:
 
     @property
     def who_goes_on(self) -> str:
-        """After `resume_fleet`: which robots go on, and why others stay, as a sentence."""
+        """Which robots go on after `resume_fleet`, and why others stay, as a sentence."""
         staying = [f'{robot.name}: {robot.why or robot.outage.value}'
                    for robot in self.robots.values()
                    if robot.outage is not None and robot.outage is not Outage.ABSENT]
@@ -790,8 +786,8 @@ class Supervisor:
     def tick(self, now: float, heard: Optional[float] = None) -> List[Action]:
         """Does everything that depends on time; to be called ten to twenty times a second.
 
-        heard -- time until which all arrived reports were handled; robots that have not reported
-                 until then count as silent
+        heard -- time until which all arrived reports were handled; whether a robot is silent is
+                 judged for this time
         """
         self._heard = now if heard is None else heard
         self._advance(now)
@@ -853,7 +849,8 @@ class Supervisor:
             self._out.send()
 
     def _shorten(self) -> None:
-        """Shortens the routes of robots that must come to rest: each ends with the robot's edge."""
+        """Shortens the routes of robots that must come to rest, to the end of their present edge.
+        """
         if self.is_stopped:
             return
         for name, robot in self.robots.items():

@@ -40,7 +40,7 @@ class OrderSwitching:
         self._looked = -math.inf
 
     def better(self, plan: PlanInForce, world: World, now: float) -> Optional[PlanInForce]:
-        """Returns the plan in a better order; None: there is none, or it is too early to search."""
+        """Returns the plan in a better order; None: no such order, or too early to search."""
         if now - self._looked < PERIOD:
             return None
         self._looked = now

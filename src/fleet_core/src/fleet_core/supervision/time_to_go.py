@@ -40,7 +40,7 @@ class _TimedDrive(NamedTuple):
     end: int
     """The vertex at its end."""
     wait: float
-    """s before it, as planned."""
+    """The planned wait before the drive, s."""
     seconds: float
 
 

@@ -78,8 +78,8 @@ class WorkDesk:
         self._machines = machines
         self.newest = newest
         self.may_enter: Callable[[str, int], bool] = lambda _name, _place: True
-        """Whether a robot may go to this place now. If not, no step begins early because the robot
-        is near the place."""
+        """Whether a robot may go to this place now. If not, no step begins while the robot is only
+        near the place."""
         self.lacks_room: Callable[[str, AbstractSet[str]], bool] = lambda _name, _loads: False
         """Whether a robot has no room yet to take these types of load."""
         self._strange: Dict[str, FrozenSet[int]] = {}
