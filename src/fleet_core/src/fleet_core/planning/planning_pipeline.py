@@ -129,7 +129,7 @@ class PlanningPipeline:
             self._book_standing(self._agents[name])
 
     def _give_up_what_is_out_of_reach(self) -> None:
-        """Only parks a robot that cannot reach its destinations, even without traffic."""
+        """Parks robots that cannot reach their destinations even without traffic."""
         for agent in self._mobile():
             if agent.query.lower_bound == inf:
                 self._unserved[agent.name] = out_of_reach(self._network, agent)
