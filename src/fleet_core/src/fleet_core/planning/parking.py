@@ -30,8 +30,8 @@ from fleet_core.geometry.arrays import count_up
 from fleet_core.planning.road_network import RoadNetwork
 
 _TRIALS = 20
-# The search ends after this many trials in a row without gain. On 40 random graphs, at most two
-# such trials came before a gain.
+# The search ends after this many trials in a row without gain. Two would have been enough for each
+# of 40 random graphs.
 _FRUITLESS = 4
 # Maximum of the number of checked places, added up over all checks of one search. The search on a
 # graph of 25 vertices needs a twentieth of it. More gained nothing on graphs of 64 and of 100
