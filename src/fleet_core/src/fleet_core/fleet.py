@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import FrozenSet, Optional, Tuple
 
 DOCK_APPROACH = 2.0  # m in front of a dock in which a robot manoeuvres freely
-# m from a vertex within which a robot can count as standing on it, for any play
+# m: a robot that is farther from a vertex never counts as standing on it, however large its play is
 NEAR = 0.3
 # m from a vertex within which a robot without play counts as standing on it
 AT_VERTEX = 0.02
@@ -18,12 +18,13 @@ class RobotType:
     radius           -- of the disc that contains the robot in each orientation
     speed            -- its speed if the edge allows it
     play             -- the distance by which it may stray from its curve
-    obeys_edge_speed -- it keeps to a lower speed of an edge; no robot may drive where the speed is
-                        0
-    docks            -- dock vertices at which it charges and may park; None: none, but it may be
-                        sent to any dock
-    without_load     -- name of the type that the robot has without its load; empty: it has none
-    own_speed        -- the speed that a robot with a load could reach all the same; 0: `speed`
+    obeys_edge_speed -- whether it slows down to the speed of an edge; an edge with speed 0 is
+                        forbidden in any case
+    docks            -- dock vertices at which it charges and may park; None: it charges and parks
+                        at no dock, but may be sent to any dock
+    without_load     -- name of the fleet's type from which this type was made for a load; empty:
+                        this is a type of the fleet
+    own_speed        -- the speed of the type `without_load`; 0: the same as `speed`
     closed           -- ids of the edges onto which it is not sent because of its load
     """
 
@@ -54,7 +55,7 @@ class RobotType:
 
     @property
     def model(self) -> str:
-        """The name of its type in the fleet file, with or without a load."""
+        """The name of the robot's type in the fleet file; a load does not change it."""
         return self.without_load or self.name
 
     @property
@@ -64,12 +65,12 @@ class RobotType:
 
     @property
     def speed_limit(self) -> float:
-        """The speed (m/s) that its load allows, as orders tell it to the robot; 0: as without it.
-        """
+        """The speed (m/s) that its load allows, as sent in orders; 0: the load sets no limit."""
         return self.speed if self.speed < self.own_speed else 0.0
 
     def drives_at(self, edge_speed: float) -> float:
-        """Returns the speed (m/s) on an edge with this speed; 0: it may not drive there."""
+        """Returns the robot's speed (m/s) on an edge with `edge_speed`; 0: it may not drive there.
+        """
         if edge_speed <= 0.0:
             return 0.0
         return min(self.speed, edge_speed) if self.obeys_edge_speed else self.speed
@@ -81,7 +82,7 @@ class RobotType:
 
 @dataclass(frozen=True)
 class Robot:
-    """One robot, and the vertex on which it stands at first.
+    """One robot, and the vertex on which it stands at the beginning.
 
     driver -- the program that drives it; `agv`: `agv_sim` simulates it
     absent -- it is not at the site: in repair, or not delivered yet
@@ -109,5 +110,8 @@ class Fleet:
 
     @property
     def all_types(self) -> Tuple[RobotType, ...]:
-        """The types, and those of the robots: a fleet that is no file may list no types."""
+        """The types of the fleet, and those of its robots.
+
+        A fleet that was not read from a file may list no types.
+        """
         return (*self.types, *(robot.type for robot in self.robots))

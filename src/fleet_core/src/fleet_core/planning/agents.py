@@ -19,7 +19,8 @@ LATER = 1e-4
 class Rests:
     """The vertices at which an agent's path may end for ever.
 
-    Most are common to all robots of a type. So what follows from those is computed once for all.
+    Most of these vertices are common to all robots of a type. What follows from the common vertices
+    is computed once for all these robots.
 
     common -- vertices that are rests of other agents, too
     own    -- further vertices
@@ -33,20 +34,20 @@ class Rests:
 
     @property
     def whole(self) -> FrozenSet[int]:
-        """All of them."""
+        """All these vertices."""
         return self.common | self.own
 
 
 class PathQuery:
     """What one robot has to do, with all data that a search for its path needs.
 
-    The searches read each attribute in their inner loops, so nothing is derived there. A robot that
-    keeps its plan needs no search: what only searches need is computed at first use.
+    The searches read the attributes in their inner loops, so all values are computed before that.
+    A robot that keeps its plan needs no search: values for searches are computed at first use.
 
     vertex       -- where it starts; -1: between two vertices
-    origins      -- {vertex: seconds}: where it can go on from, and the time to get there; for a
-                    robot between two vertices these are the vertices to which it may drive
-    ready        -- s before which it does not start
+    origins      -- {vertex: seconds}: the vertices from which its path may begin, and the time to
+                    reach each; for a robot between two vertices, the vertices to which it may drive
+    ready        -- time (s) before which it does not start
     destinations -- vertices to visit in order
     legs         -- number of its destinations
     dwells       -- s to stay at each destination
@@ -61,7 +62,7 @@ class PathQuery:
         self.network, self._kind = network, kind
         self.vertex = vertex
         self.start: Arrival = (-1, 0.0, vertex, ready)
-        """Its arrival where it stands, without a drive."""
+        """The first arrival of a search: the robot is at its vertex, without a drive."""
         self.origins = origins
         self.ready = ready
         self.destinations = tuple(destinations)
@@ -80,7 +81,8 @@ class PathQuery:
 
     @cached_property
     def _beyond(self) -> List[float]:
-        """For each leg, the seconds from its destination to the last one, with all stays."""
+        """For each leg, the seconds from its destination to the last destination, with all stays.
+        """
         beyond = 0.0
         found: List[float] = []
         for leg in range(self.legs - 1, -1, -1):
@@ -92,7 +94,7 @@ class PathQuery:
 
     @cached_property
     def _to_rests(self) -> List[np.ndarray]:
-        """The seconds (V,) from each vertex to the nearest common rest, and to each own one."""
+        """The seconds (V,) from each vertex to the nearest common rest, and to each own rest."""
         if self.rests is None:
             return []
         return [self.network.paths_to_nearest(self._kind, self.rests.common),
@@ -100,7 +102,7 @@ class PathQuery:
 
     @cached_property
     def to_go(self) -> List[Sequence[float]]:
-        """For each leg, the seconds from each vertex over all later destinations to the last one.
+        """For each leg, the seconds from each vertex over its destination and all later ones.
 
         One more entry follows: the seconds to the nearest rest, or 0 without rests.
         """
@@ -133,9 +135,9 @@ class PathQuery:
                    default=inf)
 
     def served_at(self, vertex: int, leg: int, arrival: float) -> Tuple[float, int]:
-        """Returns when it may leave a vertex, and its next leg.
+        """Returns when the robot may leave a vertex at which it arrives, and its next leg.
 
-        It serves each destination on arrival.
+        It first serves its next destinations that are at this vertex.
         """
         while leg < self.legs and self.destinations[leg] == vertex:
             arrival += self.dwells[leg]
@@ -144,9 +146,11 @@ class PathQuery:
 
     def serve(self, leg: int, served: float, arrival: float,
               until: float) -> Tuple[int, float, float]:
-        """Serves the destination of a leg, and each later one at this vertex, while it is free.
+        """Serves the destination of a leg, and the next ones if they are at the same vertex.
 
-        Returns the next leg, the time of the last service, and when the robot may leave.
+        Each is served only if the vertex is free for its whole stay.
+
+        Returns the next leg, the end of the last stay, and when the robot may leave.
         """
         targets, leaves = self.destinations, arrival
         here, last = targets[leg], len(targets) - 1
@@ -196,11 +200,11 @@ class Agent(NamedTuple):
     vertex: int
     """Where it stands before it drives anything; unused if `fixed` begins within a drive."""
     fixed: Tuple[Drive, ...]
-    """The drives, with times, that belong to each possible plan."""
+    """The drives, with times, with which each possible plan begins."""
     query: PathQuery
     priority: int = 0
     mid_edge: Optional[MidEdgePosition] = None
-    """Where it stands between two vertices, if it does. Then nothing is fixed."""
+    """Its position if it stands between two vertices; then `fixed` is empty."""
 
     def whole(self, plan: Plan) -> Plan:
         """Returns all drives: the fixed ones and those of the plan."""

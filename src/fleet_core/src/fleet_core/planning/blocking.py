@@ -6,9 +6,9 @@ the next robot. For each drive of one robot type, this module gives the slots of
 it blocks:
 
 (slot, clear, lead): no robot may begin the drive `slot`, or (lead 0) wait there, from `lead`
-                     seconds before the drive begins until the fraction `clear` of it is driven
+                     seconds before the blocking drive begins until its fraction `clear` is driven
 
-`lead` is the time that the other robot needs to get out of the way of this drive.
+`lead` is the time that the other robot needs to get out of the way of the blocking drive.
 """
 from __future__ import annotations
 
@@ -27,12 +27,13 @@ Block = Tuple[int, float, float]
 
 
 class Meeting(NamedTuple):
-    """A place of one robot that blocks a place of another.
+    """A place of one robot that blocks a place of another robot.
 
-    clear -- for an edge: the fraction after which it is clear of the other place, driven forward
-             and backward
-    leads -- if the other place is an edge: the share of a drive on it, forward and backward, that
-             is its lead
+    place -- of the robot that blocks
+    clear -- if `place` is an edge: the fraction after which this robot is clear of the other place,
+             driven forward and backward
+    leads -- if the other place is an edge: the lead, as a share of a drive on it, forward and
+             backward
     """
 
     place: int
@@ -43,7 +44,7 @@ class Meeting(NamedTuple):
 class _Blocks(NamedTuple):
     """The blocks of all places, row by row.
 
-    The type is Python's array, not numpy's, because short rows are read number by number.
+    The columns are arrays of Python, not of numpy, because short rows are read number by number.
     """
 
     rows: List[slice]     # of each place
@@ -81,14 +82,12 @@ class Blocking:
         return zip(edges[row], clears[drive & 1][row])
 
     def seconds(self, drive: int) -> float:
-        """Returns the time that a robot of the observer's type takes for a drive.
-
-        0: it may not drive it.
+        """Returns the seconds that a robot of the observer's type needs for a drive; 0: forbidden.
         """
         return float(self._times[drive])
 
     def meeting(self, place: int) -> List[Meeting]:
-        """Returns the places where the other robot blocks this place, with what one block needs."""
+        """Returns the places of a moving robot that block this place of an observer."""
         if place not in self._meeting:
             conflicts = self.conflicts
             row = slice(conflicts.starts[place], conflicts.starts[place + 1])
@@ -98,7 +97,7 @@ class Blocking:
         return self._meeting[place]
 
     def excluded(self, place: int) -> List[int]:
-        """Returns the places (not slots) that an observer may not hold while the other robot holds
+        """Returns the places (not slots) that an observer may not hold while a moving robot holds
         `place`.
         """
         return self.conflicts.row(place)
@@ -108,9 +107,7 @@ class Blocking:
         return other in self.excluded(place)
 
     def wait(self, place: int) -> Iterator[Tuple[int, float]]:
-        """Returns (slot, lead) blocked by a robot that waits at a vertex,
-        or anywhere on an edge.
-        """
+        """Returns each (slot, lead) that a robot blocks while it is at a vertex, or on an edge."""
         rows, slots, leads, _ = self._blocks
         row = rows[place]
         return zip(slots[row], leads[row])
@@ -124,7 +121,7 @@ class Blocking:
         return cast(List[int], other[row][ahead].tolist())
 
     def beside(self, near: Mapping[int, Tuple[float, float]]) -> List[Tuple[int, float]]:
-        """Returns (slot, lead) blocked by a robot that stands too near to these places.
+        """Returns each (slot, lead) that a robot blocks while it stands too near to these places.
 
         near -- for each edge the part of it that is too near
         """

@@ -2,9 +2,9 @@
 
 Draw the drives of one robot along x and those of another robot along y. Mark each pair of drives
 that exclude each other. The two plans are a path through this picture that passes each mark on one
-side. Marks that touch each other, also at a corner, form a *group*. One order holds for all of
-them, whether the robots drive through it one behind the other or against each other. The path may
-pass the group on its other side instead. It may not if one of the robots was granted a drive in the
+side. Marks that touch each other, also at a corner, form a *group*. One order holds for all marks
+of a group, whether the robots drive through it one behind the other or against each other. The path
+may pass the group on its other side instead, except if one of the robots was granted a drive in the
 group, stands in it already, or ends in it (edge grouping: Feng et al., AAAI 2025).
 """
 from __future__ import annotations
@@ -28,7 +28,7 @@ class RobotProgress(NamedTuple):
     """The progress of a robot on its plan. Drives are counted from 0.
 
     released   -- number of its first drives that are granted
-    cleared    -- the drive, and the fraction of it, that certainly lie behind the robot
+    cleared    -- number of the first drive that is not cleared, and its cleared fraction
     is_between -- it stands between two vertices, on the first drive that is not released
     """
 
@@ -42,8 +42,8 @@ class RobotProgress(NamedTuple):
 class EdgeGroup(NamedTuple):
     """Drives of two robots that must all be driven in one order, or all in the other.
 
-    constraints -- those by which `first` goes first
-    reverse     -- those by which `then` goes first; empty: that is impossible
+    constraints -- let `first` go first
+    reverse     -- let `then` go first; empty: this is impossible
     """
 
     first: str
@@ -78,7 +78,10 @@ class _Marks(NamedTuple):
 
 def edge_groups(network: RoadNetwork, clearance: float,
               fleet: Mapping[str, RobotProgress]) -> List[EdgeGroup]:
-    """Returns all groups of the remaining plans. Their constraints are as safe as `precedence`."""
+    """Returns all groups of the remaining plans.
+
+    Their constraints are as safe as those of `precedence`.
+    """
     names = sorted(name for name, one in fleet.items() if one.cleared[0] < len(one.plan))
     if len(names) < 2:
         return []
@@ -109,8 +112,8 @@ def _rest(fleet: Sequence[RobotProgress]) -> _Drives:
 
 def _marks(network: RoadNetwork, clearance: float, drives: _Drives, kind: RobotType,
            other_kind: RobotType, of_kind: np.ndarray, of_other: np.ndarray) -> _Marks:
-    """Returns the marks of robots of one type with those robots of another type
-    that follow by name.
+    """Returns the marks of robots of one type with the robots of another type whose names come
+    later.
     """
     conflicts = network.exclusions.at(kind.reach + other_kind.reach + clearance)
     one = np.flatnonzero(of_kind)
@@ -118,7 +121,7 @@ def _marks(network: RoadNetwork, clearance: float, drives: _Drives, kind: RobotT
     lengths = conflicts.starts[place + 1] - conflicts.starts[place]
     at = np.repeat(conflicts.starts[place], lengths) + count_up(lengths)
     one = np.repeat(one, lengths)
-    # Each edge that one of them excludes, with all drives on that edge.
+    # Each edge that one of these drives excludes, with all drives on this edge.
     other = np.flatnonzero(of_other)
     other = other[np.argsort(drives.drive[other] >> 1, kind='stable')]
     edges = drives.drive[other] >> 1
@@ -153,7 +156,7 @@ def _fixed(network: RoadNetwork, drives: _Drives, marks: _Marks,
 
     - one of the drives is released,
     - the robot that goes first already stands in the other's way, or
-    - the other robot would end in the way of the first.
+    - the other robot would end in the way of the first robot.
     """
     first, then = marks.first, marks.then
     fixed = drives.released[first] | drives.released[then] | drives.is_between[first]
@@ -213,7 +216,8 @@ def _groups(names: Sequence[str], drives: _Drives, marks: _Marks) -> List[EdgeGr
 
 def _needed(group: np.ndarray, before: np.ndarray, clear: np.ndarray,
             then: np.ndarray) -> np.ndarray:
-    """Returns the marks of each group that demand more than the marks of its earlier drives."""
+    """Returns the marks of each group whose conditions do not follow from marks of earlier drives.
+    """
     if not len(group):
         return np.zeros(0, dtype=np.int64)
     by_demand = np.lexsort((clear, before))

@@ -28,12 +28,12 @@ from fleet_core.planning.road_network import RoadNetwork
 from trajectory_graph.drawn_names import at_vertex, drawn_ids, edge_name, vertex_name
 from trajectory_graph.id_lists import listed
 
-# s: the cost of a robot that stands in the way, so that nearly each detour is preferred
+# s: the cost of a robot that stands in the way; so high that nearly every detour costs less
 _BESIDE_ONE = 1e6
 
 
 def out_of_reach(network: RoadNetwork, agent: Agent) -> str:
-    """Returns why a query has no answer even without traffic: what is unreachable from where."""
+    """Returns why an agent has no path even without traffic: which vertex is out of reach."""
     seconds_to, origin = agent.query.seconds_to, _where(network, agent)
     starts: Sequence[int] = ((agent.query.vertex,) if agent.mid_edge is None else
                              [end for _, end, _ in agent.mid_edge.exits(network, agent.kind)])
@@ -50,16 +50,14 @@ def out_of_reach(network: RoadNetwork, agent: Agent) -> str:
 
 def why_apart(network: RoadNetwork, kind: RobotType, starts: Iterable[int],
               destination: int) -> str:
-    """Returns why no path of a robot type joins these vertices:
-    a clause to follow `cannot be reached`.
+    """Returns why robots of a type cannot drive from `starts` to `destination`.
+
+    The result is a clause that follows `cannot be reached`.
     """
     starts, times, closed = tuple(starts), network.times(kind), network.closed_to(kind)
 
     def docks_on_path(with_closed: bool) -> Optional[List[int]]:
-        """Returns the docks that a path leads through, if docks were passable.
-
-        None: there is no path.
-        """
+        """Returns the docks on a path that may lead through docks; None: there is no such path."""
         came: Dict[int, int] = dict.fromkeys(starts, -1)
         waiting = list(starts)
         for vertex in waiting:
@@ -104,10 +102,10 @@ def in_the_way(reservations: ReservationTable, agent: Agent, deadline: float) ->
 
     These are
 
-    - the robots that stand for ever on its path, if it takes the path with the fewest of them, and
+    - the robots that stand for ever on its path (the path with the fewest such robots), and
     - the robots whose plans lead over its own place.
 
-    The search for that path ends at the deadline (monotonic s).
+    The search for the path ends at the deadline (monotonic s).
     """
     slots = reservations.slots[agent.kind]
     drives, found = _fewest_blocked(reservations, agent, deadline)
@@ -154,11 +152,12 @@ def why_not(reservations: ReservationTable, agent: Agent, deadline: float) -> st
 
 def _fewest_blocked(reservations: ReservationTable,
                     agent: Agent, deadline: float) -> Tuple[List[int], Dict[str, None]]:
-    """Returns the drives of its path over all destinations to a rest, past the fewest standing
-    robots.
+    """Returns the drives of a path over all destinations to a rest, and robots that stand before
+    it.
 
-    The path ends early if it cannot be continued. If the robot stands between two vertices, the
-    path begins at the next vertex. The second value has the robots that stand before that vertex.
+    The path is the one past the fewest standing robots. It ends early if it cannot be continued.
+    If the agent stands between two vertices, the path begins at the next vertex. The second value
+    names the robots that stand between the agent and that vertex.
     """
     query = agent.query
     drives: List[int] = []
@@ -183,9 +182,9 @@ def _fewest_blocked(reservations: ReservationTable,
 
 def _exits(reservations: ReservationTable, agent: Agent, mid_edge: MidEdgePosition
            ) -> Tuple[Dict[int, float], Dict[int, Dict[str, None]]]:
-    """Returns the vertices to which a robot between two vertices may drive.
+    """Returns the vertices to which a robot between two vertices may drive, with their costs.
 
-    Returns for each of them the cost, and the robots that stand in its way for ever.
+    The second value has, for each vertex, the robots that stand in the way to it for ever.
     """
     costs: Dict[int, float] = {}
     standing: Dict[int, Dict[str, None]] = {}

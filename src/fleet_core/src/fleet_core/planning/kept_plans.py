@@ -16,7 +16,8 @@ def kept_plans(reservations: ReservationTable, tasks: Mapping[str, Task],
                agents: Mapping[str, Agent]) -> Plans:
     """Returns the present plans that can be driven, with new times in the old order.
 
-    Robots that stand for ever must be booked, and no others. This function books nothing.
+    Before the call, the robots that stand for ever must be booked, and no others. This function
+    books nothing.
     """
     network = reservations.network
     kept = {name: plan for name in agents for plan in (tasks[name].kept,) if plan is not None}
@@ -33,8 +34,8 @@ def kept_plans(reservations: ReservationTable, tasks: Mapping[str, Task],
 
 
 def _can_be_driven(reservations: ReservationTable, agent: Agent, drives: Sequence[int]) -> bool:
-    """Returns whether a plan leads on from its robot's place, over open edges, past all
-    that is booked.
+    """Returns whether a plan begins at its robot's place, uses only open edges, and meets no
+    booking.
     """
     network, vertex = reservations.network, agent.query.vertex
     slots, times = reservations.slots[agent.kind], network.times(agent.kind)

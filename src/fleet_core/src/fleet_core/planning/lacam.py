@@ -2,12 +2,12 @@
 
 If planning one robot after the other fails, this search moves all robots step by step (Okumura,
 LaCAM: Search-based algorithm for quick multi-agent pathfinding, AAAI 2023). It searches
-configurations depth first. It makes each next configuration by letting robots choose in the order
-of their priorities. If a configuration comes up again, it forces single robots to make other moves.
+configurations depth first. For the next configuration, robots choose their moves in the order of
+their priorities. If a configuration comes up again, single robots are forced to make other moves.
 
-In a step each robot stays or drives one edge, and no robot enters a place that another robot
-leaves. Other steps could make orders in which robots wait for each other in a ring. So no two moves
-of a step exclude each other, and a plan needs only their order from step to step.
+In a step each robot stays or drives one edge. No robot enters a place that another robot leaves in
+the same step: otherwise robots could wait for each other in a ring. So no two moves of a step
+exclude each other, and a plan needs only the order of the steps.
 """
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ Configuration = Tuple[int, ...]
 """The state of each robot: leg * vertices + vertex."""
 
 _Forced = Tuple[Tuple[int, int], ...]
-"""(robot, drive or STAY) that a step must contain."""
+"""The moves (robot, drive or STAY) that a step must contain."""
 
 
 class _Node(NamedTuple):
@@ -39,7 +39,7 @@ class _Node(NamedTuple):
 
 def search_lacam(reservations: ReservationTable, given: Sequence[Agent], deadline: float,
                  random: Random, most_steps: float = inf) -> Optional[List[Tuple[str, int]]]:
-    """Returns the drives of all robots (robot, drive) in an order that leads each robot to its end.
+    """Returns the drives (robot, drive) that lead all robots to their ends, in a safe order.
 
     given -- robots that are not booked, by descending urgency
 
@@ -87,7 +87,7 @@ def search_lacam(reservations: ReservationTable, given: Sequence[Agent], deadlin
 def _next_forced(node: _Node, pibt: Pibt) -> _Forced:
     """Returns the moves that the next step must contain.
 
-    Later steps must contain these moves and one of each move of a further robot.
+    Adds requirements for later steps: these moves, and one possible move of one more robot.
     """
     forced = node.tree.popleft()
     if len(forced) < len(node.order):
@@ -107,7 +107,7 @@ def _next_waiting(waiting: Sequence[float], configuration: Configuration,
                   agents: Sequence[PibtAgent], promoted: Sequence[Tuple[int, int]]) -> List[float]:
     """Returns the next priorities: higher for a robot that has not arrived.
 
-    A robot that let another one out goes behind that one.
+    A robot that let another robot go first gets a lower priority than that robot.
     """
     following = [value - int(value) if agent.is_end(state) else value + 1.0
                  for value, agent, state in zip(waiting, agents, configuration)]

@@ -1,13 +1,13 @@
 """Large neighbourhood search: improves plans in the remaining time.
 
-In each round some robots that are in each other's way are taken out and planned again in another
-order. The new paths stay if they cost less together, or little more. A slightly higher cost is
-accepted so that the search can leave a local optimum. (Li et al., Anytime multi-agent path finding
-via large neighborhood search, IJCAI 2021.)
+In each round some robots that are in each other's way are planned again in another order. Their new
+paths are kept if together they cost less than the old ones, or only a little more. A slightly
+higher cost is accepted so that the search can leave a local optimum. (Li et al., Anytime
+multi-agent path finding via large neighborhood search, IJCAI 2021.)
 
 In some rounds the first of these robots is planned twice: first as a guest, which blocks the others
-only until shortly after its arrival, and again behind all others. So two robots can change places
-if the destination of each lies on the only path of the other.
+only until shortly after its arrival, and a second time after all others. So two robots can change
+places if the destination of each robot lies on the only path of the other robot.
 """
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ _SMALLEST, _LARGEST = 2, 8
 _GUESTS = 0.2  # share of the rounds that plan one robot twice
 _GUEST_STAYS = 10.0  # s, at most, that a guest stays at its end
 _WORSE = 0.01  # accepted average rise of the cost, as a share of all delays
-_CLOSE = 1e-9  # relative: a cost nearer to the lower bound than this counts as equal to it
+_CLOSE = 1e-9  # relative difference below which two costs count as equal
 _MEMORY = 0.9  # weight of the past when the choice among the kinds of neighbourhoods is updated
 
 
@@ -55,7 +55,8 @@ class LargeNeighbourhoodSearch:
         return self._now[name].cost - self._all[name].query.lower_bound
 
     def run(self, deadline: float, rounds: Optional[int] = None) -> None:
-        """Improves until the deadline (monotonic s), for `rounds`, or until no gain is left."""
+        """Improves until the deadline (monotonic s), for `rounds`, or until no robot has a delay.
+        """
         cost = best = sum(path.cost for path in self._now.values())
         while len(self._movable) > 0 and (rounds is None or self.rounds < rounds):
             if time.monotonic() >= deadline:
@@ -128,7 +129,7 @@ class LargeNeighbourhoodSearch:
         return self._filled([name, *self._met_by(self._all[name])])
 
     def _around_place(self) -> List[str]:
-        """Returns robots that use the same drive, one after the other."""
+        """Returns a robot, and the robots that block one drive of its plan at other times."""
         name = self._random.choice(self._movable)
         plan = self._now[name].plan
         if not plan:
@@ -139,8 +140,8 @@ class LargeNeighbourhoodSearch:
         return self._filled([name, *sorted(users)])
 
     def _met_by(self, agent: Agent) -> List[str]:
-        """Returns robots in the way of one that takes the shortest path
-        from some point of its plan on.
+        """Returns the robots that an agent would meet if it left its plan at a random vertex and
+        took the shortest path.
         """
         query = agent.query
         if not query.destinations:
@@ -170,7 +171,7 @@ class LargeNeighbourhoodSearch:
         return list(met)
 
     def _filled(self, names: Sequence[str]) -> List[str]:
-        """Returns the movable ones of these robots, cut or filled up to the size of a
+        """Returns the movable robots among `names`, cut or filled up with others to the size of a
         neighbourhood.
         """
         size = self._size()

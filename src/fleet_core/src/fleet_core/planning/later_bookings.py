@@ -1,8 +1,8 @@
-"""Bookings of robots that keep their plans. Those of a slot are made when it is first looked at.
+"""Bookings of robots that keep their plans. The bookings of a slot are made when it is first read.
 
-A new plan for one robot reads few slots, but the kept plans of all others block most of them. So
-this index has only which robots use which places. The bookings are the same, in the same order, as
-if each robot had been booked at once.
+The search for one robot reads few slots, but the kept plans of all other robots block most slots.
+So this index stores only which robots use which places. The bookings are the same, in the same
+order, as if each robot had been booked at once.
 """
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ class Booked(NamedTuple):
         """Returns begin and end of its wait before the drive with this number; None: it does not
         wait.
 
-        The number behind the last drive stands for the wait at the end.
+        The number after the last drive stands for the wait at the end.
         """
         since = self.plan[number - 1].end if number else -inf
         if number == len(self.plan):
@@ -104,11 +104,11 @@ class LaterBookings:
         return name in self._left
 
     def drop(self, name: str) -> None:
-        """Notes that this robot is not booked any more, or its bookings are all made."""
+        """Notes that this robot is not booked any more, or that all its bookings are made."""
         self._left.pop(name, None)
 
     def slots(self, name: str, observer: RobotType) -> Set[int]:
-        """Returns all slots that a robot blocks for an observer, and perhaps more."""
+        """Returns all slots that a robot blocks for an observer, and perhaps some others."""
         booked = self._robots[self._left[name]]
         blocking, vertices = self._blocking[booked.kind, observer], self._network.vertices
         found = {slot for slot, _ in booked.points.get(observer, ())}
@@ -169,7 +169,7 @@ class LaterBookings:
 
 
 def _places(booked: Booked, network: RoadNetwork) -> Iterator[int]:
-    """Yields the vertex and the edge of each step in turn; -1 for a place between vertices."""
+    """Yields the robot's vertex, then the edge and the end of each drive; -1: between vertices."""
     yield booked.vertex if booked.mid_edge is None else -1
     for drive in booked.plan:
         yield network.vertices + (drive.drive >> 1)

@@ -25,7 +25,9 @@ Search = Callable[..., Optional[Tuple[float, Plan]]]
 
 
 def layered(seconds: float) -> Search:
-    """Returns `find_path` with layers `seconds` apart. See `safe_intervals` for the arguments."""
+    """Returns a search with layers `seconds` apart. Its arguments are those of
+    `safe_intervals.find_path`.
+    """
     def search(query: PathQuery, slots: Slots, arrivals: Sequence[Arrival], latest: float = inf,
                deadline: float = inf) -> Optional[Tuple[float, Plan]]:
         return _find_path(query, slots, seconds, arrivals, latest, deadline)
@@ -55,7 +57,7 @@ def _find_path(query: PathQuery, slots: Slots, layer: float, arrivals: Sequence[
                 continue
             cost = time + to_go[new_leg][end] if new_leg < legs else (
                 new_served + later * (time - new_served + to_go[new_leg][end]))
-            # After the horizon nothing changes, so that of all later layers only the first counts.
+            # After the horizon nothing changes: all later layers count as the same layer.
             counted = k if time <= slots.horizon else -1
             key = (counted * (legs + 1) + new_leg) * len(query.roads) + end
             if cost <= latest and cost < best.get(key, inf):
@@ -73,7 +75,7 @@ def _find_path(query: PathQuery, slots: Slots, layer: float, arrivals: Sequence[
 
 
 def _moves(query: PathQuery, slots: Slots, state: State, next_layer: float) -> List[Arrival]:
-    """Returns the drives that the robot may begin now, and waiting until the next layer."""
+    """Returns the drives that the robot may begin now, and the wait until the next layer."""
     busy = slots.busy
     vertex, now, _, _, until, _, _, _ = state
     moves = [(drive, now, end, now + seconds) for drive, end, seconds in query.roads[vertex]
@@ -85,9 +87,9 @@ def _moves(query: PathQuery, slots: Slots, state: State, next_layer: float) -> L
 
 
 def _free_until(busy: Busy, time: float) -> float:
-    """Returns how long a slot stays free from `time` on.
+    """Returns the time until which a slot stays free from `time` on.
 
-    Earlier than that: it is not free at `time`.
+    If the returned time is before `time`, the slot is not free at `time`.
     """
     starts, ends = busy
     return starts[bisect_right(ends, time)]

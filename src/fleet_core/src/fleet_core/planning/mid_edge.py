@@ -18,13 +18,14 @@ class MidEdgePosition(NamedTuple):
     y: float
 
     def behind(self, drive: int) -> float:
-        """Returns the fraction of `drive`, one of the drives on its edge,
-        that lies behind the robot.
+        """Returns the fraction of `drive` that lies behind the robot.
+
+        drive -- one of the two drives on its edge
         """
         return self.fraction if drive == self.drive else 1.0 - self.fraction
 
     def exits(self, network: RoadNetwork, kind: RobotType) -> List[Tuple[int, int, float]]:
-        """Returns the drives by which it may leave, as (drive, vertex at its end, seconds to it).
+        """Returns the drives by which it may leave: (drive, vertex at its end, seconds to the end).
 
         A closed edge, and a drive into a dock, are allowed.
         """

@@ -1,13 +1,13 @@
 """Switches the order of use while robots are late: reverses groups if that gains time.
 
-A late robot holds up each robot that comes after it. Orders that are not begun yet may be reversed.
-The plans still lead to the same places, and the order stays free of rings (switchable action
-dependency graphs: Berndt et al., T-RO 2024). That paper solves a mixed-integer program. This module
-searches greedily, group by group. The cost of an order follows from the longest paths through
-its graph, whose nodes are the beginnings of drives.
+A late robot holds up each robot that comes after it. Until a robot is granted a drive in an edge
+group, the order of the group may be reversed. The plans still lead to the same places, and the
+order stays free of rings (switchable action dependency graphs: Berndt et al., T-RO 2024). The paper
+solves a mixed-integer program. This module searches greedily, group by group. The cost of an order
+follows from the longest paths through a graph. Its nodes are the beginnings of drives.
 
-Safety does not depend on this module: a robot is granted only what is free. A ring would be a
-deadlock.
+Safety does not depend on this module: a robot is granted only places that are free. But a ring
+would be a deadlock.
 """
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from fleet_core.planning.edge_groups import EdgeGroup
 from fleet_core.planning.precedence import Constraint
 
 GAIN = 5.0     # s that all robots together must gain by a change
-LATE = 5.0     # s beyond the plan's times by which a robot may hold up another one
+LATE = 5.0     # s after its planned time from which a drive that waits for a robot counts as late
 TRIALS = 40    # maximum number of orders that are tried
 _IN_A_ROW = 6  # maximum number of groups that are reversed together
 _LATER = 1e-4  # weight of a second after the errand; a second before its end weighs 1
@@ -30,11 +30,11 @@ class RemainingDrives(NamedTuple):
     """The remaining drives of a robot and their times, in s from now.
 
     first   -- number of the first of these drives in its plan
-    begins  -- when it begins that drive if no robot holds it up; below 0: it has begun
+    begins  -- when the first drive begins if no robot holds it up; below 0: it has begun
     seconds -- of each drive
     pauses  -- the minimum stay before each drive
-    planned -- when each drive begins by the plan in force
-    done    -- number of the drive before which its errand is done; None: it has no errand
+    planned -- when each drive begins according to the plan in force
+    done    -- number of the first drive after its errand; None: it has no errand
     """
 
     first: int
@@ -49,7 +49,7 @@ class Switched(NamedTuple):
     """An order of the drives that differs from the order of the plan.
 
     reversed -- numbers of the groups whose order is reversed
-    starts   -- when each robot is to begin each drive of its course
+    starts   -- when each robot is to begin each of its remaining drives
     gain     -- s that all robots together gain
     """
 
@@ -67,8 +67,9 @@ class Switched(NamedTuple):
 def switch_order(courses: Mapping[str, RemainingDrives], groups: Sequence[EdgeGroup],
                  gain: float = GAIN, trials: int = TRIALS,
                  deadline: float = inf) -> Optional[Switched]:
-    """Returns a better order if a robot is so late that it holds up another one; None: there is
-    none.
+    """Returns a better order, or None if there is no better one.
+
+    It searches only if a robot is so late that it holds up another robot.
 
     gain     -- s that each change must gain, added up over the robots
     deadline -- monotonic s
@@ -109,14 +110,14 @@ class _Arc(NamedTuple):
     node: int
     then: int
     lag: float
-    group: int  # -1: none, both drives belong to one robot
+    group: int  # -1: the arc is in no group, because both drives belong to one robot
     is_reverse: bool
 
 
 class _Orders:
     """All orders of the groups. The nodes are the beginnings of drives, robot by robot.
 
-    Nodes and arcs are one network, kept as lists by number because each trial walks through them.
+    Nodes and arcs are kept in lists by number, because each trial walks through all of them.
     """
 
     def __init__(self, courses: Mapping[str, RemainingDrives], groups: Sequence[EdgeGroup],
@@ -184,7 +185,7 @@ class _Orders:
     # -- one order --------------------------------------------------------------------------------
 
     def evaluate(self, chosen: FrozenSet[int]) -> Optional[_Times]:
-        """Returns the times of an order, by the longest paths; None: there is a ring."""
+        """Returns the times of an order from the longest paths; None: the order has a ring."""
         times, open_nodes = self._passed(chosen)
         return None if open_nodes else times
 
@@ -225,7 +226,9 @@ class _Orders:
             for then, arcs in enumerate(self._before))
 
     def waiting(self, order: _Order) -> List[int]:
-        """Nodes that wait for another robot longer than planned, the longest wait first."""
+        """Returns the nodes that wait for another robot longer than planned, the longest wait
+        first.
+        """
         found = []
         for node, arcs in enumerate(self._before):
             if order.times.starts[node] <= self._planned[node] + LATE:
@@ -240,7 +243,8 @@ class _Orders:
     # -- search for a better order ----------------------------------------------------------------
 
     def let_through(self, order: _Order, node: int, gain: float) -> Optional[_Order]:
-        """Lets a waiting robot go ahead of the robot that it waits for, and then of the next ones.
+        """Lets a waiting robot go ahead of each robot that it waits for, one after the other, until
+        the gain is enough.
         """
         tried = order
         for _ in range(_IN_A_ROW):
@@ -260,7 +264,8 @@ class _Orders:
 
     def _without_rings(self, chosen: FrozenSet[int], turned: Set[int],
                        robot: range) -> Optional[_Order]:
-        """Reverses further groups until there is no ring, first those in which `robot` waits."""
+        """Reverses further groups until there is no ring. It prefers groups in which `robot` waits.
+        """
         turned = set(turned)
         for _ in range(_IN_A_ROW):
             if self.is_over:
@@ -279,7 +284,7 @@ class _Orders:
         return None
 
     def _ring(self, nodes: Set[int], chosen: FrozenSet[int]) -> List[_Arc]:
-        """Returns one ring among nodes that all wait for another one of them."""
+        """Returns one ring among nodes of which each waits for another."""
         node = min(nodes)
         path: List[_Arc] = []
         seen: Dict[int, int] = {}

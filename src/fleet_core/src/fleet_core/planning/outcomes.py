@@ -16,10 +16,10 @@ def outcome_of(reservations: ReservationTable, agents: Mapping[str, Agent],
                rounds: int) -> PlanningOutcome:
     """Returns the plans, and the order of use that keeps them safe.
 
-    behind   -- each agent's plan behind its fixed drives; after improvement its drives begin as
-                early as their order allows
+    behind   -- each agent's plan after its fixed drives
     served   -- agents whose plans lead to all of their destinations
     unserved -- the other agents, each with the reason
+    rounds   -- of improvement; if there were any, each drive begins as early as the order allows
     """
     ids = reservations.network.signed_ids
     plans = schedule(reservations, agents, in_order(behind)) if rounds else behind

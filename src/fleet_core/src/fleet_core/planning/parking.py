@@ -6,9 +6,9 @@ them (Cap et al., arXiv 1501.07704):
 - The rest of the graph is still connected.
 - Each of these robots can leave and come back.
 
-Then a robot can always move, for all missions. Vertices that the graph forbids as parking, such as
-those that cut an edge into sections, may be cut off. If closed edges divide the graph into parts
-without a path between them, the conditions hold for each part.
+Then robots can always move, whatever their missions are. Vertices that the graph forbids as
+parking, such as those that cut an edge into sections, may be cut off. If closed edges divide the
+graph into parts without a path between them, the conditions hold for each part.
 
 The capacity of the graph is the size of the largest such set. The largest set is hard to find, so
 it is searched for from many beginnings, as long as a fixed amount of work allows. The result is
@@ -30,10 +30,12 @@ from fleet_core.geometry.arrays import count_up
 from fleet_core.planning.road_network import RoadNetwork
 
 _TRIALS = 20
-# trials in a row without gain that end the search; of 40 random graphs none needed more than two
+# The search ends after this many trials in a row without gain. Two would have been enough for each
+# of 40 random graphs.
 _FRUITLESS = 4
-# Sum of the places over all checks of one search. The search on a graph of 25 vertices needs a
-# twentieth of it, and graphs of 64 and 100 vertices gained nothing by more.
+# Maximum of the number of checked places, added up over all checks of one search. The search on a
+# graph of 25 vertices needs a twentieth of it. More gained nothing on graphs of 64 and of 100
+# vertices.
 _WORK = 3_000_000
 
 
@@ -60,7 +62,7 @@ class WellFormedSets:
         self._edge = np.array([self._vertices + (d >> 1) for d in usable], dtype=np.int64)
         self._part = self._parts(self._begin, self._end, self._vertices)
         """The part of the graph of each vertex. Closed edges may divide it into several parts."""
-        self._checks = 0  # that are left of a search
+        self._checks = 0  # number of checks that the search may still make
 
     def is_well_formed(self, parked: Iterable[int]) -> bool:
         """Returns whether no robot is cut off while robots stand on all these vertices."""
@@ -77,8 +79,8 @@ class WellFormedSets:
         core = self._core(count)
         if core is None:
             return False
-        # From its place a robot may use what only the robot itself blocks, to the core and back:
-        # its own vertices, and one vertex that stands for the core, numbered behind all others.
+        # To the core and back, each robot may use only places that no other parked robot blocks.
+        # The nodes are these vertices, and for each robot one node for the core, numbered last.
         own = count[self._edge] == 1
         begin, end, whose = self._begin[own], self._end[own], owner[self._edge[own]]
         fits = np.ones(len(begin), dtype=bool)
@@ -114,13 +116,13 @@ class WellFormedSets:
 
     @staticmethod
     def _parts(begin: np.ndarray, end: np.ndarray, nodes: int) -> np.ndarray:
-        """Returns for each node, the strongly connected part to which it belongs."""
+        """Returns for each node the strongly connected part to which it belongs."""
         links = csr_matrix((np.ones(len(begin)), (begin, end)), shape=(nodes, nodes))
         return connected_components(links, directed=True, connection='strong')[1]
 
     def largest(self, seed: int = 0, enough: float = inf) -> FrozenSet[int]:
-        """Returns the largest well-formed set that was found, or the first one
-        with `enough` vertices.
+        """Returns the largest well-formed set that was found, or the first set with `enough`
+        vertices.
         """
         random = Random(seed)
         best: Set[int] = set()
@@ -149,7 +151,7 @@ class WellFormedSets:
         return sorted(self._candidates, key=lambda v: (v in cut, roads.degree(v), v))
 
     def _grown(self, parked: Set[int], order: Sequence[int]) -> Set[int]:
-        """Adds the vertices that can be added, in this order, in batches while that succeeds."""
+        """Adds the vertices that can be added, in this order. A batch that fails is halved."""
         waiting: List[Tuple[int, ...]] = [tuple(v for v in order if v not in parked)]
         parked = set(parked)
         while waiting:

@@ -1,7 +1,7 @@
 """PIBT: one step of all robots at once, in which each robot chooses in the order of priorities.
 
-A robot in the way of a more urgent one is asked to move, and asks others in turn (Okumura et al.,
-AIJ 2022).
+A robot in the way of a more urgent robot is asked to move. It then asks the robots in its own way
+(Okumura et al., AIJ 2022).
 """
 from __future__ import annotations
 
@@ -22,18 +22,18 @@ _FAR = 12
 
 
 _Neighbours = List[Tuple[RobotType, List[int], List[int]]]
-"""For each type the vertices and edges."""
+"""For each robot type the vertices and edges that a drive excludes."""
 
 
 class PibtAgent:
     """One robot in the search over configurations.
 
-    A robot that begins between two vertices begins at a vertex of its own, numbered behind those of
-    the graph. From this vertex only the rest of a drive leads away, and nothing leads back.
+    A robot that begins between two vertices begins at a vertex of its own, numbered after those of
+    the graph. From this vertex only the rest of a drive leads away. No drive leads back to it.
 
     name, kind -- of the robot
     begin      -- its first state: leg * vertices + vertex
-    targets    -- the vertex that ends each leg; it stays at the last one
+    targets    -- the vertex that ends each leg; the robot stays at the last target
     roads      -- the roads that are open to it
     """
 
@@ -97,8 +97,8 @@ class PibtAgent:
 class Pibt:
     """Makes steps for robots on a graph; `rests` are the vertices where they are to end.
 
-    Robots booked in the reservation table stand there for ever. The agents are not booked. Most
-    attributes are tables of neighbours and of the present step, which each choice of a robot reads.
+    Robots that are booked in the reservation table stand there for ever. The agents are not booked.
+    Most attributes are tables that each choice of a robot reads: neighbours and the present step.
     """
 
     def __init__(self, reservations: ReservationTable, agents: Sequence[Agent],
@@ -160,7 +160,7 @@ class Pibt:
         priority.
 
         Returns None if the forced moves exclude each other. In the third value each pair names a
-        robot and the one that lets it go first.
+        robot, and another robot that lets it go first.
         """
         agents = self.agents
         self._vertex = [agent.vertex(state) for agent, state in zip(agents, configuration)]
@@ -187,7 +187,8 @@ class Pibt:
             self._promoted
 
     def _decide(self, robot: int) -> None:
-        """Chooses a robot's move: nearer to its end, or none if that is impossible."""
+        """Chooses the move of a robot: towards the end of its leg, or none if that is impossible.
+        """
         self._decided.add(robot)
         agent, vertex = self.agents[robot], self._vertex[robot]
         estimate = agent.estimate(self._states[robot])
@@ -238,7 +239,7 @@ class Pibt:
             self._taken[kind].update(edges)
 
     def _in_the_way(self, robot: int, drive: int) -> List[int]:
-        """Returns robots whose places exclude a drive, each with all of its moves in this step."""
+        """Returns the robots whose places at the beginning of this step exclude a drive."""
         at, kinds = self._at, self._kinds
         found = []
         for kind, vertices, _ in self._neighbours(robot, drive):
@@ -317,10 +318,10 @@ class Pibt:
 
 def choose_rests(reservations: ReservationTable,
                  agents: Sequence[Agent]) -> Optional[List[Optional[int]]]:
-    """Returns for each robot that may rest in several places, a free one of them; for others None.
+    """Returns for each robot the vertex at which it is to rest; for a robot without rests, None.
 
-    A robot with nothing to do stays where it is if it may. Returns None if not all robots find a
-    rest.
+    A robot with nothing to do stays where it is if it may. Returns None in place of the list if no
+    free rest is left for a robot.
     """
     taken: List[Tuple[RobotType, int]] = [
         (t.kind, t.query.destinations[-1]) for t in agents if t.query.rests is None]

@@ -17,14 +17,15 @@ class PlanRequest:
     """All data for one plan. The planner keeps no state of the fleet.
 
     tasks       -- one for each robot that obeys; names are unique
-    obstacles   -- robots that cannot be planned for
+    obstacles   -- robots for which the planner cannot plan
     closed      -- ids of the edges that no robot may use
-    edge_times  -- learned seconds by robot type's name and signed edge; they replace length / speed
-    alone       -- places on which one robot may be at once, however far apart they are
+    edge_times  -- learned seconds, by type name and signed edge id; they replace length / speed
+    alone       -- groups of places; at any time only one robot may be in a group, however far
+                   apart its places are
     parking     -- ids of the vertices at which robots may be parked
     time_limit  -- s for the search, from the beginning of planning
-    improvement -- s until which the plan is improved, from the beginning of planning
-    seed        -- of all random choices; 0: the planner's own
+    improvement -- s from the beginning of planning, until which the plan is improved
+    seed        -- for all random choices; 0: the planner's own seed
     reserved    -- ids of the vertices at which no robot is parked if there is enough other parking
     laden       -- types of robots with loads, besides those of the fleet
     """

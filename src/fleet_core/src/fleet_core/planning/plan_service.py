@@ -1,7 +1,7 @@
 """The planner as a service to the supervisor: it answers requests with plans on its graph.
 
-It keeps only what depends on the graph, so that a request needs no geometry. The same request has
-the same answer, regardless of earlier requests.
+It keeps only results that depend on the graph, so that it rarely computes geometry for a request.
+The same request gets the same answer, regardless of earlier requests.
 """
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ class PlanService:
     graph  -- the trajectory graph
     fleet  -- robot types, clearance and dock approach; its robots are not used
     search -- the search for one robot's path: `safe_intervals.find_path` or `layers.layered`
-    seed   -- of all random choices for a request without a seed
+    seed   -- for all random choices, if the request has no seed
     """
 
     def __init__(self, graph: Graph, fleet: Fleet, search: Search = find_path,
@@ -61,8 +61,9 @@ class PlanService:
         self.prepare()
 
     def parking_by_name(self) -> FrozenSet[int]:
-        """Returns the ids of all vertices at which the graph allows parking, even if
-        that cuts robots off.
+        """Returns the ids of all vertices at which the graph allows parking.
+
+        Robots parked there may cut off other robots.
         """
         return frozenset(self._open.vertex_ids[vertex] for kind in self._fleet.types
                          for vertex in named_parking(self._open, kind))
@@ -76,7 +77,7 @@ class PlanService:
         self._check(request)
         if (request.alone, request.laden) != (self._open.geometry.alone, self._laden):
             self._use(request.alone, request.laden)
-            begun = time.monotonic()  # what is computed once is not part of the search
+            begun = time.monotonic()  # the time for `_use` does not count
         planner = self._planner(_Roadmap(request.closed, frozenset(request.edge_times.items())))
         planner.parking = tuple(sorted(request.parking))
         return planner.plan(request.tasks, request.obstacles, begun + request.time_limit,
@@ -112,9 +113,7 @@ class PlanService:
                 raise CannotPlan(f'{asker}: the graph has no edge {id}; choose another.')
 
     def _planner(self, roadmap: _Roadmap) -> FleetPlanner:
-        """Returns the planner for these closed edges and times, kept
-        from an earlier request or new.
-        """
+        """Returns the planner for these closed edges and times: a kept one if there is one."""
         planner = self._planners.pop(roadmap, None)
         if planner is None:
             network = self._open.with_closed(roadmap.closed, dict(roadmap.edge_times))

@@ -31,7 +31,7 @@ class FleetPlanner:
     kinds     -- all robot types that will occur
     parking   -- ids of the vertices at which robots may be parked
     search    -- the search for one robot's path: `safe_intervals.find_path` or `layers.layered`
-    seed      -- of all random choices
+    seed      -- for all random choices
     """
 
     def __init__(self, network: RoadNetwork, clearance: float, kinds: Iterable[RobotType],
@@ -48,9 +48,9 @@ class FleetPlanner:
             self.reservations.prepare()
 
     def too_near(self, places: Sequence[Place]) -> Optional[Tuple[Place, Place]]:
-        """Returns two robots (name, type, vertex id) that may not stand there at once.
+        """Returns two of these robots that may not stand at their vertices at the same time.
 
-        None: no such two.
+        None: all of them may.
         """
         at: Dict[int, List[Place]] = {}
         for place in places:
@@ -84,9 +84,9 @@ class FleetPlanner:
         """Plans for all tasks, and improves the plans.
 
         The improvement ends at the deadline (monotonic s), after `rounds`, or at `improve_until`
-        (monotonic s), whichever comes first. A `seed` of 0 means the planner's own. With another
-        seed the robots are also planned in another order. At the vertices `reserved` no robot is
-        parked if there is enough other parking.
+        (monotonic s), whichever comes first. A `seed` of 0 stands for the planner's own seed. With
+        any other seed the first order in which robots are planned is random. No robot is parked at
+        the vertices `reserved` if there is enough other parking.
 
         Raises CannotPlan for an invalid task.
         """

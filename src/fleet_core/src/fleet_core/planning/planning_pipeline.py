@@ -2,8 +2,8 @@
 
 A valid plan is never dropped before a better one is found. The steps are:
 
-1. Each robot without a path looks for one past the kept plans of all others. It asks robots that
-   stand idle in the way to make room.
+1. Each robot without a path looks for a path past the kept plans of all others. Robots that stand
+   idle in its way are asked to make room.
 2. If that fails, all robots are planned anew by TEA*.
 3. If that fails, too, LaCAM searches over configurations.
 4. A robot that still has no path keeps its old plan, and the answer names the robots in its way.
@@ -33,24 +33,25 @@ from fleet_core.planning.tea_star import Path, Paths, TeaStar, by_length, is_too
 _ORDERS = 10      # maximum number of orders in which all are planned anew before LaCAM begins
 _ROOM_ORDERS = 4  # maximum number of orders in which a robot and those in its way are planned
 _QUICKLY_BOOKED = 20000  # number of drives that can be booked quickly after the time limit
-_TO_EXPLAIN = 0.05  # s after the time limit in which the robots in the way are searched for
-# s that are left at the end, plus _SLOWER times the duration of an outcome before
+_TO_EXPLAIN = 0.05  # s after the time limit, for the search for the robots in the way
+# The time kept free for the last outcome: _TO_FINISH s, plus _SLOWER times the duration of the
+# first outcome
 _TO_FINISH = 0.002
 _SLOWER = 1.5
-# maximum number of steps of LaCAM without a deadline, when only counts bound it
+# maximum number of steps of LaCAM if there is no deadline
 _MOST_STEPS = 3000
 
 
 class PlanningPipeline:
     """One run of the planner.
 
-    The steps of a run hand each other the same plans, bookings and reasons; these are its state.
+    All steps of the run work on the same plans, bookings and reasons: the attributes.
 
     reservations -- the reservation table, in which nothing is booked yet
     tasks, obstacles, parking, reserved -- the planner's input
     search     -- the search for one robot's path
     random     -- the source of all random choices
-    shuffles   -- the order in which robots are planned at first is random, too
+    shuffles   -- whether the first order in which robots are planned is random
     """
 
     def __init__(self, reservations: ReservationTable, tasks: Sequence[Task],
@@ -75,7 +76,10 @@ class PlanningPipeline:
         self._old: Dict[str, Plan] = {}
         """The present plans of the robots, with new times."""
         self._unfinished: Paths = {}
-        """Paths that were found before the time for planning all anew was over; not booked."""
+        """Paths that were found while all robots were planned anew, before the time was over.
+
+        They are not booked.
+        """
         self._grounded: Set[str] = set()
         """Robots that stay where they are."""
 
@@ -125,7 +129,7 @@ class PlanningPipeline:
             self._book_standing(self._agents[name])
 
     def _give_up_what_is_out_of_reach(self) -> None:
-        """Parks a robot, and no more, that cannot reach its destination even without traffic."""
+        """Parks robots that cannot reach their destinations even without traffic."""
         for agent in self._mobile():
             if agent.query.lower_bound == inf:
                 self._unserved[agent.name] = out_of_reach(self._network, agent)
@@ -145,7 +149,9 @@ class PlanningPipeline:
     # -- paths for robots without one -------------------------------------------------------------
 
     def _serve(self, missing: Sequence[Agent], deadline: float) -> None:
-        """Finds paths for these robots. A robot without one is unserved, and keeps any old plan."""
+        """Finds paths for these robots. A robot that gets no path is unserved, and keeps its old
+        plan if it has one.
+        """
         failed = self._serve_each(missing, deadline) if self._old else list(missing)
         if not failed or self._plan_all(failed, self._part_of(deadline, failed)):
             return
@@ -162,7 +168,7 @@ class PlanningPipeline:
         self._stand(standing)
 
     def _explain(self, agent: Agent, deadline: float) -> None:
-        """Keeps the reason why a robot has no path."""
+        """Notes the reason why a robot has no path."""
         self._tea_star.forget((agent,))
         self._unserved[agent.name] = why_not(self._reservations, agent, deadline + _TO_EXPLAIN)
         if agent.name in self._old:
@@ -171,17 +177,21 @@ class PlanningPipeline:
             self._book_standing(agent)
 
     def _serve_each(self, missing: Sequence[Agent], deadline: float) -> List[Agent]:
-        """Finds paths one by one, past the plans of the others. Returns the robots without one."""
+        """Finds paths one by one, past the plans of the others. Returns the robots without a path.
+        """
         for agent in missing:
             if agent.name not in self._old:
                 self._tea_star.book_present(agent)
         failed = [t for t in missing
                   if t.name not in self._paths and not self._serve_one(t, deadline)]
-        # another robot's search may have given it a path
+        # the search for a later robot may have given a path to a robot that failed
         return [t for t in failed if t.name not in self._paths]
 
     def _serve_one(self, agent: Agent, deadline: float) -> bool:
-        """Finds a path past all plans, or past plans changed to make room. Returns success."""
+        """Finds a path past all plans; if there is none, changes plans to make room for it.
+
+        Returns whether the robot has a path now.
+        """
         self._tea_star.forget((agent,))
         path = self._tea_star.path_of(agent, deadline)
         is_late = is_too_late(deadline, len(path.plan) if path is not None else 0)
@@ -206,8 +216,9 @@ class PlanningPipeline:
         return True
 
     def _making_room(self, other: Agent, agent: Agent) -> Agent:
-        """Returns a robot in the way, which must end where it leaves the other's destinations
-        free.
+        """Returns `other`, limited to rests that leave the destinations of `agent` free.
+
+        Without such rests `other` is returned unchanged.
         """
         if other.query.rests is None:
             return other
@@ -265,8 +276,11 @@ class PlanningPipeline:
         return list(failed)
 
     def _use_unfinished(self) -> List[Agent]:
-        """Uses the paths that were found for some robots only. Returns the robots without one."""
-        self._old.clear()  # of each robot it says only that it stands
+        """Uses the paths that were found before the time was over.
+
+        Returns the robots without a path.
+        """
+        self._old.clear()  # these plans are all empty: each robot only stands
         self._paths.update(self._unfinished)
         mobile = self._mobile()
         for agent in mobile:
@@ -275,7 +289,9 @@ class PlanningPipeline:
 
     @staticmethod
     def _part_of(deadline: float, failed: Sequence[Agent]) -> float:
-        """Returns half of the remaining time, if something else can be tried in the other half."""
+        """Returns the deadline for a search: after half of the remaining time, if another search
+        can use the other half.
+        """
         if deadline == inf or not any(map(_can_rest_elsewhere, failed)):
             return deadline
         return deadline - (deadline - time.monotonic()) / 2.0
@@ -324,7 +340,7 @@ class PlanningPipeline:
         self._tea_star.book(agent, Path(0.0, []))
 
     def _book_again(self, agent: Agent) -> None:
-        """Books the path of a robot, or else its old plan, or else only its place."""
+        """Books the path of a robot; without a path, its old plan; without a plan, its place."""
         self._tea_star.forget((agent,))
         if agent.name in self._paths:
             self._tea_star.book(agent, self._paths[agent.name])
@@ -341,5 +357,5 @@ class PlanningPipeline:
 
 
 def _can_rest_elsewhere(agent: Agent) -> bool:
-    """Returns whether the robot has a destination at which it need not stay."""
+    """Returns whether the robot has destinations, and need not stay at the last one."""
     return bool(agent.query.destinations) and agent.query.rests is not None

@@ -11,18 +11,19 @@ class Drive(NamedTuple):
     start: float
     end: float
     begun: float = 0.0
-    """Fraction that lies behind the robot at `start`; only a plan's first drive may have one."""
+    """Fraction that lies behind the robot at `start`; above 0 only in a plan's first drive."""
 
 
 Plan = List[Drive]
-"""One robot's drives in order. Gaps are waits. It stays for ever where the last drive ends."""
+"""The drives of one robot in order. It may wait between two drives, and stays after the last one.
+"""
 
 Plans = Dict[str, Plan]
 """The plan of each robot by name."""
 
 
 Arrival = Tuple[int, float, int, float]
-"""A drive, when it begins, the vertex at its end, and when it arrives there."""
+"""A drive, when it begins, the vertex at its end, and when the robot arrives there."""
 
 
 def end_of(plan: Sequence[Drive]) -> float:

@@ -5,8 +5,8 @@ kept, the plan is safe however long a drive takes and wherever a robot comes to 
 matter only for the cost (Hoenig et al., RA-L 2019). The order is written as constraints: robot b
 may begin its drive j only after robot a has driven the fraction f of its drive i.
 
-All drives stand in one row, those of each robot in their order, and each constraint points forward
-in that row. So robots never wait for each other in a ring.
+All drives form one sequence, which keeps the order of each robot's own drives. Each constraint
+points forward in this sequence. So robots never wait for each other in a ring.
 """
 from __future__ import annotations
 
@@ -47,11 +47,11 @@ class _Drives(NamedTuple):
     start: np.ndarray    # (N,) s
     end: np.ndarray      # (N,) s
     begun: np.ndarray    # (N,) 0..1
-    planned: np.ndarray  # (N,) not yet released
+    planned: np.ndarray  # (N,) whether it is not released yet
 
 
 class _Pairs(NamedTuple):
-    """M pairs of drives of different robots: the first drive must be clear before the second."""
+    """M pairs of drives of different robots: the first must be clear before the second begins."""
 
     first: np.ndarray     # (M,) index into _Drives
     fraction: np.ndarray  # (M,) of the first drive's arc length, after which it is out of the way
@@ -60,12 +60,13 @@ class _Pairs(NamedTuple):
 
 def precedence(reservations: ReservationTable, plans: Plans, kinds: Mapping[str, RobotType],
                released: Mapping[str, int] = MappingProxyType({})) -> List[Constraint]:
-    """Returns the constraints that keep `plans` safe, without those that follow from others of a
-    pair.
+    """Returns the constraints that keep `plans` safe, without those that follow from other
+    constraints between the same two robots.
 
-    The first drives of each robot, as many as `released` says, need no constraint: all that had to
-    come before them has happened. Raises Conflicting if the times of the plans are not safe, or if
-    the drives of a robot are not in the order of their times.
+    `released` is the number of first drives of each robot that are released. They need no
+    constraint, because all that had to come before them has happened. Raises Conflicting if the
+    times of the plans are not safe, or if the drives of a robot are not in the order of their
+    times.
     """
     names = sorted(name for name, plan in plans.items() if plan)
     if not names:
@@ -86,7 +87,10 @@ def precedence(reservations: ReservationTable, plans: Plans, kinds: Mapping[str,
 
 
 def _in_order(plans: Plans, names: Sequence[str], released: Mapping[str, int]) -> _Drives:
-    """Returns released drives first, the others by time; no robot's drives are out of order."""
+    """Returns all drives: the released ones first, then the others by time.
+
+    Raises Conflicting if this changes the order of the drives of one robot.
+    """
     counts = np.array([len(plans[name]) for name in names])
     robot, number = np.repeat(np.arange(len(names)), counts), count_up(counts)
     rows = chain.from_iterable(plans[name] for name in names)
@@ -106,10 +110,10 @@ def _in_order(plans: Plans, names: Sequence[str], released: Mapping[str, int]) -
 
 def _meetings(reservations: ReservationTable, drives: _Drives, moving: RobotType,
               observer: RobotType, moves: np.ndarray, observes: np.ndarray) -> _Pairs:
-    """Returns the last conflicting drive of each moving robot before each planned drive of an
-    observer.
+    """Returns, for each planned drive of an observer and each moving robot, the robot's last
+    conflicting drive before it.
 
-    Both are drives of the given types.
+    The robots are those of the given types.
     """
     conflicts = reservations.blocking[moving, observer].conflicts
     vertices, count = reservations.network.vertices, len(drives.drive)
@@ -134,7 +138,7 @@ def _meetings(reservations: ReservationTable, drives: _Drives, moving: RobotType
     before, fraction, by_robot = before[use], fraction[use], by_robot[use]
     starts = np.flatnonzero(np.diff(by_robot, prepend=-1))
     groups = by_robot[starts]
-    # For each drive and each robot that ever uses its edge, the last use before the drive.
+    # For each drive, and each robot that ever uses the drive's edge: the last use before the drive.
     low = np.searchsorted(groups, edge_after * robots)
     lengths = np.searchsorted(groups, (edge_after + 1) * robots) - low
     group = np.repeat(low, lengths) + count_up(lengths)
@@ -151,7 +155,8 @@ def _meetings_of_rests(reservations: ReservationTable, drives: _Drives, moving: 
                        observer: RobotType, moves: np.ndarray, observes: np.ndarray) -> _Pairs:
     """Returns the same as `_meetings`, for observers that stand between two vertices.
 
-    As in the reservation table, conflicts with only the part of the edge behind them are ignored.
+    As in the reservation table, conflicts that concern only the part of the edge behind the
+    observer are ignored.
     """
     conflicts = reservations.blocking[moving, observer].conflicts
     clear = conflicts.forward, conflicts.backward
@@ -176,7 +181,7 @@ def _meetings_of_rests(reservations: ReservationTable, drives: _Drives, moving: 
 
 def _check(reservations: ReservationTable, names: Sequence[str], drives: _Drives,
            pairs: _Pairs) -> None:
-    """Raises Conflicting unless the times of the plans keep the order, and it has no rings."""
+    """Raises Conflicting if the order may have rings, or the times of the plans do not keep it."""
     if (pairs.first >= pairs.then).any():
         raise Conflicting('a drive would wait for one that comes after it in the order of all')
     start, begun = drives.start[pairs.first], drives.begun[pairs.first]

@@ -1,4 +1,4 @@
-"""Turns the planner's input, in ids, into agents, and checks it."""
+"""Checks the planner's input, which contains ids of the graph, and makes agents of it."""
 from __future__ import annotations
 
 from collections import Counter
@@ -41,10 +41,10 @@ class Problem:
             self._network.paths_to(kind, [vertex for name, task in self.tasks.items()
                                           if task.type == kind for vertex in self._wanted[name]])
         self._allowed = {kind: self._parking_of(kind) for kind in reservations.kinds}
-        """Where robots of a type may be parked."""
+        """The vertices at which robots of a type may be parked."""
         self._quiet = {kind: allowed.difference(self._robots_to)
                        for kind, allowed in self._allowed.items()}
-        """Of these vertices those to which no robot drives."""
+        """The vertices of `_allowed` that are not the destination of any robot."""
         self._everywhere = frozenset(range(self._network.vertices)) - self._network.docks
         self.agents: Dict[str, Agent] = {
             name: self._agent(task) for name, task in self.tasks.items()}
@@ -55,12 +55,13 @@ class Problem:
         return (self._parking - self._network.docks) | (self._parking & docks)
 
     def rests(self, kind: RobotType) -> FrozenSet[int]:
-        """Returns where robots of a type may be parked."""
+        """Returns the vertices at which robots of a type may be parked."""
         return self._allowed[kind]
 
     def _rests_of(self, task: Task) -> Rests:
-        """Returns where a robot may be parked: if enough vertices remain, where no other robot
-        drives to.
+        """Returns the vertices at which a robot may be parked.
+
+        Destinations of other robots are left out if enough vertices remain.
         """
         allowed, quiet = self._allowed[task.type], self._quiet[task.type]
         own = frozenset(vertex for vertex in self._wanted[task.name]
@@ -116,13 +117,13 @@ class Problem:
                          self._vertices(task.destinations), task.dwells, rests, later)
 
     def _fixed(self, task: Task) -> Tuple[Drive, ...]:
-        """Returns the released drives, driven at once."""
+        """Returns the released drives with their times. The robot drives them without a wait."""
         times, now, drives = self._network.times(task.type), 0.0, []
         for k, edge in enumerate(task.released):
             begun = task.begun if k == 0 else 0.0
             drive = self._network.drive(edge)
             seconds = times[drive]
-            if seconds == inf:  # forbidden meanwhile, but already granted: at the robot's own speed
+            if seconds == inf:  # forbidden after the grant: the robot drives at its own speed
                 seconds = self._network.length(drive) / task.type.speed
             drives.append(Drive(drive, now, now + seconds * (1.0 - begun), begun))
             now = drives[-1].end
@@ -142,7 +143,7 @@ class Problem:
     # -- checks -----------------------------------------------------------------------------------
 
     def too_near(self) -> List[Tuple[str, str]]:
-        """Returns pairs of robots that hold excluding places when planning begins."""
+        """Returns pairs of robots whose places exclude each other when planning begins."""
         by_place: Dict[int, List[_Held]] = {}
         held: List[_Held] = []
         for agent in self.agents.values():
@@ -167,8 +168,9 @@ class Problem:
         return self._reservations.blocking[held.kind, other].excluded(held.place)
 
     def _is_near(self, one: _Held, other: _Held) -> bool:
-        """Returns whether a robot is too near to another one
-        that holds only a point between two vertices.
+        """Returns whether `one` is too near to the point between vertices at which `other` stands.
+
+        True if `other` is not between vertices: then their places have been compared already.
         """
         if other.mid_edge is None:
             return True
@@ -179,8 +181,9 @@ class Problem:
                      one.mid_edge.y - other.mid_edge.y) < apart - ROUNDING
 
     def _still_meets(self, one: _Held, other: _Held) -> bool:
-        """Returns whether the part of a drive ahead of a robot excludes a place,
-        not only the part behind.
+        """Returns whether the part of a drive ahead of `one` excludes the place of `other`.
+
+        The part behind the robot does not count.
         """
         if one.begun == 0.0 or one.mid_edge is not None:
             return True
@@ -213,7 +216,7 @@ def _held_by(agent: Agent, network: RoadNetwork) -> List[_Held]:
 
 
 def check(network: RoadNetwork, tasks: Sequence[Task]) -> None:
-    """Raises CannotPlan for ids that the graph lacks, and for robots without a place."""
+    """Raises CannotPlan if a robot has no place or several, or if an id or a number is invalid."""
     for task in tasks:
         _check_place(task)
         _check_ids(network, task)

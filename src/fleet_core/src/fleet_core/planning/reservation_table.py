@@ -22,15 +22,15 @@ class TakenOut(NamedTuple):
     booked: Dict[str, Booked]
     touched: Dict[str, List[Tuple[Slots, Iterable[int]]]]
     before: List[Tuple[Slots, Dict[int, Tuple[List[Booking], Optional[Busy]]]]]
-    """For all slots in which one of them is booked: the bookings, and the merged times."""
+    """For all slots in which one of these robots is booked: the bookings, and the merged times."""
 
 
 class ReservationTable:
-    """Bookings of many robots. Each robot is booked by name and can be taken out again.
+    """Bookings of many robots. Each robot is booked by name, and its bookings can be removed.
 
     It answers for each robot type at which times a slot is blocked. All searches for paths use it.
 
-    It has many methods because a booking is made, found and taken back in one place.
+    It has many methods because one class makes, finds and removes the bookings.
     """
 
     def __init__(self, network: RoadNetwork, clearance: float, kinds: Iterable[RobotType]) -> None:
@@ -48,7 +48,7 @@ class ReservationTable:
         self.clear()
 
     def clear(self) -> None:
-        """Takes all robots out."""
+        """Removes the bookings of all robots."""
         self.slots = {kind: Slots(self.network.drives, self.network.vertices)
                       for kind in self.kinds}
         self.booked = {}
@@ -72,9 +72,9 @@ class ReservationTable:
              mid_edge: Optional[MidEdgePosition] = None, until: float = inf, held: int = 0) -> None:
         """Books a robot that stands at `vertex`, or `mid_edge`, and then follows its plan.
 
-        After the plan it stands where it is until `until`. It holds the first `held` drives from
-        now on: a robot that wants to pass there must come after it, even if it could pass earlier.
-        Nothing may be booked for it yet.
+        After the plan it stands at the end of its plan until the time `until`. It holds the first
+        `held` drives from now on: another robot may pass there only after it, even if there is
+        enough time before it. The robot must not have bookings yet.
         """
         booked = self.state(kind, vertex, plan, mid_edge, until, held)
         self.booked[robot] = booked
@@ -105,13 +105,13 @@ class ReservationTable:
     def state(self, kind: RobotType, vertex: int, plan: Sequence[Drive],
               mid_edge: Optional[MidEdgePosition] = None, until: float = inf,
               held: int = 0) -> Booked:
-        """Returns what `book` books."""
+        """Returns the state of a robot, as `book` stores it."""
         points = {} if mid_edge is None else {
             observer: self.at_point(kind, observer, mid_edge) for observer in self.kinds}
         return Booked(kind, vertex, plan, mid_edge, points, until, held)
 
     def book_later(self, robots: Mapping[str, Booked]) -> None:
-        """Books robots like `book`, but makes the bookings of a slot when it is first looked at.
+        """Books robots like `book`, but makes the bookings of a slot when the slot is first read.
 
         It can be called once after each `clear`.
         """
@@ -162,7 +162,7 @@ class ReservationTable:
                 for of, touched in self._touched[robot] if of is slots for slot in touched}
 
     def cancel(self, robot: str) -> None:
-        """Takes a robot out. Does nothing if it is not booked."""
+        """Removes the bookings of a robot. Does nothing if it is not booked."""
         self.booked.pop(robot, None)
         self._placed.pop(robot, None)
         gone = {robot}
@@ -177,7 +177,10 @@ class ReservationTable:
                 slots.take_out(slot, gone)
 
     def take_out(self, robots: Sequence[str]) -> TakenOut:
-        """Takes out several robots, all of them booked, so that they can be put back quickly."""
+        """Removes the bookings of several robots, so that `put_back` can restore them quickly.
+
+        All these robots must be booked.
+        """
         gone = set(robots)
         for robot in robots:
             self._settle(robot)
@@ -193,9 +196,9 @@ class ReservationTable:
         return TakenOut(booked, touched, before)
 
     def put_back(self, taken: TakenOut) -> None:
-        """Puts robots back as they were. Their bookings since then are dropped.
+        """Restores the bookings that `take_out` removed, and drops newer ones of these robots.
 
-        No other robot may have been booked or taken out since.
+        No other robot may have been booked or removed in between.
         """
         gone = set(taken.booked)
         since = [entry for robot in gone for entry in self._touched.pop(robot, ())]
@@ -213,8 +216,8 @@ class ReservationTable:
         """Returns the first drives of a robot that is not booked and stands between two vertices.
 
         There is one entry for each time in which one of its drives is free: the drive, when it may
-        begin, the vertex at its end, and when it arrives there. It must leave before another robot
-        passes its point.
+        begin, the vertex at its end, and when the robot arrives there. The robot must leave before
+        another robot passes its point.
         """
         found = []
         leave = min((start for _, start in self.passing(kind, mid_edge)), default=inf)
@@ -235,7 +238,8 @@ class ReservationTable:
         """Returns the bookings that keep a robot between two vertices from driving to the end of a
         drive.
 
-        Bookings are made for whole drives. Those that concern only the part behind it are ignored.
+        Bookings are made for whole drives. A booking that concerns only the part of the drive
+        behind the robot is ignored.
         """
         found: List[Booking] = []
         behind = mid_edge.behind(drive) * self.network.times(kind)[drive]
@@ -247,7 +251,8 @@ class ReservationTable:
 
     def passing(self, kind: RobotType,
                 mid_edge: MidEdgePosition) -> Iterator[Tuple[str, float]]:
-        """Yields robots that pass a robot's point, and when they begin each drive that does."""
+        """Yields the robots that pass the point of `mid_edge`, and when each passing drive begins.
+        """
         for moving in self.kinds:
             places = self.places_near(kind, moving, mid_edge)
             for robot, booked in self.booked.items():
@@ -258,9 +263,7 @@ class ReservationTable:
 
     def _activities(self, observer: RobotType) -> Iterator[
             Tuple[str, float, float, Iterable[Tuple[int, float]]]]:
-        """Yields each wait and drive of each robot: robot, begin, end, and the (slot,
-        lead) it blocks.
-        """
+        """Yields each wait and drive of each robot: robot, begin, end, blocked slots with leads."""
         for robot, (kind, vertex, plan, mid_edge, points, until, held) in self.booked.items():
             blocking = self.blocking[kind, observer]
             waits: Iterable[Tuple[int, float]] = (
@@ -279,15 +282,15 @@ class ReservationTable:
 
     def at_point(self, kind: RobotType, observer: RobotType,
                  mid_edge: MidEdgePosition) -> List[Tuple[int, float]]:
-        """Returns (slot, lead) blocked by a robot that stands between two vertices."""
+        """Returns each (slot, lead) that a robot between two vertices blocks."""
         return self.blocking[kind, observer].beside(self.places_near(kind, observer, mid_edge))
 
     def places_near(self, kind: RobotType, other: RobotType,
                     mid_edge: MidEdgePosition) -> Dict[int, Tuple[float, float]]:
-        """Returns places that robots of type `other` may not hold while one stands between
-        vertices.
+        """Returns the places that robots of type `other` may not hold while a robot of type `kind`
+        stands between two vertices.
 
-        With each edge goes the part of it that is too near to the robot's point.
+        For each edge it returns the part that is too near to the point where the robot stands.
         """
         return self.network.exclusions.kept_free(((mid_edge.x, mid_edge.y),),
                                                  self.apart(kind, other), kind.nearness)

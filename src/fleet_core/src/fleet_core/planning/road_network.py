@@ -1,4 +1,4 @@
-"""The graph as the searches see it: numbered vertices and drives, times, shortest paths.
+"""The graph in the form that the searches use: numbered vertices and drives, times, shortest paths.
 
 A *drive* is an edge in one direction: drive 2 e is edge e forward, drive 2 e + 1 is the same edge
 backward. Edges are numbered in the graph's order. A *slot* is what is booked: first come the slots
@@ -28,21 +28,22 @@ Roads = List[List[Tuple[int, int, float]]]
 def estimated(seconds: np.ndarray) -> Sequence[float]:
     """Returns the seconds (V,) as the searches use them: Python's numbers, larger by a tiny factor.
 
-    So of equally good paths the one that is nearer to its end is followed first.
+    So the searches first follow, of several equally good paths, the path that is nearest to its
+    end.
     """
     return array('d', (seconds * _GUIDED).tobytes())
 
 
 class RoadNetwork:
-    """A graph, and the edges of it that are closed now.
+    """A graph, and its edges that are closed now.
 
-    All searches read this one form of the graph. Half of its attributes are numbers that they read
-    in their inner loops; the others keep what was computed for each robot type.
+    All searches use this form of the graph. They read half of its attributes in their inner loops.
+    The other attributes keep results for each robot type.
 
     graph         -- the trajectory graph
     closed        -- ids of edges that no robot may use
     dock_approach -- m before a dock that belong to a robot that docks or leaves
-    learned       -- seconds by robot type's name and signed edge id, in place of length / speed
+    learned       -- seconds, by type name and signed edge id, which replace length / speed
     geometry      -- geometry of the same graph, if it is known already
     """
 
@@ -124,7 +125,7 @@ class RoadNetwork:
     def roads(self, kind: RobotType, docks: Iterable[int] = ()) -> Roads:
         """Returns the roads away from each vertex.
 
-        A road into a dock only if it is one of `docks`.
+        A road into a dock is included only if the dock is one of `docks`.
         """
         if kind not in self._roads:
             closed = {self.edge_index[id] for id in self.closed_to(kind) if id in self.edge_index}
@@ -168,7 +169,7 @@ class RoadNetwork:
     def seconds_over(self, kind: RobotType, vertices: Sequence[int]) -> float:
         """Returns the seconds from the first of these vertices (by id) over all others in order.
 
-        Infinite: there is no path, or the graph does not have one of them (any more).
+        Infinite: there is no path, or one of these vertices is not in the graph (any more).
         """
         if any(vertex not in self.index for vertex in vertices):
             return math.inf
@@ -198,15 +199,16 @@ class RoadNetwork:
         return nearest
 
     def _roads_into(self, kind: RobotType, dock: int) -> List[Tuple[int, float]]:
-        """Returns the open roads that end at a dock: the vertex where each begins,
-        and its seconds.
-        """
+        """Returns the open roads into a dock as (vertex where the road begins, seconds)."""
         return [(self.origin[drive], seconds) for drive, seconds in enumerate(self.times(kind))
                 if self.destination(drive) == dock and self._open(kind, drive, seconds)]
 
     def _paths_to_dock(self, known: Mapping[int, np.ndarray], dock: int,
                        roads: Sequence[Tuple[int, float]]) -> np.ndarray:
-        """Paths over the last edges (vertex where it begins, seconds), through no other dock."""
+        """Returns the seconds (V,) from each vertex to a dock, through no other dock.
+
+        roads -- the last drives: (vertex where it begins, seconds)
+        """
         paths = np.full(self.vertices, math.inf)
         for begin, seconds in roads:
             if begin in self.docks:

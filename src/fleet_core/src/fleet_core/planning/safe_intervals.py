@@ -32,27 +32,28 @@ vertex, time -- where it is, and when it may drive on
 leg          -- index of its next destination
 served       -- the end of its stay at the last destination that it served
 until        -- the end of the time for which it may wait
-key          -- number of vertex, leg and interval: of all states with one key the earliest counts
+key          -- number for vertex, leg and interval; of the states with one key the earliest counts
 parent       -- the state before; None: none
-arrival      -- the drive from there
+arrival      -- the drive from the parent to this state
 
-It is a plain tuple, whose fields get their names where they are read: a search makes very many, and
-a named tuple is made several times more slowly.
+It is a plain tuple, because a search makes very many states, and to make a named tuple takes
+several times as long. The code that reads a state names its fields.
 """
 _Entry = Tuple[float, int, float, State]
 """A state that waits to be expanded.
 
-The lowest cost of a path through it that is not followed yet; a number that grows with each state;
-the lowest cost of the paths that are followed; the state.
+Its fields are the lowest cost of the paths through the state that are not followed yet; a number
+that grows with each state; the cost up to which the paths are followed already; the state.
 """
 
 
 def find_path(query: PathQuery, slots: Slots, arrivals: Sequence[Arrival], latest: float = inf,
               deadline: float = inf) -> Optional[Tuple[float, Plan]]:
-    """Returns the plan that answers the query soonest, and its cost. None: there is none in time.
+    """Returns the cheapest plan that answers the query, with its cost; None: none was found.
 
-    The cost is the time at the end of the last destination. The time after it has the query's
-    weight. No plan costs more than `latest`. The search ends at the deadline (monotonic s).
+    The cost is the time when the last destination is served, plus the time after that with the
+    weight `query.later`. No plan costs more than `latest`. The search ends at the deadline
+    (monotonic s).
 
     arrivals -- the query's start, or the first drives of a robot between vertices
     """
@@ -104,7 +105,7 @@ def find_path(query: PathQuery, slots: Slots, arrivals: Sequence[Arrival], lates
 
 
 def steps_until(deadline: float) -> Iterator[None]:
-    """Yields once for each step of a search, until the deadline is found to be over."""
+    """Yields once for each step of a search, until a look at the clock finds the deadline over."""
     in_time = iter(lambda: time_now() <= deadline, False)
     return chain(repeat(None, _CHECKED),
                  chain.from_iterable(repeat(None, _CHECKED) for _ in in_time))
@@ -112,9 +113,9 @@ def steps_until(deadline: float) -> Iterator[None]:
 
 def _next(heap: List[_Entry], newest: Optional[_Entry],
           best: Mapping[int, float]) -> Optional[_Entry]:
-    """Takes the entry with the lowest bound whose state is the earliest of its key.
+    """Takes the entry with the lowest cost whose state is the earliest with its key.
 
-    newest -- an entry that is not in the heap yet; it is often the next, and then never gets there
+    newest -- an entry that is not in the heap yet; often it is taken at once, and never put there
     """
     while heap or newest:
         entry = heappushpop(heap, newest) if newest else heappop(heap)
@@ -127,10 +128,9 @@ def _next(heap: List[_Entry], newest: Optional[_Entry],
 
 def _successors(query: PathQuery, slots: Slots, state: State, cost: float,
                 made: float) -> Tuple[List[Arrival], float]:
-    """Returns the drives from a state on paths that cost at least more than `made`, and at most
-    `cost`.
+    """Returns the drives from a state on paths that cost more than `made`, and at most `cost`.
 
-    Returns also the lowest cost of the paths that are left for later.
+    The second value is the lowest cost of the paths that are left for later.
     """
     vertex, now, leg, served, until, _, _, _ = state
     estimates, base, weight = query.to_go[leg], now, 1.0
@@ -156,7 +156,7 @@ def _beginnings(starts: Sequence[float], ends: Sequence[float], now: float,
                 until: float) -> List[float]:
     """Returns the first moment of each free time of a slot between `now` and `until`.
 
-    The slot is busy from each of `starts` to the one of `ends`.
+    The slot is blocked from `starts[k]` to `ends[k]`, for each k.
     """
     gap, blocks = bisect_right(ends, now), len(ends)
     begins = [now] if now <= starts[gap] else []

@@ -1,8 +1,8 @@
 """Times for drives whose order is known: each drive begins as early as its predecessors allow.
 
-A plan is safe by its order of use, not by its times. The drives come in an order that keeps every
-precedence (by their times in an older plan, or by the steps of LaCAM). They get new times here in
-one sweep.
+A plan is safe because of its order of use, not because of its times. The drives come in an order
+that keeps every precedence: the order of an older plan, or of the steps of LaCAM. One pass gives
+them new times.
 """
 from __future__ import annotations
 
@@ -17,10 +17,10 @@ from fleet_core.planning.reservation_table import ReservationTable
 
 def schedule(reservations: ReservationTable, agents: Mapping[str, Agent],
              order: Iterable[Tuple[str, int]]) -> Plans:
-    """Returns the plans behind the fixed drives, for the drives (robot, drive) in `order`.
+    """Returns the plans after the fixed drives.
 
-    A robot later in the order waits until all earlier ones are out of its way. Only geometry and
-    driving times of `reservations` are used, not its bookings.
+    `order` has the drives as (robot, drive). Each drive waits until all earlier drives are out of
+    its way. Of `reservations` only geometry and driving times are used, not the bookings.
     """
     network = reservations.network
     lines = {kind: _Line(reservations, kind) for kind in reservations.kinds}
@@ -31,7 +31,7 @@ def schedule(reservations: ReservationTable, agents: Mapping[str, Agent],
 
 
 class _Line:
-    """When each edge is free again for robots of one type, after the drives that came before."""
+    """When each edge is free for robots of one type, after the drives that were added so far."""
 
     def __init__(self, reservations: ReservationTable, kind: RobotType) -> None:
         self.times = reservations.network.times(kind)
@@ -55,7 +55,7 @@ class _Driver:
             self._use(fixed)
 
     def drive(self, drive: int, destination: int) -> None:
-        """Adds a drive to the plan as soon as the robot, and the edge, are free."""
+        """Adds a drive to the plan. It begins as soon as both the robot and the edge are free."""
         begun = self._mid_edge.behind(drive) if self._mid_edge and not self.plan else 0.0
         start = max(self._ready, self._free_from[drive >> 1])
         end = start + self._times[drive] * (1.0 - begun)

@@ -1,9 +1,10 @@
-"""Shortest driving times from all vertices to some, for graphs with many lanes and dead ends.
+"""Shortest driving times from all vertices to some targets, for graphs with many lanes and dead
+ends.
 
-Vertices with at most two neighbours are removed first, in rounds. Each leaves a link between its
-neighbours. So a lane that was cut into sections becomes one link, and a dead end disappears.
-Dijkstra's algorithm runs on the remaining graph, and the removed vertices follow round by round
-(PHAST: Delling et al., IPDPS 2011).
+Vertices with at most two neighbours are removed first, in rounds. Each removed vertex leaves a link
+between its neighbours. So a lane that was cut into sections becomes one link, and a dead end
+disappears. Dijkstra's algorithm runs on the remaining graph. Then the times from the removed
+vertices are computed round by round (PHAST: Delling et al., IPDPS 2011).
 """
 from __future__ import annotations
 
@@ -20,7 +21,7 @@ class _Round(NamedTuple):
     """N vertices that were removed together, none of them next to another."""
 
     vertices: np.ndarray    # (N,)
-    neighbours: np.ndarray  # (2, N) those that were still there; the vertex itself if there is none
+    neighbours: np.ndarray  # (2, N) those not removed before; the vertex itself if one is missing
     seconds: np.ndarray     # (2, N) from the vertex to the neighbour
 
 
@@ -36,7 +37,7 @@ class ShortestPaths:
         self._back: List[Dict[int, float]] = [{} for _ in range(vertices)]
         """For each vertex the seconds to its neighbours and from them.
 
-        For a removed vertex: to and from the neighbours that were still there.
+        For a removed vertex: to and from the neighbours that had not been removed before it.
         """
         for begin, end, seconds in roads:
             if begin != end:
@@ -86,7 +87,7 @@ class ShortestPaths:
             waiting = touched
 
     def _bridge(self, vertex: int, near: Sequence[int]) -> None:
-        """Removes a vertex from its neighbours, and joins these instead."""
+        """Removes the links of a vertex with its neighbours, and links its neighbours directly."""
         for neighbour in near:
             self._away[neighbour].pop(vertex, None)
             self._back[neighbour].pop(vertex, None)
@@ -103,9 +104,7 @@ class ShortestPaths:
         return self._paths([self._descents((target,)) for target in targets])
 
     def to_nearest(self, targets: Iterable[int]) -> np.ndarray:
-        """Returns the seconds (V,) from each vertex to the nearest of some targets,
-        in one search.
-        """
+        """Returns the seconds (V,) from each vertex to its nearest target, in one search."""
         paths: np.ndarray = self._paths([self._descents(targets)])[0]
         return paths
 
@@ -132,9 +131,9 @@ class ShortestPaths:
         return paths
 
     def _descents(self, targets: Iterable[int]) -> Dict[int, float]:
-        """Returns the seconds to the nearest target, from the vertices with a descending path.
+        """Returns the seconds to the nearest target for each vertex with a descending path to one.
 
-        Each step of such a path leads to a vertex that was removed in an earlier round.
+        Each step of a descending path leads to a vertex that was removed in an earlier round.
         """
         found = dict.fromkeys(targets, 0.0)
         waiting = sorted((self._round[target], target) for target in found)

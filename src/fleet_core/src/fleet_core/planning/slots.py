@@ -9,12 +9,12 @@ from fleet_core.planning.blocking import Block
 Busy = Tuple[Sequence[float], Sequence[float]]
 """Beginnings and ends of the times at which a slot is blocked: ascending, without overlaps.
 
-Infinity is the last beginning. So beginning k is where the free time before the k-th block ends.
+The last beginning is infinity. So beginning k is the end of the free time before the k-th block.
 """
 
 _NEVER: Busy = ((inf,), ())
 Booking = Tuple[float, float, str]
-"""Begin, end, robot. One booking is a time in which one robot blocks without a break."""
+"""Begin, end, robot. In the time of a booking the robot blocks the slot without a break."""
 
 
 def _nobody(_: int) -> List[Booking]:
@@ -22,7 +22,7 @@ def _nobody(_: int) -> List[Booking]:
 
 
 class Slots:
-    """The bookings as one robot type sees them: when it may begin each drive, or wait."""
+    """The bookings that tell robots of one type when they may begin each drive, or wait."""
 
     def __init__(self, drives: int, vertices: int) -> None:
         self.drives = drives
@@ -34,7 +34,10 @@ class Slots:
         self._later: Callable[[int], List[Booking]] = _nobody
 
     def book_later(self, bookings: Callable[[int], List[Booking]]) -> None:
-        """Books later: these bookings are made for each slot when it is first looked at."""
+        """Adds bookings that are made for each slot when the slot is first read.
+
+        bookings -- returns the bookings of a slot
+        """
         before, self._rows = self._rows, [None] * len(self._rows)
         self._later, self.merged = bookings, [None] * len(self._rows)
         for slot, row in enumerate(before):
@@ -49,20 +52,21 @@ class Slots:
         return row
 
     def is_made(self, slot: int) -> bool:
-        """Returns whether the bookings of a slot were made, or requested, already."""
+        """Returns whether the bookings of a slot are made, not left for later."""
         return self._rows[slot] is not None
 
     def replace(self, slot: int, row: List[Booking], busy: Optional[Busy] = None) -> None:
-        """Replaces the bookings of a slot; `busy` are their times if they are known."""
+        """Replaces the bookings of a slot; `busy` has their merged times, if these are known."""
         self._rows[slot] = row
         self.merged[slot] = busy
 
     def take_out(self, slot: int, robots: AbstractSet[str]) -> None:
-        """Takes the bookings of these robots out of a slot."""
+        """Removes the bookings of these robots from a slot."""
         self.replace(slot, [b for b in self.row(slot) if b[2] not in robots])
 
     def add(self, slot: int, begin: float, end: float, robot: str, touched: List[int]) -> None:
-        """Books a slot for a robot. Adds the slot to `touched` if it gets a further booking."""
+        """Books a slot for a robot. Adds the slot to `touched` unless a booking is only extended.
+        """
         row = self.row(slot)
         if extend(row, begin, end, robot):
             return
@@ -72,8 +76,7 @@ class Slots:
 
     def add_drive(self, blocks: Iterable[Block], start: float, seconds: float, robot: str,
                   touched: List[int]) -> None:
-        """Books all blocks of a drive. It is `add` for each, written out because it runs so often.
-        """
+        """Books all blocks of a drive, as `add` does for one; written out because it runs often."""
         rows, merged = self._rows, self.merged
         for slot, clear, lead in blocks:
             begin = start - lead
@@ -85,7 +88,7 @@ class Slots:
                 if name == robot and begin <= until:
                     if since < begin:
                         begin = since
-                    # its end is later than that of the booking before
+                    # the new end is later than the old one
                     row[-1] = begin, start + clear * seconds, robot
                     continue
             row.append((begin, start + clear * seconds, robot))
@@ -93,7 +96,8 @@ class Slots:
             touched.append(slot)
 
     def busy(self, slot: int) -> Busy:
-        """Returns when `slot` is blocked. At the very ends of these times it is free."""
+        """Returns the times at which `slot` is blocked. Exactly at their begin and end it is free.
+        """
         busy = self.merged[slot]
         if busy is None:
             row = self._rows[slot]  # most slots have a row, and need no call of `row`
@@ -102,7 +106,10 @@ class Slots:
 
 
 def extend(row: List[Booking], begin: float, end: float, robot: str) -> bool:
-    """Extends the last booking of a slot by another one of the same robot, if they overlap."""
+    """Extends the last booking of a slot if a new one of the same robot overlaps it.
+
+    Returns whether it did.
+    """
     if not row or row[-1][2] != robot or begin > row[-1][1]:
         return False
     row[-1] = min(row[-1][0], begin), max(row[-1][1], end), robot

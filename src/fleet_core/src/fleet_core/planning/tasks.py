@@ -20,23 +20,24 @@ class PlannedDrive(NamedTuple):
 
 @dataclass(frozen=True)
 class Task:
-    """The task of one robot: where it is, what is released, and what it is to do next.
+    """The task of one robot: where it is, which edges are released, and what it is to do next.
 
-    It is the planner's whole input about one robot, one field for each fact.
+    It is the planner's whole input about this robot, one field for each fact.
 
     name, type    -- of the robot
     vertex        -- the vertex on which it stands; None: it is on an edge
-    released      -- signed ids of the edges that it drives under each plan, in order
-    begun         -- the fraction of the first of them that lies behind it
-    mid_edge      -- signed id and fraction of the edge on which it stands, free to go either way;
-                     None: it stands on a vertex or is driving
-    ready         -- s that it waits behind the released edges, because of a dwell or a delay
+    released      -- signed ids of the edges that it was ordered to drive; each plan begins with
+                     them
+    begun         -- the fraction of the first released edge that lies behind the robot
+    mid_edge      -- signed id and fraction of the edge on which it stands, free to leave in both
+                     directions; None: it stands on a vertex or is driving
+    ready         -- s that it waits after the released edges, because of a dwell or a delay
     destinations  -- ids of the vertices that it is to visit after the released edges, in order
     dwells        -- s to stay at each; empty: no stays
     stays         -- it is to stay at its last destination for ever; otherwise it goes on to parking
-    kept          -- its present plan behind the released edges: edges and old times, comparable
-                     with those of all other robots; None: it has none
-    priority      -- the higher one is planned first
+    kept          -- its present plan after the released edges, with the old times; they can be
+                     compared with the old times of other robots. None: it has no plan
+    priority      -- robots with a higher priority are planned first
     """
 
     name: str
@@ -55,7 +56,7 @@ class Task:
 
 @dataclass(frozen=True)
 class Obstacle:
-    """A robot that cannot be planned for: it may be anywhere on these vertices, edges and areas."""
+    """A robot without a plan: it may be anywhere on these vertices, edges and areas."""
 
     name: str
     type: RobotType
@@ -68,11 +69,11 @@ class Obstacle:
 class PlanningOutcome:
     """The answer of the planner: the plans of all robots, and the order that makes them safe.
 
-    drives       -- for each robot all of its drives, released ones included
+    drives       -- for each robot all of its drives, including the released ones
     precedence   -- the order of use; drives are counted from 0 in `drives`
-    unserved     -- robots whose destinations are in no plan now, and why, in words
-    cost         -- sum over the robots of the time at which all is done
-    lower_bound  -- the same sum, if each robot had no traffic
+    unserved     -- the robots whose plans do not reach their destinations, each with the reason
+    cost         -- sum of the costs of the robots whose plans reach their destinations
+    lower_bound  -- the same sum, if each of these robots had no traffic
     rounds       -- number of neighbourhoods that were tried for improvement
     """
 

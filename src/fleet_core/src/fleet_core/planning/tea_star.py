@@ -1,10 +1,10 @@
 """TEA*: robots are planned one after the other; each plan is an obstacle in time for the next.
 
-The loop is that of the dissertation's path planner. First the fixed drives of all robots are
+The path planner of the dissertation uses the same loop. First the fixed drives of all robots are
 booked. Then each robot looks for its path through time, past all paths found before. A robot that
-finds none comes first in a new order. Robots that are not in its way keep their paths, and only the
-others look again. If that does not help, all are planned again. While a robot has no plan yet, its
-place is an obstacle only for a moment, as in the first two layers of TEA*.
+finds no path comes first in a new order. Robots that are not in its way keep their paths, and only
+the others look again. If this does not help, all robots are planned again. While a robot has no
+plan yet, its place is an obstacle only for a moment, as in the first two layers of TEA*.
 """
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ _TO_ANSWER = 5e-6  # s for each drive of a plan that is booked and answered
 
 
 class Path(NamedTuple):
-    """The path found for one robot: its cost, and the plan behind the fixed drives."""
+    """The path found for one robot: its cost, and the plan after the fixed drives."""
 
     cost: float
     plan: Plan
@@ -43,13 +43,13 @@ class TeaStar:
     def __init__(self, reservations: ReservationTable, search: Search = find_path) -> None:
         self.reservations = reservations
         self.unfinished: Paths = {}
-        """The paths that the last `plan` had found when its time was over; none is booked."""
+        """The paths that the last call of `plan` found before its time was over; not booked."""
         self._search = search
 
     def path_of(self, agent: Agent, deadline: float, latest: float = inf) -> Optional[Path]:
-        """Returns the best path of a robot that is not booked, past all that are.
+        """Returns the best path of a robot without bookings, past all robots that are booked.
 
-        None: there is none, or the deadline (monotonic s) came first.
+        None: there is no path, or the deadline (monotonic s) came first.
         """
         arrivals: Sequence[Arrival] = (agent.query.start,)
         if agent.mid_edge:
@@ -67,13 +67,13 @@ class TeaStar:
         return Path(cost, plan)
 
     def book(self, agent: Agent, path: Path, until: float = inf) -> None:
-        """Makes a path an obstacle for all others, and its end until the time `until`."""
+        """Books a path as an obstacle for others. At its end the robot stands until `until`."""
         self.reservations.book(agent.name, agent.kind, agent.vertex,
                                agent.whole(path.plan), agent.mid_edge, until,
                                len(agent.fixed))
 
     def book_later(self, paths: Iterable[Tuple[Agent, Path]]) -> None:
-        """Books many paths, which most searches read in few places only."""
+        """Books many paths, but makes the bookings of a slot when a search first reads the slot."""
         self.reservations.book_later({
             agent.name: self.reservations.state(
                 agent.kind, agent.vertex, agent.whole(path.plan), agent.mid_edge,
@@ -91,9 +91,9 @@ class TeaStar:
 
     def plan(self, agents: Sequence[Agent], deadline: float,
              orders: int) -> Optional[Paths]:
-        """Paths for all, in at most `orders` orders; None: no order succeeded in time.
+        """Returns paths for all agents; None: no order succeeded in time.
 
-        The given order is tried first. None of the agents may be booked.
+        At most `orders` orders are tried, the given one first. The agents must not be booked.
         """
         order = list(agents)
         paths: Paths = {}
@@ -113,7 +113,7 @@ class TeaStar:
                 break
             order.remove(failed)
             order.insert(0, failed)
-            if failed.name in put_first:  # it lost its path again: all are planned anew
+            if failed.name in put_first:  # it lost its path later: all are planned anew
                 put_first.clear()
             elif self._put_first(order, paths, deadline):
                 put_first.add(failed.name)
@@ -123,13 +123,15 @@ class TeaStar:
         return None
 
     def forget(self, agents: Iterable[Agent]) -> None:
-        """Takes agents out of the reservation table."""
+        """Removes the bookings of agents from the reservation table."""
         for agent in agents:
             self.reservations.cancel(agent.name)
 
     def _plan_in(self, order: Sequence[Agent], paths: Paths,
                  deadline: float) -> Optional[Agent]:
-        """Plans the agents without a path in this order. Returns the first that finds none in time.
+        """Plans the agents without a path in this order.
+
+        Returns the first agent that finds no path in time.
         """
         drives = sum(len(path.plan) for path in paths.values())
         for agent in order:
@@ -144,9 +146,9 @@ class TeaStar:
         return None
 
     def _put_first(self, order: Sequence[Agent], paths: Paths, deadline: float) -> bool:
-        """Plans the first of the order as if it came first; robots in its way lose their paths.
+        """Plans the first agent before the others; agents that are in its way lose their paths.
 
-        Returns False if it has no path even then.
+        Returns False if the first agent finds no path even so.
         """
         first, planned = order[0], [t for t in order if t.name in paths]
         taken = self.reservations.take_out([t.name for t in planned])
@@ -196,8 +198,8 @@ def _overlap(bookings: Optional[Sequence[Booking]], begin: float, end: float) ->
 
 
 def is_too_late(deadline: float, drives: int = 0) -> bool:
-    """Returns whether the deadline (monotonic s) is too near to book this many drives and to answer
-    with them.
+    """Returns whether the time up to the deadline (monotonic s) is too short to book and return
+    this many drives.
     """
     return time.monotonic() + _TO_ANSWER * drives > deadline
 
@@ -206,8 +208,8 @@ def by_length(agents: Iterable[Agent]) -> List[Agent]:
     """Returns the first order: by priority, then the shortest path.
 
     Robots with short paths are soon out of the way. So it costs less if a robot with a long path
-    waits for them than if they wait for it. A robot with nothing to do comes last, because it is
-    only in the way.
+    waits than if robots with short paths wait. A robot with nothing to do comes last, because it
+    is only in the way.
     """
     return sorted(agents, key=lambda t: (-t.priority, not t.query.destinations,
                                          t.query.lower_bound))

@@ -16,9 +16,9 @@ from route_protocol.steps import StepCommand
 
 @dataclass(frozen=True)
 class SendRoute:
-    """Publish an order. A repeated one is published with its former stamp.
+    """Publish an order. A repeated order is published with its former stamp.
 
-    An order with the number 0 is a stop past the supervisor.
+    An order with the number 0 is a stop that bypasses the supervisor.
 
     speed -- m/s that the robot does not exceed because of its load; 0: no such limit
     """
@@ -38,7 +38,7 @@ class SendRoute:
 class SendStep:
     """Publish a command for a step of a robot.
 
-    device -- that carries the step out; empty: the robot itself
+    device -- the device that carries the step out; empty: the robot itself
     """
 
     robot: str
@@ -65,9 +65,9 @@ class AskPlanner:
     """Ask the planner for a plan. Its answer returns this number.
 
     edge_times -- learned driving times, in place of length / speed
-    alone      -- places on which one robot may be at once, because of resources
-    reserved   -- places of stations and queues, where no robot is parked that has no business there
-    seed       -- of the planner's random choices; it changes if a plan did not serve all robots
+    alone      -- groups of places; because of a resource, only one robot at a time may be in each
+    reserved   -- places of stations and queues; robots are parked elsewhere if possible
+    seed       -- for the planner's random choices; it changes if a plan did not serve all robots
     laden      -- types of robots with loads, besides those of the fleet
     """
 

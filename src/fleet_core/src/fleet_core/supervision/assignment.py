@@ -1,4 +1,4 @@
-"""Assignment: which robot serves which mission, by the driving times to all of them together."""
+"""Assignment: decides which robot serves which mission, so that robots drive little altogether."""
 from __future__ import annotations
 
 from dataclasses import dataclass
@@ -17,8 +17,8 @@ from fleet_core.supervision.robots import ManagedRobot
 from fleet_core.supervision.station_room import NO_STATIONS, StationRoom
 
 _NEVER = 1e15   # s, in place of infinity: the matching needs finite costs
-# s: more than all driving times together, so that an older mission is served first, however far it
-# is
+# s: more than all driving times together, so that an older mission is served first, however far
+# away it is
 _LATER = 1e7
 
 
@@ -33,7 +33,7 @@ class Assigned(NamedTuple):
 class Assignment:
     """Which robot gets which mission now, and why some missions get no robot, in words.
 
-    short -- by the serial of a mission, the robot that it waits for while that robot must charge
+    short -- by the serial of a mission, the robot that could serve it after charging
     """
 
     assigned: Tuple[Assigned, ...]
@@ -46,12 +46,12 @@ def assign(missions: Sequence[Mission], own: Mapping[str, Hindrance],
            networks: Networks, now: float, room: StationRoom = NO_STATIONS) -> Assignment:
     """Assigns missions to robots: those of higher priority first, then the oldest.
 
-    Among missions of one priority, the sum of the times to the first destinations is minimal. The
-    range of a battery is compared with nominal times. A station gets no more robots than it and its
-    queue hold.
+    Among missions of one priority, the sum of the times to the first destinations is minimal.
+    Whether a battery lasts is judged by nominal driving times. A station gets no more robots than
+    it and its queue hold.
 
     own  -- by robot, what hinders it from serving any mission
-    room -- at the stations, before any of these missions gets a robot
+    room -- at stations and chargers, before any of these missions gets a robot
     """
     own, room = dict(own), room.copy()
     assigned: List[Assigned] = []
@@ -63,7 +63,7 @@ def assign(missions: Sequence[Mission], own: Mapping[str, Hindrance],
         order = order[len(group):]
         able: List[Tuple[Mission, Sequence[str]]] = []
         left = room.copy()
-        # by the robots of missions of which none is free: what such a mission waits for
+        # what a mission waits for, by the names of its robots, if none of these robots is free
         busy: Dict[Tuple[str, ...], str] = {}
         for mission in group:
             names = acceptance.robots_for(mission.request)
@@ -123,7 +123,10 @@ def _on_the_way(mission: Mission, robot: ManagedRobot, network: RoadNetwork) -> 
 
 def _match(missions: Sequence[Tuple[Mission, Sequence[str]]], robots: Mapping[str, ManagedRobot],
            networks: Networks) -> List[Tuple[Mission, str]]:
-    """Gives missions to robots that can serve them: of each mission, the names of those."""
+    """Returns missions, each with the robot that is to serve it.
+
+    missions -- each with the names of the robots that can serve it
+    """
     useful = {name for _, able in missions for name in able}
     names = [name for name in robots if name in useful]
     numbers = {name: number for number, name in enumerate(names)}
@@ -155,9 +158,9 @@ def _all_alike(missions: Sequence[Mission]) -> bool:
 def why_nobody(mission: Mission, found: Mapping[str, Hindrance],
                robots: Mapping[str, ManagedRobot], now: float,
                room: StationRoom) -> Tuple[str, str]:
-    """Returns what a mission waits for, by the hindrances of its robots.
+    """Returns what a mission waits for, according to the hindrances of its robots.
 
-    Also returns the robot that could serve it if it were charged; empty: none.
+    The second value is the robot that could serve the mission after charging; empty: none.
     """
     names = list(found)
     serving = [robots[name] for name in names if not found[name].is_outage]
@@ -189,8 +192,10 @@ def _out_of_service(robots: Sequence[ManagedRobot]) -> str:
 
 
 def _unable(short: Sequence[ManagedRobot]) -> Tuple[str, str]:
-    """Returns why no free robot can serve a mission, and the fullest of those
-    that are short of charge.
+    """Returns why no free robot can serve a mission.
+
+    The second value is the robot with the longest range among `short`, the free robots that are
+    short of charge.
     """
     if not short:
         return 'none of the free robots can reach all its destinations', ''

@@ -20,7 +20,7 @@ class PlanRole(Enum):
 
     DRIVING = 'driving'     # it drives on along its granted edges
     STANDING = 'standing'   # it stands, and will follow its plan
-    OBSTACLE = 'obstacle'   # it is not planned for, and blocks all places where it may be
+    OBSTACLE = 'obstacle'   # it gets no plan, and blocks all places where it may be
     ABSENT = 'absent'       # it is not at the site
 
 
@@ -28,8 +28,9 @@ class Assumption(NamedTuple):
     """The assumption of a plan about one robot.
 
     generation -- generation of its route record
-    base, end  -- numbers in the record: the first edge of the plan, and the one behind its last
-    kind       -- its type, with its load
+    base       -- number in the record of the first edge of the plan
+    end        -- number in the record after the last granted edge
+    kind       -- its type, which depends on its load
     places     -- for an obstacle: the vertices, edges and areas where it may be
     errand     -- key of its errand
     reach      -- number of its mission's destinations that the plan includes; None: all
@@ -58,9 +59,9 @@ class World(NamedTuple):
 
 
 class WorldView:
-    """Finds out which robots and errands have changed from one look at the world to the next.
+    """Finds out which robots and errands have changed since the last call of `world`.
 
-    changes -- of the robots' route masters
+    changes -- those that the robots' route masters note
     """
 
     def __init__(self, robots: Mapping[str, ManagedRobot], changes: Changes) -> None:
@@ -74,7 +75,7 @@ class WorldView:
         """Returns the present world.
 
         serving -- the missions that robots serve, by robot
-        limits  -- how far robots may go, if not as far as they want
+        limits  -- how far robots may go; a robot without an entry has no limit
         """
         for name, robot in self._robots.items():
             mission, limit = serving.get(name), limits.get(name, NO_LIMIT)
@@ -97,7 +98,7 @@ class Assumptions:
     closed: FrozenSet[int]
     seed: int
     _held: Dict[str, Tuple[int, bool]] = field(default_factory=dict, compare=False, repr=False)
-    """The last version of each robot, and whether the assumption about it held; kept on demand."""
+    """The last version of each robot, and whether the assumption about this version held."""
 
     def misfits(self, world: World) -> AbstractSet[str]:
         """Returns robots about which the assumption does not hold."""
@@ -124,9 +125,7 @@ class Assumptions:
 
     @staticmethod
     def _is_used_up(before: Assumption, errand: Errand) -> bool:
-        """Returns whether the mission has reached the last destination but one
-        that the plan includes.
-        """
+        """Returns whether at most one destination that the plan includes is left."""
         return before.reach is not None and errand.mission is not None and (
             errand.mission.reached >= before.reach - 1)
 
@@ -151,7 +150,7 @@ def _role_of(robot: ManagedRobot, errand: Errand) -> PlanRole:
 
 def _places_of(robot: ManagedRobot,
                role: PlanRole) -> Tuple[FrozenSet[int], FrozenSet[int], FrozenSet[Area]]:
-    """Returns the vertices, edges and areas where an obstacle may be; of other roles none."""
+    """Returns the vertices, edges and areas where an obstacle may be; for other roles none."""
     return _places(robot.master.allocation) if role is PlanRole.OBSTACLE else _NOWHERE
 
 

@@ -6,7 +6,7 @@ import math
 from fleet_core.supervision.liveness import Liveness
 from fleet_core.supervision.settings import RobotSettings
 
-# s without a battery report, from a robot that reports otherwise, after which the charge is unknown
+# s without a battery report after which the charge is unknown, although the robot still reports
 MUTE = 60.0
 
 

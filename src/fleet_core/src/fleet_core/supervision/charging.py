@@ -1,16 +1,16 @@
 """Charging: which robots are to charge, until when, and to which charger they may go.
 
-    | a robot charges because         | until                                  | its missions |
-    |---------------------------------|----------------------------------------|--------------|
-    | its charge is below a threshold | another threshold                      | wait         |
-    | a mission that waits needs more | that threshold                         | wait         |
-    | it was asked to                 | the charge that was asked for          | wait         |
-    | it has nothing to do, and is    | that threshold, but another robot that | begin        |
-    | below a third threshold         | must charge gets its turn              |              |
+    | a robot charges because               | until its charge is            | its missions |
+    |---------------------------------------|--------------------------------|--------------|
+    | its charge is below `charge_below`    | `leave_above`                  | wait         |
+    | a waiting mission needs more charge   | `leave_above`                  | wait         |
+    | it was asked to charge                | the charge that was asked for  | wait         |
+    | it has nothing to do, and its charge  | `leave_above`; a robot that    | begin        |
+    | is below `idle_below`                 | must charge may take its turn  |              |
 
-The rules of the turns are those of `fleet_core.work.chargers`. Which robots are in a charger is
-what the claims say. A charger is out of order while its robots cannot get there: closed edges lead
-there, or devices that do not work.
+The thresholds are those of `RobotSettings`. The rules of the turns are those of
+`fleet_core.work.chargers`. The claims show which robots are in a charger. A charger is out of order
+while robots cannot get there, because edges are closed or devices do not work.
 """
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ class _Need(Enum):
 
 
 class _Stay(NamedTuple):
-    """A robot that stays in a charger, and is no candidate. `place`: None: between vertices."""
+    """A robot that stays in a charger, and is no candidate. `place` is None between vertices."""
 
     robot: str
     charger: str
@@ -70,8 +70,7 @@ class ChargerDesk:
     """Gives robots their turns at chargers. The other robots wait.
 
     waiting -- for each robot that must charge and has no turn: what it waits for, in words
-    leaving -- robots without work that are in a charger which is full, and for which another one
-               has a turn
+    leaving -- robots without work in a full charger for which another robot has a turn
     view    -- returns what is known of a device now
     """
 
@@ -84,19 +83,19 @@ class ChargerDesk:
         self._view = view
         self.at: Mapping[int, Charger] = {
             place: one for one in chargers.values() for place in one.places}
-        """Charger of each of its places."""
+        """By place, the charger to which it belongs."""
 
     @property
     def reserved(self) -> FrozenSet[int]:
-        """The places of chargers that have not room for a robot at each of their places.
+        """The places of chargers that do not have room for a robot at each of their places.
 
-        A robot that is parked at one of them keeps the others from being used.
+        A robot that is parked at one place would keep robots from the other places.
         """
         return frozenset(place for one in self._chargers.values()
                          if one.capacity < len(one.places) for place in one.places)
 
     def update(self, short: Collection[str], network: RoadNetwork, now: float) -> List[str]:
-        """Checks all batteries. Returns the robots that are to be stored.
+        """Checks all batteries. Returns the robots whose state is to be stored.
 
         short -- robots whose charge is too low for a mission that waits for them
         """
@@ -117,10 +116,10 @@ class ChargerDesk:
 
     def _candidate(self, robot: ManagedRobot, is_short: bool, network: RoadNetwork,
                    now: float) -> Optional[Candidate]:
-        """Returns a robot that is to charge, and can; None: it is not to, or cannot.
+        """Returns a robot as a candidate for a turn; None: it need not charge, or cannot.
 
-        A robot that stands at its charger is not sent away by an outage. A robot that works, but
-        whose battery does not report any more, might stay for ever: it must give up its turn.
+        A robot that stands at its charger keeps its turn during an outage. A robot that works, but
+        does not report its charge any more, must give up its turn: it might stay for ever.
         """
         if robot.works and robot.battery.is_mute(robot.liveness, now):
             if _has_to(robot, is_short) or (robot.battery.is_below_leaving
@@ -150,8 +149,9 @@ class ChargerDesk:
                             key=lambda dock: times[dock]))
 
     def _broken_at(self, dock: int, network: RoadNetwork, now: float) -> Set[str]:
-        """Returns the names of devices that do not work, and without
-        which no robot gets to a dock.
+        """Returns the names of broken devices that block the edges into a dock.
+
+        Empty: at least one edge is not blocked.
         """
         needs, graph = self._claims.needs, network.graph
         found: Set[str] = set()
@@ -188,15 +188,16 @@ class ChargerDesk:
                     yield _Stay(name, charger, None if robot is None else robot.record.last_vertex)
 
     def _going(self, serving: Mapping[str, Mission]) -> Dict[str, int]:
-        """Returns the places of chargers to which missions go now, by their robots."""
+        """Returns, by robot, the place of a charger to which its mission goes now."""
         return {name: mission.left[0] for name, mission in serving.items()
                 if mission.left and mission.left[0] in self.at and follows(mission)}
 
     def occupancies(self) -> Dict[str, Occupancy]:
         """Returns the robots that take the places of chargers, by the charger's name.
 
-        A robot that only tops up takes none: it yields to missions. One that stays for nothing at
-        the dock takes none either: it soon makes room, and the next robot comes meanwhile.
+        A robot that only tops up takes no place, because it gives way to missions. A robot whose
+        mission has no stay at the dock takes no place either: before the next robot comes, it makes
+        room.
         """
         serving = self._book.serving
         going = self._going(serving)
@@ -284,7 +285,7 @@ def _need_of(robot: ManagedRobot, is_short: bool) -> _Need:
 
 
 def _has_to(robot: ManagedRobot, is_short: bool) -> bool:
-    """Returns whether a robot has to charge, although it does not charge yet."""
+    """Returns whether a robot has to begin to charge."""
     battery = robot.battery
     return bool(robot.charge_until) or battery.is_low or is_short and battery.is_below_leaving
 

@@ -1,7 +1,8 @@
 """The device desk: what devices report, and the requests that they have not obeyed yet.
 
-A device is a door, a light or an air lock outside this program. Each request says all that is
-wanted of it, so a request that is lost or repeated does no harm, and an older one is not obeyed.
+A device is a door, a light or an air lock outside this program. Each request contains everything
+that is wanted of the device. So a lost or repeated request does no harm. A device does not obey a
+request that is older than the last one.
 """
 from __future__ import annotations
 
@@ -15,7 +16,7 @@ from fleet_core.supervision.actions import AskDevice
 from route_protocol.devices import DeviceMode, DeviceReport, DeviceUse
 
 FRESH = 3.0   # s for which a reading counts
-REPEAT = 1.0  # s between two requests that no report shows
+REPEAT = 1.0  # s after which a request that no report shows is sent again
 AHEAD = 0.2   # s by which the clock of the program that reads devices may be ahead
 
 
@@ -41,7 +42,7 @@ class _Sent(NamedTuple):
 class DeviceDesk:
     """The newest report of each device.
 
-    claims  -- the claims of all robots; the desk tells which devices are open
+    claims  -- the claims of all robots; the desk notes there which devices are open
     unknown -- returns the names of the robots that may be anywhere
     """
 
@@ -51,10 +52,10 @@ class DeviceDesk:
         self._sent: Dict[str, _Sent] = {}
 
     def report(self, report: DeviceReport, now: float) -> None:
-        """Handles a report. One that was made before the newest changes nothing.
+        """Handles a report. A report that is older than the newest one changes nothing.
 
-        Its times are those of the supervisor's clock. A reading that was made after now is of a
-        wrong clock, and so its age is not known.
+        Its times are those of the supervisor's clock. If a reading was made more than AHEAD s after
+        `now`, its clock is wrong, so its age is unknown.
         """
         name = report.device
         resource = self._claims.needs.resources.get(name)
@@ -71,7 +72,7 @@ class DeviceDesk:
             self._claims.outnumber(number)
 
     def update_open(self, now: float) -> None:
-        """Tells the interlocking which devices are open now, by fresh reports."""
+        """Tells the interlocking which devices are open now according to fresh reports."""
         self._claims.open_for = {
             name: own.number for name, report in self._reports.items() for own in (_own(report),)
             if report.mode is DeviceMode.OPEN and own.holds and _is_fresh(report, now)}
@@ -104,7 +105,7 @@ class DeviceDesk:
 
 
 def _own(report: DeviceReport) -> DeviceUse:
-    """Returns what the device obeys of the fleet manager."""
+    """Returns the use of the device that the fleet manager requested and the device obeys."""
     return report.use_of(ME) or DeviceUse(ME, DeviceMode.CLOSED, 0, 0.0)
 
 

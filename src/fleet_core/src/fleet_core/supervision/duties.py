@@ -1,4 +1,4 @@
-"""The errand of each robot: the input of the planner, and the limit of the grants."""
+"""The errand of each robot, from which the planner's task and the limit of grants follow."""
 from __future__ import annotations
 
 import math
@@ -32,12 +32,12 @@ ErrandKey = Tuple[Duty, int, int, int, int]
 class StationLimit(NamedTuple):
     """How far the stations let a robot go.
 
-    reach  -- number of its mission's destinations up to the next station for which it has no turn;
+    reach  -- number of its mission's destinations before the next station for which it has no turn;
               None: it has no such station ahead
     waits  -- its next destination is at that station
-    place  -- the queue place at which it waits; None: where it is
+    place  -- the queue place at which it waits; None: it waits where it is
     is_there -- the edges that it was granted end at that queue place
-    leaves -- it has no business in the station where it is, and another robot waits for that
+    leaves -- it has no work at its station or charger, for which another robot waits
     """
 
     reach: Optional[int] = None
@@ -56,7 +56,7 @@ class Errand:
 
     mission -- the mission that it serves, paused or not
     place   -- the dock at which it is to charge, or the queue place at which it waits
-    limit   -- how far it may go, and whether it must
+    limit   -- how far it may go, and whether it must leave
     """
 
     duty: Duty = Duty.IDLE
@@ -68,8 +68,8 @@ class Errand:
     def key(self) -> ErrandKey:
         """A key that stays the same as long as a plan for the errand is useful.
 
-        A stay without an end is planned to last long. So the key changes when such a stay ends. A
-        robot that had to leave its queue place is to be planned back.
+        A stay without an end is planned to last long. So the key changes when such a stay ends. The
+        key also changes when a robot had to leave its queue place, so that a plan leads it back.
         """
         if self.mission is None or self.duty is Duty.QUEUE:
             return self.duty, self.place or 0, int(self.limit.is_there), 0, 0
@@ -84,9 +84,7 @@ class Errand:
 
     @property
     def is_to_drive(self) -> bool:
-        """Whether the robot is to be somewhere else than where it is, so
-        that others make room for it.
-        """
+        """Whether the robot is to leave the place where it is. Then others make room for it."""
         if self.duty is Duty.QUEUE:
             return self.limit.leaves or self.place is not None and not self.limit.is_there
         return self.limit.leaves or self.duty in (Duty.MISSION, Duty.CHARGE)
@@ -110,7 +108,7 @@ def follows(mission: Mission) -> bool:
 class Visits(NamedTuple):
     """The next destinations of a mission, and the seconds to stay at each (empty: no stays).
 
-    reach -- number of the mission's destinations up to the last one here; None: all
+    reach -- number of the mission's destinations up to the last of `destinations`; None: all
     """
 
     destinations: Tuple[int, ...]
@@ -120,7 +118,7 @@ class Visits(NamedTuple):
 
 def to_visit(released: Iterable[int], graph: Graph, mission: Mission, now: float,
              end: Optional[int] = None) -> Visits:
-    """Returns the next destinations behind those that the released edges ahead visit already.
+    """Returns the next destinations after those that the released edges ahead visit already.
 
     end -- number of destinations that the robot may visit now; None: all
     """
@@ -142,13 +140,14 @@ def goes_until(robot: ManagedRobot, errand: Errand, own: RobotPlan, asked: bool,
                reach: Optional[int] = None) -> int:
     """Returns the number of the edge in the record before which a robot must stop in any case.
 
+    asked -- another robot, or a station, needs the robot's place
     reach -- number of its mission's destinations that the plan includes; None: all
 
     - On a mission, the robot stops at a destination where it stays, and at the last one that the
       plan includes.
     - In a queue, it stops at its queue place.
-    - An idle robot, and one whose plan does not lead to its destination, stops where it is, unless
-      another robot asks it to make room.
+    - An idle robot, and a robot whose plan does not lead to its destination, stops where it is,
+      unless it is asked to make room.
     """
     record = robot.record
     end = own.base + len(own.drives)
@@ -168,9 +167,9 @@ def goes_until(robot: ManagedRobot, errand: Errand, own: RobotPlan, asked: bool,
 
 
 def _end_at(errand: Errand, own: RobotPlan, robot: ManagedRobot) -> int:
-    """Returns the number of the edge behind the one that leads to the queue place.
+    """Returns the number after the edge that leads to the queue place.
 
-    Else where it is.
+    If the robot is there, or its plan does not lead there: the end of its record.
     """
     record = robot.record
     if errand.limit.is_there:
@@ -184,7 +183,7 @@ def _next_stop(graph: Graph, drives: Sequence[PlannedDrive], mission: Mission,
                reach: Optional[int]) -> Optional[int]:
     """Returns the number of drives to the next destination at which the robot stops.
 
-    None: not reached.
+    None: the drives do not lead to such a destination.
     """
     request, index = mission.request, mission.reached
     last = len(request.destinations) if reach is None else reach

@@ -1,8 +1,9 @@
-"""Stops all robots while no supervisor can do it: before there is a graph, or while it hangs.
+"""Stops all robots while no supervisor can do so: without a graph, or while the supervisor hangs.
 
-Each robot gets a stop with the number 0: it begins a new epoch, so no order that is on its way is
-obeyed. As soon as the supervisor can, it stops the robots again by its own rules. If a supervisor
-hung and was killed, its successor stops the fleet when robots report such an epoch.
+Each robot gets a stop with the number 0. Such a stop begins a new epoch, so the robot obeys no
+order that is still on its way. As soon as the supervisor can, it stops the robots once more, in its
+usual way. If a supervisor hung and was killed, its successor stops the fleet when robots report
+such an epoch.
 """
 from __future__ import annotations
 
@@ -14,7 +15,7 @@ from fleet_core.supervision.fleet_stop import FleetStop
 from route_protocol.master import REPEAT, Order
 
 STOP = Order(0, 0, 0, ())
-"""A stop past the supervisor."""
+"""A stop that bypasses the supervisor."""
 
 
 class EarlyStop:

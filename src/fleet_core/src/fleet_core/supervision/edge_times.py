@@ -1,9 +1,9 @@
 """Driving times of edges, learned from the running fleet and kept only while it runs.
 
 A nominal time is length over speed. The cost of bends, turns, doors and people shows only during
-operation. The usual loss of a robot type on its edges is divided out: otherwise each edge on which
-no robot has driven yet would look faster than the known ones. Safety depends on the order of use,
-never on times.
+operation. The learned times are divided by the usual delay factor of the robot type. Otherwise each
+edge on which no robot has driven yet would look faster than the known edges. Safety depends on the
+order of use, never on times.
 """
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from typing import Callable, Deque, Dict, NamedTuple, Optional, Tuple
 from fleet_core.interlocking.route_record import RouteRecord
 from fleet_core.planning.plan_requests import Times
 
-KEPT = 9         # drives of an edge whose median is taken, so that one long wait does not count
+KEPT = 9         # number of last drives of an edge; their median ignores a single long wait
 ENOUGH = 3       # number of drives after which the median replaces the nominal time
 # relative change of a time that justifies a new table, after which planners must prepare again
 WORTH_IT = 0.2
@@ -65,10 +65,11 @@ class EdgeTimer:
 
 
 class _TypeTotals:
-    """What all robots of a type have driven.
+    """The totals of all robots of a type.
 
-    needed, nominal -- the sums, over the edges driven, of the medians and of the nominal times, s
-    drives          -- number of drives
+    needed  -- sum of the medians of all driven edges, s
+    nominal -- sum of the nominal times of the same edges, s
+    drives  -- number of drives
     """
 
     __slots__ = ('needed', 'nominal', 'drives')
@@ -79,9 +80,9 @@ class _TypeTotals:
 
 
 class EdgeTimes:
-    """The times learned so far. Planner and assignment use `table`, people are told `expected`.
+    """The times learned so far. Planner and assignment use `table`; displays use `expected`.
 
-    nominal -- seconds for a robot type's name and signed edge, by length and speed
+    nominal -- returns length / speed, in s, for the name of a robot type and a signed edge id
     """
 
     def __init__(self, nominal: Callable[[str, int], float]) -> None:
@@ -89,7 +90,7 @@ class EdgeTimes:
         self.table: Times = MappingProxyType({})
         self._latest: Dict[Tuple[str, int], Deque[float]] = {}
         self._medians: Dict[Tuple[str, int], float] = {}
-        """Of the edges that were driven ENOUGH times."""
+        """The median times of the edges that were driven ENOUGH times."""
         self._of_types: Dict[str, _TypeTotals] = {}
         self._looked = -inf
 
@@ -112,10 +113,9 @@ class EdgeTimes:
             self._medians[key] = middle
 
     def usual(self, kind: str) -> float:
-        """Returns the time that robots of a type need for the edges that they drove, by the nominal
-        one.
+        """Returns the ratio of needed to nominal time, for the edges that robots of a type drove.
 
-        It is 1 until ENOUGH edges were driven.
+        It is 1 until they have made ENOUGH drives.
         """
         driven = self._of_types.get(kind)
         return driven.needed / driven.nominal if driven and driven.drives >= ENOUGH else 1.0

@@ -1,6 +1,7 @@
-"""The record of a fleet stop: its author, time and reason. The supervisor owns it.
+"""The record of a fleet stop: its author, time and reason. The supervisor owns the record.
 
-It lasts until a person lets the fleet go on, also over restarts, because the journal keeps it.
+The stop lasts until a person lets the fleet go on. It outlasts restarts, because the journal keeps
+the record.
 """
 from __future__ import annotations
 
@@ -30,7 +31,7 @@ class FleetStop:
 
     by    -- the person or program that stopped it; empty: none is named
     since -- s since 1970; 0: unknown
-    why   -- what happened, as a clause; empty: `cause` says it all
+    why   -- what happened, as a clause; empty: `cause` says everything
     """
 
     cause: StopCause = StopCause.NONE
@@ -44,7 +45,7 @@ class FleetStop:
         return self.cause is not StopCause.NONE
 
     def words(self, now: float) -> str:
-        """Tells people of the stop, in local time; empty: the fleet is not stopped.
+        """Returns a text about the stop, in local time; empty: the fleet is not stopped.
 
         now -- s since 1970
         """

@@ -1,4 +1,4 @@
-"""The state of each robot, and its plan with the released part, as the fleet is published."""
+"""The state of each robot, and its plan with the released part, as published for the fleet."""
 from __future__ import annotations
 
 import math
@@ -45,8 +45,10 @@ class RobotState(IntEnum):
         return _WORDS.get(self, self.name.lower().replace('_', ' '))
 
     def words_with(self, waits_for: int) -> str:
-        """Returns `words`, but `working` for a busy robot that waits for a step (WaitCode), and
-        `needs a person` for one that waits for an answer, or to be unloaded.
+        """Returns `words`, with two exceptions: `working` for a busy robot that waits for a step,
+        and `needs a person` for a robot that waits for an answer, or to be unloaded.
+
+        waits_for -- a WaitCode
         """
         if self in (self.IDLE, self.BUSY) and waits_for == WaitCode.PERSON:
             return ASKS
@@ -58,7 +60,7 @@ LOAD_WORDS: Mapping[LoadState, str] = {
     LoadState.LOADED: 'load of {mission}', LoadState.UNKNOWN: 'load unknown'}
 """What a robot carries, as people read it; `mission`: the short name of the load's mission."""
 LOAD_MOVES = 'load is being moved'
-"""The same while a step takes or gives it. No person has to look at the robot then."""
+"""The words while a step takes or gives the load. Then no person has to look at the robot."""
 _WORDS = {RobotState.BUSY: 'driving', RobotState.STOPPED: 'emergency stop',
           RobotState.OFF_GRAPH: 'off the graph', RobotState.UNKNOWN: 'place unknown'}
 _OF_OUTAGE = {
@@ -78,7 +80,7 @@ class RobotView:
     battery     -- state of charge; NaN: unknown
     mission     -- request id of the mission that it serves
     destination -- vertex to which it drives; None: none
-    to_go       -- time until it is there, and until its mission ends, in s of the robot's clock
+    to_go       -- s of the robot's clock until it is there, and until its mission ends
     load        -- what it carries
 
     Each attribute is a field of the published state.
@@ -100,11 +102,11 @@ class RobotView:
 
 @dataclass(frozen=True)
 class FleetView:
-    """What displays and diagnoses are told about the fleet at one moment.
+    """The state of the fleet at one moment, for displays and diagnoses.
 
-    trouble  -- why nothing can be stored, as a clause; empty: it can be stored
-    stop     -- the stop of the fleet; not in force: it is not stopped
-    no_plan  -- why there is no plan, as a clause; empty: there is one, or none is needed yet
+    trouble  -- why nothing can be stored, as a clause; empty: data can be stored
+    stop     -- the stop of the fleet; if it is not in force, the fleet is not stopped
+    no_plan  -- why there is no plan, as a clause; empty: there is a plan, or none is needed yet
     unserved -- the robots for which the plan has no path
     """
 
@@ -127,7 +129,7 @@ class DriveView(NamedTuple):
 
 
 def fleet_view(supervisor: Supervisor, now: float) -> FleetView:
-    """Returns what is told about the fleet at the supervisor's time `now`."""
+    """Returns the state of the fleet at the supervisor's time `now`."""
     executor = supervisor.plan_executor
     return FleetView(
         robot_views(supervisor, now), resource_views(supervisor, now),
@@ -136,8 +138,8 @@ def fleet_view(supervisor: Supervisor, now: float) -> FleetView:
 
 
 def robot_views(supervisor: Supervisor, now: float) -> List[RobotView]:
-    """Returns all robots of the fleet, and those that left the fleet file but still block
-    places.
+    """Returns all robots of the fleet, and the robots that are not in the fleet file any more but
+    still block places.
     """
     errands = supervisor.errands()
     return [*(_view(robot, errands[name], supervisor, now)
@@ -188,7 +190,8 @@ def _removed_view(robot: RemovedRobot, supervisor: Supervisor) -> RobotView:
 class PlanProgress(NamedTuple):
     """A plan and its progress. Both stay unchanged while other threads read them.
 
-    robots -- by name, the numbers of the edge that it drives on, and behind the last one granted
+    robots -- by name, the number of the edge on which it drives, and the number after its last
+              granted edge
     """
 
     plan: PlanInForce

@@ -1,4 +1,4 @@
-"""Hindrances: why a robot does not get a mission that waits. The assignment judges by them."""
+"""Hindrances: why a robot does not get a mission that waits. The assignment uses them."""
 from __future__ import annotations
 
 from enum import IntEnum
@@ -8,7 +8,7 @@ from typing import Mapping
 class Hindrance(IntEnum):
     """Why a robot cannot serve a mission, as in itrci_nav_msgs/RobotHindrance.
 
-    Of several that apply, the first one counts.
+    If several apply, the first of them in this list counts.
     """
 
     NONE = 0
@@ -32,7 +32,7 @@ class Hindrance(IntEnum):
 
     @property
     def is_free(self) -> bool:
-        """Whether the robot waits for a mission, if not for this one."""
+        """Whether the robot is free for missions, although perhaps not for this one."""
         return self in (Hindrance.NONE, Hindrance.NO_WAY, Hindrance.BATTERY, Hindrance.FULL)
 
 

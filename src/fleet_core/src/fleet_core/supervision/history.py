@@ -42,7 +42,7 @@ class HistoryLine(NamedTuple):
 
     @property
     def took(self) -> Optional[float]:
-        """s from start to end; None: one of the two did not happen."""
+        """s from start to end; None: it has not started, or has not ended."""
         return None if self.started is None or self.ended is None else self.ended - self.started
 
 
@@ -104,10 +104,12 @@ def history(path: str, since: float = -math.inf) -> Iterator[HistoryLine]:
 
 
 def _opened(path: str) -> Tuple[sqlite3.Connection, Callable[[], bool]]:
-    """Opens a journal to read it, and tells whether what was read is the content of one moment.
+    """Opens a journal for reading.
 
-    SQLite takes care of that with files beside the journal. In a folder that this process may not
-    write, SQLite cannot make them. If no supervisor has made them, the journal is read as it is.
+    The second value is a function. It returns whether all that was read is the content of one
+    moment. SQLite ensures this with files beside the journal. In a folder that this process may not
+    write, SQLite cannot make these files. If no supervisor has made them, the journal is read as it
+    is.
     """
     address = f'file:{quote(os.path.abspath(path))}?mode=ro'
     if os.path.exists(f'{path}-wal') or os.access(os.path.dirname(os.path.abspath(path)), os.W_OK):

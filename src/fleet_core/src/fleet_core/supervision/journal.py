@@ -1,8 +1,8 @@
-"""The journal: an SQLite file of missions, robots and the counter of route ids for a restart.
+"""The journal: an SQLite file with all data that the supervisor needs after a restart.
 
 All data are on the disk before they are published, and before a robot is sent an order that depends
-on them: the supervisor stores once for each event and acts after that. The file also keeps the
-history of each mission.
+on them: the supervisor stores once for each event, and then acts. The file also keeps the history
+of each mission.
 """
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ from json_records import from_json, to_json
 from route_protocol.master import MasterState, Step
 from trajectory_graph import CurveType, Edge, Graph, Vertex
 
-_LONGEST_NUMBER = 30  # number of characters in the file beside the journal
+_LONGEST_NUMBER = 30  # maximum number of characters read from the file beside the journal
 OPEN_STATES = f'({", ".join(str(int(state)) for state in MissionState if state.is_open)})'
 """The states of missions that have not ended, in SQL."""
 _MISSION = 'serial, request, state, robot, reached, reason, deadline_state'
@@ -75,7 +75,7 @@ class RobotMemory(NamedTuple):
     tops_up: bool = False
 
 
-_ADDED_TO_WORK = ('group', 'device', 'load_type')  # fields that stops and steps have got
+_ADDED_TO_WORK = ('group', 'device', 'load_type')  # fields of stops and steps in later versions
 _NOTHING: Mapping[Any, Any] = MappingProxyType({})
 
 
@@ -122,11 +122,11 @@ class Journal:
         """Stores all given data on the disk in one transaction.
 
         missions -- the missions that have changed
-        robots   -- by name, what a robot may hold; None: it holds nothing any more
+        robots   -- by name, the state of a robot; None: it has left the fleet for good
         values   -- numbers by name
         graph    -- the graph to which the robots' data refer
         stays    -- by the serial of a mission, how long ago (s) it began to stay where it is
-        stop     -- whether the fleet is stopped; None: as before
+        stop     -- whether the fleet is stopped; None: unchanged
         works    -- by the serial of a mission, the progress of its steps; None: it has ended
         loads    -- by name, what a robot carries
         claims   -- by name, all resources that a robot claims
@@ -256,14 +256,14 @@ class Journal:
                 for serial, text in self._run('SELECT serial, work FROM work')}
 
     def loads(self) -> Dict[str, RobotLoad]:
-        """Returns, by name, what each robot carries. A robot that never had a load is not in it."""
+        """Returns, by name, what each robot carries. A robot that never had a load has no entry."""
         return {name: from_json(RobotLoad, json.loads(text), added=('types',))
                 for name, text in self._run('SELECT robot, load FROM load')}
 
     def claims(self) -> Dict[str, FrozenSet[str]]:
         """Returns, by name, the resources that each robot claims.
 
-        A robot without claims is not in it.
+        A robot without claims has no entry.
         """
         found: Dict[str, Set[str]] = {}
         for name, resource in self._run('SELECT robot, resource FROM claim'):
@@ -271,7 +271,7 @@ class Journal:
         return {name: frozenset(resources) for name, resources in found.items()}
 
     def find(self, request: Request) -> Optional[Mission]:
-        """Returns the last mission that exactly this request became, however long ago it ended.
+        """Returns the last mission made from exactly this request, however long ago it ended.
 
         Raises JournalUnavailable.
         """
@@ -379,9 +379,9 @@ def _areas(stored: Iterable[Sequence[Any]]) -> Tuple[Area, ...]:
 
 
 def _of_version_1(stored: Dict[str, Any]) -> Memory:
-    """Reads an entry of 1.0 and earlier, which has no numbers of orders.
+    """Reads an entry of version 1.0 or earlier, which has no order numbers.
 
-    The robot holds all edges of that entry until it was told to stop, and stands.
+    The robot holds all edges of the entry until it has obeyed a stop and stands.
     """
     outliers, lost, foreign, reach, location, is_absent, *_ = stored.get('evidence') or (
         (), (), (), 0.0, None, False)

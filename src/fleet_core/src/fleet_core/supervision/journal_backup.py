@@ -27,11 +27,11 @@ def copy_database(path: str, copy: str) -> None:
 
 
 def make_as_lost(path: str, clock: Callable[[], float] = time.time) -> int:
-    """Removes from an old journal all that may be outdated. Returns how many missions ended.
+    """Removes everything that may be outdated from an old journal. Returns how many missions ended.
 
     Robots and missions went on after the copy was made. So the fleet manager must begin as with a
-    lost journal: it knows no robot, route or open mission, and learns them from the robots'
-    reports. The history stays. Raises JournalError.
+    lost journal: without robots, routes and open missions. Then robots report where they are. The
+    history stays. Raises JournalError.
     """
     file = JournalDatabase(path)
     try:

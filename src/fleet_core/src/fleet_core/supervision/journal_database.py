@@ -70,7 +70,7 @@ class NoJournal(JournalError):
 
 
 class UnknownLayout(JournalError):
-    """The file is a database, but no journal that this version can read."""
+    """The file is a database, but not a journal that this version can read."""
 
     def __init__(self, path: str, what: str) -> None:
         super().__init__(f'The journal {os.path.abspath(path)} cannot be used: {what}. Choose '
@@ -141,8 +141,8 @@ class JournalDatabase:
     def transaction(self) -> Iterator[sqlite3.Connection]:
         """Yields a transaction: at its end either all of its changes are on the disk, or none.
 
-        Raises JournalUnavailable, also if the file is not the one of the last commit: data written
-        to a file that was deleted or replaced are lost.
+        Raises JournalUnavailable, also if the file is not the file of the last commit. Data would
+        be lost if they were written to a file that was deleted or replaced.
         """
         self._check()
         try:
@@ -170,7 +170,7 @@ class JournalDatabase:
                                                     'which then begins as with a lost journal')
 
     def _identities(self) -> Tuple[_Identity, ...]:
-        """Identities of the database, and of the log that contains its last commits."""
+        """Returns the identities of the database, and of the log with its last commits."""
         assert self._head is not None
         found = os.stat(self._path)
         log = self._path + '-wal'

@@ -1,8 +1,8 @@
 """The types of robots with loads.
 
-A robot with a load is a robot of another type (`fleet.RobotType`): it has another radius and
-another speed, and edges that are closed to it. So the planner and the interlocking need no rule of
-their own for loads, and a site without types of load has no such types of robots.
+A robot with a load is a robot of another type (`fleet.RobotType`). This type has another radius and
+another speed, and edges that are closed to it. So the planner and the interlocking need no rules
+for loads. A site without types of load has no such types of robots.
 """
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ from fleet_core.work.loads import LoadType
 
 
 class LadenTypes:
-    """The robot types of a fleet, with each load.
+    """For each robot type of a fleet, its types with each type of load.
 
-    A robot that may carry several types of load, or one whose type is not known, has the
-    largest radius, the lowest speed, and the closed edges of all.
+    A robot that may carry one of several types of load, or a load of unknown type, has the largest
+    radius, the lowest speed, and all closed edges of these types of load.
 
-    loads -- by name, those of the site
-    types -- of the fleet, without loads
+    loads -- the types of load of the site, by name
+    types -- the robot types of the fleet, without loads
     """
 
     def __init__(self, loads: Mapping[str, LoadType], types: Iterable[RobotType]) -> None:
@@ -34,7 +34,7 @@ class LadenTypes:
                 self._add(kind, _ANY, _strictest(loads.values()))
         self.types: Tuple[RobotType, ...] = tuple(dict.fromkeys(
             kind for kind in (*self._laden.values(), *self._ready.values()) if kind.without_load))
-        """All of them, besides those of the fleet."""
+        """All types that were made for loads, without the types of the fleet."""
 
     def __bool__(self) -> bool:
         """Returns whether the site has any type of load."""
@@ -51,7 +51,7 @@ class LadenTypes:
             own_speed=kind.speed)
 
     def laden(self, kind: RobotType, loads: AbstractSet[str]) -> RobotType:
-        """Returns the type of a robot that may carry these types of load.
+        """Returns the type of a robot that may carry any of these types of load.
 
         kind -- its type without load
         """

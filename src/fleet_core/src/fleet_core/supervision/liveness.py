@@ -21,7 +21,7 @@ class Liveness:
         self.since = -math.inf
         """Time since which it has reported without a silence."""
         self.stands = False
-        """Did the last report say that it stands?"""
+        """Whether the last report says that the robot stands."""
         self._pose = Pose()
         self._moved = -math.inf      # when it was last seen to move from _pose, or first seen
         self._answered = -math.inf   # when it last had no order to answer, or took one up

@@ -1,13 +1,13 @@
-"""Places at which robots stand, too near to those at which others take, bring or hold a load.
+"""Finds places at which a robot stands too near to places where other robots have loads.
 
-A robot with a load may need more room than without it (`load_room`). While another one waits at a
-queue place that is too near, charges at such a dock, or works at such a place, it gets neither its
-load nor the last edge to its stop. The other one is sent away first, which takes time; if it cannot
-leave, the load stays where it is.
+A robot with a load may need more room than without it (`load_room`). Another robot may be too near:
+at a queue place, at a dock, or at a place of a station. While it is there, the first robot gets
+neither its load nor the last edge to its stop. To send the other robot away takes time. If it
+cannot leave, the load stays where it is.
 
 What robots carry follows from the templates and the steps of jobs. A parameter may stand for each
-place of a station, and for what timetables give. Missions that are sent with stops of their own
-are not known before.
+place of a station, and for the places that timetables name. Missions that are sent with stops of
+their own are not known in advance.
 """
 from __future__ import annotations
 
@@ -40,13 +40,13 @@ from trajectory_graph import Graph
 class TooNear:
     """A place at which a robot stands in the way of loads.
 
-    other    -- the vertex
-    what     -- what it is, in words: a queue place, a place, or a dock
-    place    -- the vertex of the loads
-    loads    -- names of their types
-    distance -- m between the two
-    needed   -- m that robots need there
-    is_queue -- robots wait at `place` with their loads; False: they take or bring them there
+    other    -- the vertex of this place
+    what     -- its kind and name, in words: a queue place, a place of a station, or a dock
+    place    -- the vertex at which robots have loads
+    loads    -- names of the types of these loads
+    distance -- m between the two vertices
+    needed   -- m that must be between robots at the two vertices
+    is_queue -- robots wait at `place` with their loads; False: they take or bring loads there
     """
 
     other: int
@@ -70,8 +70,8 @@ class TooNear:
 class _Stay(NamedTuple):
     """What robots carry at some places.
 
-    comes -- types of load with which they come
-    has   -- types that they carry there at some time
+    comes -- types of load with which they arrive
+    has   -- types of load that they carry there at some time
     """
 
     places: Tuple[int, ...]
@@ -80,7 +80,7 @@ class _Stay(NamedTuple):
 
 
 class _Stand(NamedTuple):
-    """A vertex at which a robot may stand. `loads`: what it may carry there."""
+    """A vertex at which robots of some types may stand. `loads`: what they may carry there."""
 
     vertex: int
     what: str
@@ -89,7 +89,7 @@ class _Stand(NamedTuple):
 
 
 def too_near(work: SiteWork, fleet: Fleet, graph: Graph) -> Tuple[TooNear, ...]:
-    """Returns the places that keep robots from their loads, by the widest robots of a fleet."""
+    """Returns the places that keep robots from their loads, for the widest robots of a fleet."""
     if not any(load.radius for load in work.loads.values()):
         return ()
     laden = LadenTypes(work.loads, fleet.all_types)
@@ -127,7 +127,8 @@ def too_near(work: SiteWork, fleet: Fleet, graph: Graph) -> Tuple[TooNear, ...]:
 
 
 def _queues(work: SiteWork, fleet: Fleet, comes: Dict[int, Set[str]]) -> List[_Stand]:
-    """Returns the queue places of all stations, where robots wait with what they bring."""
+    """Returns the queue places of all stations, where robots wait with the loads that they bring.
+    """
     return [_Stand(vertex, f'queue place {vertex} of station {station.name}', fleet.all_types,
                    {load for one in station.places for load in comes.get(one, ())})
             for station in work.stations.values() for vertex in station.queue]
@@ -135,7 +136,7 @@ def _queues(work: SiteWork, fleet: Fleet, comes: Dict[int, Set[str]]) -> List[_S
 
 def _stands(work: SiteWork, fleet: Fleet, graph: Graph, place: int,
             has: Dict[int, Set[str]]) -> Iterator[_Stand]:
-    """Yields where other robots may stand while one is at a place, besides queue places."""
+    """Yields where other robots may stand while a robot is at `place`, except queue places."""
     kinds = fleet.all_types
     for station in work.stations.values():
         if place not in station.places or station.capacity > 1:
@@ -149,7 +150,10 @@ def _stands(work: SiteWork, fleet: Fleet, graph: Graph, place: int,
 
 
 def _others(places: Iterable[int], place: int, has: Dict[int, Set[str]]) -> List[int]:
-    """Returns the other places of a station; of two with loads, each pair is found once."""
+    """Returns the other places of a station, without lower ones that have loads.
+
+    For such a pair of places, the call for the lower one finds the other one.
+    """
     return [vertex for vertex in places
             if vertex != place and not (vertex < place and has.get(vertex))]
 

@@ -1,15 +1,15 @@
 """The room that robots hold for their loads.
 
-A robot with a load is a robot of another type (`laden_types`). Its radius may be larger, so
-becoming one is like a grant: it needs that no other robot's allocation excludes its own with that
-radius.
+A robot with a load has another type (`laden_types`). The radius of this type may be larger, so the
+change to it is like a grant: the robot's allocation with this radius must not exclude any other
+robot's allocation.
 
-- From when its next stop takes a load, a robot becomes one that has the room for it, as soon as
-  no robot is in its way: mostly long before it is there. So the planner knows, and leads others
-  away.
-- The step that takes the load does not begin before that.
-- What a robot carries, or may carry, counts at once, also by what a person says. If others are too
-  near then, the interlocking grants them nothing, as with all evidence.
+- If the next stop of a robot takes a load, the robot gets a type with room for the load. It gets
+  this type as soon as no other robot is in the way, mostly long before it arrives at the stop. So
+  the planner takes the room into account, and leads other robots away.
+- The step that takes the load does not begin before the robot has this type.
+- A load that a robot carries, or may carry, counts at once, also if only a person says so. If other
+  robots are too near at that time, the interlocking grants them nothing, as after any evidence.
 """
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ from fleet_core.supervision.work_desk import WorkDesk
 
 
 class LoadRoom:
-    """Lets each robot count as one of the type that its load needs.
+    """Gives each robot the type that its load requires.
 
     laden  -- the types of the fleet's robots with each load of the site
     robots -- by name, each of its type without load
@@ -43,7 +43,7 @@ class LoadRoom:
             self._become(name, self._at_least(name))
 
     def follow(self, interlocking: Interlocking) -> List[str]:
-        """Lets the robots follow their loads and their next stops. Returns those that changed."""
+        """Updates the types of the robots. Returns the robots whose type has changed."""
         if not self._laden:
             return []
         self.in_the_way.clear()
@@ -61,7 +61,8 @@ class LoadRoom:
         return changed
 
     def to_be_made(self) -> RoomForLoads:
-        """Returns what others must leave, so that robots that stand at their stops can take loads.
+        """Returns which robots must leave, and which vertices must stay free, so that robots at
+        their stops can take loads.
         """
         robots: Set[str] = set()
         places: Set[int] = set()
@@ -80,14 +81,14 @@ class LoadRoom:
             ids[place] for place in places if place < len(ids)))
 
     def lacks_room(self, name: str, loads: AbstractSet[str]) -> bool:
-        """Returns whether a robot may not take these types of load yet: it has no room for them."""
+        """Returns whether a robot has no room yet to take these types of load."""
         if not self._laden:
             return False
         needed = self._laden.laden(self._own[name], self._desk.load(name).may_be | loads)
         return self._robots[name].type.reach < needed.reach
 
     def _at_least(self, name: str) -> RobotType:
-        """Returns the type of a robot by what it carries, or may carry."""
+        """Returns the type of a robot for the load that it carries, or may carry."""
         return self._laden.laden(self._own[name], self._desk.load(name).may_be)
 
     def _wanted(self, name: str) -> RobotType:

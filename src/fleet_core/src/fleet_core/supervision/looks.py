@@ -25,15 +25,15 @@ class QueueState(Enum):
 def queue_words(station: str, number: int, robot: str, is_there: bool) -> str:
     """Returns the words of a queue place.
 
-    `number`: from 1; `robot`: that has it; empty: none has.
+    number -- of the queue place, from 1
+    robot  -- the robot to which the place is given; empty: the place is free
     """
     state = QueueState.FREE if not robot else QueueState.TAKEN if is_there else QueueState.COMING
     return state.value.format(station=station, number=number, robot=robot)
 
 
 class ResourceLook(Enum):
-    """How a resource or a machine looks; each look has its colour. The value says what it is for.
-    """
+    """How a resource or a machine looks; each look has its colour. The value says what it shows."""
 
     PLACE = 'a station or zone, or a machine that is free'
     OPEN = 'a device that is open, or a machine at work'
@@ -53,7 +53,7 @@ LOOK_OF_MACHINE: Mapping[MachineState, ResourceLook] = {
 def look_of_resource(mode: Optional[DeviceMode], claims: Collection[ClaimState]) -> ResourceLook:
     """Returns the look of a resource.
 
-    mode -- what its device shows; None: it has none
+    mode -- what its device shows; None: it has no device
     """
     if ClaimState.LOST in claims:
         return ResourceLook.TROUBLE

@@ -1,4 +1,4 @@
-"""What each machine reports, and for which robot it works, as the fleet is published."""
+"""The state of each machine, and the robot for which it works, as published for the fleet."""
 from __future__ import annotations
 
 from dataclasses import dataclass
@@ -35,10 +35,11 @@ _WORDS = {MachineState.SILENT: 'offline', MachineState.FREE: 'free',
 class MachineView:
     """The published state of one machine.
 
-    places -- where it stands, by the work file, or else where it works; empty: that is not known
+    places -- where it stands according to the work file; if the file does not say this, where it
+              works now; empty: unknown
     key    -- of the step that it carries out; 0: none
-    robot  -- for which it works; empty: none, or the step is of no mission that is known
-    serial -- of the mission for which it works; 0: as `robot`
+    robot  -- the robot for which it works; empty: none, or no known mission has the step
+    serial -- of the mission for which it works; 0: none, or no known mission has the step
     """
 
     name: str
@@ -102,7 +103,7 @@ def _place_of_step(device: str, key: int, mission: Mission,
                    works: Mapping[int, Work]) -> Optional[int]:
     """Returns the vertex of the stop at which a mission has this step.
 
-    None: it does not have it.
+    None: the mission does not have the step.
     """
     work = works.get(mission.serial)
     return next((work.stops[place.stop].place for place, step, own in work.steps

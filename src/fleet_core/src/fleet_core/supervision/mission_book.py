@@ -19,13 +19,13 @@ from fleet_core.supervision.missions import (
 from fleet_core.supervision.pending_missions import PendingMissions
 from fleet_core.work.dependencies import Dependency, Until
 
-MOST_OPEN = 5000   # number of open missions; more are a mistake, and would delay what is urgent
-MOST_AFTER = 100   # number of missions after which one mission may come
-REMEMBERED = 1000  # number of ended missions whose ids are known as repeats
+MOST_OPEN = 5000   # maximum number of open missions; more are a mistake, and delay urgent work
+MOST_AFTER = 100   # maximum number of missions after which one mission may come
+REMEMBERED = 1000  # number of ended missions of which a repeated request is recognised
 
 
 class MissionBook:
-    """All open missions, and for each id the last one of those that ended lately.
+    """All open missions, and for each id the last mission, if it is open or ended lately.
 
     stays -- by serial, the supervisor's time since which a mission stays at a destination
 
@@ -130,7 +130,7 @@ class MissionBook:
         """Returns the missions for which a request waits, with their serials. Raises
         RequestRefused.
 
-        All of them were accepted before, so no ring of missions waits for each other.
+        All these missions were accepted before. So missions never wait for each other in a ring.
         """
         found: List[Dependency] = []
         if len(request.after) > MOST_AFTER:
@@ -147,9 +147,9 @@ class MissionBook:
         return tuple(found)
 
     def _let_follow(self, mission: Mission) -> None:
-        """Notes that a mission has ended: missions that wait for it go on, or have failed as well.
+        """Notes that a mission has ended: missions that wait for it go on, or fail as well.
 
-        A chain of them may be longer than Python lets functions call each other.
+        This is a loop, because a chain of such missions may exceed Python's limit of nested calls.
         """
         ended = deque((mission,))
         while ended:
@@ -234,15 +234,16 @@ class MissionBook:
 
     def divert(self, mission: Mission, destinations: Tuple[int, ...],
                dwells: Tuple[float, ...], reached: int) -> None:
-        """Replaces the destinations of a mission. The first `reached` ones are behind it."""
+        """Replaces the destinations of a mission. The first `reached` of them count as visited."""
         mission.request = replace(mission.request, destinations=destinations, dwells=dwells)
         mission.reached = reached
         mission.changes += 1
         self.end_stay(mission)
 
     def end_stay(self, mission: Mission) -> None:
-        """Notes that the mission does not stay any more where it is,
-        and its destination is still to come.
+        """Notes that the mission does not stay at a destination any more.
+
+        The destination is still to be visited.
         """
         mission.stays_since = None
         self._begun_stays.discard(mission.serial)
@@ -254,7 +255,8 @@ class MissionBook:
         self._begun_stays.add(mission.serial)
 
     def reach(self, mission: Mission, count: int = 1) -> None:
-        """Counts `count` more destinations as visited. A mission with steps ends when they have."""
+        """Counts `count` more destinations as visited. The last one ends a mission without steps.
+        """
         mission.reached += count
         mission.stays_since = None
         self._begun_stays.discard(mission.serial)
@@ -273,7 +275,7 @@ class MissionBook:
         return [self._by_serial[serial] for serial in sorted(self.changed)]
 
     def new_stays(self, now: float) -> Dict[int, float]:
-        """Returns, by serial, how long ago (s) each stay began that is not stored yet."""
+        """Returns, by serial, how long ago (s) each stay that is not stored yet began."""
         return {serial: now - since for serial in sorted(self._begun_stays)
                 for since in (self._by_serial[serial].stays_since,) if since is not None}
 
@@ -300,7 +302,7 @@ def _is_met(one: Dependency, ended: Mission) -> bool:
 def waits_as(request: Request, is_early: bool = True) -> Tuple[MissionState, str]:
     """Returns the state of a mission that no robot serves, and what it waits for, in words.
 
-    is_early -- its earliest time, if it has one, has not come yet
+    is_early -- the earliest time of the mission, if it has one, has not come yet
     """
     if request.earliest and is_early:
         return MissionState.PLANNED, 'it waits for its earliest time'

@@ -23,7 +23,10 @@ from fleet_core.supervision.work_desk import WorkDesk
 def carry_out(command: CommandKind, mission: Mission, book: MissionBook,
               robots: Mapping[str, ManagedRobot], desk: WorkDesk,
               requested_by: str = '') -> str:
-    """Cancels, pauses, resumes, or ends a dwell. Returns why it did not; empty: it did."""
+    """Cancels, pauses or resumes a mission, or ends its dwell.
+
+    Returns why this is impossible; empty: done.
+    """
     name = mission.robot
     if command is CommandKind.CANCEL:
         by = f' of {requested_by}' if requested_by else ''
@@ -55,10 +58,10 @@ def carry_out(command: CommandKind, mission: Mission, book: MissionBook,
 
 def modify(mission: Mission, change: MissionChange, book: MissionBook, acceptance: Acceptance,
            robots: Mapping[str, ManagedRobot], desk: WorkDesk) -> str:
-    """Changes priority, and destinations or stops. Returns why it did not; empty: it did.
+    """Changes priority, and destinations or stops. Returns why this is refused; empty: done.
 
-    A robot that drives to other destinations comes to rest, as for a cancelled mission. Then it
-    goes on by a plan for the new destinations.
+    If the destinations change, the robot comes to rest, as for a cancelled mission. Then it goes on
+    with a plan for the new destinations.
     """
     if mission.request.stops and change.destinations:
         return 'a mission with steps gets other stops, not destinations'

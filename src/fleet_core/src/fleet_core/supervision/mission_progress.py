@@ -42,10 +42,11 @@ def _visit(book: MissionBook, mission: Mission, vertex: int) -> None:
 
 
 def _dwell(book: MissionBook, mission: Mission, vertex: Optional[int], now: float) -> None:
-    """Begins or ends the dwell at a destination, by the vertex on which the robot stands.
+    """Begins or ends the dwell at a destination, according to the vertex where the robot stands.
 
-    A robot that was pushed away, or that an older journal expects at the destination, comes back
-    and stays anew. Missions with steps are the desk's.
+    A robot may have left during its dwell, because it was pushed away or the journal is an old one.
+    Then it comes back, and its dwell begins anew. The work desk ends the dwells of missions with
+    steps.
     """
     while mission.state.is_open and mission.left and mission.left[0] == vertex:
         if mission.stays_since is None:
@@ -62,10 +63,10 @@ def drop_out(book: MissionBook, robot: ManagedRobot) -> None:
 
     - If the robot comes back by itself, the mission waits for it.
     - If the robot may carry the load of the mission, the mission stays with it.
-    - If the robot needs a person, a mission that was not begun goes to another robot. It waits if
-      it is for this robot only.
-    - If the robot needs a person and the mission was begun, it has failed, because the robot's load
-      is unknown.
+    - If the robot needs a person, a mission that was not begun goes to another robot. A mission
+      that only this robot may serve waits.
+    - If the robot needs a person and the mission was begun, the mission has failed, because the
+      robot's load is unknown.
     """
     mission = book.of_robot(robot.name)
     if mission is None or robot.outage is None:

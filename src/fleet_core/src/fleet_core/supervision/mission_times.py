@@ -1,7 +1,7 @@
-"""Missions with an earliest time or a deadline: they begin, expire, or are told to be late.
+"""Missions with an earliest time or a deadline: when they begin, expire, or count as late.
 
-The times are moments (s since 1970), so a clock that is changed moves none of them. If the clock is
-set back, a mission that has begun or expired stays so.
+The times are moments (s since 1970), so they do not move if the clock is set. If the clock is set
+back, a mission that has begun or expired stays in that state.
 """
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from fleet_core.supervision.mission_book import MissionBook, waits_as
 from fleet_core.supervision.missions import DeadlineState, Mission, MissionState
 
 NEAR = 10.0    # s before its deadline at which a mission that is not done is at risk in any case
-AGAIN = 30.0   # s that it must be expected to be early, before it is not at risk any more
+AGAIN = 30.0   # s by which it must be expected to be early, so that it is not at risk any more
 PERIOD = 1.0   # s between two estimates
 
 
@@ -21,8 +21,8 @@ def deadline_state(deadline: float, needed: float, now: float, before: DeadlineS
     """Returns whether a mission that is not done yet will be done by its deadline.
 
     needed -- s that it still needs, as far as is known
-    now    -- s since 1970, as the deadline
-    before -- the last answer
+    now    -- s since 1970, like the deadline
+    before -- the last value that was returned for the mission
     """
     if not deadline:
         return DeadlineState.NONE
@@ -51,9 +51,9 @@ class MissionTimes:
         return max(mission.request.earliest - self._clock() / 1000.0, 0.0)
 
     def follow(self, needed: Callable[[Mission], float], now: float) -> Iterator[str]:
-        """Lets missions begin or expire. Yields a sentence for each that becomes late.
+        """Lets missions begin or expire. Yields a sentence for each mission that becomes late.
 
-        needed -- the s that a mission still needs, as far as is known
+        needed -- returns the s that a mission still needs, as far as is known
         now    -- the supervisor's time
         """
         moment = self._clock() / 1000.0
@@ -73,7 +73,7 @@ class MissionTimes:
 
     def _expect(self, mission: Mission, needed: Callable[[Mission], float], moment: float,
                 ) -> DeadlineState:
-        """Notes what is expected of the deadline of a mission. `moment`: s since 1970."""
+        """Notes whether a mission will probably meet its deadline. `moment`: s since 1970."""
         deadline = mission.request.deadline
         time = 0.0 if moment > deadline else self.until_earliest(mission) + needed(mission)
         state = deadline_state(deadline, time, moment, mission.deadline_state)

@@ -41,7 +41,7 @@ class MissionState(IntEnum):
 
 
 def short_name(serial: int) -> str:
-    """Returns the name of a mission that people say; '-' for a request that was not accepted."""
+    """Returns the name of a mission that people use; '-' for a request that was not accepted."""
     return f'M{serial}' if serial else '-'
 
 
@@ -49,7 +49,7 @@ class DeadlineState(IntEnum):
     """Whether a mission will be done by its deadline, as in itrci_nav_msgs/MissionStatus."""
 
     NONE = 0      # it has no deadline
-    AHEAD = 1     # it will, as far as is known
+    AHEAD = 1     # it will be done in time, as far as is known
     AT_RISK = 2   # it will be late, or its deadline is near
     MISSED = 3    # the deadline passed before it was done
 
@@ -77,16 +77,16 @@ class CommandCode(IntEnum):
 class Request:
     """A request for a mission: visit these vertices in order.
 
-    robot_type -- name; empty: any type
-    robot      -- the robot that must do it; empty: the robot in the best place
-    priority   -- the mission with the higher one is served first
+    robot_type -- name of the type that must serve it; empty: any type
+    robot      -- the robot that must serve it; empty: the robot in the best place
+    priority   -- the mission with the higher priority is served first
     dwells     -- s to stay at each destination; negative: until released; empty: no stays
-    stamp      -- s, when it was sent; 0: the sender did not give it
-    requested_by -- person or program, for the records; empty: the sender did not give it
+    stamp      -- time (s) at which it was sent; 0: the sender gave none
+    requested_by -- person or program, for the records; empty: the sender gave none
     stops      -- the destinations with their steps; empty: nothing is to be done there
-    on_cancel  -- stops that may follow a cancellation
-    after      -- missions that must end first; those that have ended are left out
-    template   -- name of the template that its stops were made of; empty: none
+    on_cancel  -- stops that the robot may make after a cancellation
+    after      -- missions that must end before it begins; those that have ended are left out
+    template   -- name of the template from which its stops were made; empty: none
     arguments  -- of the template, by parameter
     earliest   -- s since 1970 before which it does not begin; 0: it begins at once
     deadline   -- s since 1970 by which it is to be done; 0: there is none
@@ -116,13 +116,13 @@ class Request:
 
     @property
     def identity(self) -> Tuple[object, ...]:
-        """The key by which two requests are the same request, sent twice.
+        """The key that is equal if the same request was sent twice.
 
-        Fields that are added to the message in later versions are not part of it. Otherwise an
-        update would repeat missions. Of a group its name counts, not the place that was chosen. If
-        there is a stamp, it tells requests apart, also after
-        MODIFY. If there is none, all of the content counts. Of a template its name and arguments
-        count, because the template may be another one by now.
+        With a stamp, only the id, the stamp, and the wanted robot and type count, also after
+        MODIFY. Without a stamp, all of the content counts. Of a template the name and the arguments
+        count, because the template may have changed. Of a group the name counts, not the place that
+        was chosen. Fields that later versions add to the message are not part of the key. Otherwise
+        an update would repeat missions.
         """
         places: Tuple[object, ...] = (self.template, self.arguments) if self.template else (
             _as_asked(self.stops), _as_asked(self.on_cancel), self.dwells) if self.stops else (
@@ -141,7 +141,7 @@ class MissionChange:
 
     destinations -- to be visited from now on, without stays; empty: no change
     stops        -- to be made from `first_stop` on; empty: no change
-    first_stop   -- number, from 1, of the first stop that is replaced; 0: the first one that has
+    first_stop   -- number, from 1, of the first stop that is replaced; 0: the first stop that has
                     not begun
     """
 
@@ -155,7 +155,7 @@ class MissionChange:
 class StepAnswer:
     """The answer of a person, or of a program, to a step of a mission.
 
-    key -- of the step that the answer is about; 0: the one that asks
+    key -- of the step that is answered; 0: the step that asks
     """
 
     answer: StepDecision
@@ -166,12 +166,12 @@ class StepAnswer:
 class Status:
     """The published status of a request.
 
-    stamp        -- s, when the request was sent; it tells requests with the same id apart
+    stamp        -- time (s) at which it was sent; it distinguishes requests with the same id
     command      -- the command to which `reason` and `command_code` refer; None: none
-    asks         -- key of the step that waits for an answer; 0: none does
+    asks         -- key of the step that waits for an answer; 0: no step waits
     template, arguments, earliest, deadline -- as in the request
     serial       -- of the mission; 0: the request was not accepted
-    priority, destinations -- in force
+    priority, destinations -- those in force now
 
     Each attribute is a field of the published status.
     """
@@ -200,17 +200,17 @@ class Mission:
     """An accepted request and its progress.
 
     serial      -- number of the mission among all accepted ones; it is never used twice, unlike ids
-    reached     -- number of destinations visited, dwells included
+    reached     -- number of visited destinations; a dwell there has ended
     stays_since -- the supervisor's time since which it stays at a destination; None: it does not
                    stay
     reason      -- why it ended, or what it waits for
-    changes     -- number of times that it got other destinations; earlier plans are then useless
+    changes     -- number of times that it got other destinations; then earlier plans are useless
     stored      -- its status on the disk; None: it is not stored yet
-    changed_by  -- name of the giver of changes that are not stored yet; empty: none, or not given
-    is_held     -- its robot stands, because of what the `WorkDesk` knows of its steps
+    changed_by  -- who requested changes that are not stored yet; empty: no such change, or no name
+    is_held     -- the `WorkDesk` lets its robot stand, because of its steps
     is_bound    -- its robot may carry its load, so no other robot may serve it
-    has_worked  -- a step of it was ordered, so it has begun
-    asks        -- key of the step that waits for an answer; 0: none does
+    has_worked  -- one of its steps was ordered, so the mission has begun
+    asks        -- key of the step that waits for an answer; 0: no step waits
 
     Each attribute is one fact of its progress, as it is stored.
     """
@@ -243,12 +243,12 @@ class Mission:
 
     @property
     def has_begun(self) -> bool:
-        """Whether a robot serves it, or one visited a destination."""
+        """Whether a robot serves it, or has reached a destination of it."""
         return bool(self.robot or self.reached or self.stays_since is not None)
 
     @property
     def dwell_until(self) -> Optional[float]:
-        """When the robot may leave the destination where it stays; infinite: when released.
+        """When the robot may leave the destination where it stays; infinite: when it is released.
 
         None: it does not stay now.
         """
@@ -259,13 +259,13 @@ class Mission:
 
     @property
     def left(self) -> Tuple[int, ...]:
-        """The destinations still to be visited, including that of a dwell under way."""
+        """The destinations still to be visited, including the one at which the robot stays."""
         return self.request.destinations[self.reached:]
 
     def changed(self, change: MissionChange) -> Request:
         """Returns the request after a change.
 
-        A stay under way counts as the end of its destination.
+        The destination at which the robot stays now counts as visited.
         """
         request = replace(self.request, priority=change.priority)
         if not change.destinations:
@@ -293,7 +293,7 @@ class Mission:
 
 
 def _as_asked(stops: Iterable[WorkStop]) -> Tuple[WorkStop, ...]:
-    """Stops without the places that were chosen for their groups."""
+    """Returns the stops without the places that were chosen for their groups."""
     return tuple(replace(stop, place=0) if stop.group else stop for stop in stops)
 
 
@@ -306,8 +306,8 @@ class Acceptance:
     """The data by which requests are checked.
 
     robots -- type of each robot by its name
-    places -- vertices at which robots are, or from which they have driven, if known
-    able   -- robots for a request, by its robot, type and docks; filled on demand
+    places -- known vertices at which robots are, or from which they have driven
+    able   -- robots that may serve a request, by its robot, type and docks; filled on demand
     """
 
     graph: Graph
@@ -361,8 +361,8 @@ class Acceptance:
         part = self.graph.part_of(request.destinations[0])
         for stop in request.on_cancel:
             if stop.place not in part:
-                raise RequestRefused(f'no edges lead to vertex {stop.place}, a stop after a '
-                                     'cancellation')
+                raise RequestRefused(f'no edges lead to vertex {stop.place}, which on_cancel names '
+                                     'as a stop')
 
     def _check_part(self, request: Request, robots: Iterable[str]) -> None:
         """Raises RequestRefused unless edges connect all destinations and one of the robots."""
@@ -377,7 +377,10 @@ class Acceptance:
                                  f'{request.robot or "each of its robots"}')
 
     def check_change(self, mission: Mission, change: MissionChange) -> None:
-        """Raises RequestRefused if no robot, or not the serving robot, could carry out the rest."""
+        """Raises RequestRefused if the serving robot could not carry out the changed rest.
+
+        Without a serving robot: if no robot could.
+        """
         if not change.destinations and not change.stops:
             return
         self.check(replace(

@@ -18,7 +18,7 @@ class Networks:
     """One network with nominal times, and one with learned times.
 
     rate      -- the factor by which simulated robots are faster than the clock
-    resources -- those for one robot order the plans: their places exclude each other
+    resources -- in plans, the places of a resource for one robot exclude each other
     laden     -- types of robots with loads, besides those of the fleet
     """
 
@@ -26,7 +26,7 @@ class Networks:
                  resources: Sequence[Resource] = (),
                  laden: Sequence[RobotType] = ()) -> None:
         self.geometry = SiteGeometry(graph, fleet.dock_approach)
-        """The geometry for the interlocking, to which claims are not places."""
+        """The geometry for the interlocking, without the exclusions that resources add to plans."""
         alone = [Alone(one.edges, one.vertices) for one in resources if one.orders_plans]
         self.nominal = RoadNetwork(
             graph, (), fleet.dock_approach,

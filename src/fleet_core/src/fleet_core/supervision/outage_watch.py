@@ -1,4 +1,4 @@
-"""The effects of a robot's outage, or of its end, on its mission and on the operators' log."""
+"""The effects when a robot's outage begins or ends: on its mission, and on the operators' log."""
 from __future__ import annotations
 
 from typing import Dict, Mapping, Optional

@@ -144,11 +144,11 @@ _WORDS: Mapping[EpochCause, str] = {
 
 
 def sign_of_epoch(cause: EpochCause, had_route: bool) -> Optional[Sign]:
-    """Returns the sign that follows from a new epoch of a robot; None: none.
+    """Returns the sign that follows from a new epoch of a robot; None: no sign follows.
 
     had_route -- the robot had a route, or an order for one was on its way
     """
-    if cause in (EpochCause.RESTART, EpochCause.NONE):  # NONE: a later definition has more causes
+    if cause in (EpochCause.RESTART, EpochCause.NONE):  # NONE: a cause of a later definition
         return Sign.FAILURE if had_route else None
     return _OF_EPOCH.get(cause)
 

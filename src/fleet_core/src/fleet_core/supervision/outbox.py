@@ -1,8 +1,8 @@
 """The outbox: actions that follow an event, held back until their data are on the disk.
 
 While the disk cannot be written, only orders that stop robots or shorten their routes go out.
-What the interlocking has granted is taken back, to be granted anew. Everything else waits for the
-disk.
+The interlocking withdraws grants that could not be stored, and grants the edges anew later. All
+other actions wait for the disk.
 """
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ class Outbox:
     """Collects the actions that follow an event. `actions` first stores what has changed.
 
     clock   -- returns the present time of the supervisor's clock
-    trouble -- why nothing can be stored, as a clause; empty: it can be stored
+    trouble -- why nothing can be stored, as a clause; empty: data can be stored
 
     Its attributes are the changes and actions that wait for one commit.
     """
@@ -65,7 +65,7 @@ class Outbox:
         self.put(Note(text, is_warning))
 
     def note_state(self, subject: str, wrong: str, mended: str) -> None:
-        """Logs what is wrong with a subject when that changes, but not while it lasts.
+        """Logs what is wrong with a subject, once for as long as this stays the same.
 
         wrong  -- what is wrong; empty: nothing
         mended -- the text to log when nothing is wrong any more
@@ -100,7 +100,7 @@ class Outbox:
     def actions(self, now: float) -> List[Action]:
         """Returns all actions to be done now, orders to robots first.
 
-        Their data are on the disk.
+        The data on which they depend are on the disk.
         """
         self._store(now)
         orders = self._orders(self._clock()) if self._is_sending else []
@@ -118,7 +118,7 @@ class Outbox:
 
     @property
     def due(self) -> Optional[float]:
-        """When to take the waiting actions; None: none wait, or the disk cannot be written.
+        """When to take the waiting actions; None: no action waits, or nothing can be stored.
 
         A commit is due TOGETHER s after the last one.
         """

@@ -60,9 +60,9 @@ class PendingMissions:
         self.changes += 1
 
     def first(self, free: Mapping[str, str]) -> List[Mission]:
-        """Returns of each kind as many missions as these robots could serve.
+        """Returns of each kind as many missions as the free robots could serve.
 
-        `free`: their types, by name.
+        free -- types of the free robots, by name
         """
         of_type: Dict[str, int] = {'': len(free)}
         for kind in free.values():
@@ -74,10 +74,7 @@ class PendingMissions:
         return found
 
     def behind(self, key: Key, count: int) -> List[Mission]:
-        """Returns the `count` missions behind a key.
-
-        Behind the last mission the first one follows.
-        """
+        """Returns the next `count` missions after a key. The first mission follows the last one."""
         start = bisect_right(self._order, key)
         keys = self._order[start:start + count]
         keys += self._order[:min(start, count - len(keys))]

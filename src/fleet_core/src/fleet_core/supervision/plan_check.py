@@ -95,8 +95,8 @@ def _is_possible(constraint: Constraint, outcome: PlanningOutcome) -> bool:
 def _ring(outcome: PlanningOutcome) -> List[str]:
     """Returns robots that would wait for each other for ever.
 
-    A drive may begin after the drive before it, and all drives for which it waits, have begun. To
-    wait for fraction 0 of a drive means to wait for the drive before that.
+    A drive may begin when the drive before it, and all drives for which it waits, have begun. To
+    wait for fraction 0 of a drive means to wait for the drive that precedes it.
     """
     first_node: Dict[str, int] = {}
     robots: List[str] = []

@@ -1,4 +1,4 @@
-"""The plan executor: asks the planner for plans, and has the edges granted that are due."""
+"""The plan executor: asks the planner for plans, and requests grants of the edges that are due."""
 from __future__ import annotations
 
 from collections import deque
@@ -27,7 +27,7 @@ HOLD = 2.0               # s for which grants may be limited while an answer is 
 HELD_UP = 5.0            # s for which a due edge may be refused before the plan counts as useless
 USELESS = 3              # number of useless plans in a row after which a person is called
 _OPEN = 3                # number of open questions whose answers are still accepted
-_TIMED = 5               # number of answers of which the slowest tells when the next one comes
+_TIMED = 5               # number of last answers; the slowest of them predicts the next one
 _PLANNING = '/planning'  # key of the planner's state in `note_state`; no robot has such a name
 _HELD_UP = '/held_up'
 
@@ -42,8 +42,8 @@ class _Delay(NamedTuple):
 class RoomForLoads(NamedTuple):
     """What must be free before robots that stand at their stops can take their loads.
 
-    robots   -- those that must leave
-    vertices -- those at which no robot is parked
+    robots   -- robots that must leave
+    vertices -- vertices at which no robot is parked
     """
 
     robots: FrozenSet[str] = frozenset()
@@ -53,19 +53,19 @@ class RoomForLoads(NamedTuple):
 class PlanExecutor:
     """The plan in force, the open questions to the planner, and what each robot waits for.
 
-    `advance` runs one step. It asks the interlocking for the edges that are due by the plan's
-    order. It asks the planner for a new plan if the present one is not useful any more.
+    `advance` runs one step. It asks the interlocking for the edges that are due in the order of the
+    plan. It asks the planner for a new plan if the present one is not useful any more.
 
-    Grants go on while the planner works. If they made its last answer useless, only the edges that
-    the question counts as released are granted until the next answer.
+    Grants go on while the planner works. They may make its answer useless. Then, until the next
+    answer, only the edges that the question counts as released are granted.
 
     switching -- looks for a better order while robots are late; None: the order stays
     rate      -- the factor by which robots are faster than the clock
     reserved  -- places of stations and queues
     laden     -- types of robots with loads, besides those of the fleet
 
-    Its attributes are the plan, the open questions and what became of the last ones, which each
-    step of the plan reads together.
+    Its attributes are the plan, the open questions and the results of the last questions. Each step
+    needs all of them.
     """
 
     def __init__(self, robots: Mapping[str, ManagedRobot], interlocking: Interlocking,
@@ -74,11 +74,11 @@ class PlanExecutor:
                  laden: Tuple[RobotType, ...] = ()) -> None:
         self.plan: Optional[PlanInForce] = None
         self.waits_for: Dict[str, str] = {}
-        """What each robot waits for, in words; empty: nothing."""
+        """By robot, what it waits for, in words; empty: nothing."""
         self.lacks: Dict[str, Resource] = {}
-        """The resource for which a robot waits."""
+        """By robot, the resource for which it waits."""
         self.trouble = ''
-        """Why the planner has not given the requested plan, in words; empty: it has."""
+        """Why the planner has not given the requested plan, in words; empty: it has given it."""
         self._robots, self._interlocking, self._outbox = robots, interlocking, outbox
         self._records = {name: robot.record for name, robot in robots.items()}
         self._switching, self._rate, self._laden = switching, rate, laden
@@ -88,13 +88,13 @@ class PlanExecutor:
         self._number = 0
         self._asked_at = -inf
         self._was_useless = False
-        """Grants during planning made the last answer useless."""
+        """Whether grants during planning made the last answer useless."""
         self._took: Deque[float] = deque([HOLD], _TIMED)
         """s that the last answers took, at most HOLD."""
         self._is_anew = False
         self._failures = 0                     # in a row; each new question has another seed
         self._delays: Dict[str, _Delay] = {}
-        # number of plans in a row by which a robot was held up
+        # number of plans in a row with which a robot was held up
         self._useless = 0
         # serial of the mission for which each robot's route was given
         self._missions: Dict[str, int] = {}
@@ -117,7 +117,7 @@ class PlanExecutor:
     # -- answers of the planner -------------------------------------------------------------------
 
     def plan_made(self, number: int, outcome: PlanningOutcome, world: World, now: float) -> bool:
-        """Uses the planner's answer, even a late one, if it fits. Returns whether it was expected.
+        """Uses the planner's answer if it fits, even a late one. Returns whether one was expected.
         """
         question = self._open.pop(number, None)
         if question is None:
@@ -154,7 +154,8 @@ class PlanExecutor:
     # -- execution --------------------------------------------------------------------------------
 
     def advance(self, world: World, now: float) -> None:
-        """Has due edges granted, and asks for another plan if this one is not useful any more."""
+        """Requests grants of due edges, and a new plan if the present one is not useful any more.
+        """
         is_useful = self._is_useful(world, now)
         if self._switching is not None and self.plan is not None and is_useful and not self._open:
             self.plan = self._switching.better(self.plan, world, now) or self.plan
@@ -167,7 +168,7 @@ class PlanExecutor:
     def _ends(self, now: float) -> Optional[Mapping[str, int]]:
         """Returns, by robot, the number of the edge before which grants end for now.
 
-        None: they do not.
+        None: grants are not limited.
         """
         is_limited = self._was_useless or self._useless
         if not (self._open and is_limited and now - self._asked_at < HOLD):
@@ -193,10 +194,9 @@ class PlanExecutor:
         return False
 
     def _release(self, plan: PlanInForce, world: World, now: float) -> None:
-        """Has the edges granted that are due.
+        """Requests grants of the edges that are due.
 
-        If not all assumptions of the plan hold, it does so only for the robots whose assumption
-        holds.
+        A robot about which the plan's assumption does not hold gets none.
         """
         asked, misfits = self._asked(plan, world), plan.assumptions.misfits(world)
         ends, versions, claims = self._ends(now), world.versions, self._interlocking.claims
@@ -237,7 +237,7 @@ class PlanExecutor:
             self._note_refusal(name, given.refusal, now)
 
     def _asked(self, plan: PlanInForce, world: World) -> AbstractSet[str]:
-        """Returns robots that must make room for those with an errand, or leave a station."""
+        """Returns robots that must make room for robots with an errand, or leave a station."""
         leave = {name for name, errand in world.errands.items()
                  if errand.limit.leaves or name in self._room.robots}
         return leave | plan.asked_to_move(
@@ -258,8 +258,8 @@ class PlanExecutor:
         return GrantGoal(until, robot.settings.release_ahead)
 
     def _foreseen(self, plan: PlanInForce, world: World) -> Mapping[str, Tuple[int, ...]]:
-        """Returns the edges that will be due before the planner answers, and
-        that robots may have now.
+        """Returns the edges that will be due before the planner answers, if robots may have them
+        now.
         """
         asked, misfits = self._asked(plan, world), plan.assumptions.misfits(world)
         goals: Dict[str, GrantGoal] = {}

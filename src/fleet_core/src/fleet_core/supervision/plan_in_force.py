@@ -21,10 +21,10 @@ class _Turn(NamedTuple):
 class PlanInForce:
     """The plans of all robots, and the order in which they use the places that they share.
 
-    Only the order counts, not the times. A robot's drive is due after each robot that the order
-    puts before it has driven far enough.
+    Only the order counts, not the times. A robot's drive is due when each robot that comes before
+    it in the order has driven far enough.
 
-    bases   -- number, in the robot's record, of the first drive of its plan
+    bases   -- by robot, the number in its record of the first drive of its plan
     made_at -- the supervisor's time that is 0 in the plan's times
     assumptions -- the conditions under which the plan is useful
     """
@@ -37,8 +37,9 @@ class PlanInForce:
         self.made_at = made_at
         self.assumptions = assumptions
         self.rests: Dict[str, Tuple[object, ...]] = {}
-        """Robots for which nothing is due while this stays as it is: their version, whether they
-        are asked to move, the robot for which they wait, and its version."""
+        """For robots without due edges: the state in which nothing is due. It consists of the
+        robot's version, whether it is asked to move, the robot for which it waits, and the version
+        of that robot."""
         self._turns: Dict[Tuple[str, int], List[_Turn]] = {}
         self._waited_for: Dict[str, List[Tuple[int, str]]] = {}
         for first, before, fraction, then, drive in outcome.precedence:
@@ -62,7 +63,8 @@ class PlanInForce:
     def turn_behind(self, name: str, drive: int, first: str) -> Optional[Tuple[int, float]]:
         """Returns how far `first` must have driven before this drive of another robot is due.
 
-        That is the number of an edge in its record, and a fraction of it. None: it need not.
+        The result is the number of an edge in the record of `first`, and a fraction of this edge.
+        None: the drive does not wait for `first`.
         """
         plan = self.plans.get(first)
         return None if plan is None else max((
@@ -71,8 +73,8 @@ class PlanInForce:
 
     def asked_to_move(self, working: Iterable[str],
                       records: Mapping[str, RouteRecord]) -> Set[str]:
-        """Returns robots that must move because one of `working`, or another such robot, waits for
-        them.
+        """Returns robots that must move because a robot of `working` waits for them, or a robot
+        that must move.
 
         records -- of all robots: drives that are released need no request
         """
@@ -93,7 +95,7 @@ class PlanInForce:
         return asked
 
     def is_for(self, name: str, errand: Errand) -> bool:
-        """Returns whether it was made for this errand of a robot."""
+        """Returns whether the plan was made for this errand of a robot."""
         assumed = self.assumptions.robots.get(name)
         return assumed is not None and assumed.errand == errand.key
 

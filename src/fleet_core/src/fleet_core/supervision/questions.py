@@ -27,8 +27,8 @@ _MID_EDGE = 1e-6  # the smallest fraction of an edge at which a robot counts as 
 class Question:
     """A question to the planner, and the assumptions of the answer.
 
-    ends -- by robot, the number in its record behind the last edge that the question counts as
-            released; grants up to there do not make the answer useless
+    ends -- by robot, the number in its record after the last edge that the question counts as
+            released; grants of edges before this number do not make the answer useless
     """
 
     tasks: Tuple[Task, ...]
@@ -103,7 +103,8 @@ def question_of(world: World, plan: Optional[PlanInForce], seed: int, now: float
 def _plan_of(robot: ManagedRobot, plan: Optional[PlanInForce]) -> Optional[RobotPlan]:
     """Returns the plan of a robot that the planner is to keep; None: it has none.
 
-    One that was made for a robot of another type, with another load, may lead past others too near.
+    A plan that was made while the robot had another type, because of another load, is not kept: it
+    may lead too near past other robots.
     """
     assumed = None if plan is None else plan.assumptions.robots.get(robot.name)
     if plan is None or assumed is None or assumed.kind != robot.type:
@@ -116,7 +117,7 @@ def _task(robot: ManagedRobot, errand: Errand, own: Optional[RobotPlan], now: fl
     """Returns the planner's task for a robot, and the number of its mission's destinations in that
     task.
 
-    further -- the edges behind the granted ones that count as released
+    further -- the edges after the granted edges that count as released
     """
     record, mission = robot.record, errand.mission
     vertex: Optional[int] = None

@@ -11,7 +11,7 @@ _NOT_WANTED = (RobotState.ABSENT, RobotState.OUT_OF_SERVICE)  # a person has sai
 
 
 class Readiness:
-    """Tells once that the fleet is ready."""
+    """The message that the fleet is ready. It is made only once."""
 
     def __init__(self) -> None:
         self._since: Optional[float] = None
@@ -19,11 +19,12 @@ class Readiness:
 
     def words(self, robots: Mapping[str, RobotState], is_surveyed: bool, is_stopped: bool,
               now: float) -> str:
-        """Returns the sentences that tell it; empty: it is told already, or robots are still
-        awaited.
+        """Returns the sentences that say that the fleet is ready.
+
+        Empty: they were returned before, or robots are still awaited.
 
         robots      -- by name
-        is_surveyed -- whether the graph is surveyed, which logs several lines
+        is_surveyed -- whether the survey of the graph, which logs several lines, has ended
         now         -- time of these news, in s
         """
         if self._is_told:

@@ -1,13 +1,13 @@
-"""The edges that are due for a robot by the plan's order, and no more than it needs.
+"""Finds the edges that are due for a robot in the order of the plan, but no more than it needs.
 
-An edge is due only when all robots that use a conflicting place before, by the order of the plan,
-have left that place. A grant is final. So a robot is granted no more than it needs in order not to
-brake.
+An edge is due only when all robots that come before this robot at a conflicting place, in the order
+of the plan, have left the place. A grant is final. So a robot is granted no more edges than it
+needs to drive on without braking.
 
-Grants go on while the planner works. Its answer fits only if its plans begin with all edges that
-were granted meanwhile. So a question names the edges that are *foreseen*: they will be due before
-the answer is there, and the robots may have all of them at once. The planner counts them as
-released.
+Grants go on while the planner works. The planner's answer fits only if its plans begin with all
+edges that were granted meanwhile. So a question names the edges that are *foreseen*: they will be
+due before the answer is there, and the robots may have all of them at once. The planner counts them
+as released.
 """
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from fleet_core.supervision.plan_in_force import PlanInForce
 
 
 class Due(NamedTuple):
-    """The edges that are due for a robot, and the robot that blocks the next (empty: none)."""
+    """The edges that are due for a robot, and the robot that blocks the next edge (empty: none)."""
 
     edges: List[int]
     waits_for: str = ''
@@ -64,7 +64,8 @@ def due_edges(name: str, plan: PlanInForce, records: Mapping[str, RouteRecord],
 
 
 MayHave = Callable[[Mapping[str, Sequence[int]]], Mapping[str, Tuple[int, ...]]]
-"""Returns, of the edges of each robot, the longest beginnings that all may have now, at once."""
+"""Takes edges of each robot, and returns as many of the first of them as all robots may have now.
+"""
 
 
 def foreseen_edges(goals: Mapping[str, GrantGoal], plan: PlanInForce,
@@ -72,8 +73,8 @@ def foreseen_edges(goals: Mapping[str, GrantGoal], plan: PlanInForce,
                    may_have: MayHave) -> Mapping[str, Tuple[int, ...]]:
     """Returns the edges that the planner may count as released although they are not granted yet.
 
-    They are due by the present plan already. So the other robots have left all places that they
-    had to leave before, and a plan that begins with these edges exists: the present one.
+    They are due according to the present plan already. So the other robots have left all places
+    that they had to leave before. And a plan that begins with these edges exists: the present plan.
 
     goals -- of the robots that follow the plan; `ahead` includes the way until the answer
     """

@@ -1,4 +1,4 @@
-"""What robots claim, and what the devices show, as the fleet is published."""
+"""The claims of robots and the states of devices, as published for the fleet."""
 from __future__ import annotations
 
 from dataclasses import dataclass
@@ -22,9 +22,9 @@ class ClaimView(NamedTuple):
 class ResourceView:
     """The published state of one resource.
 
-    device   -- None: it has none
-    is_group -- its places are equal, so a mission may name it in place of one of them
-    queue    -- of a station, the first place first
+    device   -- the state of its device; None: it has no device
+    is_group -- its places are equal, so a mission may name it in place of one of its places
+    queue    -- the queue places of a station, in order
     """
 
     resource: Resource

@@ -23,7 +23,7 @@ _STEP = 0.1  # m between two points of a curve that is kept as a line
 
 @dataclass(frozen=True)
 class RemovedRobot:
-    """A robot that is not in the fleet file any more. It keeps what it held."""
+    """A robot that is not in the fleet file any more. The places that it held stay blocked."""
 
     name: str
     type: RobotType
@@ -31,7 +31,7 @@ class RemovedRobot:
 
     @property
     def needs_person(self) -> bool:
-        """The robot is never given anything to drive."""
+        """Always true: the robot is never given anything to drive."""
         return True
 
 
@@ -97,7 +97,7 @@ def _restore(robot: ManagedRobot, memory: RobotMemory, graph: Graph, before: Opt
 def on_graph(memory: Memory, graph: Graph, before: Optional[Graph]) -> Tuple[Memory, List[Area]]:
     """Returns the part of the stored state that is valid on a graph, and areas for the other part.
 
-    A robot may follow an order over an edge that the graph does not have: it is to be stopped.
+    A robot may follow an order over an edge that the graph does not have. It must be stopped.
 
     before -- the other graph to which the memory refers; None: it refers to this graph
     """
@@ -126,9 +126,7 @@ def _areas_of(memory: Memory, kept: AbstractSet[Step], before: Graph) -> List[Ar
 
 def _position_on(memory: Memory, graph: Graph,
                  before: Graph) -> Tuple[Optional[GraphPosition], List[Area]]:
-    """Returns the stored position if the graph still has it, else the area of a robot
-    that stands there.
-    """
+    """Returns the stored position if the graph still has it, or else the area of a robot there."""
     position = memory.position
     if position is None or _is_there(position, graph, before):
         return position, []
@@ -140,7 +138,7 @@ def _position_on(memory: Memory, graph: Graph,
 def _is_kept(edge: int, graph: Graph, before: Graph) -> bool:
     """Returns whether the curve of an edge is the same in both graphs.
 
-    A robot may drive a route of another giver over an edge that the graph before did not have.
+    Even the old graph may lack the edge: another giver may have ordered a drive on it.
     """
     if not (edge in graph.edges and edge in before.edges):
         return False

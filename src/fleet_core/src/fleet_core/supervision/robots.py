@@ -24,7 +24,7 @@ from fleet_core.supervision.outages import (
 from fleet_core.supervision.settings import RobotSettings
 from route_protocol.values import Motion, ReasonCode
 
-RETRY = 10.0  # s between two orders to a robot that refuses them for its clock or its link
+RETRY = 10.0  # s between two orders to a robot that refuses them because of its clock or its link
 REFUSALS = 3       # number of refusals in a row after which a person must look
 
 
@@ -47,7 +47,7 @@ class ManagedRobot:
     battery: Battery = field(init=False)
     liveness: Liveness = field(default_factory=Liveness)
     is_halted: bool = False
-    """It was given an empty route, as each robot is by a fleet stop."""
+    """It was given an empty route, as in a fleet stop."""
     comes_to_rest: bool = False
     """Its mission was cancelled or paused: it stops at the end of its edge."""
     dock: Optional[int] = None
@@ -55,19 +55,20 @@ class ManagedRobot:
     charge_until: float = 0.0
     """Charge (0..1) that it was asked to reach; 0: it was not asked."""
     tops_up: bool = False
-    """It charges only as it has nothing to do: it gives its turn up for others and for work."""
+    """It charges only because it has nothing to do: it gives up its turn for others and for work.
+    """
     passed: List[int] = field(default_factory=list)
-    """Vertices that it passed and that are not yet counted for its mission."""
+    """Vertices that it passed, but that are not yet counted for its mission."""
     driven: List[Driven] = field(default_factory=list)
-    """Edges that it drove and whose times are not yet learned."""
+    """Edges that it drove, but whose times are not yet learned."""
     _timer: EdgeTimer = field(default_factory=EdgeTimer)
     _refusals: int = 0
     _has_refused: bool = False
-    """It refused its last order, and its starting place was not judged again yet."""
+    """It refused its last order, and `other_beginning` was not evaluated since."""
     _located: float = -math.inf
     """Time of the last location that was accepted."""
     _unready: ReasonCode = ReasonCode.NONE
-    """Why the robot would refuse each route, by its last report."""
+    """Why the robot would refuse each route, according to its last report."""
     _retried: float = -math.inf
 
     def __post_init__(self) -> None:
@@ -220,9 +221,9 @@ class ManagedRobot:
             self.master.grow(heard - self._located)
 
     def return_to_work(self, now: float) -> bool:
-        """Ends an outage or a fleet stop after which a standing robot is planned anew.
+        """Lets a standing robot work again after a fleet stop, an emergency stop or a lost link.
 
-        Returns whether it did.
+        Returns whether this changed anything.
         """
         if self.works or self.outage not in (None, Outage.STOPPED, Outage.LOST_LINK) or (
                 not self.is_at_rest):
@@ -237,8 +238,9 @@ class ManagedRobot:
     def other_beginning(self) -> Optional[GraphPosition]:
         """Returns another starting place to be tried after a refusal; None: there is none.
 
-        Each robot decides by itself how near to a vertex it must be. So for a robot near a vertex,
-        the route now begins at the vertex if it counted as on its edge, and on its edge otherwise.
+        Each robot decides by itself how near to a vertex it must be to stand on it. So if a route
+        on the edge was refused near a vertex, the vertex is tried, and if a route at the vertex was
+        refused, the edge is tried.
         """
         record, master = self.record, self.master
         if not self._has_refused or not master.is_ready:
@@ -254,16 +256,16 @@ class ManagedRobot:
             edge=record.pose.edge, fraction=record.pose.fraction)
 
     def become(self, kind: RobotType) -> None:
-        """Notes that the robot counts as one of another type, because of its load."""
+        """Notes that the robot has another type now, because of its load."""
         self.type = kind
         self.master.become(kind)
 
     # -- commands of people -----------------------------------------------------------------------
 
     def not_back_yet(self, now: float) -> str:
-        """Returns why a person cannot put it back into service now.
+        """Returns why a person cannot put the robot back into service now.
 
-        Empty: it is possible, or it works.
+        Empty: a person can, or the robot works already.
         """
         if self.works:
             return ''
@@ -277,15 +279,15 @@ class ManagedRobot:
         return ''
 
     def come_back(self) -> str:
-        """Brings the robot back after a person says that it works again, from where it is.
+        """Puts the robot back into service where it is, because a person says that it works again.
 
-        Returns why not; empty: done.
+        Returns why this is impossible; empty: done.
         """
         position = self.master.position_at(self.record.pose)
         if position is None:
             return f'{self.name} is off the graph: bring it onto an edge'
         beside = self.master.beside(position)
-        if beside > BESIDE:  # by its next reports it would have left that place
+        if beside > BESIDE:  # its next reports would show that it has left this position
             return (f'{self.name} is {beside:.2f} m beside the graph '
                     f'({position.told(self.record.graph)}): bring it onto an edge')
         self.master.settle(position)
@@ -295,9 +297,9 @@ class ManagedRobot:
         return ''
 
     def declare_absent(self, now: float) -> str:
-        """Declares, for a person, that the robot is not on the site.
+        """Declares on behalf of a person that the robot is not on the site.
 
-        Returns why that cannot be; empty: done.
+        Returns why this is refused; empty: done.
         """
         if self.liveness.is_seen and now - self.liveness.seen <= SILENCE:
             return f'{self.name} reports: switch it off first'

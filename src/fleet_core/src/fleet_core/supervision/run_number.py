@@ -23,10 +23,10 @@ class RunNumber:
     def __init__(self, journal: Journal) -> None:
         self._journal = journal
         self.is_wrong = journal.value(RUN_NUMBER) != journal.number_beside()
-        """Do the two numbers differ? Then stored places of robots may be wrong."""
+        """Whether the two numbers differ. Then stored places of robots may be wrong."""
 
     def draw(self) -> int:
-        """Draws a new number, which is to be stored in the journal: from now on that is right."""
+        """Draws a number, writes it into the file, and returns it, to be stored in the journal."""
         number = secrets.randbits(_BITS) + 1
         self._journal.write_beside(number)
         self.is_wrong = False

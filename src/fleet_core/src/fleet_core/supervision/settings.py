@@ -1,4 +1,4 @@
-"""The settings of each robot in the fleet file that the supervisor needs."""
+"""The settings that the supervisor needs for each robot. They come from the fleet file."""
 from __future__ import annotations
 
 from dataclasses import dataclass
@@ -9,9 +9,9 @@ class RobotSettings:
     """The settings of one robot in the fleet file, in addition to its type.
 
     release_ahead -- m that are granted ahead of the robot, so that it need not brake
-    slack         -- m that the robot may be short of its reported place, along its path
+    slack         -- m by which the robot may be behind its reported place, along its path
     charge_below  -- state of charge (0..1) below which it goes to charge
-    leave_above   -- state of charge from which on it may leave the dock
+    leave_above   -- state of charge at which it may leave the dock
     idle_below    -- state of charge below which it also charges while it has nothing to do
     reserve       -- state of charge that must remain at the end of a mission
     endurance     -- m that it can drive on a full battery

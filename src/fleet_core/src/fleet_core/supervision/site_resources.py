@@ -19,8 +19,8 @@ _KINDS: Mapping[DeviceKind, ResourceKind] = {
 def chargers_of(work: SiteWork, fleet: Fleet, graph: Graph) -> Dict[str, Charger]:
     """Returns the chargers of a site, by name.
 
-    Each dock at which a robot type charges, and which the work file does not make a place of a
-    charger, is a charger of its own.
+    If the work file does not make a dock a place of a charger, but a robot type charges there, the
+    dock is a charger of its own.
     """
     found = dict(work.chargers)
     named = {place for one in found.values() for place in one.places}
@@ -37,7 +37,7 @@ def chargers_of(work: SiteWork, fleet: Fleet, graph: Graph) -> Dict[str, Charger
 def resources_of(work: SiteWork, chargers: Iterable[Charger] = ()) -> Tuple[Resource, ...]:
     """Returns the resources of a site: one for each device, station, zone and charger.
 
-    A device is for one robot at a time. The others are for as many as their capacity says.
+    A device is for one robot at a time. Each other resource is for as many as its capacity says.
     """
     return (*(Resource(one.name, _KINDS[one.kind], frozenset(one.edges), has_device=True)
               for one in work.devices.values()),

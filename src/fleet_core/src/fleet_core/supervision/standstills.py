@@ -22,7 +22,7 @@ class Standstills:
         """Time since which each robot has had something to drive."""
 
     def further(self, robot: ManagedRobot, now: float) -> float:
-        """Returns the seconds for which a robot will probably not move yet.
+        """Returns the seconds for which a robot will probably still stand.
 
         0: it drives, or has nothing to drive.
         """

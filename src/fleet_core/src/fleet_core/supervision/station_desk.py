@@ -1,7 +1,7 @@
-"""The station desk: which robots may go to stations now, and where the others wait.
+"""The station desk: decides which robots may go to stations now, and where the others wait.
 
-The rules are those of `fleet_core.work.queues`. This module tells them what missions, robots and
-claims there are, and tells the planning how far each robot may go.
+The rules are those of `fleet_core.work.queues`. This module gives them the missions, robots and
+claims, and tells the planning how far each robot may go.
 """
 from __future__ import annotations
 
@@ -36,8 +36,8 @@ class QueueStanding(NamedTuple):
 class QueuePlace(NamedTuple):
     """A place at which robots wait for a station.
 
-    robot    -- that has it; empty: none has
-    is_there -- that robot stands there; False: it is on its way
+    robot    -- the robot to which it is given; empty: it is free
+    is_there -- this robot stands there; False: it is on its way
     """
 
     vertex: int
@@ -48,8 +48,8 @@ class QueuePlace(NamedTuple):
 class StationDesk:
     """The queues of all stations that robots must claim.
 
-    stations -- by name; those that are no resource of the claims are left out
-    desk     -- of which a mission takes another place of a group
+    stations -- by name; stations that robots need not claim are left out
+    desk     -- the work desk, which sends a mission to another place of a group
     """
 
     def __init__(self, stations: Mapping[str, Station], claims: Claims, book: MissionBook,
@@ -69,9 +69,7 @@ class StationDesk:
                          for place in (*one.places, *one.queue))
 
     def may_go_to(self, name: str, place: int) -> bool:
-        """Returns whether a robot may go to a place now,
-        as far as the queues of stations are concerned.
-        """
+        """Returns whether the queues of stations let a robot go to a place now."""
         station = self._at.get(place)
         return station is None or self._queue_of(station).turns.get(name) == place
 
@@ -85,10 +83,9 @@ class StationDesk:
         return None
 
     def places_of(self, name: str) -> Tuple[bool, Tuple[QueuePlace, ...]]:
-        """Returns whether the places of this station are equal, and its queue places, the first one
-        first.
+        """Returns whether the places of a resource are equal, and its queue places in order.
 
-        A resource that is no station has neither.
+        For a resource that is not a station: False, and no queue places.
         """
         station = self._stations.get(name)
         if station is None:
@@ -108,7 +105,7 @@ class StationDesk:
         """Returns the stations and chargers to which a further robot may be sent now.
 
         at       -- charger of each of its places
-        chargers -- the robots that take their places, by the charger's name
+        chargers -- the robots that take the places of each charger, by its name
         """
         going = self._going()
         return StationRoom({**at, **self._at}, self._desk.choices, {**chargers, **{
@@ -141,7 +138,7 @@ class StationDesk:
     def advance(self, network: RoadNetwork, leaving: AbstractSet[str] = frozenset()) -> None:
         """Follows missions, robots and claims. Chooses among the places of groups.
 
-        leaving -- robots without work that are to leave where they are, because others need that
+        leaving -- robots without work that are to leave their places, because others need these
         """
         going = self._going() if self._stations or leaving else {}
         in_the_way = {*leaving, *self._advance(going, network)}
@@ -199,7 +196,7 @@ class StationDesk:
         return Others(len(inside), at, kept)
 
     def _makes_room(self, robot: ManagedRobot, going: Mapping[str, Mission]) -> bool:
-        """Returns whether a robot leaves the place where it is if another one needs that."""
+        """Returns whether a robot leaves its place if another robot needs the place."""
         if robot.outage is not None:
             return False
         mission = going.get(robot.name)
@@ -220,8 +217,10 @@ class StationDesk:
         return StationLimit(reach, True, place, is_there, is_in_the_way and place is None)
 
     def _reach(self, name: str, mission: Mission) -> Optional[int]:
-        """Returns the number of its destinations up to the next station for
-        which a robot has no turn.
+        """Returns the number of a mission's destinations before the next station for which its
+        robot has no turn.
+
+        None: there is no such station among the next destinations.
         """
         first = mission.reached
         some = mission.request.destinations[first:first + WINDOW]

@@ -1,4 +1,4 @@
-"""The room at stations and chargers: to which of them a further robot may be sent for a mission."""
+"""The room at stations and chargers: whether a further robot may be sent there for a mission."""
 from __future__ import annotations
 
 from typing import Callable, Dict, FrozenSet, Mapping, NamedTuple, Optional, Tuple, Union
@@ -9,14 +9,14 @@ from fleet_core.work.queues import Others, has_place_for
 from fleet_core.work.stations import Station
 
 Target = Union[Station, Charger]
-"""What has places to which missions go."""
+"""A station or a charger: both have places to which missions go."""
 
 
 class Occupancy(NamedTuple):
     """The robots that take the places of a station and of its queue, or of a charger.
 
-    robots  -- names of all of them
-    waiters -- of each robot that goes there for a mission, the places that would do
+    robots  -- names of all these robots
+    waiters -- for each robot that goes there for a mission, the places that would do
     others  -- the robots there that do not make room
     leaving -- names of the robots that are to leave the station, because others wait for it
     doing   -- what each robot at a charger does there, in words that follow its name
@@ -30,10 +30,10 @@ class Occupancy(NamedTuple):
 
 
 class StationRoom:
-    """For which missions there is still a place of their station, a queue place, or a charger.
+    """The free places at stations, in their queues and at chargers, as missions need them.
 
     at          -- station or charger of each place
-    group_of    -- the group of which any place would do for the next stop of a mission; empty: none
+    group_of    -- returns the group of which any place would do for the next stop of a mission
     occupancies -- by the name of the station or charger
     """
 
@@ -48,14 +48,11 @@ class StationRoom:
         return tuple(self._occupancies.values())
 
     def copy(self) -> StationRoom:
-        """Returns a copy, on which the effect of more missions can be tried."""
+        """Returns a copy in which the effect of more missions can be tried."""
         return StationRoom(self._at, self._group_of, self._occupancies)
 
     def full(self, mission: Mission) -> Optional[Target]:
-        """Returns the station or charger of a mission's next stop if it has no place.
-
-        None: it has one.
-        """
+        """Returns the station or charger of a mission's next stop if it is full; else None."""
         station = self._at.get(mission.left[0])
         if station is None:
             return None
@@ -66,7 +63,7 @@ class StationRoom:
     def leaving(self, mission: Mission) -> FrozenSet[str]:
         """Returns robots that are to leave the station of a mission's next stop.
 
-        Such a robot gets no mission there. If it stayed, it would pass all that wait.
+        Such a robot gets no mission there. If it stayed, it would go before all robots that wait.
         """
         station = self._at.get(mission.left[0])
         return frozenset() if station is None else self._occupancies[station.name].leaving

@@ -1,9 +1,9 @@
 """The supervisor: takes missions and reports, and returns routes and statuses.
 
 It uses neither ROS nor a planner. Each event comes with its time (s, monotonic), and each answer is
-a list of actions. It reads a clock only after a commit, which may take long. The state that must
-survive a restart is on the disk before the answer is returned. While the disk cannot be written,
-only stops and shorter routes are returned.
+a list of actions. The supervisor reads a clock only after a commit, because a commit may take long.
+The state that must survive a restart is on the disk before the answer is returned. While the disk
+cannot be written, only stops and shorter routes are returned.
 """
 from __future__ import annotations
 
@@ -96,18 +96,18 @@ class Supervisor:
     - `book` keeps the missions, and `charging` says which robots go to chargers.
     - `desk` leads missions with steps, and keeps the loads of robots.
     - `stations` says which robots may go to stations, and where the others wait.
-    - `plan_executor` asks the planner, and requests grants by the plan's order.
-    - `interlocking` grants edges, and lets orders out.
-    - `devices` keeps what doors and other devices report.
+    - `plan_executor` asks the planner, and requests grants in the order of the plan.
+    - `interlocking` grants edges, and decides which orders may be sent.
+    - `devices` keeps the reports of doors and other devices.
 
     settings -- of robots by name; a robot without an entry gets the defaults of RobotSettings
     rate     -- the factor by which simulated robots are faster than the clock
     switching -- looks for a better order while robots are late; None: the order stays
-    conformance -- checks each event against the model of allocations; None: nothing does
+    conformance -- checks each event against the model of allocations; None: events are not checked
     resources   -- zones and the like, which robots must claim, besides the devices, stations and
                    chargers of `work` and `fleet`
-    work        -- what the site says about work; None: nothing
-    clock       -- returns the present time, s, as the times of events are
+    work        -- the content of the site's work file; None: the site has none
+    clock       -- returns the present time (s) of the clock that gives events their times
     """
 
     def __init__(self, graph: Graph, fleet: Fleet, settings: Mapping[str, RobotSettings],
@@ -143,7 +143,7 @@ class Supervisor:
         self._journal = journal
         self._began = self._heard = now
         self._is_starting = True
-        # claims of robots that are where a device does not report that it is open
+        # (robot, resource) if a robot is where it needs a device that does not report to be open
         self._lost: Set[Tuple[str, str]] = set()
         # after the loss of the journal: nothing is granted until all robots stand
         self._is_recovering = False
@@ -201,17 +201,18 @@ class Supervisor:
 
     @property
     def trouble(self) -> str:
-        """Why nothing can be stored, as a clause; empty: it can be stored.
+        """Why nothing can be stored, as a clause; empty: data can be stored.
 
-        While it lasts, no mission is accepted, and no robot gets anything new to drive.
+        While nothing can be stored, no mission is accepted, and no robot gets anything new to
+        drive.
         """
         return self._out.trouble
 
     @property
     def tick_due(self) -> Optional[float]:
-        """Time of the next `tick`, perhaps earlier than usual; None: as usual.
+        """The time at which the next `tick` is due at the latest; None: the usual time will do.
 
-        That tick stores all changes by reports, with all their effects, in one commit.
+        This tick stores all changes that reports made, with their effects, in one commit.
         """
         return self._out.due
 
@@ -282,7 +283,7 @@ class Supervisor:
                 acceptance: Acceptance) -> Optional[Mission]:
         """Accepts a request. None: it is a repeat, and its status is published again.
 
-        before -- the last mission with its id
+        before -- the last mission with the id of the request
         """
         if request.stamp and (before is None or before.request.identity != request.identity):
             ended = self._journal.find(request)
@@ -324,13 +325,14 @@ class Supervisor:
             self._out.value_changed(stored_name(name), run.due.last)
 
     def _follow_times(self, now: float) -> None:
-        """Lets missions begin, expire or be told to be late."""
+        """Lets missions begin or expire, and logs which missions will be late."""
         for text in self.times.follow(lambda mission: self._needed(mission, now), now):
             self._out.note(text, True)
 
     def _needed(self, mission: Mission, now: float) -> float:
-        """Returns the seconds that a mission needs from its beginning, or from now,
-        as far as is known.
+        """Returns the seconds that a mission still needs, as far as is known.
+
+        They count from now if a robot serves the mission, and from its beginning if none does.
         """
         robot = self.robots.get(mission.robot)
         if robot is None:
@@ -347,14 +349,14 @@ class Supervisor:
         """Returns the stored status of a mission (stamp 0: the last with this id); None: none is
         stored.
 
-        A stored status is never taken back. Raises JournalUnavailable.
+        A stored status is never withdrawn. Raises JournalUnavailable.
         """
         return self._journal.status(request_id, stamp)
 
     def command(self, request_id: int, command: CommandKind, now: float,
                 change: Union[None, MissionChange, StepAnswer] = None,
                 requested_by: str = '') -> List[Action]:
-        """Cancels, pauses, resumes or ends a dwell; modifies a mission, or answers its step."""
+        """Cancels, pauses, resumes or modifies a mission, ends its dwell, or answers its step."""
         if requested_by:
             self._out.note(f'{requested_by} requests {command.name} of mission {request_id}.')
         mission = self.book.find(request_id)
@@ -388,7 +390,7 @@ class Supervisor:
         return actions
 
     def _modify(self, mission: Mission, change: MissionChange) -> str:
-        """Changes a mission. Returns why it did not, as a clause; empty: it did."""
+        """Changes a mission. Returns a clause that says why this is refused; empty: done."""
         try:
             change = replace(change, stops=self._work_requests.placed(change.stops))
             self._work_requests.check_types(change.stops)
@@ -401,7 +403,7 @@ class Supervisor:
 
     def report(self, name: str, report: Report, now: float,
                arrived: Optional[float] = None) -> List[Action]:
-        """Handles a robot's report of place and route. `arrived`: when the report came."""
+        """Handles a robot's report of its place and route, which came at the time `arrived`."""
         robot, arrived = self.robots[name], now if arrived is None else arrived
         before = robot.master.progress
         try:
@@ -448,10 +450,11 @@ class Supervisor:
 
     def set_load(self, name: str, request_id: Optional[int], now: float,
                  ) -> Tuple[str, List[Action]]:
-        """Stores what a robot carries, as a person says: nothing (None), or the load of its
-        mission.
+        """Stores the load that a robot carries according to a person.
 
-        Also returns why not, as a sentence; empty: done.
+        request_id -- of the robot's mission, whose load it carries; None: it carries nothing
+
+        Also returns a sentence that says why this is refused; empty: done.
         """
         if self.trouble:
             return f'{self.trouble}.', self._actions(now)
@@ -465,7 +468,9 @@ class Supervisor:
         return self._out.actions_unless_due_later(now)
 
     def _judge_devices(self, now: float) -> None:
-        """Tells the interlocking which devices are open, and people where one is not for a robot.
+        """Tells the interlocking which devices are open.
+
+        Logs each robot that is where it needs a device which does not report that it is open.
         """
         self.devices.update_open(now)
         lost = set() if self._is_starting else set(self._claims.lost())
@@ -490,7 +495,7 @@ class Supervisor:
         self.interlocking.not_to_enter = self.desk.not_to_enter
 
     def _make_room(self) -> None:
-        """Lets robots count as those that their loads, or their next stops, make of them."""
+        """Gives each robot the type that its load, or its next stop, requires."""
         for name in self.load_room.follow(self.interlocking):
             self._out.robot_changed(name)
         self.plan_executor.make_room(self.load_room.to_be_made())
@@ -505,8 +510,9 @@ class Supervisor:
                                   'that bypassed the fleet manager'))
 
     def _doubt_orders(self, robot: ManagedRobot, report: Report) -> None:
-        """Notes that a robot shows an order that the journal does not have:
-        the journal is an older one.
+        """Notes that a robot reports an order that the journal does not have.
+
+        So the journal is an old one.
         """
         why = f'{robot.name} reports order {report.said.order}, which the journal does not know'
         self._doubt_journal(why, robot.name)
@@ -523,7 +529,8 @@ class Supervisor:
     def _doubt_journal(self, why: str, reporting: str = '') -> None:
         """Counts the place of each robot as unknown until it has stopped once.
 
-        The run number stays wrong until all places are known, so that a restart doubts, too.
+        The run number stays wrong until all places are known. If the fleet manager restarts before,
+        the places are unknown again.
 
         why       -- the reason as a clause
         reporting -- the robot whose report is just being handled
@@ -547,7 +554,7 @@ class Supervisor:
                 self._out.value_changed(RUN_NUMBER, self._run.draw())
 
     def _separate(self) -> None:
-        """Lets the interlocking stop robots that exclude each other. They need a person then."""
+        """Lets the interlocking stop robots that exclude each other. These robots need a person."""
         for name in self.interlocking.separate(self._is_starting):
             robot = self.robots[name]
             robot.notice(Sign.EXCLUDED, self._too_near('it', robot))
@@ -556,23 +563,18 @@ class Supervisor:
             self._out.send()
 
     def _too_near(self, subject: str, robot: ManagedRobot) -> str:
-        """Returns a clause that names all robots to which this one is too near.
-
-        Empty: there is none.
-        """
+        """Returns a clause that names all robots to which this one is too near; empty: none."""
         near = ' and '.join(self.interlocking.excluding(robot.name))
         return near and f'{subject} is too near to {near}: move one of them by hand'
 
     def _actions(self, now: float) -> List[Action]:
-        """Returns all actions that follow an event.
-
-        Robots that exclude each other now are stopped.
+        """Returns all actions that follow an event. First it stops robots that exclude each other.
         """
         self._separate()
         return self._checked(self._out.actions(now), now)
 
     def _checked(self, actions: List[Action], now: float) -> List[Action]:
-        """Stops the fleet if the event did what the model of allocations does not allow."""
+        """Stops the fleet if the event violated the model of allocations."""
         violations = self.interlocking.violations()
         if not violations:
             return actions
@@ -602,7 +604,10 @@ class Supervisor:
         return self._actions(now)
 
     def bring_in(self, name: str, now: float) -> Tuple[str, List[Action]]:
-        """Puts a robot back into service where it is. Also returns why not; empty: done."""
+        """Puts a robot back into service where it is.
+
+        Also returns why this is refused; empty: done.
+        """
         robot = self.robots[name]
         if self.is_stopped:
             return 'the fleet is stopped: resume it first', self._actions(now)
@@ -618,9 +623,9 @@ class Supervisor:
         return problem, self._actions(now)
 
     def charge(self, name: str, until: float, now: float) -> Tuple[str, List[Action]]:
-        """Asks a robot to charge until `until` (0..1) after its mission; 0: not any more.
+        """Asks a robot to charge until `until` (0..1) after its mission; 0: withdraws the request.
 
-        Also returns why not, as a clause; empty: done.
+        Also returns a clause that says why this is refused; empty: done.
         """
         robot = self.robots[name]
         problem = self.trouble
@@ -639,7 +644,7 @@ class Supervisor:
     def pause_timetable(self, name: str, paused: bool, now: float) -> Tuple[str, List[Action]]:
         """Pauses a timetable, or lets it go on.
 
-        Also returns why not, as a clause; empty: done.
+        Also returns a clause that says why this is refused; empty: done.
         """
         names = self.timetables.names
         problem = self.trouble or ('' if name in names else (
@@ -663,9 +668,9 @@ class Supervisor:
         return problem
 
     def declare_absent(self, name: str, now: float) -> Tuple[str, List[Action]]:
-        """Declares, for a person, that a robot is not on the site.
+        """Declares on behalf of a person that a robot is not on the site.
 
-        Also returns why not; empty: done.
+        Also returns why this is refused; empty: done.
         """
         problem = ''
         if name in self.robots:
@@ -687,7 +692,7 @@ class Supervisor:
     def stop_fleet(self, now: float, stop: Optional[FleetStop] = None) -> List[Action]:
         """Sends an empty route to each robot at once, with or without a planner.
 
-        stop -- author and time of the stop; None: no author is named, and it is now
+        stop -- author and time of the stop; None: no author, and the present time
         """
         self._stop(stop or self._stop_now(StopCause.PERSON))
         return self._actions(now)
@@ -696,7 +701,7 @@ class Supervisor:
         return FleetStop(cause, since=self._journal.milliseconds() / 1000.0, why=why)
 
     def _stop(self, stop: FleetStop) -> None:
-        """Stops all robots. A further stop keeps the record of the first one."""
+        """Stops all robots. If the fleet is stopped already, the record of that stop is kept."""
         self._close_gate()
         if not self.stop.is_in_force:
             self.stop = stop
@@ -717,10 +722,10 @@ class Supervisor:
 
     def resume_fleet(self, now: float,
                      ticket: Optional[int] = None) -> Tuple[str, List[Action]]:
-        """Lets each robot go on from where it is. Also returns why not; empty: done.
+        """Lets each robot go on from where it is. Also returns why this is refused; empty: done.
 
-        A robot that has not obeyed the stop yet goes on after it has. `who_goes_on` names
-        the robots that stay.
+        A robot that has not obeyed the stop yet goes on only after it has obeyed. `who_goes_on`
+        names the robots that stay.
 
         ticket -- the gate's ticket at the person's command; a later stop has precedence
         """
@@ -734,7 +739,7 @@ class Supervisor:
 
     @property
     def who_goes_on(self) -> str:
-        """After `resume_fleet`: which robots go on, and why others stay, as a sentence."""
+        """Which robots go on after `resume_fleet`, and why others stay, as a sentence."""
         staying = [f'{robot.name}: {robot.why or robot.outage.value}'
                    for robot in self.robots.values()
                    if robot.outage is not None and robot.outage is not Outage.ABSENT]
@@ -771,7 +776,7 @@ class Supervisor:
         return self._actions(now)
 
     def _keep_graph(self, graph: Graph) -> None:
-        """Stores robots' data for this graph from now on. Former holds are kept as areas."""
+        """Stores the new graph, and the data of all robots, which refer to it from now on."""
         self._out.graph_changed(graph)
         for name in self._everywhere:
             self._out.robot_changed(name)
@@ -779,9 +784,10 @@ class Supervisor:
     # -- time -------------------------------------------------------------------------------------
 
     def tick(self, now: float, heard: Optional[float] = None) -> List[Action]:
-        """Does what time requires. It is to be called ten to twenty times a second.
+        """Does everything that depends on time; to be called ten to twenty times a second.
 
-        heard -- time until which all arrived reports were handled; silence is judged by it
+        heard -- time until which all arrived reports were handled; whether a robot is silent is
+                 judged for this time
         """
         self._heard = now if heard is None else heard
         self._advance(now)
@@ -807,7 +813,7 @@ class Supervisor:
             self._run_timetables()
         self._follow_times(now)
         self._work(now)
-        if now - self._began > FRESH:  # until then devices report anew
+        if now - self._began > FRESH:  # before this, a device may not have reported yet
             for name in self.interlocking.keep_out():
                 self._out.robot_changed(name)
         self._shorten()
@@ -832,7 +838,7 @@ class Supervisor:
         self.plan_executor.advance(self._world(), now)
 
     def _follow(self, robot: ManagedRobot, now: float) -> None:
-        """Judges what is known of a robot now, and lets it go on or stop."""
+        """Updates a robot to the present time, and lets it go on or stop."""
         robot.tick(now, self._heard)
         mission_progress.follow(self.book, robot, now)
         if not self.is_stopped and robot.return_to_work(now):
@@ -843,7 +849,8 @@ class Supervisor:
             self._out.send()
 
     def _shorten(self) -> None:
-        """Shortens the route of each robot that must come to rest to the end of its edge."""
+        """Shortens the routes of robots that must come to rest, to the end of their present edge.
+        """
         if self.is_stopped:
             return
         for name, robot in self.robots.items():

@@ -1,7 +1,8 @@
-"""Switches the order of the plan in force if a robot holds up others: input and output.
+"""Switches the order of the plan in force if a robot holds up others.
 
-The plan gives the times that robots take for their drives, by learned times. The lateness of each
-robot follows from its place now, and from how long robots usually stand.
+`planning.order_switching` searches for the order. The driving times are those of the plan, which
+includes learned times. The lateness of each robot follows from its present place, and from how long
+robots usually stand.
 """
 from __future__ import annotations
 
@@ -39,7 +40,7 @@ class OrderSwitching:
         self._looked = -math.inf
 
     def better(self, plan: PlanInForce, world: World, now: float) -> Optional[PlanInForce]:
-        """Returns the plan in a better order; None: there is none, or it is too early to search."""
+        """Returns the plan in a better order; None: no such order, or too early to search."""
         if now - self._looked < PERIOD:
             return None
         self._looked = now
@@ -102,8 +103,8 @@ def _course(own: RobotPlan, robot: ManagedRobot, errand: Errand, delay: float, n
 
 def _stays(own: RobotPlan, first: int, robot: ManagedRobot,
            errand: Errand) -> Tuple[List[float], Optional[int]]:
-    """Returns the stays before each remaining drive, and the number of the drive
-    after its errand.
+    """Returns the stay before each remaining drive, and the number of the first drive after the
+    errand.
     """
     pauses = [0.0] * max(len(own.drives) - first, 0)
     mission = errand.mission

@@ -1,7 +1,8 @@
-"""The time that a robot still needs, as people are shown it. This is its only estimate.
+"""The time that a robot still needs. Everything that shows this time to people uses this estimate.
 
-A plan is made to choose well, so its times leave out what all robots of a type lose everywhere.
-This estimate takes the drives and waits of the plan, with the times that robots have really needed.
+The times of a plan serve to compare paths. They leave out the delay that all robots of a type have
+on all edges. This estimate takes the drives and waits of the plan, with the times that robots have
+really needed.
 """
 from __future__ import annotations
 
@@ -39,7 +40,7 @@ class _TimedDrive(NamedTuple):
     end: int
     """The vertex at its end."""
     wait: float
-    """s before it, as planned."""
+    """The planned wait before the drive, s."""
     seconds: float
 
 
@@ -47,7 +48,7 @@ def time_to_go(robot: ManagedRobot, errand: Errand, plan: Optional[PlanInForce],
                times: EdgeTimes, now: float) -> TimeToGo:
     """Returns the time that a robot needs for its errand; `now` is the supervisor's time.
 
-    A plan that was made for another errand tells nothing: a stay without an end is long in it.
+    A plan that was made for another errand is not used: there, a stay without an end lasts long.
     Without a mission the robot's destination is the end of its plan.
     """
     mission, own = errand.mission, None if plan is None else plan.plan_of(robot.name)
@@ -66,7 +67,7 @@ def _timed(robot: ManagedRobot, drives: Sequence[PlannedDrive], times: EdgeTimes
            clock: float) -> Iterator[_TimedDrive]:
     """Yields the drives with their times; the robot may have begun the first.
 
-    `clock`: s of the plan.
+    clock -- the present time (s) on the time scale of the plan
     """
     record, kind = robot.record, robot.type.name
     begun = (record.pose.fraction if drives and record.pose.edge == drives[0].edge
@@ -105,10 +106,10 @@ def _stay(dwell: float) -> float:
 
 
 def time_over(mission: Mission, kinds: Iterable[RobotType], network: RoadNetwork) -> float:
-    """Returns the seconds from the next destination of a mission to its last one, if the plan does
-    not tell.
+    """Returns the seconds from the next destination of a mission to its last one, without a plan.
 
-    The fastest type, without traffic, with stays that have a length. Infinite: there is no path.
+    They are those of the fastest type, without traffic, with the stays that have an end. Infinite:
+    there is no path.
     """
     left = mission.left
     stays = sum(max(mission.request.dwell(index), 0.0)

@@ -3,7 +3,8 @@
 The time of the last run is stored together with its mission. So a restart neither repeats nor loses
 a run.
 
-A person may pause a timetable, also over a restart. Runs of that time are not made.
+A person may pause a timetable. The pause outlasts restarts. Runs that are due in the pause are not
+made.
 """
 from __future__ import annotations
 
@@ -28,7 +29,7 @@ _LARGEST_ID = 2 ** 31 - 1
 class TimetableRun(NamedTuple):
     """What a timetable asks for now.
 
-    request -- of the run that is due; None: there is none
+    request -- of the run that is due; None: no run is due
     due     -- the run, and how many were missed
     """
 
@@ -40,7 +41,7 @@ class TimetableRun(NamedTuple):
 class TimetableView(NamedTuple):
     """A timetable as people see it.
 
-    next -- of its next run, s since 1970; None: it is paused
+    next -- time of its next run, s since 1970; None: it is paused
     """
 
     timetable: Timetable
@@ -63,7 +64,8 @@ class TimetableRuns:
         self._looked: Optional[WallMinute] = None
 
     def due(self) -> Iterator[TimetableRun]:
-        """Yields what the timetables ask for in a new minute, each until `done` is told."""
+        """Yields, once in each minute, what the timetables ask for. `done` must be called for each.
+        """
         now = self._now
         if now == self._looked:
             return
@@ -116,7 +118,7 @@ def stored_name(timetable: str) -> str:
 
 
 def paused_name(timetable: str) -> str:
-    """Returns the name under which is stored whether it is paused."""
+    """Returns the name of the stored number that says whether it is paused."""
     return f'timetable paused/{timetable}'
 
 
@@ -126,7 +128,7 @@ def giver_of(timetable: str) -> str:
 
 
 def request_of(timetable: Timetable, run: WallMinute) -> Request:
-    """Returns the request of a run. It is the same one whenever it is made."""
+    """Returns the request of a run. A run always has the same request."""
     shown = shown_at(run)
     stamp = shown.timestamp()
     digest = blake2b(f'{timetable.name} {shown.isoformat()}'.encode(), digest_size=4).digest()

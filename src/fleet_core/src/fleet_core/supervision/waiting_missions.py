@@ -13,16 +13,16 @@ from fleet_core.supervision.pending_missions import FIRST, Key, key_of
 from fleet_core.supervision.robots import ManagedRobot
 from fleet_core.supervision.station_room import StationRoom
 
-AGAIN = 1.0   # s after which waiting missions are examined although no robot became free
-AT_ONCE = 50  # number of missions that are examined beside those that robots could serve now
+AGAIN = 1.0   # s after which waiting missions are examined even if no robot became free
+AT_ONCE = 50  # number of missions that are examined besides those that robots could serve now
 
 
 class WaitingMissions:
     """Gives each waiting mission a robot, or says why it has none.
 
-    At a time it examines as many missions as free robots could serve, and some more, in turn, to
-    find out what they wait for. So a mission for which no free robot is suitable does not keep the
-    others from a robot.
+    Each time it examines as many missions as the free robots could serve. It also examines some
+    other missions, in turn, to find out what they wait for. So a mission that no free robot can
+    serve does not delay the others.
     """
 
     def __init__(self, book: MissionBook, robots: Mapping[str, ManagedRobot],
@@ -34,11 +34,11 @@ class WaitingMissions:
         self._question: Optional[Tuple[object, ...]] = None
         self._looked = -inf
         self._left = 0  # number of missions that are still to be examined, in turn
-        self._last: Key = FIRST  # key of the last one examined
+        self._last: Key = FIRST  # key of the mission that was examined last
 
     @property
     def short(self) -> FrozenSet[str]:
-        """Robots that must charge before a mission that waits for them."""
+        """Robots that must charge before they can serve a mission that waits for them."""
         return frozenset(self._short.values())
 
     @property

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 
 class WaitCode(IntEnum):
-    """The kind of what is waited for, as in itrci_nav_msgs/ExplainMission."""
+    """The kind of a wait, as in itrci_nav_msgs/ExplainMission."""
 
     NOTHING = 0      # it drives, or may set out
     ROBOT = 1        # a robot to serve the mission
@@ -29,10 +29,10 @@ class WaitCode(IntEnum):
 
 
 class Wait(NamedTuple):
-    """What is waited for.
+    """What a mission or a robot waits for.
 
     text  -- in words
-    until -- s until that ends at the latest, or probably; NaN: unknown
+    until -- s until the wait ends, at the latest or probably; NaN: unknown
     """
 
     code: WaitCode = WaitCode.NOTHING

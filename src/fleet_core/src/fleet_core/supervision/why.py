@@ -1,4 +1,4 @@
-"""Why a mission or a robot does not go on: the only answer to that, for programs and for people.
+"""Why a mission or a robot does not go on. Programs and people get the same answer, made here.
 
 A mission that has a robot waits for what its robot waits for.
 """
@@ -25,7 +25,7 @@ class RobotReason:
     """Why one robot does not serve a mission that waits for a robot.
 
     mission -- request id of the mission that it serves; None: it serves none
-    until   -- s until that one probably ends; NaN: unknown
+    until   -- s until the mission that it serves probably ends; NaN: unknown
     text    -- in words
     """
 
@@ -38,7 +38,9 @@ class RobotReason:
 
 @dataclass(frozen=True)
 class MissionReason:
-    """What an open mission waits for; while it waits for a robot, with the reason for each robot.
+    """What an open mission waits for.
+
+    robots -- while it waits for a robot: why each robot does not serve it
     """
 
     wait: Wait
@@ -141,7 +143,7 @@ def _stay(mission: Mission, seconds: float) -> Wait:
 def _of_device(resource: Resource, supervisor: Supervisor, now: float) -> str:
     """Returns what the device of a resource shows, in words that follow its name.
 
-    Empty without one.
+    Empty: the resource has no device.
     """
     if not resource.has_device:
         return ''
@@ -150,9 +152,7 @@ def _of_device(resource: Resource, supervisor: Supervisor, now: float) -> str:
 
 
 def _turn(robot: ManagedRobot, supervisor: Supervisor, now: float) -> Wait:
-    """Returns what a robot waits for in the queue of a station,
-    and until the first robots leave it.
-    """
+    """Returns what a robot in the queue of a station waits for, and for how long."""
     standing = supervisor.stations.standing_of(robot.name)
     if standing is None:
         return NO_WAIT
@@ -166,8 +166,7 @@ def _turn(robot: ManagedRobot, supervisor: Supervisor, now: float) -> Wait:
 
 
 def _until_free(before: Sequence[str], supervisor: Supervisor, now: float) -> float:
-    """Returns the seconds until the first of the robots at a station ends its work there,
-    at the latest.
+    """Returns the seconds until the first of the robots at a station ends its work, at the latest.
     """
     ends = [nan]
     for name in before:

@@ -1,7 +1,7 @@
 """The work desk: leads missions with steps from stop to stop, and keeps the loads of the robots.
 
-The rules are those of `fleet_core.work`. This module joins them with missions and robots: it tells
-the rules where a robot is, lets the mission follow its work, and closes the robot's motion gate.
+The rules are those of `fleet_core.work`. This module applies them to missions and robots: it tells
+the rules where a robot is, updates the mission from its work, and closes the robot's motion gate.
 """
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ from fleet_core.work.tables import LOAD, LoadEvent, LoadState, StepState, after
 from fleet_core.work.work import ANY_LOAD, Ending, RobotLoad, Seen, Situation, Work, work_of
 from route_protocol.steps import MOST_KEY, StepAct, StepCommand, StepReport
 
-NEWEST_STEP = 'newest_step'  # name in the journal of the highest key of a step that is known
+NEWEST_STEP = 'newest_step'  # name, in the journal, of the highest known key of a step
 REPEAT = 0.5  # s between two commands for a step that the robot has not shown
 
 _BY: Mapping[Actor, str] = {
@@ -59,9 +59,9 @@ class WorkDesk:
 
     works -- as stored, by the serial of the mission
     loads -- as stored, by the robot's name
-    newest -- the highest key of a step that is known, as stored
+    newest -- the highest known key of a step, as stored
     clock -- returns ms since 1970
-    machines -- what they report
+    machines -- the reports of the machines
 
     It has one method for each event of a mission with steps, because all of them change the works
     and the loads that are stored together.
@@ -78,22 +78,23 @@ class WorkDesk:
         self._machines = machines
         self.newest = newest
         self.may_enter: Callable[[str, int], bool] = lambda _name, _place: True
-        """May a robot go to this place now? If not, no step begins because it is near."""
+        """Whether a robot may go to this place now. If not, no step begins while the robot is only
+        near the place."""
         self.lacks_room: Callable[[str, AbstractSet[str]], bool] = lambda _name, _loads: False
-        """Has a robot no room yet to take these types of load?"""
+        """Whether a robot has no room yet to take these types of load."""
         self._strange: Dict[str, FrozenSet[int]] = {}
         """By robot, keys of running steps that no mission here has ordered."""
         self._hindered: Dict[str, str] = {}
-        """By robot, why it is not ordered the step that is due, in words."""
+        """By robot, why the step that is due is not ordered, in words."""
         self._changed: Set[int] = set()
         self._changed_loads: Set[str] = set()
         self._sent: Dict[Tuple[str, int, StepAct], float] = {}
         for mission in book.serving.values():
             self._show(mission)
-        for mission in book.open:  # earlier fleet managers stored some as at work without a robot
+        for mission in book.open:  # earlier versions kept some at work after they lost their robot
             self.parted(mission)
 
-    # -- what the fleet has to know ---------------------------------------------------------------
+    # -- loads and works of the robots -------------------------------------------------------------
 
     def load(self, name: str) -> RobotLoad:
         """Returns what a robot carries."""
@@ -178,7 +179,7 @@ class WorkDesk:
         self._changed.discard(serial)
 
     def parted(self, mission: Mission) -> None:
-        """Notes that a mission may have no robot any more: then none is at work for it."""
+        """Notes that a mission may have lost its robot. Then no robot is at work for it."""
         work = self._works.get(mission.serial)
         if work is not None and not mission.robot:
             self._put(mission.serial, rules.parted(work))
@@ -212,8 +213,9 @@ class WorkDesk:
         return any(changes) or before is None or before.steps != report.steps
 
     def _doubt_all(self, device: str, last: int) -> None:
-        """Notes that a device has taken a step that is not in the journal:
-        any robot may have been there.
+        """Notes that a device has taken a step that is not in the journal.
+
+        Any robot may have been at the device.
         """
         self.newest = max(self.newest, min(last, MOST_KEY))
         for name in self._robots:
@@ -222,8 +224,8 @@ class WorkDesk:
     def _note_strange(self, name: str, report: StepReport, is_first: bool) -> bool:
         """Notes the running steps that no mission here has ordered. Returns whether they changed.
 
-        Such a step was ordered by another fleet manager, or by a mission that this one has ended or
-        forgotten. The first report shows it already.
+        Such a step was ordered by another fleet manager, or for a mission that this fleet manager
+        has ended or forgotten. The first report of the robot already shows such a step.
         """
         before = self._strange.pop(name, frozenset())
         running = frozenset(step.key for step in report.steps if not step.word.is_final)
@@ -239,8 +241,9 @@ class WorkDesk:
         return now != before
 
     def _doubt(self, name: str, taker: str) -> None:
-        """Notes that a step was taken that is not in the journal:
-        what the robot carries is unknown.
+        """Notes that `taker` has taken a step that is not in the journal.
+
+        So it is unknown what the robot carries.
         """
         load = self.load(name).with_types((ANY_LOAD,))
         self._put_load(name, replace(load, state=after(LOAD, load.state, LoadEvent.BEGIN)))
@@ -249,7 +252,7 @@ class WorkDesk:
             self.fail(mission, f'the journal is older than a step that {taker} has taken')
 
     def follow_all(self, may_begin: bool) -> List[str]:
-        """Follows all robots with such missions. Returns those for which a step has begun.
+        """Follows all robots with missions with steps. Returns those for which a step has begun.
 
         may_begin -- steps may begin now
         """
@@ -277,7 +280,7 @@ class WorkDesk:
     def _begin(self, robot: ManagedRobot, situation: Situation, now: int) -> Optional[Situation]:
         """Returns the situation after the step that is due is ordered.
 
-        None: none is due, or can be.
+        None: no step is due, or the step cannot be ordered now.
         """
         name, work = robot.name, situation.work
         place = rules.due_step(situation, self._where_is(robot, work))
@@ -302,7 +305,7 @@ class WorkDesk:
         return rules.begin(situation, place, key, 0 if report is None else report.run, now)
 
     def _is_busy(self, device: str) -> bool:
-        """Returns whether a device carries out a step, or a command for one may be on its way."""
+        """Returns whether a device carries out a step, or may still get a command for a step."""
         report = self._machines.newest(device)
         return report is not None and any(not one.word.is_final for one in report.steps) or any(
             step.device == device and own.seen is not Seen.OVER and own.key
@@ -326,7 +329,7 @@ class WorkDesk:
     # -- commands of people -----------------------------------------------------------------------
 
     def cancel(self, mission: Mission, reason: str) -> bool:
-        """Cancels a mission with steps that a robot serves. Returns whether it is one."""
+        """Cancels a mission if it has steps and a robot serves it. Returns whether that is so."""
         if mission.serial not in self._works or not mission.robot:
             return False
         if mission.state is MissionState.PAUSED:
@@ -335,9 +338,9 @@ class WorkDesk:
         return True
 
     def fail(self, mission: Mission, reason: str) -> bool:
-        """Fails a mission with steps that a robot serves. Returns whether it is one.
+        """Fails a mission if it has steps and a robot serves it. Returns whether that is so.
 
-        It has failed when the steps that run have ended: its robot stands until then.
+        The mission has failed when its running steps have ended. Until then its robot stands.
         """
         if mission.serial not in self._works or mission.robot not in self._robots:
             return False
@@ -345,7 +348,10 @@ class WorkDesk:
         return True
 
     def change(self, mission: Mission, change: MissionChange) -> str:
-        """Replaces stops that have not begun. Returns why not, as a clause; empty: done."""
+        """Replaces stops that have not begun.
+
+        Returns a clause that says why this is refused; empty: done.
+        """
         changed, problem = rules.changed(self._situation(mission), change.stops, change.first_stop)
         if not problem:
             mission.request = replace(mission.request, stops=changed.work.stops)
@@ -356,7 +362,7 @@ class WorkDesk:
     def choices(self, mission: Mission) -> str:
         """Returns the group of which any place would do for the next stop of a mission.
 
-        Empty: none.
+        Empty: the place of this stop is fixed.
         """
         work = self._works.get(mission.serial)
         if work is None or work.current == len(work.stops) or (
@@ -365,11 +371,14 @@ class WorkDesk:
         return work.stops[work.current].group
 
     def choose(self, mission: Mission, place: int) -> None:
-        """Notes that another one of the equal places is the next stop of a mission."""
+        """Makes another of the equal places the next stop of a mission."""
         self._use(mission, rules.chosen(self._situation(mission), place))
 
     def answer(self, mission: Mission, answer: StepAnswer) -> str:
-        """Handles an answer to a step. Returns why not, as a clause; empty: done."""
+        """Handles an answer to a step.
+
+        Returns a clause that says why it is refused; empty: done.
+        """
         if mission.serial not in self._works or not mission.robot:
             return 'it has no step that waits for an answer'
         answered, problem = rules.answer(self._situation(mission), answer.answer, answer.key)
@@ -377,10 +386,11 @@ class WorkDesk:
         return problem
 
     def set_load(self, name: str, request_id: Optional[int]) -> str:
-        """Stores what a robot carries, as a person says: nothing (None), or the load of its
-        mission.
+        """Stores the load that a robot carries according to a person.
 
-        Returns why not, as a sentence; empty: done.
+        request_id -- of the robot's mission, whose load it carries; None: it carries nothing
+
+        Returns a sentence that says why this is refused; empty: done.
         """
         mission = self._book.of_robot(name)
         serial = mission.serial if mission is not None else 0
@@ -407,7 +417,7 @@ class WorkDesk:
         return Situation(mission.serial, self._works[mission.serial], self.load(mission.robot))
 
     def _use(self, mission: Mission, situation: Situation) -> bool:
-        """Keeps a situation, and lets the mission follow. Returns whether it changed anything."""
+        """Keeps a situation, and updates the mission. Returns whether this changed anything."""
         if situation == self._situation(mission):
             return False
         self._put(mission.serial, situation.work)
@@ -426,7 +436,7 @@ class WorkDesk:
             self._changed_loads.add(name)
 
     def _show(self, mission: Mission) -> None:
-        """Lets a mission follow its work, and the load of its robot."""
+        """Updates a mission from its work, and from the load of its robot."""
         work, load = self._works.get(mission.serial), self.load(mission.robot)
         mission.is_bound = load.is_bound_to(mission.serial) or (
             work is not None and any(rules.open_steps(work)))
@@ -458,7 +468,7 @@ class WorkDesk:
             self._book.changed.add(mission.serial)
 
     def _set_phase(self, mission: Mission, phase: WorkPhase, reason: str) -> None:
-        """Sets the state of a mission. During an outage, its reason is that outage."""
+        """Sets the state and reason of a mission. During an outage of its robot: only its end."""
         state, robot = _STATES[phase], self._robots.get(mission.robot)
         if mission.state is MissionState.PAUSED and state.is_open:
             state = MissionState.PAUSED
@@ -466,7 +476,7 @@ class WorkDesk:
             self._book.set(mission, state, reason or self._hindered.get(mission.robot, ''))
 
     def _let_follow(self, mission: Mission, work: Work, phase: WorkPhase) -> None:
-        """Sets how many destinations are behind a mission, and which ones it has."""
+        """Updates the destinations of a mission, and the number of those that it has visited."""
         if phase in (WorkPhase.FAILED, WorkPhase.CANCELLED):
             return
         places, dwells = tuple(stop.place for stop in work.stops), dwells_of(work.stops)
@@ -506,9 +516,10 @@ class WorkDesk:
         self._changed_loads.clear()
 
     def due(self, now: float) -> List[SendStep]:
-        """Returns the commands that the robots are to be given now. What they rest on is stored.
+        """Returns the commands to be sent now. The works to which they belong are stored.
 
-        A step that was ordered does not begin after the fleet was stopped, or the robot left it.
+        While a robot cannot work, for example because the fleet is stopped, no command that begins
+        a step is sent.
         """
         found: List[SendStep] = []
         before, self._sent = self._sent, {}
@@ -526,9 +537,9 @@ class WorkDesk:
         return found
 
     def _commands(self, name: str, work: Work) -> Iterator[Tuple[str, StepCommand]]:
-        """Yields what a robot and the devices of its work are to be told.
+        """Yields (device, command) for a robot and for the devices of its work.
 
-        The device is '' for the robot.
+        The device is '' if the command is for the robot.
         """
         devices = {step.device for _, step, own in work.steps if own.seen is not Seen.OVER}
         for device in sorted(devices):

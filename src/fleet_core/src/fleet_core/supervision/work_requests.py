@@ -1,4 +1,4 @@
-"""Requests as the work file of the site lets them be made: templates, groups, types of steps."""
+"""Completes and checks requests with the site's work file: templates, groups, types of steps."""
 from __future__ import annotations
 
 from collections import Counter
@@ -18,8 +18,8 @@ from trajectory_graph import Graph
 class WorkRequests:
     """Fills in the template of a request that is not a repeat, and chooses places of groups.
 
-    The stops that result are stored. The work file is not asked again, so the mission stays as it
-    was accepted, even if the file changes.
+    The resulting stops are stored, and the work file is not read again for the mission. So the
+    mission stays as it was accepted, even if the file changes.
     """
 
     def __init__(self, work: SiteWork, graph: Graph, book: MissionBook) -> None:
@@ -56,7 +56,7 @@ class WorkRequests:
         return self._place(group)
 
     def check_types(self, stops: Iterable[WorkStop]) -> None:
-        """Raises RequestRefused for a type of step, or its device, that the site does not have."""
+        """Raises RequestRefused if the site lacks the type, load or device of a step."""
         types, devices = self._work.step_types, self._work.step_devices
         for stop in stops:
             for step in stop.steps:
@@ -89,8 +89,9 @@ class WorkRequests:
         return group_of(word, self._work.stations)
 
     def _place(self, word: str) -> int:
-        """Returns the place that a word names: of a group, one to
-        which the fewest open missions go.
+        """Returns the place that a word names.
+
+        For a group it is the place to which the fewest open missions go.
         """
         places = places_of(word, self._work.stations, self._graph)
         if len(places) == 1:
