@@ -48,10 +48,10 @@ class Allocation:
     areas: Tuple[Area, ...] = ()
 
     def is_within(self, other: Allocation) -> bool:
-        """Returns whether every place of this allocation is one of another of the same robot.
+        """Returns whether `other`, of the same robot, has every place of this allocation.
 
-        So it excludes no robot that the other one does not exclude. The robot is known as well as
-        by the other one, and its load makes it no wider.
+        If so, this allocation excludes no robot that `other` does not exclude. Both must have the
+        same knowledge, and the robot's reach must not be larger than in `other`.
         """
         if self.knowledge is not other.knowledge or self.kind.reach > other.kind.reach or (
                 self.vertex not in (None, other.vertex)
