@@ -187,7 +187,7 @@ def labelled(id: int, label: str) -> Graph:
 @pytest.mark.parametrize('name, told', [
     ("'18'", "station '18' needs a name that is no number"),
     ('-press', "station '-press' needs a name that is no number and does not begin with -"),
-    ('ramp', 'station ramp is called as vertex 7 is labelled, which is none of its places')])
+    ('ramp', 'station ramp has the label of vertex 7 as its name, but that vertex is none of its')])
 def test_a_station_cannot_be_mistaken_for_a_vertex(tmp_path, name, told):
     path = tmp_path / 'work.yaml'
     path.write_text(f'stations: [{{name: {name}, places: [3]}}]')
