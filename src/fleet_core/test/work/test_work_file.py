@@ -1,4 +1,4 @@
-"""The work file is read strictly: what is wrong is refused in one sentence with its line."""
+"""The work file is read strictly: each mistake is refused in one sentence with its line."""
 from __future__ import annotations
 
 import re
@@ -346,7 +346,7 @@ def test_each_part_may_be_missing_or_empty(tmp_path, text):
 
 
 @pytest.mark.parametrize('right, wrong, line, told', [
-    # what the issue lists
+    # words that do not exist, missing fields, and a name that occurs twice
     ('type: engage', 'type: engaeg', 13, "no step type 'engaeg'; did you mean engage?"),
     ('at: $from', 'at: pres', 13, "no station and no vertex is named 'pres'"),
     ('at: 4', 'at: 99', 16, 'the graph has no vertex 99'),

@@ -50,7 +50,7 @@ from fleet_core.work.work import (
 )
 from route_protocol.steps import ShownStep, StepAct, StepCommand, StepReport, Word
 
-GRACE = 10_000  # ms: a person is asked if a step has not ended so long after it was broken off
+GRACE = 10_000  # ms: a person is asked if a step has not ended so long after it was told to end
 
 
 class StepDecision(IntEnum):
