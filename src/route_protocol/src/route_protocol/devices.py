@@ -35,7 +35,7 @@ class DeviceFault(IntEnum):
 
     NONE = 0
     NOT_READ = 1   # it does not answer
-    TIMED_OUT = 2  # it does not show what is wanted within its timeout
+    TIMED_OUT = 2  # it has not shown the requested mode within its timeout
 
 
 @dataclass(frozen=True)

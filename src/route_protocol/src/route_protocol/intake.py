@@ -6,7 +6,7 @@ vehicle might drive waits here until the vehicle can decide. At most one route w
     | event                      | the route that waits             | answer                       |
     |----------------------------|----------------------------------|------------------------------|
     | route that can be answered |                                  | taken or refused at once     |
-    | route that cannot yet      | none                             | waits                        |
+    | route that must wait       | none                             | waits                        |
     | such a route, numbered     | of the same master, lower number | waits; its answer counts for |
     |                            |                                  | the other route, too         |
     | such a route, not numbered | not numbered, another route that | waits; the other route is    |
@@ -98,7 +98,7 @@ class Intake:
         self._patience = min(patience, ANSWERED_WITHIN)
 
     def arrived(self, order: RouteOrder, now: float) -> Judgement:
-        """Obeys, refuses or ignores an order, or lets it wait. Returns its judgement."""
+        """Obeys, refuses or ignores an order, or lets it wait. Returns the protocol's judgement."""
         judgement = self.old_masters.answer(order, self.vehicle, now)
         if judgement.answer is Answer.STOP:
             self._stop(order, now)

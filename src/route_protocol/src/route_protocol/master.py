@@ -3,7 +3,8 @@
 State
     epoch, report  -- of the newest report
     number         -- of the last order that was given
-    order, refused -- what the newest report says of this master's orders, in this epoch
+    order, refused -- the last order of this master that was taken, and the highest one that was
+                      refused, in this epoch, by the newest report
     done           -- number, in the route record, of the edge under way or of the next one
     open           -- the orders that the vehicle follows, or may follow later
     behind         -- edges that it has driven by these orders, and has not certainly left
@@ -22,7 +23,7 @@ What a report does (`hear`)
     | shows order n                             | orders below n are not open any more             |
     | shows that n was refused                  | orders up to n, above `order`, are not open      |
     | shows that the route of order n is lost   | order n is not open                              |
-    | has a new epoch                           | no route is open; stops are                      |
+    | has a new epoch                           | no route is open any more; stops stay open       |
     | STANDING                                  | nothing is behind or held                        |
     | on the route of an open order, same epoch | nothing is held                                  |
     | anything else                             | edges of orders that are not open any more, and  |
@@ -67,7 +68,7 @@ SKIPPED = 2 ** 40
 """How many order numbers a master skips when it finds an unknown one: 35 years in ms.
 
 If the journal is lost and the clock was set back, orders may be on their way whose numbers are
-larger than any that the vehicle shows. They were drawn from the clock later, but not so much later.
+larger than any that the vehicle shows. A later clock gave these numbers, but not 35 years later.
 """
 _LARGEST_LABEL = 2 ** 31 - 1
 # Behind an edge with a larger number, a route of MAXIMUM_EDGES would run out of numbers.
@@ -273,7 +274,7 @@ def hear(state: MasterState, said: RouteReport, me: str, clock: int,
 
     me         -- name of this master
     clock      -- ms since 1970
-    is_located -- the report tells where the vehicle is; otherwise STANDING does not count
+    is_located -- the report has the vehicle's place; False: then STANDING does not count
     """
     if said.number <= state.report:
         return state, OLD_NEWS
@@ -334,9 +335,7 @@ def _is_moved_otherwise(said: RouteReport, is_mine: bool) -> bool:
 
 
 def _passed(state: MasterState, said: RouteReport, read: _Reading) -> Tuple[Step, ...]:
-    """Returns the edges of the order that the vehicle follows
-    which it has passed since the last report.
-    """
+    """Returns the edges of its present order that the vehicle has passed since the last report."""
     if read.shown is None or not read.order or read.is_new or said.done <= state.done:
         return ()
     return tuple(step for step in read.shown.steps(state.done) if step.number < said.done)

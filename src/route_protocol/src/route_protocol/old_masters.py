@@ -12,7 +12,7 @@ only numbered routes. All of these masters count as one, OLD_MASTER.
     | names an epoch that is over                                | refused: OVERRULED              |
     | no epoch, and sent before the present epoch began          | refused: TAKEN_OVER             |
     | same route_id as the route in force                        | changes that route              |
-    | any other                                                  | a new route of the vehicle      |
+    | any other                                                  | begins a new route              |
 """
 from __future__ import annotations
 
@@ -45,7 +45,8 @@ class OldMasters:
 
     def __init__(self, last: Optional[RouteOrder] = None) -> None:
         self.last = last
-        """The last order without a number that passed, but with the newest stamp that passed."""
+        """The last order without a number that passed; its stamp is the newest of all that passed.
+        """
         self._refused: Optional[Tuple[RouteOrder, Reason]] = None
         self._epoch_began = -math.inf
 
@@ -107,7 +108,7 @@ class OldMasters:
 
     @staticmethod
     def changes_route(order: RouteOrder, state: VehicleState) -> bool:
-        """Returns whether the order changes the route in force, rather than begins another one."""
+        """Returns whether the order changes the route in force, and does not begin another one."""
         return (order.route_id == state.route_id and bool(state.edges)
                 and state.phase is not Phase.STOPPED and state.master == OLD_MASTER)
 

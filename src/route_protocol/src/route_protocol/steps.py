@@ -166,6 +166,6 @@ class ActorState:
 
 
 def _kept(steps: Tuple[ShownStep, ...]) -> Tuple[ShownStep, ...]:
-    """Returns all running steps, and the last ones that have ended."""
+    """Returns all running steps, and the last KEPT steps that have ended."""
     ended = [step for step in steps if step.word.is_final][-KEPT:]
     return tuple(step for step in steps if not step.word.is_final or step in ended)

@@ -34,7 +34,8 @@ class RouteOrder:
     received: int = field(default=0, compare=False)
     known_epoch: int = field(default=0, compare=False)
     comes_again: bool = field(default=False, compare=False)
-    """Whether it was the first message of a new connection to an earlier, latching publisher."""
+    """Whether it was the first message of a new connection: a latching publisher repeats it then.
+    """
     order: int = 0
     first: int = field(default=0, compare=False)
     master: str = ''
@@ -188,7 +189,8 @@ class RouteReport:
     refusal  -- why that order was refused
     first    -- number of `edges[0]` in the route record
     motion   -- what the vehicle does
-    number   -- of this report; it grows, over restarts too; 0: the vehicle does not number reports
+    number   -- of this report; it only grows, even after a restart; 0: the vehicle does not number
+                its reports
     unready  -- why the vehicle would refuse each route now; NONE: it would not
 
     Each attribute is a field of the message.

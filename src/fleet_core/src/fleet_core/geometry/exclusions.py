@@ -238,7 +238,7 @@ class _Pairs:
             self.high = np.maximum.reduceat(high, first)
 
     def make_symmetric(self) -> None:
-        """Adds the reverse of each pair that rounding left out, with its whole first place."""
+        """Adds each reverse of a pair that rounding left out; it excludes the whole place."""
         key, mirrored = self._keys()
         missing = ~np.isin(mirrored, key)
         if missing.any():
@@ -317,9 +317,7 @@ def _lengths(pieces: Pieces) -> np.ndarray:
 
 def _distance(points: np.ndarray, one: np.ndarray, others: np.ndarray,
               other: np.ndarray) -> np.ndarray:
-    """Returns the distances (m) of the `points` (2,N) number `one` from the `others` number
-    `other`.
-    """
+    """Returns distances (m): of `points` (2,N) at the indices `one` from `others` at `other`."""
     here: np.ndarray = points.take(one, axis=1)
     there: np.ndarray = others.take(other, axis=1)
     x, y = here - there

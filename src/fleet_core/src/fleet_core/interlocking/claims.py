@@ -119,13 +119,13 @@ class Claims:
         """By resource, the number of the request by which its device freshly reports to be open."""
         self._clock = clock
         self._number = number
-        # The three reasons for claims, by robot. A resource that the site lost is not claimed.
+        # The three reasons for claims, by robot. Resources that the site lost are left out.
         self._stored = {name: own & needs.resources.keys() for name, own in (stored or {}).items()}
         self._wanted: Dict[str, FrozenSet[str]] = {}
         # Until its allocation is known, a robot may need all that it claims in the journal.
         self._needed: Dict[str, FrozenSet[str]] = dict(self._stored)
         self._changed: Set[str] = set()  # robots whose claims differ from those in the journal
-        self._asked: Dict[Tuple[str, str], int] = {}  # the first request with this robot
+        self._asked: Dict[Tuple[str, str], int] = {}  # number of the first request for this robot
         self._requests: Dict[str, DeviceRequest] = {}
         self._is_begun = not needs.has_devices
         if not self._is_begun:
@@ -316,7 +316,7 @@ class Claims:
             self._asked[name, resource] = self._number
 
     def asked_for(self, resource: str) -> FrozenSet[str]:
-        """Returns the names of the robots for which the newest request holds the device."""
+        """Returns the names of the robots for which the newest request keeps the device open."""
         return frozenset(name for name, asked in self._asked if asked == resource)
 
     def outnumber(self, number: int) -> None:

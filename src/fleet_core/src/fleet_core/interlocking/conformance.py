@@ -181,9 +181,10 @@ class Conformance:
     @staticmethod
     def _too_near(name: str, robots: Mapping[str, ObservedRobot],
                   excluding: Callable[[str], Sequence[str]]) -> List[Violation]:
-        """Returns a violation if this robot may drive and another one excludes it; empty: neither.
+        """Returns a violation if this robot may drive although another one excludes it.
 
-        Robots that have not reported since the start do not count: their places are known roughly.
+        Robots that have not reported since the start do not count, because their places are known
+        only roughly.
         """
         master = robots[name].master
         if not master.protocol.ahead or master.is_stopping or robots[name].needs_person or (

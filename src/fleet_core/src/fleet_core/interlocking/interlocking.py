@@ -36,7 +36,7 @@ from fleet_core.interlocking.reports import GraphPosition
 from fleet_core.interlocking.resources import NOTHING, WHOLE, Needs, Resource, Rest
 from fleet_core.interlocking.route_master import RouteMaster, Sending
 
-_REMEMBERED = 1000  # number of areas of which the near places are remembered
+_REMEMBERED = 1000  # number of areas whose near places are kept
 
 
 class Gate(Enum):
@@ -95,7 +95,7 @@ class InterlockedRobot(Protocol):
 
 @dataclass(frozen=True)
 class Grant:
-    """The edges that are granted, and why the next one is not (None: all are granted)."""
+    """The edges that are granted, and why the next edge is refused (None: all are granted)."""
 
     edges: Tuple[int, ...]
     refusal: Optional[Refusal] = None
@@ -164,7 +164,7 @@ class Interlocking:
         self._news = news or (lambda: robots)
         self._known: Dict[str, Allocation] = {}
         self._holds = HeldPlaces(geometry, clearance)
-        self._stored = HeldPlaces(geometry, clearance)  # as they are in the journal
+        self._stored = HeldPlaces(geometry, clearance)  # by the allocations in the journal
         self._to_store: Set[str] = set()
         self._with_areas: Set[str] = set()
         self._unknown: Set[str] = set()
@@ -218,7 +218,7 @@ class Interlocking:
                               self._asked(robot, edges)))
 
     def would_grant(self, wanted: Mapping[str, Sequence[int]]) -> Dict[str, Tuple[int, ...]]:
-        """Returns for each robot the longest beginning of its edges that all may have now, at once.
+        """Returns for each robot the longest beginning of its edges that all may have together now.
 
         Nothing is granted. A robot's last order need not be settled yet, because its next report
         will settle it.
@@ -508,7 +508,7 @@ class Interlocking:
             if allocation is before:
                 continue
             self._known[name] = allocation
-            # A robot that may be anywhere excludes no other one, but others exclude it.
+            # A robot that may be anywhere is not compared itself, but others are compared with it.
             if self._unknown or name in self._crowded or before is None or (
                     not allocation.is_within(before)):
                 self._to_compare.add(name)

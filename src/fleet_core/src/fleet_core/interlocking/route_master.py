@@ -9,8 +9,8 @@ it is. The allocation is computed from these two alone:
     |                                     | it, or it is held until the robot stands               |
     | on the vertex where it stands, or   | its last report says STANDING                          |
     | at the point between vertices       |                                                        |
-    | near its last location, or the one  | that is not on an edge or vertex of the two lines above|
-    | before if that was a stray one      |                                                        |
+    | near its last location, and near    | this location is on no edge or vertex of the rows above|
+    | the one before if it was a stray one|                                                        |
     | within a radius of its last location| another giver moves it; the radius grows with the age  |
     |                                     | of the location                                        |
     | in an area                          | it held an edge that the graph does not have any more  |
@@ -640,7 +640,7 @@ class RouteMaster:
         """Sets the state from before a restart."""
         number = memory.protocol.number
         self.record.cleared, self.record.protocol = memory.cleared, memory.protocol
-        # No journal that this start has read knows the numbers between these two.
+        # Numbers between these two are in no journal that this run has read.
         self.record.set_protocol(replace(memory.protocol, gap=(number, self._next_number())))
         self._sent = number, -math.inf
         self.record.position = memory.position
@@ -715,8 +715,7 @@ class RouteMaster:
         self._absent_since = now
 
     def is_back(self, report: Report, now: float) -> bool:
-        """Ends an absence that began before the location of this report. Returns whether it does.
-        """
+        """Ends the absence if this location was taken after it began. Returns whether it ended."""
         if self._absent_since is None or not report.stamp or (
                 now - max(report.age, 0.0) <= self._absent_since + CLOCK_ERROR):
             return False

@@ -44,7 +44,8 @@ class RouteRecord:
         """Number of times that the record was begun anew. A plan of an earlier generation is void.
         """
         self.cleared: Tuple[int, float] = (0, 0.0)
-        """Number of an edge and a fraction of it: all before this point is behind the robot."""
+        """An edge's number and a fraction of it: everything before is certainly behind the robot.
+        """
         self._slack = slack
         self._driven: Deque[Step] = deque(maxlen=_REMEMBERED)
 
@@ -173,7 +174,7 @@ class RouteRecord:
         self._driven.clear()
 
     def passed(self, edges: Tuple[int, ...]) -> List[int]:
-        """Notes that the robot has driven these edges, the last ones before that under way.
+        """Notes that the robot has driven these edges: the last ones before the edge under way.
 
         Returns the ids of the vertices at their ends, in order.
         """

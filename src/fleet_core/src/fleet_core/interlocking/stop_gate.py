@@ -44,7 +44,7 @@ class StopGate:
 
     @contextmanager
     def passage(self, edges: Sequence[int]) -> Iterator[bool]:
-        """Yields whether a route over these edges may be sent. No stop comes before it is sent.
+        """Yields whether a route over these edges may be sent. Until it is sent, stops must wait.
 
         An empty route passes without waiting, because it is a stop.
         """

@@ -41,7 +41,7 @@ from typing import AbstractSet, Dict, Iterable, Mapping, NamedTuple, Optional, T
 
 @dataclass(frozen=True)
 class Charger:
-    """Docks at which robots charge. They are equal: any of them would do for a robot.
+    """Docks at which robots charge. They are equal: any of them suits a robot.
 
     places   -- dock vertices
     capacity -- number of robots that may be at its places

@@ -80,7 +80,7 @@ class StepDevice:
     """A device that carries out steps: a press or a conveyor that hands over to robots.
 
     timeout -- s that it may take to get ready for a step, or to break a step off
-    at      -- vertices at which it stands; empty: not said
+    at      -- vertices at which it stands; empty: the work file names none
     address -- where its driver reaches it; None: it is SIMULATED
     """
 

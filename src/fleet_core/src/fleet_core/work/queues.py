@@ -23,7 +23,7 @@ those without one, by priority and age of their missions. So no robot passes ano
 
 A turn is not a claim. A robot claims the station when it is granted the edges that lead there, as
 it claims a door (`interlocking.claims`). Nothing here is stored: after a restart, robots with a
-claim have their turns, and robots at queue places have arrived, the first place first.
+claim have their turns, and robots at queue places have arrived, in the order of the places.
 
 Invariants, for each state after any events (`test_queues.py`):
 

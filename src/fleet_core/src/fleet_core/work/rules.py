@@ -134,7 +134,7 @@ def place_not_to_enter(work: Work) -> Optional[int]:
 
 
 def time_left(work: Work, now: int) -> float:
-    """Returns the seconds until the timeouts of all running steps are over; NaN: none runs.
+    """Returns the seconds until the timeouts of all running steps have passed; NaN: none runs.
 
     `now`: ms since 1970.
     """
@@ -265,7 +265,7 @@ def _followed(work: Work, where: Where) -> Work:
 def parted(work: Work) -> Work:
     """Returns the work of a mission that its robot does not serve any more.
 
-    Nothing of it was ordered, so another robot begins it.
+    None of its steps was ordered, so another robot begins it.
     """
     number = work.current
     is_behind = number < len(work.progress) and work.progress[number].state in (

@@ -47,8 +47,8 @@ class Actor(IntEnum):
 
     ROBOT = 0
     PERSON = 1
-    OUTSIDE = 2   # a program that answers by a mission command
-    DEVICE = 3    # a press or a conveyor, of which the work file says how it is reached
+    OUTSIDE = 2   # a program that answers with a mission command
+    DEVICE = 3    # a press or a conveyor; the work file has its address
 
     @property
     def has_driver(self) -> bool:

@@ -1,8 +1,8 @@
 """Templates of missions: stops in which parameters stand for places and for texts of steps.
 
 The fleet manager fills a template in when it accepts a mission, and stores the stops. So the
-mission stays the same if the work file changes later, even if its request is sent again. Only the
-fleet manager reads the work file, and not the sender. It runs the timetables, too.
+mission stays the same if the work file changes later, even if its request is sent again. The sender
+needs no work file: only the fleet manager reads it. The fleet manager also runs the timetables.
 """
 from __future__ import annotations
 

@@ -91,7 +91,7 @@ def due(timetable: Timetable, last: Optional[WallMinute], now: WallMinute) -> Du
     """
     is_set_back = last is not None and last > now + DAY
     since = now - 1 if last is None or is_set_back else last
-    runs = newest = 0  # there are none if the clock shows a time again, or was set back a little
+    runs = newest = 0  # no run is due if the clock shows a time again, or was set back a little
     for day in range((since - timetable.end) // DAY, now // DAY + 1):
         first = day * DAY + timetable.begin
         if shown_at(day * DAY).weekday() in timetable.days and first <= now:

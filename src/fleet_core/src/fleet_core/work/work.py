@@ -17,7 +17,7 @@ ANY_LOAD = ''  # the type of a load whose type is not known
 
 
 class Seen(Enum):
-    """What the master has seen of the key of a step."""
+    """What reports have shown of the last order of a step."""
 
     NOTHING = 'nothing'   # the robot has not shown it: it may not have received the command yet
     RUNNING = 'running'
