@@ -208,7 +208,7 @@ def test_one_grid_in_ten_is_switched():
 
 
 def has_ring(courses, order):
-    """True if robots wait for each other in a ring."""
+    """Returns whether robots wait for each other in a ring."""
     try:
         ends(courses, order)
     except AssertionError:

@@ -11,7 +11,7 @@ States
     Master  -- what the newest report said; the number of its last order; the orders that the
         vehicle may still follow (`open`); the edges that stay held until the vehicle stands
     State   -- both, the master's journal, and every order and report that was ever sent. The fields
-        after those only watch: neither side can read them.
+        after those serve only the search: neither side can read them.
 
 Events
     * An order or a report arrives: any that was sent, at any time, again and again, or never.
@@ -135,7 +135,7 @@ class Report(NamedTuple):
 
 
 class Vehicle(NamedTuple):
-    """The vehicle. The last two fields only watch."""
+    """The vehicle. No answer to an order depends on the last two fields."""
 
     epoch: int = 1
     master: str = ME  # whose orders it counts
@@ -171,7 +171,7 @@ class Master(NamedTuple):
 
 
 class State(NamedTuple):
-    """Everything. The last four fields only watch, or count."""
+    """The whole state. Neither side can read the last four fields."""
 
     vehicle: Vehicle = Vehicle()
     master: Master = Master()
@@ -644,7 +644,7 @@ def where_it_is(master: Master) -> Tuple[int, Tuple[Edge, ...], int]:
 
 
 def _from_here(vehicle: Vehicle, label: int) -> Tuple[Edge, ...]:
-    """Returns a route of others from the place of the vehicle, by the rest of its edge."""
+    """Returns a route of another master; it begins with the rest of the vehicle's edge, if any."""
     if vehicle.edge is None:
         assert vehicle.place is not None
         return (Edge(label, vehicle.place, label),)

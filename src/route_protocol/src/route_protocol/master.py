@@ -416,7 +416,7 @@ def give_stop(state: MasterState, number: int, route_id: int) -> MasterState:
 def next_number(state: MasterState, clock: int) -> int:
     """Returns the number of the next order: above all that an earlier run may have drawn.
 
-    clock -- ms since 1970: an older journal, or a restored machine, must not draw a number again
+    clock -- ms since 1970, so that no number is drawn twice even with an older journal
     """
     return max(state.number + 1, clock, state.gap[1])
 

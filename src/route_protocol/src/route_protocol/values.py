@@ -34,8 +34,7 @@ class RouteOrder:
     received: int = field(default=0, compare=False)
     known_epoch: int = field(default=0, compare=False)
     comes_again: bool = field(default=False, compare=False)
-    """Whether it was the first message of a new connection: a latching publisher repeats it then.
-    """
+    """Whether it was the first message of a new connection to a known latching publisher."""
     order: int = 0
     first: int = field(default=0, compare=False)
     master: str = ''

@@ -147,7 +147,7 @@ class Exclusions:
         """Returns the places `near` a robot on this line, and all places of each group of `alone`
         in which the robot is.
 
-        own -- m from the line within which a place counts as one where the robot is
+        own -- m: the robot is at each place that is nearer to the line than this
         """
         found = self.near(line, distance)
         if self._alone:

@@ -256,7 +256,7 @@ class Interlocking:
 
     @property
     def to_store(self) -> AbstractSet[str]:
-        """Names of the robots that in the journal still hold places too near to granted ones.
+        """Names of the robots whose stored allocations are still too near to granted edges.
 
         Their present allocations must be stored together with these grants. Otherwise allocations
         would exclude each other after a restart.

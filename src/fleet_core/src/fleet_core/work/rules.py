@@ -584,7 +584,7 @@ def settle(situation: Situation) -> Situation:
 
 
 def _cut(work: Work, event: StopEvent) -> Work:
-    """Returns the work without the stops that have not begun. If the present one has, it ends."""
+    """Returns the work without the stops that have not begun; a stop that has begun ends."""
     number = work.current
     if number == len(work.progress):
         return work

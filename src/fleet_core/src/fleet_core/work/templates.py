@@ -12,7 +12,7 @@ from typing import Callable, Iterable, Iterator, Mapping, Tuple
 from fleet_core.work.stops import Condition, StopKind, WorkStep, WorkStop
 
 PARAMETER = '$'
-"""A text that begins with it stands for an argument."""
+"""A text that begins with this sign names a parameter."""
 
 
 @dataclass(frozen=True)
