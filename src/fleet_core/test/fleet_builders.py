@@ -54,7 +54,7 @@ def random_graph(random: Random, vertices: int, extra: int, spacing: float) -> G
         if all(math.dist(place, other) > 0.05 for other in places):
             places.append(place)
     pairs = []
-    for k in range(1, vertices):  # a tree that joins near vertices, then edges across
+    for k in range(1, vertices):  # first a tree that joins near vertices, then further edges
         near = sorted(range(k), key=lambda j: math.dist(places[j], places[k]))
         pairs.append((random.choice(near[:2]), k))
     for _ in range(extra):
@@ -79,20 +79,20 @@ def with_docks(graph: Graph, *docks: int) -> Graph:
 
 
 def grant(record: RouteRecord, edges: Sequence[int]) -> None:
-    """The robot of this record is ordered to drive these edges after those ahead of it."""
+    """Orders the robot of this record to drive these edges after those ahead of it."""
     protocol = record.protocol
     record.protocol = give_route(protocol, protocol.number + 1, (*record.ahead, *edges), 1)
 
 
 def complete(record: RouteRecord, number: int) -> None:
-    """The robot of this record has driven, and left, all edges before this number."""
+    """Notes that the robot of this record has driven, and left, all edges before this number."""
     driven = record.part(record.done, number)
     record.protocol = replace(record.protocol, done=number)
     record.passed(driven)
 
 
 def at_place(said: RouteReport, graph: Graph, edge: int, fraction: float) -> RouteReport:
-    """The same report from another place: at this fraction of this edge."""
+    """The same report from another place: this fraction of this edge."""
     x, y = point_of(graph, Pose(edge, fraction))
     return replace(said, pose=SymbolicPose(edge, 100.0 * fraction),
                    location=VehicleLocation(x, y, math.nan))

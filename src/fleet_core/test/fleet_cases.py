@@ -1,4 +1,4 @@
-"""Random instances for the planner, each drawn from a seed, and their plans as files."""
+"""Random instances for the planner, each from a seed, and their plans in the form of the file."""
 from __future__ import annotations
 
 import math
@@ -18,7 +18,7 @@ from fleet_core.planning.road_network import RoadNetwork
 from fleet_core.planning.safe_intervals import find_path
 from fleet_core.planning.tasks import Task
 
-GIVE_UP = 0.3  # s of CPU time after which an instance counts as one without a solution
+GIVE_UP = 0.3  # s of CPU time after which an instance counts as having no solution
 
 
 def plan_in_time(planner, tasks, rounds):
@@ -70,7 +70,7 @@ class Case:
             self.network.index[a]]) for a, b in zip(stops, stops[1:]))
 
     def plan(self, search=find_path, seed=0, rounds=10):
-        """The plan in the form of the file, None if none was found."""
+        """The plan in the form of the plan file; None: no plan was found."""
         planner = FleetPlanner(self.network, self.clearance, self.types, search=search, seed=seed)
         tasks = [Task(t.name, t.type, t.vertex, destinations=self.missions.get(t.name, ()),
                       stays=True) for t in self.robots.values()]
@@ -93,8 +93,8 @@ class Case:
 class MidEdgeCase(Case):
     """A random fleet in which some robots, `moved`, stand between the ends of an edge.
 
-    The first end of that edge is the robot's vertex in the same case without `moved`. Some of these
-    edges are closed.
+    In the plain case with the same random numbers, these robots stand at the first end of their
+    edge. Some of these edges are closed.
     """
 
     def __init__(self, random: Random, share: float = 0.5) -> None:
@@ -127,7 +127,7 @@ class MidEdgeCase(Case):
         return curve.point_at(mid_edge[1] * curve.length)
 
     def outcome(self, mid_edge, rounds=0):
-        """The outcome of the case, or of the same case with all robots on their vertices."""
+        """The outcome of the case; without `mid_edge`, all robots stand on vertices instead."""
         tasks = [replace(task, destinations=self.missions.get(name, ()), stays=True,
                          **({} if mid_edge or not task.mid_edge else {
                              'mid_edge': None, 'vertex': self._vertex(task)}))

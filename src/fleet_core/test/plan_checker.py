@@ -1,10 +1,10 @@
-"""Judges plans from their files alone; shares no code with the planner.
+"""Judges plans from their files alone, without any code of the planner.
 
 Everything is computed anew: curves from the fleet's files, lengths by fine sampling, distances by
 Shapely. The checker assumes that each robot can be arbitrarily late. It compares all places that
-two robots can occupy at the same time under the precedence: for each robot and drive it computes
-how far the other robots must be by then, and checks the distance to all places that they may still
-occupy.
+two robots can occupy at the same time under the precedence. For each drive of a robot it computes
+how far the other robots must have come by then. It checks the distance to all places that they may
+still occupy.
 """
 from __future__ import annotations
 
@@ -88,7 +88,7 @@ class World:
         return min(own, kind['speed']) if kind.get('obeys_edge_speed', True) else kind['speed']
 
     def apart(self, a: str, b: str) -> float:
-        """The required distance between the curves of two robots, in m."""
+        """The distance (m) that the curves of two robots must keep."""
         kinds = [self.types[self.robots[name]['type']] for name in (a, b)]
         return self.clearance + sum(k['radius'] + k.get('play', 0.0) for k in kinds)
 
@@ -104,7 +104,7 @@ class World:
         return Point(self.vertices[vertex]['X'], self.vertices[vertex]['Y'])
 
     def begun(self, robot: str, number: int, signed: int) -> float:
-        """The fraction of a robot's drive that it has driven before the drive begins."""
+        """The fraction of the edge that lies behind the robot before it begins this drive."""
         given = self.robots[robot]
         if number or 'edge' not in given:
             return 0.0
@@ -112,7 +112,7 @@ class World:
 
 
 class Held(NamedTuple):
-    """The places that a robot may occupy during drive `index`; -1 is its stand before the first
+    """The places that a robot may occupy during drive `index`; -1: it stands before its first
     drive.
     """
 
@@ -169,7 +169,7 @@ def structure_faults(world: World, plan: dict) -> List[str]:
 
 
 def sum_faults(plan: dict, ends: Sequence[float]) -> List[str]:
-    """Wrong sums over the ends of all robots."""
+    """Sums in a plan that do not agree with the times at which the robots end."""
     found: List[str] = []
     if abs(plan['sum_of_costs'] - sum(ends)) > 1e-6 * (1 + sum(ends)):
         found.append(f'sum_of_costs is {plan["sum_of_costs"]}, not {sum(ends)}')
@@ -209,7 +209,7 @@ def time_faults(world: World, plan: dict) -> List[str]:
 
 
 class Order:
-    """For each drive: how far the other robots must be when it begins, by all constraints."""
+    """How far the other robots must have come when a drive begins, by all constraints."""
 
     def __init__(self, plan: dict) -> None:
         self.names = list(plan['robots'])
@@ -227,7 +227,7 @@ class Order:
                 self._work_out((name, j), state)
 
     def _work_out(self, root: Tuple[str, int], state: Dict[Tuple[str, int], int]) -> None:
-        """Depth-first search without recursion; state 1 means under way, 2 means done."""
+        """Computes `reached` by a depth-first search; state 1: its search has begun, 2: is done."""
         stack = [root]
         while stack:
             node = stack[-1]
@@ -260,14 +260,14 @@ class Order:
             self.reached[node] = reached
 
     def at_least(self, other: str, name: str, drive: int) -> Tuple[int, float]:
-        """The (drive, fraction) that `other` has reached at least when `name` is at `drive`."""
+        """The least (drive, fraction) that `other` has reached when `name` is at `drive`."""
         if drive < 0:
             return (-1, 0.0)
         return self.reached[name, drive].get(other, (-1, 0.0))
 
 
 def held_faults(world: World, plan: dict, order: Order) -> List[str]:
-    """Pairs of places that two robots may occupy at once although they are too near."""
+    """Pairs of places that are too near, but that two robots may occupy at the same time."""
     found: List[str] = []
     names = order.names
     boxes = {name: np.array([_shape(world, plan, name, k).bounds
@@ -292,7 +292,7 @@ def held_faults(world: World, plan: dict, order: Order) -> List[str]:
 
 
 def _shape(world: World, plan: dict, name: str, k: int, fraction: float = 0.0):
-    """The part of a drive that a robot may occupy when at least this fraction is behind it."""
+    """The part of a drive that a robot may occupy; at least this fraction of it is behind it."""
     if k < 0:
         return world.start(name)
     edge = plan['robots'][name][k]['edge']
@@ -308,7 +308,7 @@ def _shape(world: World, plan: dict, name: str, k: int, fraction: float = 0.0):
 
 
 def nominal_faults(world: World, plan: dict, step: float = 0.1) -> List[str]:
-    """Robots too near each other if all robots keep their times, checked every `step` s."""
+    """Robots that come too near each other even if all keep their times; checked every `step` s."""
     names = list(plan['robots'])
     if not names:
         return []

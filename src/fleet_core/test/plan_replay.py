@@ -1,8 +1,8 @@
-"""Drives a plan with random delays and stalls; shares no code with the planner.
+"""Drives a plan with random delays and stalls, without any code of the planner.
 
 Robots obey the precedence and nothing else. Each drive takes a random time, with stops anywhere on
-it, and begins as soon as the precedence allows. Then the place of each robot is checked at regular
-times.
+it, and begins as soon as the precedence allows. After that the places of all robots are checked at
+regular times.
 """
 from __future__ import annotations
 
@@ -61,7 +61,7 @@ def _may_begin(driven, name, needs):
 
 
 def _drive(begin: float, seconds: float, random: Random, begun: float = 0.0) -> Driven:
-    """Drives at a random speed, perhaps with a stop, from the fraction that is already driven."""
+    """A drive at a random speed, perhaps with a stop, from the fraction `begun` of the edge on."""
     seconds *= random.choice((1.0, random.uniform(1.0, 1.5), random.uniform(1.0, 4.0)))
     if random.random() < 0.2:
         stop, stall = random.random(), random.uniform(0.0, 30.0)

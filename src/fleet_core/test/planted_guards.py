@@ -1,6 +1,7 @@
-"""The guards of the work at stops, each left out: what the tests of the work must find.
+"""Faults that the tests of the work at stops must find: each leaves one guard out.
 
-By name: where a guard is, the name of its function, and what stands in its place.
+GUARDS has for each guard the object with its function, the name of the function, and the function
+that replaces it.
 """
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A misspelt key of a fleet file is an error, because it could be one that keeps robots apart."""
+"""A misspelt key of a fleet file is an error, because the right key might keep robots apart."""
 from __future__ import annotations
 
 from pathlib import Path

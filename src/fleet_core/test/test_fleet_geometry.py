@@ -1,4 +1,4 @@
-"""Conflict sets: every pair of places that are too near is in them, and no other pair."""
+"""Conflict sets have every pair of places that are too near to each other, and no other pair."""
 from __future__ import annotations
 
 import math
@@ -49,7 +49,7 @@ class Measured(NamedTuple):
 
 
 def _measured(seed) -> Measured:
-    """Measures a random graph; skips the few drawings that are no valid graph."""
+    """Measures a random graph; skips the few random drawings that are no valid graph."""
     random = Random(seed)
     try:
         graph = random_graph(random, random.randint(3, 10), random.randint(0, 8), 2.0)

@@ -1,7 +1,7 @@
 """The planner as a fleet manager uses it: released drives, kept plans, obstacles, closed edges.
 
 Robots between two vertices block the point where they are, not their whole edge. They are planned
-like all other robots, also out of an edge that is closed meanwhile.
+like all other robots, even if their edge was closed after they had entered it.
 """
 from __future__ import annotations
 
@@ -49,10 +49,7 @@ def test_a_robot_goes_on_from_what_was_released_to_it():
 
 @pytest.mark.parametrize('rounds', [0, 2])
 def test_nobody_slips_through_before_a_slow_robot_that_was_let_go_there(rounds):
-    """A released drive stays released.
-
-    A robot that could have passed long before must still pass after it.
-    """
+    """A released drive stays released: a robot that could pass long before it must wait for it."""
     crossing = graph_of({1: (0.0, 0.0), 2: (2.0, 0.0), 3: (4.0, 0.0), 4: (6.0, 0.0), 5: (8.0, 0.0),
                          6: (6.0, 2.0), 7: (6.0, -2.0)},
                         {1: (1, 2), 2: (2, 3), 3: (3, 4), 4: (4, 5), 5: (6, 4), 6: (4, 7)})
@@ -68,7 +65,8 @@ def test_nobody_slips_through_before_a_slow_robot_that_was_let_go_there(rounds):
 
 @pytest.mark.parametrize('seed', range(20))
 def test_whatever_was_released_plans_for_new_destinations_keep_it(seed):
-    """All drives that wait for no robot are released; then all robots get other destinations."""
+    """All drives that wait for no other robot are released. Then all robots get new destinations.
+    """
     random = Random(seed)
     graph, slow = ladder(8), RobotType('slow', 0.4, 0.2)
     planner = _planner(graph, kinds=(AGV, slow))
@@ -101,7 +99,7 @@ def test_a_robot_between_two_vertices_may_go_either_way():
 
 
 def _planner_with_a_zone():
-    """For two corridors apart: edges 2 and 4 are a zone for one robot."""
+    """A planner for two corridors far apart; edges 2 and 4 are a zone for one robot."""
     graph = graph_of({1: (0.0, 0.0), 2: (2.0, 0.0), 3: (4.0, 0.0),
                       4: (0.0, 9.0), 5: (2.0, 9.0), 6: (4.0, 9.0)},
                      {1: (1, 2), 2: (2, 3), 3: (4, 5), 4: (5, 6)})
@@ -142,7 +140,7 @@ def test_who_is_not_to_stay_goes_on_to_parking():
 
 
 def test_who_got_a_way_when_it_made_room_for_another_is_not_planned_once_more():
-    """Robot a finds no path. Then b finds one together with a, and both have a path."""
+    """Robot a finds no path. Then b is planned together with a, so that both have a path."""
     calls = []
 
     def search(query, *others):
@@ -227,7 +225,7 @@ def test_priorities_decide_who_waits():
 
 
 def test_where_not_all_can_be_served_somebody_is():
-    """Each robot wants to be where another one is, and there is room for one to step aside."""
+    """Each robot is in the way of another one, and there is room for only one to step aside."""
     graph = corridor(6, siding_at=3)
     tasks = [Task(name, AGV, vertex, destinations=(goal,), kept=())
              for name, vertex, goal in (('a', 1, 6), ('b', 6, 1), ('c', 4, 2))]
@@ -270,7 +268,7 @@ def test_improvement_makes_no_plan_worse():
 
 
 def test_robots_whose_ends_are_in_each_others_only_way_change_places_in_a_siding():
-    """If planned one after the other, the second robot has to drive 45 m in the other direction."""
+    """If they are planned one after the other, the second one drives 45 m the other way round."""
     row = {k: (3.0 * k, 0.0) for k in range(1, 6)}
     graph = graph_of({**row, 9: (6.0, 3.0), 10: (3.0, -15.0), 11: (15.0, -15.0)},
                      {**{k: (k, k + 1) for k in range(1, 5)}, 9: (2, 9), 10: (1, 10), 11: (10, 11),
@@ -341,8 +339,8 @@ def test_the_search_over_configurations_swaps_robots_in_a_siding():
 
 
 def test_no_order_of_use_is_made_of_drives_that_go_back_in_time():
-    """All other constraints lead forward in time. Only such drives could make robots wait in a
-    ring.
+    """Constraints between proper drives lead forward in time. Only drives that go back in time
+    could make robots wait in a ring.
     """
     network = RoadNetwork(corridor(4))
     table = ReservationTable(network, 0.1, [AGV])
@@ -370,7 +368,7 @@ def test_a_parked_robot_in_a_corridor_cuts_it_and_one_at_its_end_does_not():
 
 
 def test_the_laboratory_has_room_for_thirteen_and_not_for_one_more(lab_graph):
-    """The set is known from exhaustive search."""
+    """The set `best` comes from an exhaustive search."""
     network = RoadNetwork(lab_graph)
     parking = WellFormedSets(network, RobotType('agv', 0.43, 1.0, docks=frozenset((16,))), 0.1)
     best = {network.index[v] for v in (8, 10, 14, 32, 33, 35, 6, 16, 18, 27, 41, 39, 52)}
@@ -400,7 +398,7 @@ def _grid(size, spacing=3.0):
 
 @pytest.mark.parametrize('size', [5, 15])
 def test_a_search_for_parking_ends_after_a_fixed_amount_of_work(size, monkeypatch):
-    """On a grid of 225 vertices it did not end within minutes."""
+    """Without the limit, a search on a grid of 225 vertices did not end within minutes."""
     work = []
     network = RoadNetwork(_grid(size))
     parking = WellFormedSets(network, AGV, 0.1)
@@ -413,7 +411,7 @@ def test_a_search_for_parking_ends_after_a_fixed_amount_of_work(size, monkeypatc
     monkeypatch.setattr(parking, 'is_well_formed', check)
     monkeypatch.setattr('fleet_core.planning.parking._WORK', 500_000)
     found = parking.largest()
-    one_set = 2 * network.vertices * places  # the most that a set needs once it has begun
+    one_set = 2 * network.vertices * places  # upper bound of the work for a set that has begun
     assert sum(work) <= 500_000 + 2 * one_set
     assert len(found) > network.vertices / 2 and is_well_formed(found)
 

@@ -51,7 +51,7 @@ def test_a_plan_on_any_graph_is_safe_whatever_the_delays(search, seed):
 
 
 def test_many_drives_under_random_delays_come_near_nobody():
-    """Measured in drives; with LD90_LONG_TESTS=1 a million of them."""
+    """The test ends after a number of drives; with LD90_LONG_TESTS=1, after a million drives."""
     driven, seed = 0, 0
     while driven < (1_000_000 if LONG else 2_000 if WHOLE else 500):
         seed += 1
@@ -73,7 +73,8 @@ def test_many_drives_under_random_delays_come_near_nobody():
 # -- robots between two vertices ------------------------------------------------------------------
 
 def test_robots_between_vertices_find_out_of_a_tangle_like_others():
-    """Not slower than the same robots on the vertices behind them; fixed instances."""
+    """At least as many fixed instances have a plan as with the robots on the vertices behind them.
+    """
     solved = {True: 0, False: 0}
     for seed in range(200 if LONG else 30 if WHOLE else 20):
         try:
@@ -128,8 +129,8 @@ class RunningFleet:
                                                time_limit=0.3, improvement=0.05))
 
     def faults(self, tasks, outcome):
-        """The checker's findings; the robot that is out of service counts as one that drives
-        nowhere.
+        """The faults that the checker finds. For it, the robot out of service is one that does not
+        drive.
         """
         plan = solved_plan(outcome, 0.0, 0.0)
         plan['robots'][self.out] = []
@@ -142,7 +143,7 @@ class RunningFleet:
 
 
 def running_fleet(seed):
-    """A random fleet, and random decisions; an example without a valid graph is skipped."""
+    """A random fleet, and its random numbers; an example without a valid graph is skipped."""
     random = Random(seed)
     try:
         return random, RunningFleet(random)

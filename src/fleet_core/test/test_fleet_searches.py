@@ -100,8 +100,8 @@ def _offer(best, heap, cost, state):
 
 def _best_alone(graph: Graph, start: int, goal: int, horizon: int,
                 others: Sequence[Sequence[int]]) -> Optional[int]:
-    """The time at which a robot can be at its goal for good, past others at `others[k][t]` at time
-    t.
+    """The earliest time at which a robot can be at its goal for good; robot k of the others is at
+    `others[k][t]` at time t.
     """
     neighbours = _neighbours(graph)
 
@@ -145,7 +145,7 @@ def test_one_robot_past_the_plan_of_another_takes_no_longer_than_it_must(search,
     both = planner.plan(tasks, (), time.monotonic() + 5.0, 0)
     least = _best_alone(graph, start, goal, 40, [record])
     if least is None or both.unserved or both.drives['r0'] != first.drives['r0']:
-        return  # the other robot had to give way; `test_small_fleets...` tests that
+        return  # the other robot had to give way; `test_small_fleets...` tests that case
     ends = both.drives['r1'][-1].end if both.drives['r1'] else 0.0
     assert ends == pytest.approx(least)
 
@@ -162,7 +162,8 @@ def test_small_fleets_get_a_plan_whenever_there_is_one(seed):
 
 
 def test_plans_of_small_fleets_are_near_the_best_there_are():
-    """No bound is promised: about one in 1,600 such plans exceeds it, seed 3254 first."""
+    """The planner promises no bound: about one such plan in 1,600 exceeds it, first with seed 3254.
+    """
     for seed in range(200):
         best, outcome = _small_fleet(seed)
         if best is not None:
@@ -170,7 +171,7 @@ def test_plans_of_small_fleets_are_near_the_best_there_are():
 
 
 def _small_fleet(seed):
-    """The least sum of arrival times (None if there is no solution), and the plan."""
+    """The least possible sum of arrival times (None: there is no solution), and the plan."""
     random = Random(seed)
     graph = _grid(random, 3, 3)
     robots = random.choice((2, 2, 3))
@@ -206,7 +207,7 @@ def test_plans_of_small_fleets_are_mostly_the_best_there_are():
 @given(st.integers(0, 2 ** 32 - 1))
 @settings(max_examples=settings.default.max_examples // 5)
 def test_fine_layers_and_safe_intervals_agree(seed):
-    """On any graph: layers make a robot wait for the next layer at each vertex, and no longer."""
+    """On any graph, the layers make a robot wait at each vertex only until the next layer."""
     try:
         case = Case(Random(seed))
     except GraphError:
@@ -223,7 +224,7 @@ def test_fine_layers_and_safe_intervals_agree(seed):
                     priority=-1)
         costs.append(planner.plan([task, *others], (), time.monotonic() + 5.0, 0))
     drives = max(len(outcome.drives[first.name]) for outcome in costs)
-    # The robot in its way also drives, and the path that is found first determines all others.
+    # If another robot also drives, the path that is found first determines all other paths.
     alone = not any(outcome.drives[task.name] for outcome in costs for task in others)
     if alone and not any(outcome.unserved for outcome in costs):
         assert costs[0].cost <= costs[1].cost + 1e-6
@@ -233,7 +234,7 @@ def test_fine_layers_and_safe_intervals_agree(seed):
 # -- the loop of TEA*: another order if a robot finds no path --------------------------------------
 
 def test_who_is_not_in_the_way_of_who_is_put_first_keeps_its_way():
-    """Robot a would end in the corridor that b has to pass; d does not meet them."""
+    """Robot a would end in the corridor that b has to pass. Robot d meets neither of them."""
     graph = graph_of({1: (0, 0), 2: (2, 0), 3: (4, 0), 4: (6, 0), 5: (4, 2), 6: (9, 9), 7: (9, 7)},
                      {1: (1, 2), 2: (2, 3), 3: (3, 4), 4: (3, 5), 5: (6, 7), 6: (4, 7)})
     table = ReservationTable(RoadNetwork(graph), 0.1, [AGV])
@@ -268,7 +269,7 @@ def _expected(vertices, roads, target):
 
 @given(st.integers(0, 2 ** 32 - 1))
 def test_all_ways_to_all_vertices_are_the_shortest(seed):
-    """Trees with links across, some of them one-way or double, and unconnected parts."""
+    """The graphs are trees with further links, some of them one-way or double, in several parts."""
     random = Random(seed)
     vertices = random.randint(1, 25)
     ends = [(random.randrange(max(k - 3, 0), k), k) for k in range(1, vertices)

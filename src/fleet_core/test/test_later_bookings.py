@@ -1,4 +1,4 @@
-"""Bookings that are made when they are looked at are those that would have been made at once."""
+"""Bookings that are made only when they are read are the same as bookings made at once."""
 from __future__ import annotations
 
 from random import Random
@@ -63,7 +63,7 @@ class Pair:
                    robot.held)
 
     def change(self) -> None:
-        """The same change in both tables."""
+        """Makes the same random change in both tables."""
         name, robot = self.random.choice(self.names), self._robot()
         act = self.random.choice(('cancel', 'book', 'take out', 'take out', 'look'))
         slot, group = self.random.randrange(self.network.drives), self.random.sample(self.names, 2)
@@ -80,7 +80,7 @@ class Pair:
                     self._book(table, name, robot)
 
     def seen(self, table: ReservationTable) -> Dict[str, Tuple]:
-        """All that searches can read."""
+        """All data of a table that searches can read."""
         return {kind.name: (
             [slots.row(slot) for slot in range(len(slots.merged))],
             [tuple(map(tuple, slots.busy(slot))) for slot in range(len(slots.merged))],

@@ -1,4 +1,4 @@
-"""Order switching: groups are reversed as a whole and before use, without rings, with a gain."""
+"""Order switching reverses groups as a whole and before their use, without a ring, with a gain."""
 from __future__ import annotations
 
 import time
@@ -43,7 +43,7 @@ class Moment:
 
     @property
     def progress(self) -> Dict[str, RobotProgress]:
-        """The progress by the times of the plan, without the delays since then."""
+        """The progress if all robots had kept the times of the plan until now."""
         found = {}
         for name, planned in self.outcome.drives.items():
             plan = [Drive(self.network.drive(d.edge), d.start, d.end) for d in planned]
@@ -57,7 +57,7 @@ class Moment:
 
     @property
     def courses(self) -> Dict[str, RemainingDrives]:
-        """The remaining drives, by the plan's seconds."""
+        """The remaining drives, with the driving times of the plan and the delays."""
         found = {}
         for name, one in self.progress.items():
             done = one.cleared[0]
@@ -67,7 +67,7 @@ class Moment:
             if done == one.released:
                 begins += late
             elif len(left) > 1:
-                pauses[1] = late  # the robot drives to the end of its drive, and no farther
+                pauses[1] = late  # the robot drives to the end of its drive, and waits there
             found[name] = RemainingDrives(
                 done, begins, tuple(d.end - d.start for d in left), tuple(pauses),
                 tuple(d.start - self.now for d in left), len(one.plan))
@@ -75,11 +75,12 @@ class Moment:
 
     @property
     def groups(self) -> List[EdgeGroup]:
-        """The groups in which robots meet from now on."""
+        """The edge groups of the remaining drives."""
         return edge_groups(self.network, self.clearance, self.progress)
 
     def plan(self, order: Sequence[Constraint], starts: Dict[str, Tuple[float, ...]]) -> dict:
-        """The plan in the checker's form: past drives in the old order, the rest in this order."""
+        """The plan in the form of the checker: past drives in the old order, the others in `order`.
+        """
         progress = self.progress
         robots = {}
         for name, planned in self.outcome.drives.items():
@@ -124,7 +125,7 @@ def a_case(seed: int) -> Case:
 
 
 def ends(courses: Dict[str, RemainingDrives], order: Sequence[Constraint]) -> Dict[str, float]:
-    """The end times of all robots, iterated until nothing changes; without a ring."""
+    """The end times of all robots, iterated until nothing changes. The order must have no ring."""
     starts = {(name, course.first + k): course.begins if k == 0 else 0.0
               for name, course in courses.items() for k in range(len(course.seconds))}
     for _ in range(len(starts) + 1):
@@ -207,7 +208,7 @@ def test_one_grid_in_ten_is_switched():
 
 
 def has_ring(courses, order):
-    """True if robots wait for each other in a ring."""
+    """Returns whether robots wait for each other in a ring."""
     try:
         ends(courses, order)
     except AssertionError:
@@ -274,7 +275,7 @@ def test_who_stands_on_the_way_of_the_other_is_not_overtaken():
 
 
 def test_no_more_orders_are_tried_than_allowed_and_none_after_the_deadline():
-    """Of fifty robots, every second one is late at a place where it goes first by the plan."""
+    """Of fifty robots, every second one is late at a place where the plan lets it go first."""
     courses, found = {}, []
     for k in range(25):
         late, other = f'late{k}', f'other{k}'

@@ -1,7 +1,7 @@
 """The planner as a service: its answer depends only on the request, and comes in time.
 
-The searches look at the clock, and nothing after them grows faster than the plan. CPU time is
-measured, with a generous factor, because machines can be busy.
+The searches look at the clock, and the time of all later work grows no faster than the plan. The
+tests measure CPU time, with a generous factor, because machines can be busy.
 """
 from __future__ import annotations
 
@@ -220,13 +220,13 @@ def test_an_answer_of_many_drives_costs_no_more_than_its_drives():
     outcome, seconds = timed(service, PlanRequest(tasks, time_limit=60.0))
     assert outcome.unserved == {}
     assert sum(map(len, outcome.drives.values())) > 70000
-    assert seconds < 2.0  # 0.5 s; when it grew with the square of the drives, 3 to 5 s
+    assert seconds < 2.0  # usually 0.5 s; 3 to 5 s when it grew with the square of the drives
 
 
 @pytest.fixture
 def plan_until(monkeypatch):
-    """A function that plans in a row of vertices for each robot; the time ends in a given search,
-    which finds nothing."""
+    """A function that plans for robots that each have a row of vertices. The time is over in search
+    number `last`, which finds nothing."""
     def plan(count, last, *tasks):
         late, planned, now = [0.0], [], time.monotonic
 

@@ -1,4 +1,4 @@
-"""A closed edge stays closed, after all crashes, until it is opened."""
+"""A closed edge stays closed until it is opened, even after crashes."""
 from __future__ import annotations
 
 from pathlib import Path
@@ -72,7 +72,8 @@ def test_two_operators_do_not_overwrite_each_other(file: Path) -> None:
 
 
 def test_a_message_that_comes_again_is_carried_out_once(file: Path) -> None:
-    """A latched message comes again when its connection or graph_server is restored."""
+    """A latched message arrives again after its connection broke, or after graph_server restarted.
+    """
     closures = Closures(file)
     first = operation(CLOSE, 3, identity='/editor 1 5000')
     closures.apply(first, SECOND, KNOWN)

@@ -1,7 +1,8 @@
-"""A model of numbered orders: one master, one vehicle, and channels that do everything but invent.
+"""A model of numbered orders: one master, one vehicle, and the channels between them.
 
-The search visits every state within its bounds. So what holds in it holds for every order of
-events, not only for those of which a test thinks.
+The channels may lose, delay, repeat and reorder messages, but never invent one. The search visits
+every state within its bounds. So the invariants hold for every sequence of events, not only for
+those that the author of a test thinks of.
 
 States
     Vehicle -- its epoch; the master that it obeys, with the number of the last order that it took
@@ -10,25 +11,28 @@ States
     Master  -- what the newest report said; the number of its last order; the orders that the
         vehicle may still follow (`open`); the edges that stay held until the vehicle stands
     State   -- both, the master's journal, and every order and report that was ever sent. The fields
-        after those only watch: neither side can read them.
+        after those serve only the search: neither side can read them.
 
 Events
     * An order or a report arrives: any that was sent, at any time, again and again, or never.
     * The vehicle drives half an edge, reports, refuses an order for a reason of its own, fails on
-      its route, comes to rest, or restarts without its memory. (With it nothing changes.)
-    * Another giver moves it. Another master, or an old one that does not number its orders, orders
-      a route or a stop. A person stops it past the master (a stop with number 0).
-    * The master stores what it knows, restarts from its journal, or from an older one; it makes
+      its route, comes to rest, or restarts without its memory. (A restart with its memory changes
+      nothing.)
+    * Another giver moves the vehicle. Another master, or an old one that does not number its
+      orders, orders a route or a stop. A person stops the vehicle without the master (a stop with
+      number 0).
+    * The master stores its state, or restarts from its journal, or from an older one. It makes
       the route longer, to a new place or back to the first one, makes it shorter, or stops.
 
 Invariants
     A  An edge that the vehicle may still drive by an order of this master is in the allocation.
-    B  So is the place or the edge where the vehicle is, unless another one has moved it and no
-       report tells of that yet.
+    B  The place or the edge where the vehicle is is also in the allocation, unless something else
+       than the master has moved the vehicle and no report shows this yet.
     C  Liveness: if from now on messages arrive and nothing fails, the master brings the vehicle to
        the end of a new edge.
     D  No message of an old master is obeyed twice, nor after a newer one.
-    E  A master that hears of an order that its journal does not know holds everything.
+    E  If a report shows an order that the master's journal lacks, the vehicle may be anywhere for
+       the master.
 
 A reader who knows RULES and the two functions `obey` and `hear` can predict every case. An order
 whose beginning is driven already needs no rule of its own: record numbers say where it continues.
@@ -57,19 +61,19 @@ RULES = {
     'refusal': 'the vehicle ignores an order that is not newer than the last one that it refused',
     'epoch': 'the vehicle refuses an order that was decided in another epoch',
     'takeover': 'an order of another master, if it is taken, begins a new epoch',
-    'stamp': "an old master's message counts only if it is newer than the last one and the epoch",
+    'stamp': 'a message of an old master counts only if it is newer than the last and the epoch',
     'sequence': 'the master ignores a report that is older than the newest one',
     'owner': 'the master reads the numbers of a report only if they count its own orders',
     'commit': 'an order is in the journal before it is sent',
     'union': 'all orders that may still arrive are allocated, not only the newest one',
     'standing': 'what a stop, a failure or a new epoch takes away is held until the vehicle stands',
-    'moved': 'a vehicle that another one moves, or that does not know who, may be anywhere until '
-             'it stands',
+    'moved': 'a vehicle that another giver moves, or that does not know who moves it, may be '
+             'anywhere until it stands',
     'older': 'after a start with an older journal the vehicle may be anywhere',
     'gap': 'a reported number that the journal does not know tells that the journal is older',
     'accepted': 'with an older journal only a stop that is drawn afterwards, and after which the '
                 'vehicle stood, tells where it is',
-    'command': 'the master grants only to a vehicle that counts its orders; else it stops it first',
+    'command': 'the master grants only to a vehicle that counts its orders; it stops others first',
     'clock': 'a number is above all that were ever drawn, also those that the journal has lost',
 }
 
@@ -131,7 +135,7 @@ class Report(NamedTuple):
 
 
 class Vehicle(NamedTuple):
-    """The vehicle. The last two fields only watch."""
+    """The vehicle. No answer to an order depends on the last two fields."""
 
     epoch: int = 1
     master: str = ME  # whose orders it counts
@@ -144,9 +148,9 @@ class Vehicle(NamedTuple):
     place: Optional[int] = 0
     edge: Optional[Edge] = None  # also after it lost its route
     sequence: int = 0
-    stamp: int = 0  # what old masters sent up to here is too old
+    stamp: int = 0  # messages of old masters with this stamp or an older one are too old
     giver: str = NOBODY  # by whose order it moves
-    moved_since: int = -1  # the last report before another one than the master moved it
+    moved_since: int = -1  # number of the last report before another giver than the master moved it
 
 
 class Master(NamedTuple):
@@ -167,7 +171,7 @@ class Master(NamedTuple):
 
 
 class State(NamedTuple):
-    """Everything. The last four fields only watch, or count."""
+    """The whole state. Neither side can read the last four fields."""
 
     vehicle: Vehicle = Vehicle()
     master: Master = Master()
@@ -179,12 +183,14 @@ class State(NamedTuple):
     drawn: int = 0  # the highest number ever drawn, as a clock knows it
     others: int = 0
     restores: int = 0
-    unaware: bool = False  # no start told that the journal is older, and it is not mended yet
+    unaware: bool = False  # a start did not notice an older journal, and no report has mended it
     flaw: str = ''
 
 
 class Bounds(NamedTuple):
-    """How often what may happen. `others`, `old`: orders of another master, and of an old one."""
+    """How often each kind of event may happen. `others`: orders of another master; `old`: of an old
+    one.
+    """
 
     orders: int = 2
     epochs: int = 2
@@ -328,9 +334,8 @@ class Model:
         return master._replace(number=order.number, open=(*master.open, order))
 
     def end(self, master: Master) -> Optional[Tuple[int, Tuple[Edge, ...], int]]:
-        """Returns record number and edges of the order to make longer, and the place behind it.
-
-        Returns None if that is not known now.
+        """Returns the order that may be made longer now: its record number, its edges, and the
+        place at its end. Returns None if there is none.
         """
         if master.held or master.anywhere or master.unknown or not master.commands:
             return None
@@ -425,7 +430,7 @@ class Model:
     def _steps_of_others(self, state: State, bounds: Bounds) -> Iterator[Tuple[str, State]]:
         vehicle = state.vehicle
         if state.others < bounds.others:
-            number = state.others + 1  # as others draw it; the same numbers as this master's
+            number = state.others + 1  # other masters draw the same numbers as this one
             edges = _from_here(vehicle, OTHERS_LABELS + number)
             for name, route in (('orders a route', edges), ('stops', ())):
                 order = Order(number, vehicle.epoch if route else 0, 0, route, OTHER)
@@ -491,7 +496,7 @@ class Model:
     def is_live(self, state: State) -> bool:
         """Returns whether the vehicle comes to a new edge if messages arrive and nothing fails.
 
-        The master grants where it can, repeats what is not shown yet, and else stops.
+        The master grants if it can, or repeats an order that is not shown yet, or sends a stop.
         """
         vehicle, master, drawn = state.vehicle, state.master, state.drawn
         for _ in range(12):
@@ -558,7 +563,9 @@ class Model:
 
 @contextlib.contextmanager
 def _no_garbage_collection() -> Iterator[None]:
-    """States form no cycles, and to look for some among a million takes a third of the time."""
+    """Stops garbage collection: states form no cycles, and to search a million of them for cycles
+    takes a third of the time.
+    """
     gc.disable()
     try:
         yield
@@ -571,7 +578,7 @@ def _text(edges: Iterable[Edge]) -> str:
 
 
 def without_route(vehicle: Vehicle) -> Vehicle:
-    """Without its route the vehicle brakes: where it stands, or on this edge or the next one."""
+    """The vehicle after it lost its route: it brakes where it is, on this edge or the next one."""
     if vehicle.edge is None:
         return vehicle._replace(route=(), rolling=(), giver=NOBODY)
     return vehicle._replace(route=(), rolling=(vehicle.route or vehicle.rolling)[:2])
@@ -590,7 +597,8 @@ def _continues(vehicle: Vehicle, edges: Tuple[Edge, ...]) -> bool:
 
 
 def drive(vehicle: Vehicle) -> Vehicle:
-    """Half an edge farther. An edge on which it only rolls on is not counted in the record."""
+    """The vehicle half an edge farther. The record does not count an edge on which it only rolls.
+    """
     edges = vehicle.route or vehicle.rolling
     if vehicle.edge is None:
         return vehicle._replace(edge=edges[0], place=None)
@@ -618,9 +626,9 @@ def motion_of(vehicle: Vehicle) -> Motion:
 
 
 def _in_gap(master: Master, said: Report) -> bool:
-    """Returns whether a number that the journal lacks is the newest that counts.
+    """Returns whether the newest order that counts has a number that the journal lacks.
 
-    If a newer order was taken, the lost ones can do no more harm.
+    If a newer order was taken, the vehicle obeys none of the orders that the journal lacks.
     """
     low, high = master.gap
     return low < max(said.order, said.refused) and said.order < high and (
@@ -636,7 +644,7 @@ def where_it_is(master: Master) -> Tuple[int, Tuple[Edge, ...], int]:
 
 
 def _from_here(vehicle: Vehicle, label: int) -> Tuple[Edge, ...]:
-    """Returns a route of others from the place of the vehicle, by the rest of its edge."""
+    """Returns a route of another master; it begins with the rest of the vehicle's edge, if any."""
     if vehicle.edge is None:
         assert vehicle.place is not None
         return (Edge(label, vehicle.place, label),)

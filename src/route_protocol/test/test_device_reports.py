@@ -1,4 +1,4 @@
-"""A requester knows by numbers only that its request was taken, and that a report is new."""
+"""From numbers alone a requester knows that its request was taken, and that a report is new."""
 from __future__ import annotations
 
 import pytest

@@ -35,9 +35,10 @@ BAD = 99  # an edge that the vehicle refuses at once
 
 
 class Fleet:
-    """A vehicle that cannot tell yet whether it drives a route, unless it `knows`.
+    """A vehicle and its intake.
 
-    bad -- it refuses each route
+    knows -- the vehicle can decide whether it drives a route
+    bad   -- the vehicle refuses each route
     """
 
     def __init__(self, patience: float = ANSWERED_WITHIN) -> None:
@@ -196,7 +197,7 @@ def test_a_new_epoch_refuses_the_waiting_route_at_once(fleet):
 # -- what old masters are told ---------------------------------------------------------------------
 
 @pytest.mark.parametrize('in_force, refused, is_told', [
-    ((), 0, True),        # no route is in the reports, though they have an id
+    ((), 0, True),        # the reports have an id, but no route
     ((), 7, True), ((7, 1, 2), 8, True),
     ((7, 1, 2), 7, False)])  # that route goes on
 def test_an_old_master_reads_a_refusal_as_a_failed_route_unless_that_route_goes_on(

@@ -1,8 +1,8 @@
 """The master's end of the route protocol, in every state of the model of numbered orders.
 
-The search is the one of the model. Only the master is the real one: its state is part of each
-state that the search visits, and each report, order and restart goes through its functions. So the
-invariants of the model are searched on the code that the fleet manager runs.
+The search and the vehicle are those of the model, but the master is the real one. Its state is part
+of each state that the search visits, and each report, order and restart goes through its functions.
+So the search checks the invariants on the code that the fleet manager runs.
 """
 from __future__ import annotations
 
@@ -33,9 +33,9 @@ MOST = None if WHOLE else 10_000  # number of states that a search visits, the n
 _BASE = 2000  # above each label and each place
 
 Change = Callable[[real.MasterState, real.MasterState], real.MasterState]
-"""Returns another state for the one after a report: (before, after)."""
+"""Returns a wrong state after a report, from the states before and after it."""
 Reading = Callable[[values.RouteReport, real.MasterState], values.RouteReport]
-"""Returns another report for the one that arrived."""
+"""Returns a wrong report, from the report that arrived and the state of the master."""
 
 
 def number_of(edge: Edge) -> int:
@@ -72,7 +72,10 @@ class RealMaster(NamedTuple):
 
 
 class WithRealMaster(Model):
-    """The model, with the real master, or with one that lacks an effect of its reports."""
+    """The model with the real master.
+
+    change, reading -- plant a fault: an effect of reports that is missing, or a wrong reading
+    """
 
     def __init__(self, change: Change = lambda before, after: after,
                  reading: Reading = lambda said, state: said) -> None:
@@ -127,9 +130,9 @@ class WithRealMaster(Model):
 
 
 def as_sent(said: Report, state: real.MasterState) -> values.RouteReport:
-    """The report of the model as the vehicle sends it.
+    """The report of the model in the form in which the vehicle sends it.
 
-    The model leaves out the edges of the order that it shows, because the master knows them.
+    The model's report lacks the edges of the order that it shows. The master's state has them.
     """
     shown = next((one for one in state.open if one.number == said.order and one.edges), None)
     complete, ahead = values.EdgeState.COMPLETE, values.EdgeState.PROCESSING
@@ -212,7 +215,8 @@ READINGS: Dict[str, Tuple[Reading, str]] = {
 
 
 def flaw_of(model: Model, bounds: str, live: bool = False) -> str:
-    """What goes wrong within the bounds. A report that the master refuses is wrong as well."""
+    """The flaw that a search within the bounds finds. A report that the master refuses is one, too.
+    """
     try:
         return model.search(BOUNDS[bounds], MOST, live).flaw
     except WrongReport as wrong:

@@ -1,4 +1,4 @@
-"""Numbered orders are safe and live in every order of events, and each of their rules is needed."""
+"""Numbered orders are safe and live in every sequence of events, and each rule is needed."""
 from __future__ import annotations
 
 import pytest
@@ -39,7 +39,7 @@ NEEDED_IN = {
     'accepted': 'an older journal',
     'clock': 'an older journal',
 }
-ALONE = Bounds(epochs=1, reports=2)  # neither restarts nor others: this shows most of the rules
+ALONE = Bounds(epochs=1, reports=2)  # no restarts, no other masters: enough for nearly all rules
 
 
 @pytest.mark.parametrize('name', BOUNDS)

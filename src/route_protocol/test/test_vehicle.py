@@ -52,7 +52,7 @@ def took(*orders: RouteOrder) -> Vehicle:
 
 
 def obey(its: Vehicle, given: RouteOrder, willing: bool = True) -> Answer:
-    """The vehicle obeys an order, or refuses it for a reason of its own."""
+    """The answer of the vehicle, which obeys an order or, unless `willing`, refuses a route."""
     judgement = its.judge(given)
     if judgement.answer is Answer.STOP:
         its.stop(given)
@@ -301,10 +301,10 @@ def test_a_refused_order_is_refused_again_and_one_from_before_the_epoch_for_a_wh
 # -- the model's vehicle ---------------------------------------------------------------------------
 
 class Pair:
-    """The real vehicle and the model's, which get the same events.
+    """The real vehicle and the model's vehicle, which get the same events.
 
-    The real one leaves it to its caller whether a route begins where it is, and whether it rolls.
-    So the model answers these two questions here.
+    The caller of the real vehicle must know whether a route begins where the vehicle is, and
+    whether it still rolls. Here the model answers these two questions.
     """
 
     def __init__(self, random: Random, kind: Type[Vehicle] = Vehicle) -> None:
@@ -322,8 +322,7 @@ class Pair:
         return self.edges[label]
 
     def new_order(self) -> model.Order:
-        """An order from the present place on; or with a beginning, a number or an epoch that is
-        wrong."""
+        """An order from the present place on, or one with a wrong beginning, number or epoch."""
         its, random = self.model, self.random
         master = random.choice((model.ME, model.ME, model.ME, model.OTHER))
         self.numbers[master] += random.randint(1, 2)
@@ -353,7 +352,7 @@ class Pair:
         judgement = self.real.judge(real)
         if (before.edge is None and given.first <= before.done <= real.end
                 and judgement.reason.code is ReasonCode.WRONG_CHANGE):
-            willing = False  # it may not stop at a vertex, and does not turn off there
+            willing = False  # the real vehicle does not turn off at a vertex that it passes
         self.model = self.rules.obey(before, given, willing)
         fits = willing and not before.rolling
         if judgement.answer is Answer.ROUTE and fits:

@@ -3,26 +3,28 @@
 `Claims` and `Interlocking` are the real ones. The door is a small machine.
 
 Events, besides those of the yard
-    * A robot asks for any edge, and claims the door if it lacks only that. It asks for none.
-    * Claims are stored, together with what else has changed, and the door is asked.
+    * A robot asks for any edge, and claims the door if it lacks only this claim. Or it asks for no
+      edge.
+    * Claims are stored, together with all other changes, and the door is asked.
     * A request arrives: any that was sent, at any time, again and again, or never.
     * The door opens while its request names a robot, and closes while it names none.
     * A report of the door arrives at once, or never. One may be kept on its way and come late.
     * The door is silent, so that its last report is not fresh any more. It restarts, and forgets
       which request it has obeyed.
-    * A grant is stored, and that takes so long that the last report of the door is not fresh any
-      more when the order is sent.
-    * The route of a robot ends before the door, because no fresh report tells that it is open.
+    * A grant is stored, but so slowly that the last report of the door is not fresh any more when
+      the order is sent.
+    * The route of a robot is ended before the door, because no fresh report says that it is open.
 
 Properties, besides those of the yard
     OPEN      The door is open for each robot that is on its edges, or whose route leads there.
-    CLAIMED   Each robot with an edge of the door in its allocation claims it, also by the journal.
-    CAPACITY  One robot at most claims the door, by the journal.
-    ENTERED   A robot is sent into the door only while a fresh report tells that it is open for it.
-              So is an order that is stored and was never sent before a restart.
+    CLAIMED   Each robot with an edge of the door in its allocation claims the door, also in the
+              journal.
+    CAPACITY  At most one robot claims the door in the journal.
+    ENTERED   A robot is sent into the door only while a fresh report says that the door is open for
+              it. This also holds for an order that is sent for the first time after a restart.
 
-In the yard with a charger, which has no device and two places, ALONE takes the place of OPEN: one
-robot at most is in the charger, or has a route that leads there.
+In the yard with a charger, which has no device and two places, ALONE takes the place of OPEN: at
+most one robot is in the charger, or has a route that leads there.
 """
 from __future__ import annotations
 
@@ -74,15 +76,15 @@ class Said(NamedTuple):
 class Door(NamedTuple):
     """The door, the messages on their way, and what the fleet manager knows of claims.
 
-    stored  -- the robots that claim it by the journal
-    wanted  -- the robots that want it
+    stored  -- the robots that claim the door in the journal
+    wanted  -- the robots that want the door
     changed -- the robots whose claims are to be stored
     number  -- the last number of a request that was drawn
     written -- the number in the journal
     begun   -- all doors were asked since the start
     request -- the newest request
-    asked   -- by robot, the first request with it
-    told    -- the request by which the door is open, by a fresh report; 0: it is not
+    asked   -- for each robot, the first request that names it
+    told    -- the request by which the door freshly reports to be open; 0: it does not
     sent    -- requests on their way
     obeyed  -- the request that the door obeys
     is_open -- the door is open
@@ -105,11 +107,11 @@ class Door(NamedTuple):
 
     @property
     def says(self) -> Said:
-        """What the door reports."""
+        """The report that the door makes now."""
         return Said(self.obeyed.number, self.is_open)
 
     def heard(self, said: Said) -> Door:
-        """The fleet manager hears a report."""
+        """The state after the fleet manager has heard a report."""
         return self._replace(told=said.request if said.is_open else 0)
 
     def ranked(self) -> Door:
@@ -163,7 +165,7 @@ class DoorYard(Yard):
     # -- claims -----------------------------------------------------------------------------------
 
     def _claims(self, door: Door, ids: Tuple[int, ...]) -> Claims:
-        """The real claims, with what they know of the door and of the robots' allocations."""
+        """The real claims, in their state for this door and for the allocations of the robots."""
         claims = Claims(self._needs, {name: frozenset({DOOR}) for name in door.stored},
                         door.number, self.clock_of_requests)
         claims._wanted = {name: frozenset({DOOR}) for name in door.wanted}
@@ -206,7 +208,7 @@ class DoorYard(Yard):
         return self._site_id(site._replace(door=door.ranked()))
 
     def _committed(self, site: Site, ids: Tuple[int, ...]) -> Tuple[Site, Tuple[int, ...]]:
-        """Claims are stored with the robots that have them, as in `Outbox`."""
+        """The state after claims are stored with the robots that have them, as in `Outbox`."""
         key = ('committed', site.door, *self._allocated_to(ids))
         if key not in self._known:
             claims = self._claims(site.door, ids)
@@ -221,8 +223,7 @@ class DoorYard(Yard):
         return tuple(self._views[self._view[id]].allocated for id in ids)
 
     def _entering(self, door: Door, name: str, id: int, sent: int) -> int:
-        """A robot after orders were sent, with the flaw that the door is not ready for a new one.
-        """
+        """A robot after orders were sent, with a flaw if the door is not ready for a new edge."""
         if sent == id:
             return sent
         before, after = self._sides[id], self._sides[sent]
@@ -264,7 +265,7 @@ class DoorYard(Yard):
                 self._site_id(late), *(self._sent(late, id) for id in ids))
 
     def _ends_before_door(self, site: Site, id: int) -> int:
-        """A robot whose route ends before the door, if that does not report that it is open."""
+        """A robot after its route was ended before a door that does not report to be open."""
         side = self._sides[id]
         if not self._beliefs[side.belief].record.ahead:
             return id
@@ -294,7 +295,7 @@ class DoorYard(Yard):
 
     def _ask(self, interlocking: Interlocking, robot: ManagedRobot, site: Site,
              ids: Tuple[int, ...], edge: int) -> Answer:
-        """A robot asks for an edge, and claims the door if it lacks only that."""
+        """The answer when a robot asks for an edge; it claims the door if it lacks only that."""
         interlocking.claims = self._claims(site.door, ids)
         answer = super()._ask(interlocking, robot, site, ids, edge)
         return answer._replace(door=self._door(site.door, interlocking.claims))
@@ -351,7 +352,7 @@ class DoorYard(Yard):
     # -- what must hold ---------------------------------------------------------------------------
 
     def flaw(self, state: State) -> str:
-        """What is wrong in a state; empty: nothing."""
+        """The property that a state violates, and how; empty: none."""
         found = super().flaw(state)
         if found:
             return found
@@ -384,7 +385,7 @@ class DoorYard(Yard):
         return bool(self.edges & {abs(hold.edge) for hold in allocation.holds})
 
     def _wrong_inside(self, inside: Sequence[str], door: Door) -> str:
-        """What is wrong if these robots may be where the resource is needed."""
+        """The violation if these robots may be where the resource is needed; empty: none."""
         for name in inside:
             if not (door.is_open and name in door.obeyed.robots):
                 return f'OPEN: {name} may be in the door, which is not open for it'

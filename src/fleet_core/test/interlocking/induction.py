@@ -1,11 +1,11 @@
 """Proofs by induction with z3: each action of a system keeps all of its invariants.
 
 A system consists of relations between things, such as robots and places. There may be any number of
-things, so a proof holds for every site and every fleet. An action is a set of guards, which must
-hold before it, and an effect, which relates the relations before and after it.
+things, so a proof holds for every site and every fleet. An action has guards, which must hold
+before it. It also has an effect: a formula over the relations before and after it.
 
-Needs the package z3-solver, which scripts/test.sh installs in build/z3. Without it, the tests of
-each module that imports this one are skipped.
+This module needs the package z3-solver, which scripts/test.sh installs in build/z3. Without z3, the
+tests of each module that imports this one are skipped.
 """
 from __future__ import annotations
 
@@ -26,16 +26,16 @@ Relations = Dict[str, Callable[..., Formula]]
 
 
 class Action(NamedTuple):
-    """One action: guards by the words that name them, and the effect."""
+    """One action: its guards, each by its name in words, and its effect."""
 
     guards: Dict[str, Formula]
     effect: List[Formula]
 
 
 class System:
-    """Relations before and after an action, by name, and what must hold of them.
+    """Relations before and after an action, by name, and the invariants that must hold for them.
 
-    sorts -- of the two things that each relation relates
+    sorts -- for each relation, the sorts of the two things that it relates
     """
 
     def __init__(self, sorts: Dict[str, Tuple[Any, Any]],
@@ -50,11 +50,12 @@ class System:
                 for name, sorts in self._sorts.items()}
 
     def with_changes(self, **changes: Callable[[Any, Any], Formula]) -> List[Formula]:
-        """Returns the effect that changes these relations to these formulas, and no other one."""
+        """Returns the effect that changes these relations to these formulas, and no others."""
         return [self._is_after(name, changes.get(name, self.before[name])) for name in self._sorts]
 
     def with_arbitrary(self, name: str, only: Any) -> List[Formula]:
-        """Returns the effect that changes one relation of one thing in any way, and no other."""
+        """Returns the effect that changes one relation of one thing in any way, and nothing else.
+        """
         def unchanged(thing: Any, other: Any) -> Formula:
             return z3.If(thing == only, self.after[name](thing, other),
                          self.before[name](thing, other))
@@ -92,7 +93,7 @@ class System:
     def is_consistent(self) -> bool:
         """Returns whether a state with at least one pair in each relation is possible.
 
-        From invariants that contradict each other, everything can be proved.
+        Invariants that contradict each other would prove everything.
         """
         solver = z3.Solver()
         solver.set('timeout', PATIENCE)
@@ -106,7 +107,7 @@ class System:
 def proof_of(system: System, actions: Dict[str, Action], needed_for: Dict[str, str]) -> type:
     """Returns the tests of a proof, as a class for pytest.
 
-    needed_for -- by guard: an invariant that breaks without it
+    needed_for -- for each guard an invariant that breaks without it
     """
     guards = [(name, guard) for name, action in actions.items() for guard in action.guards]
 

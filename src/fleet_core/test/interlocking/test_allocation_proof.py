@@ -1,7 +1,7 @@
-"""Allocations of any number of robots stay apart and stored, whatever the exclusion relation is.
+"""Allocations of any number of robots stay apart and stored, for any relation of exclusion.
 
 A grant is made in memory, then stored, perhaps together with other robots' entries, and then sent.
-One robot's obedience to its orders is the subject of the model of numbered orders.
+The model of numbered orders shows how one robot obeys its orders.
 """
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ r, s = z3.Consts('r s', Robot)
 p, q = z3.Consts('p q', Place)
 robot, place = z3.Const('the robot', Robot), z3.Const('the place', Place)
 
-IN_ALLOCATION = ('sent', 'obeyed', 'at')  # what these contain is in allocation and journal
+IN_ALLOCATION = ('sent', 'obeyed', 'at')  # places in these are also in allocation and journal
 
 
 def are_apart(relation) -> Formula:

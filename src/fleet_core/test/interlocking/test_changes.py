@@ -1,4 +1,4 @@
-"""Readers of the changes of robots: each gets each change once."""
+"""Each reader of the changes of robots gets each change once."""
 from __future__ import annotations
 
 from typing import List

@@ -1,4 +1,5 @@
-"""Two robots and a door or a charger in a small yard, in every order of events: see `door_yard`."""
+"""Two robots and a door or a charger in a small yard, in any sequence of events: see `door_yard`.
+"""
 from __future__ import annotations
 
 from typing import Any, Callable, Dict, FrozenSet, Iterator, NamedTuple, Type
@@ -74,7 +75,7 @@ def test_no_two_robots_are_in_a_charger_for_one_whatever_happens(name: str, caps
 
 
 def walks(kind: Type[DoorYard] = DoorYard, most: int = WALKS, first: int = 0) -> Iterator[Found]:
-    """Random walks, `first` before all others."""
+    """The results of random walks; walk number `first` comes before all others."""
     walked = yard(STAR, kind)
     return (walked.walk(WIDE, (first + k) % most, 200) for k in range(most))
 
@@ -140,7 +141,10 @@ class ForgetsClaimsToTheChargerAtARestart(ChargerYard):
 YARDS: Dict[Type[DoorYard], int] = {
     ForgetsClaimsAtARestart: 1, TellsADoorNothingOfRobotsThatHaveClaims: 57,
     ForgetsClaimsToTheChargerAtARestart: 0}
-"""The walk that found each of them, which comes first. After a change another walk may find it."""
+"""The number of the walk that found each fault, and that is tried first.
+
+After a change of the model another walk may find the fault.
+"""
 
 
 @pytest.mark.parametrize('kind', YARDS)
@@ -149,7 +153,9 @@ def test_a_restart_with_a_planted_fault_is_found(kind: Type[DoorYard]) -> None:
 
 
 def without_the_guards(patch: pytest.MonkeyPatch) -> None:
-    """Neither a grant nor an order is judged by claims. Each alone would do: see `test_gates`."""
+    """Leaves out the check of claims at a grant and at an order: each alone is enough, see
+    `test_gates`.
+    """
     patch.setattr(interlocking, 'CONDITIONS', interlocking.WITHOUT_CLAIMS)
     patch.setattr(Interlocking, '_kept_out', lambda *_, may_leave: None)
 
@@ -189,7 +195,8 @@ def test_an_order_that_is_sent_by_old_reports_is_found(
 
 
 def test_a_grant_that_waits_for_a_full_disk_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
-    """It is granted anew, and each order is judged when it is sent: both must be left out."""
+    """Two guards must be left out: withdrawing the grant, and judging each order when it is sent.
+    """
     monkeypatch.setattr(Interlocking, '_kept_out', lambda *_, may_leave: None)
     monkeypatch.setattr(RouteMaster, 'not_stored', lambda master: None)
     found = SEARCHES['a full disk'].of()

@@ -1,6 +1,6 @@
-"""Guards of the interlocking behind which others stand: each of them refuses by itself.
+"""Guards of the interlocking that are not the only ones for their case: each refuses by itself.
 
-No search of `test_yard` finds a flaw without them.
+If such a guard is left out, no search of `test_yard` finds a flaw, because another guard refuses.
 """
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ class Robot:
 
 
 def standing(**metres: float) -> Dict[str, Robot]:
-    """Robots by name, each so far from the beginning of edge 1."""
+    """Robots by name; each stands so many metres from the beginning of edge 1."""
     robots = {}
     for name, arc in metres.items():
         robots[name] = Robot(name, RouteMaster(RouteRecord(GRAPH, AGV), int))
@@ -66,7 +66,9 @@ def test_a_robot_too_near_to_another_is_granted_nothing():
 
 
 def before_an_open_door(*edges: int) -> Interlocking:
-    """A robot stands at the beginning of edge 1. Edges lead through a door, which is open."""
+    """A site where a robot stands at the beginning of edge 1, and `edges` lead through an open
+    door.
+    """
     geometry = SiteGeometry(GRAPH)
     door = Resource('door', ResourceKind.DOOR, frozenset(edges), has_device=True)
     site = Interlocking(geometry, 0.1, standing(a=0.0), claims=Claims(Needs((door,), geometry)))
@@ -113,7 +115,7 @@ def test_a_stop_and_a_shorter_route_are_sent_also_if_they_could_not_be_stored():
 
 
 def closes(site: Interlocking) -> None:
-    """No fresh report says any more that the door is open."""
+    """Makes the report of the door old: no fresh report says that the door is open."""
     site.claims.open_for = {}
 
 
@@ -122,7 +124,7 @@ def opens(site: Interlocking) -> None:
 
 
 def drives(site: Interlocking, edge: int) -> None:
-    """The robot reports that it is in the middle of an edge of its route."""
+    """Lets the robot report that it is in the middle of an edge of its route."""
     master = site._robots['a'].master
     order = master.order
     passed = order.edges.index(edge)
@@ -134,7 +136,7 @@ def drives(site: Interlocking, edge: int) -> None:
 
 
 def restarts(site: Interlocking) -> None:
-    """The fleet manager restarts from its journal. No fresh report says that the door is open."""
+    """Restarts the fleet manager from its journal. No fresh report says that the door is open."""
     robot = site._robots['a']
     memory, robot.master = robot.master.memory, RouteMaster(RouteRecord(GRAPH, AGV), int)
     robot.master.restore(memory)

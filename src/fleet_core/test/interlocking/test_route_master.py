@@ -1,4 +1,4 @@
-"""Sequences of one robot that the model of a yard has found, and a property of grants."""
+"""Sequences of events of one robot that the model of a yard found, and a property of grants."""
 from __future__ import annotations
 
 from dataclasses import replace
@@ -20,7 +20,7 @@ C, P = EdgeState.COMPLETE, EdgeState.PROCESSING
 
 
 def master() -> RouteMaster:
-    """The master of a robot that has not reported yet. Its orders have the numbers from 1 on."""
+    """The master of a robot that has not reported yet. Its orders are numbered from 1 on."""
     return RouteMaster(RouteRecord(GRAPH, AGV), int)
 
 
@@ -60,7 +60,7 @@ def test_by_an_older_journal_an_order_may_still_be_on_its_way_until_the_robot_ob
 
 
 def test_where_a_robot_was_while_it_could_be_anywhere_does_not_count_once_it_stands():
-    """Else a late report would stop its neighbours (walk 2168 in the yard, other bounds)."""
+    """Otherwise a late report would stop its neighbours (walk 2168 in the yard, other bounds)."""
     robot = master()
     robot.hear(told(1, 1, 0.0))
     robot.doubt()
@@ -72,7 +72,10 @@ def test_where_a_robot_was_while_it_could_be_anywhere_does_not_count_once_it_sta
 
 
 def test_a_master_with_a_lost_journal_and_a_clock_set_back_finds_the_numbers_of_its_robot():
-    """Its orders would be ignored, and all reports refused. An order may still be on its way."""
+    """Otherwise the robot would ignore the orders, and the master would refuse all reports.
+
+    An order that the journal has lost may still be on its way.
+    """
     robot = master()
     robot.hear(told(1, 1, 0.0, order=1000))
     assert robot.allocation.knowledge is Knowledge.UNKNOWN and robot.needs_stop
@@ -101,7 +104,7 @@ def test_where_a_lost_route_led_is_held_also_when_a_longer_route_that_was_never_
 
 
 def test_a_late_copy_of_a_stop_takes_the_record_back_and_what_lay_behind_with_it():
-    """The robot counts its edges from where that stop was given (walk 2 in the yard)."""
+    """The robot counts its edges from the place where that stop was given (walk 2 in the yard)."""
     robot = master()
     robot.hear(told(1, 1, 0.0))
     robot.extend((1,))
@@ -116,9 +119,9 @@ def test_a_late_copy_of_a_stop_takes_the_record_back_and_what_lay_behind_with_it
 
 
 def test_the_path_of_a_robot_that_came_to_rest_begins_with_the_edge_that_is_ahead_of_it():
-    """Else a plan that is made then begins one edge too early, and the robot stands for ever.
+    """Otherwise a plan made at that moment begins one edge too early, and the robot never drives.
 
-    Found by life 1002 of the random machine over the work.
+    Life 1002 of the random test of the work found this.
     """
     robot = master()
     robot.hear(told(1, 1, 0.0))
@@ -132,7 +135,7 @@ def test_the_path_of_a_robot_that_came_to_rest_begins_with_the_edge_that_is_ahea
 
 
 def test_a_robot_that_stands_elsewhere_is_given_no_route_until_a_second_location_tells_where():
-    """Else the route would begin where the robot is not (walk 1011 in the yard)."""
+    """Otherwise the route would begin where the robot is not (walk 1011 in the yard)."""
     robot = master()
     robot.hear(told(1, 1, 0.0))
     robot.hear(told(2, 3, 0.0, epoch=2))
@@ -142,7 +145,9 @@ def test_a_robot_that_stands_elsewhere_is_given_no_route_until_a_second_location
 
 
 def test_a_refused_shorter_route_is_forgotten_with_the_record_that_it_was_part_of():
-    """A late copy of a stop takes the numbers of edges back: the same number is another edge."""
+    """A late copy of a stop sets the numbers of edges back, so that the same number means another
+    edge.
+    """
     robot = master()
     robot.hear(told(1, 1, 0.0))
     robot.extend((1,))
@@ -166,7 +171,7 @@ def test_a_refused_shorter_route_is_forgotten_with_the_record_that_it_was_part_o
        st.integers(0, 99), st.floats(0.0, 1.0), st.floats(-0.35, 0.35), st.floats(-0.35, 0.35))
 def test_a_grant_adds_the_granted_edge_only_also_if_the_robot_stands_beside_its_place(
         seed, play, slack, choice, fraction, x, y):
-    """Else it excludes others that no condition of the grant has seen."""
+    """Otherwise the allocation would exclude places that no condition of the grant has checked."""
     graph = random_graph(Random(seed), 4, 1, 3.0)
     edge = sorted(graph.edges)[choice % len(graph.edges)]
     robot = RouteMaster(RouteRecord(graph, replace(AGV, play=play), slack), int)

@@ -20,10 +20,10 @@ AT_MOST = 25
 
 OTHERS: Dict[str, Set[str]] = {
     'MasterState': set(),
-    # what never changes; the record's protocol; what plans read
+    # constants; the state of the protocol; data that only plans read
     'RouteRecord': {'graph', 'kind', 'slack', 'protocol', 'generation', 'driven'},
-    # what never changes; the label of a route; which shorter route is tried; a gate; a sign of an
-    # outage; what follows from all this; whom it tells
+    # constants; the label of a route; the shorter route that was refused; a gate; a sign of an
+    # outage; values that follow from all others; the function that is called after a change
     'RouteMaster': {'record', 'clock', 'label', 'cut_refused', 'clock_is_off', 'off_graph',
                     'allocation', 'elsewhere', 'progress', 'tell'},
     # missions, charging, outages, learned times, and when to try again

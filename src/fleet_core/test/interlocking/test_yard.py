@@ -1,4 +1,4 @@
-"""Several robots in a small yard, in every order of events: see `yard_model`."""
+"""Several robots in a small yard, in every sequence of events: see `yard_model`."""
 from __future__ import annotations
 
 from dataclasses import replace
@@ -145,7 +145,8 @@ SECOND_LINES = {
                                  'each edge from the place of the others is occupied',
     '_does_not_work': 'a robot at work has a stay without an end, or its errand is to stand',
 }
-"""Guards without which no search finds a flaw, because others stand behind them; see test_gates.py.
+"""Guards that can be left out without a flaw, because other guards refuse as well; see
+test_gates.py.
 """
 OF_WORK = {'_stop_may_be_entered'}
 """Guards of the work at stops, which test_work_at_stops.py leaves out."""

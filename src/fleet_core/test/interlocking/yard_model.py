@@ -1,46 +1,47 @@
-"""A model of a small yard: several robots, searched in every order of events.
+"""A model of a small yard: several robots, searched in every sequence of events.
 
 The fleet manager's side is the real code: `ManagedRobot` with its `RouteMaster`, `Interlocking`,
 and `robots_of` after a restart. Each robot itself is the vehicle of the model of numbered orders,
-on the edges of a graph. What is true of two robots is computed here, from straight lines alone.
+on the edges of a graph. Whether two robots are too near is computed here, from straight lines
+alone.
 
-What one robot does, and what its reports change, does not depend on the others. So the real code
-runs once for each state of one robot and each event, and the search combines the results. Only
-grants, and what follows if robots exclude each other, look at several robots.
+The actions of one robot, and the effects of its reports, do not depend on other robots. So the real
+code runs once for each state of one robot and each event, and the search combines the results. Only
+grants, and the stops of robots that exclude each other, depend on several robots.
 
 Events
     * A robot drives half an edge, takes or refuses an order, loses its route, comes to rest on its
-      edge or on the next one, or restarts without its memory. (With it nothing changes.) Another
-      giver takes it and drives it to the end of an edge. A person stops it past the fleet manager.
-      Its clock is ahead: then its reports arrive at once or never, because nobody could tell how
-      old a late one is.
+      edge or on the next one, or restarts without its memory. (A restart with its memory changes
+      nothing.) Another giver takes it and drives it to the end of an edge. A person stops it
+      without the fleet manager. Its clock is ahead: then its reports arrive at once or never,
+      because the age of a late one could not be known.
     * An order arrives: any that was sent, at any time, again and again, or never.
     * A report arrives at once, or never. One report of each robot may be kept on its way: it
       arrives at any time, again and again, before or after newer ones.
-    * The fleet manager is asked for any edge of the yard, makes a route shorter, stores what
-      reports have changed, and restarts from its journal, or from the first one. It also dies when
-      a grant is stored and the order is not sent. Its disk fills, also before a grant is stored,
-      and is freed.
+    * The fleet manager is asked for any edge of the yard, makes a route shorter, stores the changes
+      that reports made, and restarts from its journal, or from its first journal. It also ends
+      when a grant is stored and the order is not sent yet. Its disk fills, also before a grant is
+      stored, and is freed.
     * A person stops the fleet and resumes it, takes a robot out of service, and brings it back
       where it stands.
 
 Properties
     CONTAINED  All places where a robot is, or to which its route still leads, are in its
-               allocation, and in the one that a restart from the journal would give. Where another
-               giver drives it is unknown until a report tells that.
+               allocation, and in the one that a restart from the journal would give. While another
+               giver drives a robot, its place is unknown until a report says it.
     APART      No two allocations exclude each other, nor do two entries of the journal, and no two
                robots are too near to each other, unless another giver has taken one of the two.
                Then both are stopped.
     STORED     An order with edges is in the journal before it is sent.
-    GRANTED    Nothing is granted that a gate or a condition forbids, as the situation shows it.
+    GRANTED    Nothing is granted that a gate or a condition must forbid in the true situation.
     LIVE       If from now on messages arrive, nothing fails, and a person helps, then a robot is
                granted an edge and takes that order. (Not if another giver has taken a robot: then
                a person may have to move one by hand.)
 
 A search is complete for its bounds: the number of grants, faults and acts of people. The number of
-reports has no bound. A walk follows one random way, with far wider bounds. Distances between robots
-have no reserve: a robot is `SLACK` short of a vertex that it passes, and counts as exactly on its
-edge.
+reports has no bound. A walk follows one random way, with far wider bounds. The robots keep no
+reserve in their distances: a robot is `SLACK` short of a vertex that it passes, and counts as
+exactly on its edge.
 
 Not in this model: robots beside their edges, other beginnings of a route, other masters (for one
 robot in `test_master.py` of route_protocol), changes of the graph, robots that are declared absent.
@@ -108,7 +109,7 @@ from numbered_orders_model import (  # noqa: E402
 MASTER = 'path_supervisor'
 CLEARANCE = 0.1
 NOW = 0.0
-LATER = math.inf  # each order is due again: inf - inf is not less than the time between repeats
+LATER = math.inf  # a time at which each order is due, even again: inf - inf is not below REPEAT
 NEAR = 1e-6       # m
 SLACK = 0.05      # m that a robot may be short of its reported place
 AHEAD = 5.0       # s by which a wrong clock is ahead
@@ -121,7 +122,8 @@ MOTIONS = {
     Motion.UNKNOWN: values.Motion.UNKNOWN}
 
 Step = Tuple[str, int, int, int, int]
-"""An event, the state after it, how many faults and acts it is, and what follows."""
+"""An event, the state after it, the numbers of faults and of acts that it counts for, and the flags
+of its consequences (HEARD and so on)."""
 Point = Tuple[float, float]
 Piece = Tuple[Point, Point, float]
 """All points within a radius of a straight line."""
@@ -133,16 +135,16 @@ HELPS = ('the disk is freed', 'the fleet is resumed', 'drives', 'obeys or refuse
 
 _NUMBERS = re.compile(r'[-\d]+')
 
-# What follows a change of one robot
+# flags for the consequences of a change of one robot
 HEARD, SENDS, STOPS, IS_OLDER = 1, 2, 4, 8
 
 class Said(NamedTuple):
     """A report on its way.
 
-    content -- number of the report without its own number
-    number  -- that number
-    moved   -- half edges that the robot has driven since
-    ahead   -- its stamp is of a clock that is ahead
+    content -- index of the report's content, which is all except its number
+    number  -- the number of the report
+    moved   -- half edges that the robot has driven since it made the report
+    ahead   -- its stamp is from a clock that is ahead
     """
 
     content: int
@@ -152,16 +154,16 @@ class Said(NamedTuple):
 
 
 class Side(NamedTuple):
-    """One robot: the vehicle, the messages on their way, and what the fleet manager knows.
+    """One robot: the vehicle, the messages on their way, and the fleet manager's state of it.
 
-    since  -- half edges that another giver has driven it since the location that was heard last
-    belief -- number of the ManagedRobot
-    memory -- number of its entry in the journal
-    listed -- number of the allocation that the interlocking counts as stored
+    since  -- half edges that another giver has driven it since the last location that was heard
+    belief -- index of the ManagedRobot
+    memory -- index of its entry in the journal
+    listed -- index of the allocation that the interlocking counts as stored
     stale  -- the robot is to be stored
-    drawn  -- the highest number of an order ever drawn, as a clock knows it
-    shown  -- the order that it follows, or followed last
-    short  -- the edge behind it on which it may still be a little, as it drove on; 0: none
+    drawn  -- the highest number of an order ever drawn, as a clock would show it
+    shown  -- the order that the robot follows, or followed last
+    short  -- the edge behind the robot on which a part of it may still be; 0: none
     ahead  -- its clock is ahead
     taken  -- another giver has driven it, or it stood too near from the beginning; only for the
               properties
@@ -186,9 +188,9 @@ class Side(NamedTuple):
 
 
 class View(NamedTuple):
-    """What matters of one robot to the others.
+    """The part of one robot's state that matters to other robots.
 
-    halts -- it has nothing to drive, or it is told to stop until a person brings it back
+    halts -- it has nothing to drive, or it is stopped until a person brings it back
     """
 
     name: str
@@ -201,9 +203,9 @@ class View(NamedTuple):
 
 
 class Site(NamedTuple):
-    """What all robots have in common. The first three are what may still happen.
+    """The state that all robots share. The first three numbers say how much may still happen.
 
-    door -- what a DoorYard knows besides
+    door -- further state of a DoorYard
     """
 
     grants: int
@@ -218,11 +220,11 @@ class Site(NamedTuple):
 
 
 class Answer(NamedTuple):
-    """What comes of a robot's request for an edge.
+    """The result of a robot's request for an edge.
 
-    belief   -- number of the ManagedRobot after a grant; None: it is granted nothing
+    belief   -- index of the ManagedRobot after a grant; None: it is granted nothing
     to_store -- the robots that must be stored with the grant
-    door     -- what a DoorYard knows afterwards
+    door     -- further state of a DoorYard after the request
     """
 
     edge: int
@@ -232,11 +234,11 @@ class Answer(NamedTuple):
 
 
 State = Tuple[int, ...]
-"""The numbers of a Site, and of the Side of each robot."""
+"""The index of a Site, and the index of the Side of each robot."""
 
 
 class Fault(Enum):
-    """What goes wrong. The values are shown with a flaw."""
+    """The kinds of faults. The values are shown with a flaw."""
 
     ROUTE = 'loses its route'
     REFUSAL = 'refuses an order'
@@ -267,7 +269,7 @@ class Bounds(NamedTuple):
 
 
 class Clock:
-    """A clock of which the fleet manager draws numbers."""
+    """A clock from which the fleet manager draws numbers."""
 
     drawn, ahead = 0, 1
 
@@ -284,14 +286,15 @@ def separate(site: Interlocking, robots: Mapping[str, ManagedRobot], is_starting
 
 
 def _values(thing: object, without: Sequence[str]) -> Tuple[Hashable, ...]:
-    """The attributes of an object that decide about anything later."""
+    """The attributes of an object on which any later event depends."""
     return tuple(value for name, value in vars(thing).items() if name not in without)
 
 
 def key_of(robot: ManagedRobot) -> Hashable:
-    """All that a robot knows. No attribute can be forgotten: those that never decide are named.
+    """All state of a robot on which later events depend. Attributes that do not count are named,
+    so that no attribute is forgotten.
 
-    Only plans read `_driven` and `generation`; two strays are as good as more.
+    Only plans read `_driven` and `generation`. More than two strays have the same effect as two.
     """
     master = robot.master
     return (_values(robot, ('name', 'type', 'settings', 'why', 'battery', 'passed', 'driven',
@@ -347,7 +350,7 @@ class Yard:
         return id
 
     def _robot(self, side: Side) -> ManagedRobot:
-        """A copy of what the fleet manager knows of the robot; it may be changed."""
+        """A copy of the fleet manager's state of the robot; the copy may be changed."""
         robot = copy.copy(self._beliefs[side.belief])
         robot.master = copy.copy(robot.master)
         record = robot.master.record = copy.copy(robot.master.record)
@@ -358,7 +361,7 @@ class Yard:
         return robot
 
     def _put(self, side: Side) -> int:
-        """The number of a side.
+        """The index of a side.
 
         The numbers of reports are only compared, so they are replaced by their ranks.
         """
@@ -367,7 +370,7 @@ class Yard:
             return id
         given = side
         if side.short and not (side.vehicle.route or side.vehicle.rolling):
-            side = side._replace(short=0)  # it tells where it stands
+            side = side._replace(short=0)  # a standing robot reports exactly where it stands
         protocol = self._beliefs[side.belief].master.protocol
         vehicle, kept = side.vehicle, side.kept
         stored = self._memories[side.memory].master.protocol.report
@@ -414,7 +417,7 @@ class Yard:
         return self._known[key]
 
     def _allocated(self, belief: int) -> int:
-        """Number of the allocation of a robot."""
+        """Index of the allocation of a robot."""
         key = 'allocation', belief
         if key not in self._known:
             self._known[key] = _number(self._beliefs[belief].master.allocation,
@@ -422,7 +425,7 @@ class Yard:
         return self._known[key]
 
     def _restored(self, side: Side) -> int:
-        """Number of the allocation that the robot would have after a restart."""
+        """Index of the allocation that the robot would have after a restart."""
         key = 'restored', side.memory
         if key not in self._known:
             self._known[key] = _number(self._restart(side).master.allocation, self._allocations,
@@ -461,7 +464,7 @@ class Yard:
         return _number(site, self._sites, self._site_ids)
 
     def _entry(self, belief: int) -> int:
-        """Number of the entry of a robot in the journal, as it would be stored now."""
+        """Index of the entry that would be stored for a robot in the journal now."""
         key = 'entry', belief
         if key not in self._known:
             robot = self._beliefs[belief]
@@ -483,7 +486,7 @@ class Yard:
     # -- one robot --------------------------------------------------------------------------------
 
     def own_events(self, id: int) -> List[Step]:
-        """What can happen to one robot alone: event, state, faults, acts, and what follows."""
+        """All events that can happen to one robot alone."""
         if id not in self._own:
             side = self._sides[id]
             self._own[id] = [step for step in self._events_of(side) if step[1] != id]
@@ -534,7 +537,7 @@ class Yard:
                     vehicle=anew, cause=values.EpochCause.OTHER_GIVER, taken=True)), 1, 0, 0
 
     def _driven(self, side: Side) -> int:
-        """The robot drives half an edge. The area around one that another giver moves grows."""
+        """The robot after half an edge. The area around it grows while another giver moves it."""
         before, vehicle, kept = side.vehicle, drive(side.vehicle), side.kept
         short = before.edge.label if before.edge is not None and vehicle.route else 0
         side = side._replace(vehicle=vehicle, short=short,
@@ -569,7 +572,7 @@ class Yard:
     # -- reports ----------------------------------------------------------------------------------
 
     def _report(self, side: Side) -> Tuple[Side, Said]:
-        """What the robot reports now, and its state after that."""
+        """The robot after its next report, and the report."""
         vehicle = side.vehicle
         number = vehicle.sequence + 1
         shown = side.shown
@@ -593,7 +596,9 @@ class Yard:
 
     @staticmethod
     def _motion(vehicle: Vehicle) -> values.Motion:
-        """What a robot says; each knows when another giver drives it, even without its memory."""
+        """The motion that a robot reports. It knows that another giver drives it, even without its
+        memory.
+        """
         is_moved = vehicle.giver == OTHER and bool(vehicle.route or vehicle.rolling)
         return values.Motion.MOVED if is_moved else MOTIONS[motion_of(vehicle)]
 
@@ -605,7 +610,7 @@ class Yard:
         return values.SymbolicPose(edge, 0.0)
 
     def _hear(self, side: Side, said: Said) -> Tuple[int, int, int, int]:
-        """The fleet manager hears a report."""
+        """The effects when the fleet manager hears a report."""
         key = 'hear', side.belief, said, side.drawn
         if key not in self._known:
             self._known[key] = self._heard(side, said)
@@ -616,7 +621,7 @@ class Yard:
             flaw=flaw)), 0, 0, follows
 
     def _heard(self, side: Side, said: Said) -> Tuple[int, bool, bool, int, str]:
-        """What follows from a report, as in `Supervisor.report`."""
+        """The effects of a report, computed as in `Supervisor.report`."""
         robot = self._robot(side)
         before = robot.master.progress, robot.outage
         report = Report(replace(self._contents[said.content], number=said.number),
@@ -638,7 +643,7 @@ class Yard:
         return self._belief_id(robot), is_stale, heard.is_located, follows, ''
 
     def _decides(self, side: Side) -> Iterator[Step]:
-        """What the fleet manager or a person does with one robot alone."""
+        """The acts of the fleet manager or of a person on one robot alone."""
         key = 'decide', side.belief, side.drawn
         if key not in self._known:
             self._known[key] = tuple(self._decisions_on(side))
@@ -679,7 +684,7 @@ class Yard:
 
     def _followed(self, number: int, before: Tuple[int, ...], ids: Tuple[int, ...],
                   follows: int) -> State:
-        """The state after what follows at once from a change of robots."""
+        """The state after the immediate consequences of a change of robots."""
         site = self._sites[number]
         if follows & IS_OLDER:
             site = site._replace(is_wrong_run=True)
@@ -711,7 +716,7 @@ class Yard:
             robots = {name: self._robot(self._sides[id])
                       for name, id in zip(self.names, before)}
             interlocking = Interlocking(self._geometry, CLEARANCE, robots)
-            interlocking.separate(is_starting)  # what the event before has left
+            interlocking.separate(is_starting)  # for changes of the event before
             copies = {name: self._robot(side) for name, side in zip(self.names, sides)}
             robots.update(copies)
             self.clock.drawn = max(one.drawn for one in sides)
@@ -738,14 +743,14 @@ class Yard:
     # -- the journal ------------------------------------------------------------------------------
 
     def _taken(self, site: Site, ids: Tuple[int, ...]) -> State:
-        """All changes are stored, and then orders are sent, as in `Outbox.actions`."""
+        """The state after all changes are stored and then orders sent, as in `Outbox.actions`."""
         if not site.trouble:
             site, ids = self._committed(site, ids)
         return (self._site_id(site), *(self._sent(site, id) for id in ids))
 
     def _granted_in_vain(self, what: str, site: Site,
                          ids: Tuple[int, ...]) -> Iterator[Tuple[str, State]]:
-        """What comes between a grant and its order, as in `Outbox`."""
+        """The faults that can come between a grant and its order, as in `Outbox`."""
         if not site.faults or site.trouble:
             return
         site = site._replace(faults=site.faults - 1)
@@ -776,7 +781,7 @@ class Yard:
                                        listed=self._allocated(side.belief)))
 
     def _sent(self, site: Site, id: int) -> int:
-        """The order of a robot that is due now leaves the fleet manager."""
+        """The robot after its order that is due now has left the fleet manager."""
         side = self._sides[id]
         if self._beliefs[side.belief].master.order is None:
             return id
@@ -847,7 +852,8 @@ class Yard:
             belief=self._known[key], stale=True))
 
     def _brought_in(self, ids: Tuple[int, ...], k: int) -> int:
-        """A person brings a robot back that stands where the fleet manager believes it to be."""
+        """The robot after a person has brought it back at the place that the fleet manager knows.
+        """
         side = self._sides[ids[k]]
         vehicle = side.vehicle
         robot = self._beliefs[side.belief]
@@ -867,7 +873,7 @@ class Yard:
         return self._put(side._replace(belief=self._known[key], stale=True))
 
     def _bring_in(self, robot: ManagedRobot, ids: Tuple[int, ...]) -> None:
-        """As `Supervisor.bring_in`."""
+        """Brings a robot back as `Supervisor.bring_in` does."""
         if robot.master.protocol.unknown:
             robot.master.halt()
             return
@@ -886,7 +892,7 @@ class Yard:
         return {name: self._beliefs[self._sides[id].belief] for name, id in zip(self.names, ids)}
 
     def _answers(self, site: Site, ids: Tuple[int, ...], k: int) -> Tuple[Answer, ...]:
-        """What comes of a robot's requests for all edges, without those that change nothing."""
+        """The results of a robot's requests for all edges, except those that change nothing."""
         side = self._sides[ids[k]]
         key = ('ask', side.belief, side.drawn, site.is_stopped, site.trouble, site.door, *(
             (self._views[self._view[id]].allocated, self._sides[id].listed)
@@ -902,12 +908,12 @@ class Yard:
         for edge in self._edges:
             answer = self._ask(interlocking, robot, site, ids, edge)
             yield answer
-            if answer.belief is not None:  # the robot is another one now
+            if answer.belief is not None:  # the grant has changed the copy of the robot
                 robot, interlocking = self._asking(site, ids, k)
 
     def _asking(self, site: Site, ids: Tuple[int, ...],
                 k: int) -> Tuple[ManagedRobot, Interlocking]:
-        """A robot and the interlocking of which it may request an edge."""
+        """A robot, and the interlocking from which it may request an edge."""
         robot = self._robot(self._sides[ids[k]])
         robots: Dict[str, Any] = {
             name: _Stored(self.kind, self._allocations[self._sides[id].listed])
@@ -926,7 +932,7 @@ class Yard:
                       frozenset(map(self.names.index, interlocking.to_store)), site.door)
 
     def _wrong_grant(self, site: Site, ids: Tuple[int, ...], k: int, edge: int) -> str:
-        """Why an edge should not have been granted, from the situation."""
+        """The reason why an edge should not have been granted in the true situation."""
         side = self._sides[ids[k]]
         robot, vehicle, its = self._beliefs[side.belief], side.vehicle, self._edges[edge]
         own, *others = (self._views[self._view[id]].allocated
@@ -985,7 +991,7 @@ class Yard:
                     for first, id in zip(self._first, ids)))
 
     def _restarted_all(self, site: Site, ids: Tuple[int, ...]) -> State:
-        """The fleet manager restarts from its journal."""
+        """The state after the fleet manager has restarted from its journal."""
         return (self._site_id(site._replace(is_starting=True, to_store=frozenset())), *(
             self._restarted(self._sides[id], site.is_stopped, site.is_wrong_run) for id in ids))
 
@@ -1007,7 +1013,7 @@ class Yard:
     # -- what must hold ---------------------------------------------------------------------------
 
     def _not_contained(self, side: Side) -> str:
-        """How CONTAINED is violated; empty: it is not."""
+        """How a robot violates CONTAINED; empty: it does not."""
         report = self._beliefs[side.belief].master.protocol.report
         return self._outside(side, self._allocated(side.belief), report, 'its allocation')
 
@@ -1016,7 +1022,7 @@ class Yard:
                              self._memories[side.memory].master.protocol.report, 'the journal')
 
     def _outside(self, side: Side, allocation: int, report: int, where: str) -> str:
-        """Where the robot may be outside an allocation that rests on a report; empty: nowhere."""
+        """The place of the robot outside an allocation that rests on a report; empty: none."""
         vehicle = side.vehicle
         if vehicle.moved_since >= max(report, 0):
             return ''
@@ -1046,7 +1052,7 @@ class Yard:
             _apart(point, point, *piece[:2]) <= piece[2] + NEAR for piece in pieces)), None)
 
     def flaw(self, state: State) -> str:
-        """What is wrong in a state; empty: nothing."""
+        """The property that a state violates, and how; empty: none."""
         site, ids = self._sites[state[0]], state[1:]
         for id in ids:
             found = self._flaws[id] or not site.is_wrong_run and self._not_in_journal(
@@ -1115,7 +1121,7 @@ class Yard:
     def is_live(self, state: State) -> bool:
         """Returns whether a robot is granted an edge, and takes that order, if all events help.
 
-        All clocks are right again.
+        In this check, all clocks are right again.
         """
         state = (self._site_id(self._sites[state[0]]._replace(grants=1, faults=0, acts=0)), *(
             self._put(self._sides[id]._replace(ahead=False)) for id in state[1:]))
@@ -1145,7 +1151,7 @@ class Yard:
         return False
 
     def _helped(self, state: State) -> State:
-        """The state after each event that helps, tried once for each robot."""
+        """The state after all events of HELPS, each tried once for each robot."""
         steps = list(self.steps(state))
         for kind in HELPS:
             for subject in ('', *(f'{name}: ' for name in self.names)):
@@ -1188,9 +1194,9 @@ class Yard:
     def walk(self, bounds: Bounds, seed: int, events: int) -> Found:
         """Follows one random way through the states, until one of them is wrong.
 
-        It reaches what a search cannot: many grants, faults and acts of people, one after another.
-        About every tenth event is a fault or an act. Each kind of event is as likely as any other,
-        however many orders may arrive.
+        A walk reaches states that a search cannot reach, after many grants, faults and acts of
+        people. About every tenth event is a fault or an act. Each kind of event is equally likely,
+        even if many orders may arrive.
         """
         draw = random.Random(f'walk {seed}')
         state = self.begin(bounds)
@@ -1213,7 +1219,7 @@ class Yard:
         return Found(len(way))
 
     def _left(self, state: State) -> int:
-        """How many faults and acts of people may still happen."""
+        """The number of faults and acts of people that may still happen."""
         site = self._sites[state[0]]
         return site.faults + site.acts
 
@@ -1228,12 +1234,12 @@ class Yard:
 
 
 def _table(_: type) -> Tuple[List[Any], Dict[Any, int]]:
-    """Values by their numbers, and the reverse."""
+    """An empty table: values by their index, and the index of each value."""
     return [], {}
 
 
 def _number(value: Any, values: List[Any], numbers: Dict[Any, int]) -> int:
-    """The number of a value in a table; a new value is added."""
+    """The index of a value in a table; a new value is added."""
     id = numbers.setdefault(value, len(values))
     if id == len(values):
         values.append(value)
@@ -1241,7 +1247,7 @@ def _number(value: Any, values: List[Any], numbers: Dict[Any, int]) -> int:
 
 
 class _Stored:
-    """A robot as the journal has it, for the interlocking's list of stored allocations."""
+    """A robot as it is in the journal, for the interlocking's list of stored allocations."""
 
     def __init__(self, kind: RobotType, allocation: Allocation) -> None:
         self.type, self.allocation, self.master = kind, allocation, self

@@ -1,23 +1,23 @@
-"""Grants while the planner works: a search over every order of events of a small fleet.
+"""Grants while the planner works: a search through every sequence of events of a small fleet.
 
-The robots, the planner and the interlocking are models. The decisions are the program's own: which
-edges are due (`due_edges`), which are foreseen (`foreseen_edges`), and whether an answer of the
-planner fits (`Question.plan`).
+The robots, the planner and the interlocking are models. The decisions are those of the real code:
+which edges are due (`due_edges`), which are foreseen (`foreseen_edges`), and whether an answer of
+the planner fits (`Question.plan`).
 
 The model is a fleet whose robots drive whole edges. Two edges exclude each other if they share a
-vertex. The planner may give each plan that is right for its question: for each choice of shortest
-ways, each order in which all robots come to their goals. A forgetful planner may also leave out one
-constraint of the order. The steps are: a robot drives its next edge; a robot is granted the next
-edge that is due; the planner is asked; an answer comes.
+vertex. The planner may give each plan that is right for its question: for each choice of short
+paths, each order in which all robots come to their goals. A forgetful planner may also leave out
+one constraint of the order. The steps are: a robot drives its next edge; a robot is granted the
+next edge that is due; the planner is asked; an answer comes.
 
 What must hold:
 
-POSSIBLE   the edges that a question counts as released exclude each other for no two robots
+POSSIBLE   no two edges that a question counts as released for two robots exclude each other
 ANSWERABLE a right plan exists for each question that is asked while a right plan is in force
 FITS       of two answers in a row, at least one is used
 PLANNED    the plan in force has each edge that a robot holds
-IN_TURN    each edge that a robot holds by a right plan is in its turn
-LIVE       by a right plan in force, all robots come to their goals
+IN_TURN    if the plan is right, each edge that a robot holds is in its turn
+LIVE       if the plan in force is right, all robots come to their goals
 """
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ _AHEAD = 0.5  # m that are granted ahead; each edge has 1 m or more
 
 
 class Flaw(Enum):
-    """What must hold, and did not."""
+    """A violation of what must hold."""
 
     POSSIBLE = 'a question counts edges of two robots as released that exclude each other'
     ANSWERABLE = 'no right plan exists for a question'
@@ -79,7 +79,7 @@ class Guard(Enum):
 
 
 class Plan(NamedTuple):
-    """A plan: by robot the number of its first drive and the edges, and the order."""
+    """A plan: for each robot the number of its first drive, and its edges; and the order."""
 
     bases: Tuple[int, ...]
     drives: Tuple[Tuple[int, ...], ...]
@@ -88,8 +88,8 @@ class Plan(NamedTuple):
 
 
 class Asked(NamedTuple):
-    """An open question: by robot its base, the edges that count as released, and the first number
-    that was not granted yet; and whether grants are limited."""
+    """An open question. For each robot it has its base, the edges that count as released, and the
+    first number that was not granted yet. `is_limited`: only foreseen edges are granted."""
 
     bases: Tuple[int, ...]
     released: Tuple[Tuple[int, ...], ...]
@@ -100,8 +100,8 @@ class Asked(NamedTuple):
 class State(NamedTuple):
     """The state of the fleet.
 
-    granted -- by robot all edges that it was ever granted
-    done    -- by robot the number of them that it has driven
+    granted -- for each robot all edges that it was ever granted
+    done    -- for each robot the number of these edges that it has driven
     useless -- number of answers in a row that did not fit
     """
 
@@ -144,7 +144,7 @@ class Fleet:
     # -- the search -------------------------------------------------------------------------------
 
     def search(self, questions: int, sought: Collection[Flaw] = tuple(Flaw)) -> Found:
-        """Looks at each state that can be reached with so many questions to the planner.
+        """Visits each state that can be reached with so many questions to the planner.
 
         sought -- the flaws that end the search
         """
@@ -206,7 +206,7 @@ class Fleet:
     def _comes_home(self, state: State) -> bool:
         """Returns whether all robots come to their goals by the plan in force.
 
-        The order of steps is no matter.
+        The order of steps does not matter.
         """
         moves = True
         while moves:
@@ -253,7 +253,7 @@ class Fleet:
             questions=state.questions + 1)
 
     def _answered(self, state: State, asked: Asked, answer: Plan) -> State:
-        """The answer is used if it fits."""
+        """The state after an answer, which is used if it fits."""
         robots = {name: Assumption(PlanRole.STANDING, 0, asked.bases[k], asked.ends[k], AGV,
                                    _NOWHERE, (Duty.MISSION, 0, 0, 0))
                   for k, name in enumerate(self.names)}
@@ -308,7 +308,7 @@ class Fleet:
     # -- the model of the planner -----------------------------------------------------------------
 
     def _places(self, state: State, asked: Asked) -> Tuple[int, ...]:
-        """Where the robots are at the question's beginning of their plans."""
+        """The vertices at which the plans of the robots begin, according to the question."""
         return tuple(self._vertex(k, state.granted[k][:asked.bases[k]])
                      for k in range(len(self.names)))
 
@@ -326,7 +326,7 @@ class Fleet:
         return tuple(found)
 
     def _ways(self, start: int, goal: int) -> List[Tuple[int, ...]]:
-        """The ways of at most one edge more than the shortest, without a vertex twice."""
+        """The paths with at most one edge more than the shortest one, and with no vertex twice."""
         found: List[Tuple[int, ...]] = []
         waiting: List[Tuple[Tuple[int, ...], Tuple[int, ...]]] = [((start,), ())]
         for vertices, edges in waiting:  # the list grows in the loop
@@ -359,7 +359,7 @@ class Fleet:
 
     def _order(self, row: Sequence[Tuple[int, int]], drives: Tuple[Tuple[int, ...], ...],
                released: Tuple[Tuple[int, ...], ...]) -> Tuple[Constraint, ...]:
-        """The constraints of a row: of each other robot, the last drive that is in the way."""
+        """The constraints of a row: a drive waits for the last drive in its way of each robot."""
         whole = [*((k, number) for k, edges in enumerate(released)
                    for number in range(len(edges))), *row]
         found: Set[Constraint] = set()

@@ -1,4 +1,4 @@
-"""What the fleet manager believes of devices, and what it asks of them."""
+"""The fleet manager's requests to devices, and the reports of devices that it believes."""
 from __future__ import annotations
 
 from typing import List, Optional, Tuple

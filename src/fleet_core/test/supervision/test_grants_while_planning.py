@@ -1,4 +1,4 @@
-"""Grants while the planner works, in every order of events: see `granting_model`."""
+"""Grants while the planner works, in every sequence of events: see `granting_model`."""
 from __future__ import annotations
 
 import os
@@ -18,8 +18,8 @@ NECK = graph_of({1: (0, 0), 2: (1, 0), 3: (2, 0), 4: (3, 0), 5: (3, 1), 6: (4, 0
                  8: (5, 0)},
                 {1: (1, 2), 2: (7, 2), 3: (2, 3), 4: (3, 4), 5: (4, 6), 6: (3, 5), 7: (5, 6),
                  8: (6, 8)})
-"""Between 2 and 3 there is room for one robot only; between 3 and 6 robots can pass each other."""
-NEAR, FAR = 0.5, 1.5  # m that a question foresees: less and more than robots may drive meanwhile
+"""Between 2 and 3 there is room for only one robot; between 3 and 6 robots can pass each other."""
+NEAR, FAR = 0.5, 1.5  # m that a question foresees: less, and more, than robots drive meanwhile
 
 
 class Search(NamedTuple):
@@ -51,7 +51,7 @@ def test_in_no_order_of_events_is_an_edge_held_before_its_turn_or_a_robot_stuck(
 
 
 def test_some_answers_do_not_fit():
-    """Otherwise the searches would say nothing about what follows a useless answer."""
+    """Otherwise the searches would not show what happens after a useless answer."""
     assert TWO.of(NEAR).unused > 0
 
 

@@ -1,4 +1,4 @@
-"""Places that are too near to where loads are taken or brought are found before the work begins."""
+"""Places that are too near to a stop with a load are found before the work begins."""
 from __future__ import annotations
 
 from dataclasses import replace
@@ -19,7 +19,7 @@ from fleet_core.work.timetables import Timetable
 
 PALLET = LoadType('pallet', 0.8)
 FLEET = Fleet((AGV,), (), 0.1)
-APART = 0.4 + 0.8 + 0.1  # m that a robot and one with a pallet need
+APART = 0.4 + 0.8 + 0.1  # m between a robot without a load and a robot with a pallet
 PRESS, PACKING = Station('press', (1,), (2,)), Station('packing', (3,))
 TAKE = WorkStep('take', 60.0, load=LoadEffect.TAKES, load_type='pallet')
 GIVE = WorkStep('give', 60.0, load=LoadEffect.GIVES)
@@ -40,7 +40,10 @@ def site(template: Template, *stations: Station, loads: Tuple[LoadType, ...] = (
 
 def found(work: SiteWork, places: Mapping[int, float], docks: Tuple[int, ...] = (),
           fleet: Fleet = FLEET) -> Dict[Tuple[int, int], TooNear]:
-    """Returns what is too near, by the two vertices. `places`: x (m) of each vertex, on a line."""
+    """Returns the pairs of places that are too near, by their two vertices.
+
+    `places`: x (m) of each vertex, on a line.
+    """
     ids = list(places)
     graph = with_docks(graph_of({id: (x, 0.0) for id, x in places.items()},
                                 dict(enumerate(zip(ids, ids[1:]), 1))), *docks)
@@ -48,7 +51,7 @@ def found(work: SiteWork, places: Mapping[int, float], docks: Tuple[int, ...] = 
 
 
 def at(distance: float) -> Mapping[int, float]:
-    """The press, its queue place, and the packing table far away."""
+    """The x (m) of the press, of its queue place, and of the packing table far away."""
     return {1: 0.0, 2: distance, 3: 50.0}
 
 

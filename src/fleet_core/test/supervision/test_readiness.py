@@ -1,4 +1,4 @@
-"""A start tells once which robots are ready."""
+"""After a start, the log says once which robots are ready."""
 from __future__ import annotations
 
 from fleet_core.supervision.fleet_view import RobotState

@@ -1,4 +1,4 @@
-"""Missions that come after others: in every order of requests and ends, none waits in a ring."""
+"""Missions that wait for others: in every order of requests and ends, none waits in a ring."""
 from __future__ import annotations
 
 from itertools import combinations, permutations, product
@@ -17,7 +17,7 @@ ENDS = (MissionState.SUCCEEDED, MissionState.CANCELLED)
 
 
 def wishes() -> Iterator[Tuple[Tuple[Dependency, ...], ...]]:
-    """All sets of dependencies of the three missions, also on themselves and in rings."""
+    """All sets of dependencies of the three missions, even on themselves and in rings."""
     sets = [some for count in range(3) for some in combinations(IDS, count)]
     for ids in product(sets, repeat=3):
         for until in Until:

@@ -1,4 +1,4 @@
-"""Queues before stations: turns, queue places and their order, after all kinds of events."""
+"""Queues before stations: turns, queue places and their order, after any events."""
 from __future__ import annotations
 
 from random import Random
@@ -116,8 +116,8 @@ def test_two_robots_that_want_each_others_places_have_no_turn_until_one_leaves()
     (PRESS, 0, Others(), (18,), True),
     (PRESS, 2, Others(), (18,), True),                        # the second queue place
     (PRESS, 3, Others(), (18,), False),
-    (PRESS, 2, Others(1), (18,), False),                      # one that stays in the press
-    (PRESS, 2, Others(0, frozenset(), frozenset({20})), (18,), False),   # ... in the queue
+    (PRESS, 2, Others(1), (18,), False),                      # another robot stays in the press
+    (PRESS, 2, Others(0, frozenset(), frozenset({20})), (18,), False),   # ... or in the queue
     (SHELVES, 2, Others(), (39, 42), True),
     (SHELVES, 3, Others(), (39, 42), False),
     (SHELVES, 1, Others(0, frozenset(), frozenset({39})), (39, 42), True),
@@ -139,7 +139,7 @@ def test_robots_that_go_to_one_place_of_a_station_need_the_queue_although_anothe
 class Yard:
     """Robots that come to a station, work and leave, in a random order of events.
 
-    It has no roads: a robot that is sent somewhere is at last there, unless the place is taken.
+    The yard has no roads: a robot arrives where it is sent at some time, unless the place is taken.
     """
 
     def __init__(self, station: Station, seed: int, robots: int) -> None:
@@ -192,7 +192,7 @@ class Yard:
             return
         if target in self.station.places and name not in self.inside:
             return
-        if self.at[name] is not None:  # it leaves a queue place, or a place
+        if self.at[name] is not None:  # it leaves a queue place, or a place of the station
             self.at[name] = None
         elif target not in self.at.values():
             self.at[name] = target
@@ -260,7 +260,9 @@ class Yard:
         self._check_nobody_waits_in_vain(known, inside, others)
 
     def _check_order(self, before: Queue) -> None:
-        """None that has arrived waits while one behind it gets a turn for a place of its own."""
+        """No robot that has arrived waits while one behind it gets a turn for a place that the
+        waiting robot may use, too.
+        """
         new = {name: place for name, place in self.queue.turns.items()
                if name not in before.turns and name not in self.inside}
         for waiting in self.queue.arrived:

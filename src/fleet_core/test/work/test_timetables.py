@@ -1,4 +1,4 @@
-"""A run of a timetable is made once, whatever the clock does, and none is lost in silence."""
+"""A run of a timetable is made once, whatever the clock does, and lost runs are counted."""
 from __future__ import annotations
 
 import time
@@ -58,7 +58,7 @@ def test_whatever_the_clock_shows_no_run_is_made_twice_and_none_is_lost_in_silen
     now = latest = BEGIN
     last, made, missed = due(timetable, BEGIN - 1, now).last, [], 0
     begin = last
-    for jump in jumps:  # backwards by a day at most from the latest time: see the next test
+    for jump in jumps:  # at most one day backwards from the latest time: see the next test
         now = max(now + jump, latest - DAY)
         latest = max(latest, now)
         found = due(timetable, last, now)
@@ -118,7 +118,7 @@ def berlin(monkeypatch):
 
 
 class Site:
-    """A fleet manager that is ended at any time, with what it has on its disk."""
+    """A fleet manager that may end at any time, and the data on its disk."""
 
     def __init__(self, timetable: Timetable, moment: datetime) -> None:
         self.moment = moment.timestamp()
@@ -133,7 +133,7 @@ class Site:
                                   lambda: int(1000 * self.moment))
 
     def look(self, dies: bool = False) -> Optional[str]:
-        """One look at the clock. `dies`: it ends before the run is stored."""
+        """Makes the runs that are due. `dies`: the fleet manager ends before the run is stored."""
         for run in self.runs.due():
             if dies:
                 self.restart()

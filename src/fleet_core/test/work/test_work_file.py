@@ -1,4 +1,4 @@
-"""The work file is read strictly: what is wrong is refused in one sentence with its line."""
+"""The work file is read strictly: each mistake is refused in one sentence with its line."""
 from __future__ import annotations
 
 import re
@@ -187,7 +187,7 @@ def labelled(id: int, label: str) -> Graph:
 @pytest.mark.parametrize('name, told', [
     ("'18'", "station '18' needs a name that is no number"),
     ('-press', "station '-press' needs a name that is no number and does not begin with -"),
-    ('ramp', 'station ramp is called as vertex 7 is labelled, which is none of its places')])
+    ('ramp', 'station ramp has the label of vertex 7 as its name, but that vertex is none of its')])
 def test_a_station_cannot_be_mistaken_for_a_vertex(tmp_path, name, told):
     path = tmp_path / 'work.yaml'
     path.write_text(f'stations: [{{name: {name}, places: [3]}}]')
@@ -346,7 +346,7 @@ def test_each_part_may_be_missing_or_empty(tmp_path, text):
 
 
 @pytest.mark.parametrize('right, wrong, line, told', [
-    # what the issue lists
+    # words that do not exist, missing fields, and a name that occurs twice
     ('type: engage', 'type: engaeg', 13, "no step type 'engaeg'; did you mean engage?"),
     ('at: $from', 'at: pres', 13, "no station and no vertex is named 'pres'"),
     ('at: 4', 'at: 99', 16, 'the graph has no vertex 99'),

@@ -1,4 +1,4 @@
-"""Work at stops is safe in every order of events, can always end, and needs each of its guards.
+"""Work at stops is safe in every sequence of events, can always end, and needs each of its guards.
 
 By default the searches visit the nearest states; see `proofs`.
 """
@@ -122,7 +122,7 @@ BOUNDS_OF = {
     'a step that may still be begun is not answered': 'a step',
     'the load is unknown while it moves': 'a load',
 }
-"""By guard, the bounds within which it is found if it is left out."""
+"""For each guard, the bounds of the search that finds a flaw if the guard is left out."""
 SEARCHES = {
     **BOUNDS,
     'a restart of the driver': Bounds((Stop(10, steps=(TAKE,)),), cancel=0, timeout=0),
@@ -134,7 +134,8 @@ SEARCHES = {
 @pytest.mark.parametrize('name', GUARDS)
 def test_a_guard_that_is_left_out_is_found(name, monkeypatch):
     monkeypatch.setattr(*GUARDS[name])
-    found = search(SEARCHES[BOUNDS_OF[name]], live=True)  # all: a dead end shows at the end
+    # all states, because only a whole search can find a dead end
+    found = search(SEARCHES[BOUNDS_OF[name]], live=True)
     assert found.flaw, f'nothing goes wrong in {found.states} states without: {name}'
     assert found.way, 'the search tells no way to the flaw'
 

@@ -1,13 +1,13 @@
-"""A mission with steps in a small world: every order of events, with the real rules and the real
+"""A mission with steps in a small world: every sequence of events, with the real rules and the real
 memory of the robot.
 
-The world keeps what nobody in it knows: which step is being carried out, how often each was carried
-out, and what the robot carries. Messages may be late, lost, repeated and reordered: a message that
-was sent may arrive at any later time, any number of times. The manager may be ended between any two
-events; it then continues from what it has stored. The robot's driver may be restarted: it forgets
-its steps, and a step that it was carrying out has happened or has not.
+The state of the world also has facts that no program knows: the step that is being carried out, how
+often each step was carried out, and the load of the robot. Messages may be late, lost, repeated and
+reordered: a message may arrive at any time after it was sent, any number of times. The manager may
+be ended between any two events; it then continues from its stored data. The robot's driver may be
+restarted: it forgets its steps, and a step that it was carrying out has happened or has not.
 
-Persons look before they answer, so their answers are true.
+People look before they answer, so their answers are true.
 """
 from __future__ import annotations
 
@@ -43,7 +43,9 @@ FINAL = {WorkPhase.SUCCEEDED, WorkPhase.FAILED, WorkPhase.CANCELLED}
 
 
 class Body(NamedTuple):
-    """What really happens to one step: the key that is being carried out, and how often it was."""
+    """The true progress of one step: the key under which it is being carried out (0: it is not),
+    and how often it was carried out.
+    """
 
     key: int = 0
     is_broken_off: bool = False
@@ -51,10 +53,10 @@ class Body(NamedTuple):
 
 
 class State(NamedTuple):
-    """The whole world. `memory` is the manager's, `disk` what it has stored.
+    """The whole world. `memory` is that of the manager, `disk` has the data that it has stored.
 
     orders -- number of orders of steps
-    bodies -- by the type of a step, which only one step has
+    bodies -- by the type of the step; each type has only one step
     place  -- vertex at which the robot stands
     """
 
@@ -87,11 +89,11 @@ LIMITS = ('manager', 'driver', 'timeout', 'cancel', 'moved', 'fail', 'changed')
 
 @dataclass(frozen=True)
 class Bounds:
-    """How often the manager and the driver restart, a time is over, a person cancels, moves the
-    robot, or gives the mission other stops.
+    """How often each kind of event may happen: the manager or the driver restarts, a timeout
+    passes, a person cancels, moves the robot, or gives the mission other stops (`changed`).
 
     fail   -- how often the mission becomes impossible
-    others -- those other stops
+    others -- the other stops that a person gives
     orders -- how many orders of steps there may be
     last   -- the highest key that the robot has taken for other missions
     """
@@ -131,7 +133,7 @@ class Flaw(Exception):
 
 @dataclass
 class Found:
-    """What a search has found: the number of states, and the way to a flaw."""
+    """The result of a search: the number of states, the flaw, and the events that lead to it."""
 
     states: int
     flaw: str = ''
@@ -145,10 +147,10 @@ Answer = TypeVar('Answer')
 
 
 class Once:
-    """Answers of the rules, each computed once: the same question comes in very many states.
+    """Results of the rules, each computed once, because very many states need the same result.
 
-    What is asked about are parts of states, which `States` keeps as one object each. So a question
-    is known by the identity of its parts. If one is not found, it is only answered once more.
+    The arguments are parts of states. `States` keeps equal parts as one object, so that a result is
+    found by the identity of its arguments. If it is not found, it is computed once more.
     """
 
     def __init__(self) -> None:
@@ -157,18 +159,18 @@ class Once:
     def __call__(self, rule: Callable[..., Answer], *asked: object) -> Answer:
         key = (rule, *map(id, asked))
         known = self._answers.get(key)
-        if known is None:  # keeps what was asked about: another object may not get its identity
+        if known is None:  # the table keeps the arguments, so that no other object gets their id
             known = self._answers[key] = rule(*asked), asked
         answer: Answer = known[0]
         return answer
 
 
 class States:
-    """The states that were visited, each once, with the event by which it came.
+    """The states that were visited, each once, with the event that led to it.
 
     Equal parts of states are one object, so that states are compared by the identity of their
-    parts. Most parts of a state come from the state before it: their identity tells that they are
-    known, without a hash of all their contents.
+    parts. Nearly all parts of a state come from the state before it. They are found by their
+    identity, without a hash of their contents.
     """
 
     def __init__(self) -> None:
@@ -204,8 +206,8 @@ class States:
 
 
 def search(bounds: Bounds, live: bool = False, most: Optional[int] = None) -> Found:
-    """Visits all states, or the `most` nearest ones. With `live`, it also checks that the mission
-    can end from each, if it has visited all.
+    """Visits all states, or only the nearest ones, at most `most`. With `live`, a search of all
+    states also checks that the mission can end from each state.
     """
     gc.disable()
     try:
@@ -295,7 +297,7 @@ def _manager(state: State, bounds: Bounds, once: Once) -> Iterator[Tuple[str, St
     if place is not None and state.orders < bounds.orders and (
             state.known is not None or memory.work.step(place).actor is not Actor.ROBOT):
         run, last = (0, 0) if state.known is None else (state.known.run, state.known.last)
-        key = once(rules.next_key, memory.work, last, 0)  # its clock does not go on
+        key = once(rules.next_key, memory.work, last, 0)  # the manager's clock stands at 0
         yield (f'the manager begins {memory.work.step(place).type} under key {key}',
                state._replace(memory=once(rules.begin, memory, place, key, run, 0),
                               orders=state.orders + 1))
@@ -355,7 +357,7 @@ def _robot(state: State, bounds: Bounds, once: Once) -> Iterator[Tuple[str, Stat
 
 
 def _begun(state: State, command: StepCommand, bounds: Bounds) -> State:
-    """The robot begins to carry out a step."""
+    """The state after the robot begins to carry out a step. Raises Flaw if it must not begin."""
     work, name = state.disk.work, command.type
     place = next((place for place, step, _ in work.steps if step.type == name), None)
     if place is None:
@@ -381,7 +383,7 @@ def _begun(state: State, command: StepCommand, bounds: Bounds) -> State:
 
 
 def _over(state: State, step: str, happened: bool, bounds: Bounds) -> State:
-    """A step is not carried out any more; it has happened, or it has not."""
+    """The state after a step has stopped; `happened`: it was carried out."""
     effect = {LoadEffect.NONE: 0, LoadEffect.TAKES: 1, LoadEffect.GIVES: -1}[
         bounds.steps[step].load]
     after = state.with_body(step, Body(0, False, state.body(step).times + happened))
@@ -389,7 +391,7 @@ def _over(state: State, step: str, happened: bool, bounds: Bounds) -> State:
 
 
 def _told(state: State, once: Once) -> State:
-    """The robot reports what has changed. Every report may arrive at any time."""
+    """The state after the robot reports its changes. Every report may arrive at any time."""
     last = state.told[-1]
     if (state.actor.run, state.actor.last, state.actor.steps) == (last.run, last.last, last.steps):
         return state
@@ -410,7 +412,7 @@ def _people(state: State, once: Once) -> Iterator[Tuple[str, State]]:
         true = {StepDecision.DONE: bool(body.times) and not body.key,
                 StepDecision.SKIP: not body.times and not body.key,
                 StepDecision.FAIL: not body.times and not body.key,
-                StepDecision.RETRY: not body.times}  # who says so need not see that it still runs
+                StepDecision.RETRY: not body.times}  # a person may overlook that it still runs
         for said, is_true in true.items():
             if is_true or step.actor is not Actor.ROBOT:
                 after, problem = once(rules.answer, memory, said)
@@ -482,7 +484,7 @@ def check(before: State, after: State, name: str, bounds: Bounds, once: Once) ->
 
 
 def _check_final(before: State, after: State, once: Once) -> None:
-    """(j) What has ended and is stored does not change any more."""
+    """Raises Flaw for (j): a step or mission that has ended, and is stored so, must not change."""
     if before.disk is after.disk and not after.running:
         return
     was, phase = once(rules.phase_of, before.disk), once(rules.phase_of, after.disk)

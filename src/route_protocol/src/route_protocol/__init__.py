@@ -1,7 +1,7 @@
 """Numbered orders and reports between a master and a vehicle: both ends, without ROS.
 
-`values` has what is sent, `messages` how it is written on the wire, `vehicle` and `master` the two
-ends. `intake` says which order waits at a vehicle, and `old_masters` has the rules for masters that
-do not number their orders. `steps` and `devices` are the same for the work of robots besides
-driving, and for doors and lights; each has its own module of messages.
+`values` has the data that is sent, and `messages` its form on the wire. `vehicle` and `master` are
+the two ends. `intake` decides which order waits at a vehicle, and `old_masters` has the rules for
+masters that do not number their orders. `steps` has the protocol for the work of robots besides
+driving, and `devices` that for doors and lights; each of the two has its own module of messages.
 """

@@ -1,6 +1,6 @@
 """Converts requests and reports of devices to and from messages of `itrci_nav_msgs`.
 
-This is the only place that knows the names of their fields. The module does not import ROS.
+Only this module uses the names of their fields. It does not import ROS.
 """
 from __future__ import annotations
 
@@ -80,7 +80,7 @@ def _requested(number: int) -> DeviceMode:
 
 
 def _name(field: str, text: str) -> str:
-    """Returns a name. It is compared and shown, so it must be one that can be read."""
+    """Returns a name. It must be readable, because it is compared and shown."""
     if not text.strip() or not text.isprintable() or len(text) > LONGEST_NAME:
         raise WrongDeviceMessage(f'its {field} is empty, has more than {LONGEST_NAME} letters, or '
                                  'letters that cannot be printed')

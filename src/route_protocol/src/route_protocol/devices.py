@@ -1,14 +1,14 @@
 """Devices: doors, lights and others, as requesters ask for them and `fleet_devices` shows them.
 
-A requester holds a device open by a request, and gives it back by another one. Its requests have
-*numbers*, which grow, over its restarts, too. A request is taken once: one whose number is not
-above the last of this requester is a repetition. So a requester repeats its newest request until a
-report shows its number, also one that gives back.
+A requester holds a device open with one request, and gives it back with another. Its requests have
+*numbers*, which only grow, even after a restart. Each request is taken once: if its number is not
+above the last number of this requester, it is a repetition. So a requester repeats its newest
+request until a report shows its number, even a request that gives the device back.
 
 A report that says OPEN shows only requests that were taken before the device was read. So a
 requester that finds its newest number in such a report knows that the device was read open after
-it had asked. Reports have the number of a run and a count: an old report is never taken for a new
-one, however late it comes.
+it had asked. Reports have the number of a run and a count, so that an old report is never taken for
+a new one, however late it comes.
 """
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from enum import IntEnum
 from typing import Optional, Tuple
 
 UNKNOWN_REQUESTER = 'unknown'
-"""Shown as a requester if the memory is lost: a robot that is not known may be in the device."""
+"""Stands for a requester after the memory is lost: an unknown robot may be in the device."""
 
 
 class DeviceMode(IntEnum):
@@ -35,12 +35,12 @@ class DeviceFault(IntEnum):
 
     NONE = 0
     NOT_READ = 1   # it does not answer
-    TIMED_OUT = 2  # it does not show what is wanted within its timeout
+    TIMED_OUT = 2  # it has not shown the requested mode within its timeout
 
 
 @dataclass(frozen=True)
 class DeviceRequest:
-    """What a requester wants of a device: OPEN, or CLOSED to give it back."""
+    """The mode that a requester wants: OPEN, or CLOSED to give the device back."""
 
     requester: str
     device: str
@@ -50,7 +50,7 @@ class DeviceRequest:
 
 @dataclass(frozen=True)
 class DeviceUse:
-    """What a device obeys of one requester. `since`: when it was taken (s)."""
+    """The request of one requester that a device obeys. `since`: when it was taken (s)."""
 
     requester: str
     mode: DeviceMode
@@ -70,7 +70,7 @@ class DeviceReport:
     since   -- when the mode began
     read_at -- when the device was read; None: never
     reason  -- the fault, for people
-    run     -- of fleet_devices; a later one is higher
+    run     -- number of the run of fleet_devices; a later run has a higher number
     count   -- grows with each report of a run
     """
 
@@ -93,7 +93,7 @@ class DeviceReport:
         return replace(self, since=since, read_at=read_at)
 
     def use_of(self, requester: str) -> Optional[DeviceUse]:
-        """Returns what the device obeys of a requester; None: nothing."""
+        """Returns the request of a requester that the device obeys; None: there is none."""
         return next((use for use in self.obeyed if use.requester == requester), None)
 
     def shows(self, request: DeviceRequest) -> bool:

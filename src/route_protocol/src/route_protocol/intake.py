@@ -1,26 +1,27 @@
 """The orders that reach a vehicle: which one waits, when it is answered, and what masters are told.
 
-`vehicle` judges orders with a number, `old_masters` those without one. A route that the vehicle
-might drive waits here until the vehicle can tell whether it does. One route waits at most.
+`vehicle` judges orders with a number, and `old_masters` judges orders without one. A route that the
+vehicle might drive waits here until the vehicle can decide. At most one route waits.
 
     | event                      | the route that waits             | answer                       |
     |----------------------------|----------------------------------|------------------------------|
     | route that can be answered |                                  | taken or refused at once     |
-    | any other route            | none                             | waits                        |
-    | the same, numbered         | of the same master, lower number | waits; its number answers    |
-    |                            |                                  | the other one                |
-    | the same, without a number | also without; another route that | waits; the other one is      |
+    | route that must wait       | none                             | waits                        |
+    | such a route, numbered     | of the same master, lower number | waits; its answer counts for |
+    |                            |                                  | the other route, too         |
+    | such a route, not numbered | not numbered, another route that | waits; the other route is    |
     |                            | was not sent later               | forgotten                    |
-    | the same, of another master|                                  | waits; the other is refused  |
-    | the same                   | any other                        | ignored: it waits already    |
-    | stop                       | numbered                         | judged again                 |
-    | stop                       | without a number                 | forgotten                    |
-    | new epoch                  |                                  | refused                      |
-    | the vehicle can tell       |                                  | taken or refused             |
-    | `patience` is over         |                                  | refused                      |
+    | such a route               | of another master                | waits; the other is refused  |
+    | such a route               | any other                        | ignored: the other one waits |
+    | stop                       | numbered                         | that route is judged again   |
+    | stop                       | not numbered                     | that route is forgotten      |
+    | new epoch                  | any                              | that route is refused        |
+    | the vehicle can decide     | any                              | that route is taken, or it   |
+    |                            |                                  | is refused                   |
+    | `patience` is over         | any                              | that route is refused        |
 
-So the later of two masters gets the vehicle, as if both orders had been answered when they came,
-and the other one reads that.
+So the later of two masters gets the vehicle, as if both orders had been answered when they came.
+The other master is told that its route is refused.
 """
 from __future__ import annotations
 
@@ -47,7 +48,7 @@ DISPLACED = Reason(ReasonCode.OVERRULED, 'another master ordered a route while t
 
 
 class NotYet(Exception):
-    """The vehicle cannot tell yet whether it drives the route; `reason` says why."""
+    """The vehicle cannot decide yet whether it drives the route; `reason` says why."""
 
     def __init__(self, reason: Reason) -> None:
         super().__init__(reason.text)
@@ -58,11 +59,11 @@ class NotYet(Exception):
 class DueOrder:
     """A route that can be driven now, as far as the protocol knows.
 
-    given  -- as it arrived
-    order  -- the same with a number
+    given  -- the order as it arrived
+    order  -- the same order with a number
     done   -- number, in the route record, of the first edge of `rest`
     rest   -- the edges that the vehicle would still drive
-    goes_on -- they go on with the route that runs or is complete
+    goes_on -- `rest` goes on with the route that runs or is complete
     """
 
     given: RouteOrder
@@ -80,12 +81,12 @@ class WaitingRoute(NamedTuple):
 
 
 class Intake:
-    """Receives the orders for a vehicle; see the head of the module.
+    """Receives the orders for a vehicle; see the docstring of the module.
 
     take_up -- checks a due order against all that only the vehicle knows, and takes it
                (`take_order`); raises RouteRefused or NotYet
     tell    -- called with each refusal
-    patience -- s that a route may wait; the protocol limits it
+    patience -- s that a route may wait, at most ANSWERED_WITHIN
     """
 
     def __init__(self, vehicle: Vehicle, take_up: Callable[[DueOrder], None],
@@ -97,7 +98,7 @@ class Intake:
         self._patience = min(patience, ANSWERED_WITHIN)
 
     def arrived(self, order: RouteOrder, now: float) -> Judgement:
-        """Obeys, refuses or ignores an order, or lets it wait; returns what the protocol says."""
+        """Obeys, refuses or ignores an order, or lets it wait. Returns the protocol's judgement."""
         judgement = self.old_masters.answer(order, self.vehicle, now)
         if judgement.answer is Answer.STOP:
             self._stop(order, now)
@@ -108,7 +109,7 @@ class Intake:
         return judgement
 
     def answer(self, now: float) -> None:
-        """Takes or refuses the route that waits, if that can be told now."""
+        """Takes or refuses the route that waits, if the vehicle can decide or patience is over."""
         route = self.waiting
         if route is not None:
             why = self._why_not_yet(route)
@@ -119,7 +120,7 @@ class Intake:
             self.waiting = None
 
     def _why_not_yet(self, route: WaitingRoute) -> Reason:
-        """Takes, refuses or ignores a route; or returns why that cannot be told yet."""
+        """Takes, refuses or ignores a route, or returns why the vehicle cannot decide yet."""
         order, arrived = route
         judgement = self.old_masters.answer(order, self.vehicle, arrived)
         if judgement.answer is Answer.REFUSED:
@@ -158,7 +159,7 @@ class Intake:
             self.waiting = None
 
     def _passed(self, order: RouteOrder, before: int, now: float) -> None:
-        """Notes that an order was taken. `before`: the epoch before that."""
+        """Notes that an order was taken. `before`: the epoch before it was taken."""
         self.old_masters.passed(order)
         if order.order and self.vehicle.state.epoch != before:
             self.old_masters.epoch_began(now)
@@ -189,8 +190,9 @@ def messages_of(refusal: RouteRefusal, state: VehicleState, report: Callable[[],
                 ) -> List[Union[RouteRefusal, RouteReport]]:
     """Returns what a vehicle sends about a refusal.
 
-    A master without numbers reads a refusal in a report of its route as failed. It gets one unless
-    the reports show a route with that id, which goes on. A numbering master must not read it.
+    A master that does not number its orders reads a refusal in a report that shows its route as
+    failed. This report is not sent if the reports show a route with the same id, because that route
+    goes on, nor if they go to a numbering master.
     """
     shows_route = bool(state.edges) and state.route_id == refusal.route_id
     if refusal.order or shows_route or state.master not in (None, OLD_MASTER):
@@ -203,7 +205,7 @@ def _master(order: RouteOrder) -> str:
 
 
 def _is_newer(order: RouteOrder, waiting: RouteOrder) -> bool:
-    """Returns whether it counts instead of the one of the same master that waits."""
+    """Returns whether an order replaces the order of the same master that waits."""
     if order.order:
         return order.order > waiting.order
     return not (order.is_repeat_of(waiting) or is_late(order, waiting))

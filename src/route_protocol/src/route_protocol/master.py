@@ -3,14 +3,16 @@
 State
     epoch, report  -- of the newest report
     number         -- of the last order that was given
-    order, refused -- what the newest report says of this master's orders, in this epoch
+    order, refused -- the last order of this master that was taken, and the highest one that was
+                      refused, in this epoch, by the newest report
     done           -- number, in the route record, of the edge under way or of the next one
     open           -- the orders that the vehicle follows, or may follow later
-    behind         -- edges that it has driven by them, and that it has not certainly left
+    behind         -- edges that it has driven by these orders, and has not certainly left
     held           -- edges that it may still be on until it stands
-    is_anywhere    -- another one moves it; only its location says where it is
+    is_anywhere    -- another giver moves it; only its location says where it is
     commands       -- the vehicle counts this master's orders
-    unknown        -- by an older journal; it may be anywhere until it stands after order `unknown`
+    unknown        -- number of an order, if the journal is an older one: the vehicle may be
+                      anywhere until it stands after that order; 0: the journal is not older
     gap            -- numbers between these are in no journal that this run has read
 
 What a report does (`hear`)
@@ -21,19 +23,20 @@ What a report does (`hear`)
     | shows order n                             | orders below n are not open any more             |
     | shows that n was refused                  | orders up to n, above `order`, are not open      |
     | shows that the route of order n is lost   | order n is not open                              |
-    | has a new epoch                           | no route is open; stops are                      |
+    | has a new epoch                           | no route is open any more; stops stay open       |
     | STANDING                                  | nothing is behind or held                        |
     | on the route of an open order, same epoch | nothing is held                                  |
     | anything else                             | edges of orders that are not open any more, and  |
     |                                           | in a new epoch all edges, are held               |
-    | moved, or on the route of another master  | it is anywhere, until one of the two lines above |
+    | moved, or on the route of another master  | it is anywhere, until it is STANDING or on the   |
+    |                                           | route of an open order                           |
     | shows a number in the gap                 | it is unknown, until it is STANDING after a stop |
     |                                           | that is given from now on                        |
     | shows a number above `number`             | all numbers up to SKIPPED above it are in the gap|
 
 Invariants
-    - Where the vehicle is, or may come by orders of this master, is on an edge of `may_be_on`, or
-      at the place that the newest report tells, or the vehicle is anywhere or unknown.
+    - The vehicle is on an edge of `may_be_on` or at the place in the newest report, and orders of
+      this master bring it to no other edge; or it is anywhere or unknown.
     - A route is given only if nothing is held, the vehicle is neither anywhere nor unknown, and it
       counts this master's orders. A stop may be given at any time.
 
@@ -62,13 +65,13 @@ from route_protocol.values import (
 
 REPEAT = 1.0  # s after which an order that no report shows is sent again
 SKIPPED = 2 ** 40
-"""How many numbers a master skips that finds an unknown one: 35 years in ms.
+"""How many order numbers a master skips when it finds an unknown one: 35 years in ms.
 
-If the journal is lost, and the clock was set back, orders with larger numbers than the vehicle
-shows may be on their way. They were drawn from a clock later, but not that much later.
+If the journal is lost and the clock was set back, orders may be on their way whose numbers are
+larger than any that the vehicle shows. A later clock gave these numbers, but not 35 years later.
 """
 _LARGEST_LABEL = 2 ** 31 - 1
-# After this number of an edge, a route of the largest size has no numbers any more.
+# Behind an edge with a larger number, a route of MAXIMUM_EDGES would run out of numbers.
 _LAST_EDGE = LARGEST_RECORD_NUMBER - MAXIMUM_EDGES
 
 SAID_NONE = Reason(ReasonCode.OTHER, 'it gave no reason')
@@ -96,7 +99,7 @@ class Order(NamedTuple):
 
     @property
     def end(self) -> int:
-        """Record number behind the last edge."""
+        """Record number after that of the last edge."""
         return self.first + len(self.edges)
 
     def steps(self, begin: int) -> Tuple[Step, ...]:
@@ -116,9 +119,10 @@ class Order(NamedTuple):
 
 @dataclass(frozen=True)
 class MasterState:
-    """All that a master knows of one vehicle; the head of the module says what it means.
+    """The state of the master's end for one vehicle; the docstring of the module explains it.
 
-    What follows from it is computed once, because masters ask for it many times for each report.
+    The values that follow from it are computed once, because masters read them many times for each
+    report.
     """
 
     epoch: int = 0
@@ -136,9 +140,9 @@ class MasterState:
     gap: Tuple[int, int] = (0, 0)
 
     def after(self, report: int) -> MasterState:
-        """Returns the same state after a report that changes nothing else.
+        """Returns the same state after a report that changes nothing but its number.
 
-        So what follows from it is not computed anew for each report.
+        The values that follow from the state are kept, and not computed anew for each report.
         """
         found = object.__new__(MasterState)
         vars(found).update(vars(self), report=report)
@@ -160,13 +164,13 @@ class MasterState:
 
     @cached_property
     def ahead(self) -> Tuple[int, ...]:
-        """The edges of that route from the one under way on."""
+        """The edges of the route `farthest`, from the one under way on."""
         route = self.farthest
         return () if route is None else tuple(step.edge for step in route.steps(self.done))
 
     @cached_property
     def shown(self) -> int:
-        """How many of these edges are on the route that the vehicle follows, as a report shows."""
+        """How many edges of `ahead` are on the route that the vehicle follows by its report."""
         followed = next((order for order in self.open if order.number == self.order), None)
         known = () if followed is None else followed.steps(self.done)
         return sum(1 for _ in takewhile(lambda pair: pair[0] == pair[1].edge,
@@ -174,7 +178,7 @@ class MasterState:
 
     @cached_property
     def end(self) -> int:
-        """Record number behind that route."""
+        """Record number after that of the last edge of `ahead`."""
         return self.done + len(self.ahead)
 
     @cached_property
@@ -209,14 +213,14 @@ class MasterState:
 class News:
     """What a report has changed.
 
-    is_new   -- it is newer than all before
-    cause    -- why the epoch is a new one; None: it is not
+    is_new   -- the report is newer than all before
+    cause    -- why a new epoch began; None: the epoch is not new
     passed   -- edges that were driven since the report before, in order
     took     -- an order is shown that was not shown before
-    failed   -- why the route is lost; no reason: it is not, or that was known
-    refused  -- why open orders were refused; no reason: none were
-    was_shorter -- the newest of these stopped the vehicle or shortened its route
-    stands   -- the vehicle stands, and tells where
+    failed   -- why the route is lost; no reason: it is not lost, or its loss was known
+    refused  -- why open orders were refused; no reason: none was refused
+    was_shorter -- the newest refused order stopped the vehicle or shortened its route
+    stands   -- the vehicle stands, and the report has its place
     is_older -- the journal is an older one: the report shows an order that is not in it
     is_repeat -- nothing but the number of the report changes
     """
@@ -270,7 +274,7 @@ def hear(state: MasterState, said: RouteReport, me: str, clock: int,
 
     me         -- name of this master
     clock      -- ms since 1970
-    is_located -- the report tells where the vehicle is; otherwise STANDING does not count
+    is_located -- the report has the vehicle's place; False: then STANDING does not count
     """
     if said.number <= state.report:
         return state, OLD_NEWS
@@ -303,7 +307,7 @@ def _may_be_anywhere(state: MasterState, said: RouteReport, read: _Reading, stan
 
 
 def _with_unknown_numbers(state: MasterState, said: RouteReport, me: str) -> MasterState:
-    """Returns the state, in which numbers that this master never drew are in the gap."""
+    """Returns the state with a new gap if a report shows a number that this master never drew."""
     newest = max(said.order, said.refused)
     if said.master != me or newest <= state.number or _is_in_gap(state, said):
         return state
@@ -331,9 +335,7 @@ def _is_moved_otherwise(said: RouteReport, is_mine: bool) -> bool:
 
 
 def _passed(state: MasterState, said: RouteReport, read: _Reading) -> Tuple[Step, ...]:
-    """Returns the edges of the order that the vehicle follows
-    which it has passed since the last report.
-    """
+    """Returns the edges of its present order that the vehicle has passed since the last report."""
     if read.shown is None or not read.order or read.is_new or said.done <= state.done:
         return ()
     return tuple(step for step in read.shown.steps(state.done) if step.number < said.done)
@@ -365,9 +367,9 @@ def _news(state: MasterState, said: RouteReport, read: _Reading, passed: Tuple[S
 
 
 def _is_in_gap(state: MasterState, said: RouteReport) -> bool:
-    """Returns whether a number that the journal lacks is the newest that counts.
+    """Returns whether the newest order that counts has a number that the journal lacks.
 
-    If a newer order was taken, the lost ones can do no more harm.
+    If a newer order was taken, the vehicle obeys none of the orders that the journal lacks.
     """
     low, high = state.gap
     return low < max(said.order, said.refused) and said.order < high and (
@@ -414,7 +416,7 @@ def give_stop(state: MasterState, number: int, route_id: int) -> MasterState:
 def next_number(state: MasterState, clock: int) -> int:
     """Returns the number of the next order: above all that an earlier run may have drawn.
 
-    clock -- ms since 1970: an older journal, or a restored machine, must not draw a number again
+    clock -- ms since 1970, so that no number is drawn twice even with an older journal
     """
     return max(state.number + 1, clock, state.gap[1])
 

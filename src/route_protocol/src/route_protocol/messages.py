@@ -1,8 +1,8 @@
 """Converts orders, reports and refusals to and from messages of `itrci_nav_msgs`.
 
-This is the only place that knows the names of their fields. The module does not import ROS. The
-original definitions of INESC TEC (itrci_nav_msgs) are not public. To support other definitions,
-change this file, and `trajectory_graph.messages` for the graph.
+Only this module uses the names of their fields. It does not import ROS. The original definitions of
+INESC TEC (itrci_nav_msgs) are not public. To support other definitions, change this file, and
+`trajectory_graph.messages` for the graph.
 """
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ _LONGEST_REASON = 500  # characters of a robot's reason that are kept
 _LONGEST_NAME = 256
 _LONGEST_SOFTWARE = 80
 
-_LAST_NUMBER = 2 ** 63  # beyond it, no number of an order or a report makes sense
+_LAST_NUMBER = 2 ** 63  # numbers of orders and reports from here on are refused
 
 _UNKNOWN = VehicleLocation(math.nan, math.nan, math.nan)
 
@@ -136,9 +136,9 @@ def location_of(message: Any) -> Optional[VehicleLocation]:
 
 
 def software_of(message: Any) -> str:
-    """Returns the robot's software in an `itrci_nav_msgs/ExecutionRouteStates`; empty: not told.
+    """Returns the robot's software in an `itrci_nav_msgs/ExecutionRouteStates`; empty: not given.
 
-    It is for people only, so it is no part of a report.
+    It is for people only, so a `RouteReport` does not have it.
     """
     return _printable(message.software, _LONGEST_SOFTWARE)
 

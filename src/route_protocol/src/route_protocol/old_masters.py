@@ -1,7 +1,7 @@
 """Masters that do not number their orders: `rostopic pub`, and managers of the first protocol.
 
-This module alone knows their rules. It gives each of their routes a number, so that `vehicle` sees
-numbered orders only. All of them count as one master, OLD_MASTER.
+Only this module has rules for them. It gives each of their routes a number, so that `vehicle` gets
+only numbered routes. All of these masters count as one, OLD_MASTER.
 
     | order without a number                                     | answer                          |
     |------------------------------------------------------------|---------------------------------|
@@ -12,7 +12,7 @@ numbered orders only. All of them count as one master, OLD_MASTER.
     | names an epoch that is over                                | refused: OVERRULED              |
     | no epoch, and sent before the present epoch began          | refused: TAKEN_OVER             |
     | same route_id as the route in force                        | changes that route              |
-    | any other                                                  | a new route from where it is    |
+    | any other                                                  | begins a new route              |
 """
 from __future__ import annotations
 
@@ -45,13 +45,15 @@ class OldMasters:
 
     def __init__(self, last: Optional[RouteOrder] = None) -> None:
         self.last = last
-        """The last order without a number that passed, with the newest stamp of any that passed."""
+        """The last order without a number that passed; its stamp is the newest of all that passed.
+        """
         self._refused: Optional[Tuple[RouteOrder, Reason]] = None
         self._epoch_began = -math.inf
 
     def passed(self, order: RouteOrder) -> None:
-        """Notes that an order of any master was taken: older ones are late from now on, also if it
-        was late itself.
+        """Notes that an order of any master was taken: older orders are late from now on.
+
+        A late order does not set the stamp back.
         """
         last = self.last or RouteOrder(0, ())
         stamp = last.stamp if not order.stamp or is_late(order, last) else order.stamp
@@ -62,19 +64,19 @@ class OldMasters:
         self._refused = (order, reason)
 
     def epoch_began(self, now: float) -> None:
-        """Notes that the vehicle began a new epoch at `now` (s), for a reason
-        that is not this master's.
+        """Notes that the vehicle began a new epoch at `now` (s), but not by an order of an old
+        master.
         """
         self._epoch_began = now
 
     def answer(self, order: RouteOrder, vehicle: Vehicle, now: float) -> Judgement:
-        """Returns what the protocol says about any order, with a number or without."""
+        """Returns the answer to any order, with a number or without."""
         if order.order or order.is_stop:
             return vehicle.judge(order)
         return self.judge(order, vehicle.state, now)
 
     def judge(self, order: RouteOrder, state: VehicleState, now: float) -> Judgement:
-        """Returns what the rules say about a route without a number that arrives at `now` (s)."""
+        """Returns the answer to a route without a number that arrives at `now` (s)."""
         last = self.last
         if last is not None and is_late(order, last):
             return _ignored(f'it came late, route {last.route_id} was sent after it')
@@ -88,7 +90,7 @@ class OldMasters:
         return Judgement(Answer.ROUTE, done=state.done, rest=order.edges, goes_on=changes)
 
     def _why_not(self, order: RouteOrder, state: VehicleState, now: float) -> Optional[Reason]:
-        """Returns why a new route is refused; None: it is not."""
+        """Returns why a new route is refused; None: it is not refused."""
         if order.stamp and self._refused is not None and order == self._refused[0]:
             return self._refused[1]
         if order.known_epoch:
@@ -106,7 +108,7 @@ class OldMasters:
 
     @staticmethod
     def changes_route(order: RouteOrder, state: VehicleState) -> bool:
-        """Returns whether the order changes the route in force, rather than begins another one."""
+        """Returns whether the order changes the route in force, and does not begin another one."""
         return (order.route_id == state.route_id and bool(state.edges)
                 and state.phase is not Phase.STOPPED and state.master == OLD_MASTER)
 
@@ -120,7 +122,7 @@ class OldMasters:
 
 
 def as_failed_route(report: RouteReport, refusal: RouteRefusal) -> RouteReport:
-    """Returns the report in which a master that does not number its orders reads a refusal."""
+    """Returns the report that shows a refusal to a master that does not number its orders."""
     return replace(report, route_id=refusal.route_id, edges=refusal.edges,
                    states=(EdgeState.FAILED,) * len(refusal.edges), reason=refusal.reason)
 

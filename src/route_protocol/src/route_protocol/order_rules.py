@@ -6,7 +6,7 @@ from typing import Tuple
 from route_protocol.values import EdgeState, Phase, Reason, ReasonCode, RouteOrder
 
 MAXIMUM_EDGES = 1000
-CLOCK_TOLERANCE = 1_000_000_000  # ns by which the sender's clock may be ahead of ours
+CLOCK_TOLERANCE = 1_000_000_000  # ns by which the sender's clock may be ahead of the receiver's
 
 
 class RouteRefused(Exception):
@@ -23,7 +23,7 @@ def wrong_route(error: Exception) -> RouteRefused:
 
 
 def check_order(order: RouteOrder, whose: str) -> None:
-    """Raises RouteRefused for an order that is wrong for each graph and vehicle.
+    """Raises RouteRefused for an order that is wrong for any graph and any vehicle.
 
     whose -- name of the vehicle in the message
     """

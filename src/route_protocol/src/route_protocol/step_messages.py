@@ -1,6 +1,6 @@
 """Converts commands for steps, and reports of steps, to and from messages of `itrci_nav_msgs`.
 
-This is the only place that knows the names of their fields. The module does not import ROS.
+Only this module uses the names of their fields. It does not import ROS.
 """
 from __future__ import annotations
 

@@ -2,14 +2,15 @@
 
 A device that hands over to robots carries out steps in the same way: it is then the "robot" below.
 
-A master orders a step by a command with a *key*. Keys grow, over restarts of the master, too. The
-robot takes a key once: a command whose key is not above the last one is a repetition. So a master
-repeats a command until the robot shows its key, and the step is carried out once at most. It sends
-the command with the next key only when the robot shows the one before.
+A master orders a step by a command with a *key*. Keys only grow, even after a restart of the
+master. The robot takes each key once: if the key of a command is not above the last one, the
+command is a repetition. So a master repeats a command until the robot shows its key, and the step
+is carried out at most once. It sends the command with the next key only when the robot shows the
+key before.
 
-The robot draws a *run* when it starts, and shows it. A command that begins a step names the run
-that the master knows. A robot that has started since then does not obey it: it does not know
-whether it has carried out this step already.
+The robot draws a number, its *run*, when it starts, and shows it. A command names the run that the
+master knows. A robot that has started again since then does not obey the command, because it does
+not know whether it has carried out this step already.
 
     | command                            | the robot                                    |
     |------------------------------------|----------------------------------------------|
@@ -17,7 +18,7 @@ whether it has carried out this step already.
     | DO, key above the last             | begins the step, and shows it RUNNING        |
     | DO, any other key                  | ignores it: it has taken the key before      |
     | CANCEL, REVOKE, key above the last | shows it CANCELLED, and never begins it      |
-    | CANCEL of a step that is RUNNING   | ends it if it can, else goes on with it      |
+    | CANCEL of a step that is RUNNING   | ends it if it can, or goes on with it        |
     | any other CANCEL or REVOKE         | ignores it                                   |
 """
 from __future__ import annotations
@@ -32,7 +33,7 @@ MOST_KEY = 2 ** 53 - 1  # the highest key: every reader of messages and of JSON 
 
 
 class StepAct(IntEnum):
-    """What a command tells a robot, as in itrci_nav_msgs/StepCommand."""
+    """What a robot must do with a step, as in itrci_nav_msgs/StepCommand."""
 
     DO = 0
     CANCEL = 1   # end it, or never begin it
@@ -40,7 +41,7 @@ class StepAct(IntEnum):
 
 
 class Word(IntEnum):
-    """What a robot says of a step, as in itrci_nav_msgs/StepState.
+    """The state of a step as its robot shows it, as in itrci_nav_msgs/StepState.
 
     FAILED and CANCELLED also mean that no load was taken or given.
     """
@@ -99,9 +100,9 @@ class ShownStep:
 class StepReport(NamedTuple):
     """What a robot shows of all its steps.
 
-    run    -- drawn at its start; a later one is higher
+    run    -- number that the robot drew when it started; a later run has a higher number
     number -- grows with each report of a run
-    last   -- the highest key that it has taken in this run; 0: none
+    last   -- the highest key that the robot has taken in this run; 0: none
     """
 
     run: int
@@ -128,7 +129,7 @@ class Reaction(Enum):
 
 @dataclass(frozen=True)
 class ActorState:
-    """A robot's memory of its steps: the right-hand column of the table."""
+    """A robot's memory of its steps; its methods do what the table of this module says."""
 
     run: int
     last: int = 0
@@ -165,6 +166,6 @@ class ActorState:
 
 
 def _kept(steps: Tuple[ShownStep, ...]) -> Tuple[ShownStep, ...]:
-    """Returns all running steps, and the last ones that have ended."""
+    """Returns all running steps, and the last KEPT steps that have ended."""
     ended = [step for step in steps if step.word.is_final][-KEPT:]
     return tuple(step for step in steps if not step.word.is_final or step in ended)

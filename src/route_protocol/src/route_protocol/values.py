@@ -1,7 +1,7 @@
 """The values of the route protocol: a vehicle receives orders, and sends reports and refusals.
 
-`route_protocol` says what they mean together, docs/reference/route_protocol.md how they are sent.
-Stamps are in nanoseconds of the ROS clock.
+The docstrings of `vehicle` and `master` explain how they work together, and
+docs/reference/route_protocol.md how they are sent. Stamps are in nanoseconds of the ROS clock.
 """
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ class RouteOrder:
     """An order to drive `edges` (signed ids) in the given sequence; without edges: to stop.
 
     route_id    -- a label of the route for people; masters without numbers tell routes apart by it
-    known_epoch -- epoch of the vehicle in the report on which the order was decided; 0: none
+    known_epoch -- epoch of the vehicle in the report from which the order was decided; 0: none
     order       -- its number, which grows; 0: the master does not number its orders
     first       -- number of `edges[0]` in the vehicle's route record
     master      -- the program that orders
@@ -34,7 +34,7 @@ class RouteOrder:
     received: int = field(default=0, compare=False)
     known_epoch: int = field(default=0, compare=False)
     comes_again: bool = field(default=False, compare=False)
-    """Whether it was the first message of a new connection to an earlier, latching publisher."""
+    """Whether it was the first message of a new connection to a known latching publisher."""
     order: int = 0
     first: int = field(default=0, compare=False)
     master: str = ''
@@ -47,7 +47,7 @@ class RouteOrder:
 
     @property
     def end(self) -> int:
-        """Number, in the route record, behind the last edge."""
+        """Number, in the route record, after that of the last edge."""
         return self.first + len(self.edges)
 
     def is_repeat_of(self, other: RouteOrder) -> bool:
@@ -145,7 +145,7 @@ class VehicleLocation:
 
 
 class Motion(IntEnum):
-    """What a vehicle does, as it says itself."""
+    """What a vehicle does, according to its own reports."""
 
     UNKNOWN = 0
     """It does not know, for example because its link is down."""
@@ -156,11 +156,11 @@ class Motion(IntEnum):
     COMING_TO_REST = 3
     """It lost a route of the master that it names, and may still roll on along that route."""
     MOVED = 4
-    """It moves otherwise: another giver or a person moves it."""
+    """Another giver or a person moves it."""
 
 
 class EpochCause(IntEnum):
-    """Why the present epoch of a vehicle began. omron_ld90_msgs/Motion has the first numbers."""
+    """Why the present epoch of a vehicle began. Numbers 1 to 7 are as in omron_ld90_msgs/Motion."""
 
     NONE = 0
     OTHER_GIVER = 1
@@ -182,13 +182,14 @@ class RouteReport:
     location -- the reported position in the map frame; None: unknown
     epoch    -- number of the vehicle's epoch; compare it for equality only; 0: unknown
     cause    -- why that epoch began
-    master   -- whose orders `order` and `refused` count; empty: no numbering master's
+    master   -- the master whose orders `order` and `refused` count; empty: no numbering master
     order    -- number of the last order that was taken in this epoch
     refused  -- highest number of an order that was refused in this epoch
     refusal  -- why that order was refused
     first    -- number of `edges[0]` in the route record
     motion   -- what the vehicle does
-    number   -- of this report; it grows, over restarts too; 0: the vehicle does not number reports
+    number   -- of this report; it only grows, even after a restart; 0: the vehicle does not number
+                its reports
     unready  -- why the vehicle would refuse each route now; NONE: it would not
 
     Each attribute is a field of the message.
@@ -233,7 +234,7 @@ class RouteReport:
 
 @dataclass(frozen=True)
 class RouteRefusal:
-    """The refusal of an order, for people. For the master, the report says it."""
+    """The refusal of an order, for people. The master reads it in a report."""
 
     route_id: int
     edges: Tuple[int, ...]

@@ -1,9 +1,9 @@
 """The vehicle's end of the route protocol: which orders it takes, and what it reports.
 
 State
-    epoch    -- begins anew whenever orders that are on their way must not be obeyed any more
-    master   -- the program that orders; None: none yet. OLD_MASTER stands for all masters that
-                do not number their orders
+    epoch    -- a new one begins whenever orders that are on their way must not be obeyed any more
+    master   -- the program whose orders are counted; None: none yet. OLD_MASTER stands for all
+                masters that do not number their orders
     order    -- number of the last order that was taken in this epoch
     refused  -- highest number of an order that was refused in this epoch
     done     -- number of the edge under way in the route record, or of the next one
@@ -33,18 +33,18 @@ Events and what follows
 An order cannot be counted if it does not name its master, or if its number is the largest that a
 message can carry.
 
-The first order in an epoch says which number the edge has on which the vehicle is. From then on the
-numbers go on by one with each edge, so a route may pass a place twice. A new epoch sets `order` and
-`refused` to 0 and keeps `master`; a start without memory knows no master either.
+The first order in an epoch gives a number to the edge on which the vehicle is. From then on each
+edge has the next number, so a route may pass a place twice. A new epoch sets `order` and `refused`
+to 0 and keeps `master`. After a start without memory, there is no `master`.
 
 Invariants
     - `order`, `refused` and the number of reports only grow within an epoch.
     - A route in force was decided in this epoch, or it began this epoch.
     - A stop of any epoch is taken.
 
-The caller judges what only it can know (does the route begin where the vehicle is, can it brake).
-It stores `state` before the vehicle acts. A vehicle that lost its route and still rolls lets routes
-wait until it stands.
+The caller judges what only the caller can know: whether the route begins where the vehicle is, and
+whether the vehicle can brake. It stores `state` before the vehicle acts. While a vehicle that lost
+its route still rolls, routes wait until it stands.
 """
 from __future__ import annotations
 
@@ -76,7 +76,7 @@ OLD_MASTER = ''
 """Stands for all masters that do not number their orders; `old_masters` numbers them."""
 
 SKIPPED_REPORTS = 60_000
-"""The clock counts reports in ms: those of the last minute before a restart may not be stored."""
+"""How many numbers of reports a restart skips (1 min in ms): the last ones may not be stored."""
 
 
 def draw_epoch() -> int:
@@ -91,9 +91,9 @@ def milliseconds() -> int:
 
 @dataclass(frozen=True)
 class VehicleState:
-    """All that the vehicle's end knows; the head of the module says what it means.
+    """The state of the vehicle's end; the docstring of the module explains it.
 
-    It is one value, so that it is stored as one.
+    It is one value, so that it is stored as a whole.
     """
 
     epoch: int
@@ -157,10 +157,10 @@ _IGNORED, _STOP = Judgement(Answer.IGNORED), Judgement(Answer.STOP)
 
 
 class Vehicle:
-    """The vehicle's end; see the head of the module.
+    """The vehicle's end; see the docstring of the module.
 
     draw  -- returns the number of a new epoch, which was never used before
-    clock -- returns ms since 1970: numbers of reports are at least this
+    clock -- returns ms since 1970; the number of a report is at least that
     state -- from before a restart; None: the vehicle starts without its memory
     """
 
@@ -170,7 +170,7 @@ class Vehicle:
         self.state = state if state is not None else VehicleState(draw())
 
     def resume(self, state: VehicleState) -> None:
-        """Goes on from before a restart. Numbers of reports that were not stored are left out."""
+        """Goes on from before a restart. Skips numbers of reports that may not have been stored."""
         self.state = replace(state, report=_behind(state.report))
 
     def forget(self, state: VehicleState, reason: Reason) -> None:
@@ -185,7 +185,7 @@ class Vehicle:
     # -- orders -----------------------------------------------------------------------------------
 
     def judge(self, order: RouteOrder) -> Judgement:
-        """Returns what the protocol says about an order with a number, or a stop without one."""
+        """Returns the answer to an order with a number, or to a stop without a number."""
         state = self.state
         if _is_past_master(order):
             assert order.is_stop, 'old_masters gives each route a number'
@@ -303,7 +303,7 @@ class Vehicle:
 
 
 def _is_past_master(order: RouteOrder) -> bool:
-    """Returns whether it is a stop that is not, or cannot be, counted."""
+    """Returns whether an order has no number, or is a stop that cannot be counted."""
     return not order.order or order.is_stop and not _can_be_counted(order)
 
 
@@ -312,7 +312,7 @@ def _can_be_counted(order: RouteOrder) -> bool:
 
 
 def _behind(report: int) -> int:
-    """Returns a number above all that were drawn since this one was stored."""
+    """Returns a number above all numbers that may have been drawn since this one was stored."""
     return min(report + SKIPPED_REPORTS, LARGEST_NUMBER)
 
 

@@ -1,4 +1,4 @@
-"""All keys that a fleet file may have, for all programs that read it. Any other key is an error.
+"""All keys of a fleet file that any program reads. Another key in the file is an error.
 
 Without this check a misspelt `play` or `slack` would silently be 0.
 """

@@ -1,4 +1,4 @@
-"""What the strict readers of this package's files share: known keys, known words, names."""
+"""Functions for all strict readers of this package's files: known keys, known words, names."""
 from __future__ import annotations
 
 import difflib

@@ -29,7 +29,8 @@
     - {kind: pickup, steps: [{type: engage, timeout: 60, load: takes}]}
     - {kind: dropoff, at: [press], steps: [{type: disengage, timeout: 60, load: gives}]}
 
-`step_types` lists the types of steps that the actors of the site know; any other one is an error.
+`step_types` lists the types of steps that the actors of the site know. A step of another type is an
+error.
 """
 from __future__ import annotations
 
@@ -203,7 +204,7 @@ def _capacity(whose: str, fields: Dict[str, yaml.Node], places: Sequence[int],
 
 def _chargers(fields: Dict[str, yaml.Node], names: Container[str],
               graph: Graph) -> Dict[str, Charger]:
-    """Returns the chargers; `names`: of the stations and devices."""
+    """Returns the chargers; `names` has the names of the stations and devices."""
     owners: Dict[int, str] = {}
 
     def charger(name: str, node: yaml.Node, fields: Dict[str, yaml.Node]) -> Charger:
@@ -234,8 +235,8 @@ def _check_station_name(name: str, places: Sequence[int], graph: Graph, node: ya
                         '-: it stands where the id of a vertex may stand', node)
     for vertex in graph.vertices.values():
         if vertex.label == name and vertex.id not in places:
-            raise WrongYaml(f'station {name} is called as vertex {vertex.id} is labelled, which is '
-                            'none of its places: give one of them another name', node)
+            raise WrongYaml(f'station {name} has the label of vertex {vertex.id} as its name, but '
+                            'that vertex is none of its places: rename one of them', node)
 
 
 def _vertices(field: Field, graph: Graph) -> Tuple[int, ...]:
@@ -256,7 +257,7 @@ def _edges(field: Field, graph: Graph) -> Tuple[int, ...]:
 
 
 def _distinct(field: Field, read: Callable[[str], int]) -> Tuple[int, ...]:
-    """Returns the numbers of a list. Raises WrongYaml also for one that occurs twice."""
+    """Returns the numbers of a list. Raises WrongYaml also for a number that occurs twice."""
     found: List[int] = []
     for node in strict_yaml.items(field):
         try:
@@ -274,7 +275,7 @@ def _distinct(field: Field, read: Callable[[str], int]) -> Tuple[int, ...]:
 
 def _zone(names: Container[str], graph: Graph, name: str, node: yaml.Node,
           fields: Dict[str, yaml.Node]) -> Zone:
-    """Returns a zone; `names`: of the stations, devices and chargers."""
+    """Returns a zone; `names` has the names of the stations, devices and chargers."""
     known_fields(node, 'a zone', _ZONE)
     if name in names:
         raise WrongYaml(f'a station, device or charger is called {name} already; give the zone '
@@ -422,7 +423,7 @@ def _port_and_unit(fields: Dict[str, yaml.Node]) -> Tuple[int, int]:
 
 
 def _robot_address(node: yaml.Node, fields: Dict[str, yaml.Node]) -> RobotAddress:
-    """Returns the names of a robot, an output and an input; they become part of a command."""
+    """Returns the names of a robot, an output and an input. They become part of a command."""
     strict_yaml.require(fields, ('robot', 'output', 'input'), node)
 
     def name(key: str) -> str:
@@ -615,7 +616,7 @@ def _time_of_day(field: Field) -> int:
 
 
 def _days(field: Field) -> FrozenSet[int]:
-    """Days of the week, from `mon-fri` or `mon, wed, fri`; 0 is Monday."""
+    """Returns the days of the week, from `mon-fri` or `mon, wed, fri`; 0 is Monday."""
     found: Set[int] = set()
     for part in strict_yaml.text(field).split(','):
         ends = [DAYS.index(day) if day in DAYS else None for day in part.strip().split('-')]

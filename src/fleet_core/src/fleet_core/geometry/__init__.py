@@ -1,1 +1,1 @@
-"""The places that two robots may not hold at once, for planner and interlocking alike."""
+"""The places that two robots may not hold at once, for both the planner and the interlocking."""

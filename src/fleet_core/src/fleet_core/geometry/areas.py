@@ -1,4 +1,4 @@
-"""Areas: where a robot may be besides the places of the graph."""
+"""Areas: the parts of the floor where a robot may be, beside the places of the graph."""
 from __future__ import annotations
 
 import math
@@ -36,7 +36,7 @@ def are_nearer(one: Sequence[Point], other: Sequence[Point], distance: float) ->
 
 
 def _segments(line: Sequence[Point]) -> Tuple[np.ndarray, np.ndarray]:
-    """Returns the first and last points (2,N) of a line's segments.
+    """Returns the first points (2,N) and the last points (2,N) of a line's segments.
 
     A single point is one segment.
     """

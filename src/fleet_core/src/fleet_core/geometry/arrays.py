@@ -11,7 +11,7 @@ def count_up(lengths: np.ndarray) -> np.ndarray:
 
 
 def order_of(numbers: np.ndarray) -> np.ndarray:
-    """Indices that sort small counting numbers. Equal numbers keep their order.
+    """Returns the indices that sort small counting numbers. Equal numbers keep their order.
 
     If the numbers fit into 16 bits, numpy sorts them several times as fast.
     """

@@ -1,4 +1,4 @@
-"""The part of a straight line on which a point is nearer than a distance to another line.
+"""The part of a straight line whose points are nearer than a distance to a line segment.
 
 All points nearer than r to a line segment form a *capsule*: a rectangle with a half disc at each
 end. A capsule is convex. So a point on a straight path is in it during one interval, or never.
@@ -50,8 +50,9 @@ def _within_disc(offset: np.ndarray, path: np.ndarray,
 
 def _within_rectangle(offset: np.ndarray, path: np.ndarray, axis: np.ndarray,
                       width: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
-    """Returns the times within `width` on either side of the segment from 0 along `axis`,
-    between its ends.
+    """Returns the times at which offset + t path is in a rectangle.
+
+    The rectangle reaches from 0 along the whole `axis`, and `width` to either side of it.
     """
     length = np.hypot(axis[0], axis[1])
     unit = axis / np.where(length > 0.0, length, 1.0)

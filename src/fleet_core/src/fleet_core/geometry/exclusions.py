@@ -1,8 +1,8 @@
 """Exclusions: the places that two robots may not hold at once, computed once for each graph.
 
 A robot that waits holds a vertex. A robot that drives holds a whole edge, both ends included,
-because it may come to rest anywhere on it. The part behind it is given back piece by piece: each
-pair of places has the *clear fraction* of the drive after which it is out of the other's way.
+because it may come to rest anywhere on it. The part behind the robot becomes free piece by piece:
+each pair of places has a *clear fraction* of the drive, after which the other place is free.
 
 Robots are discs, and their true curves count. So edges exclude each other if they meet, run near
 each other, or cross without a vertex. Vertices exclude edges that pass too near.
@@ -25,13 +25,13 @@ _AT_ONCE = 100000  # number of pairs of pieces examined in one step, to bound th
 
 
 class OutOfTime(Exception):
-    """The given time was over before the conflicts were known."""
+    """The deadline passed before the conflicts were known."""
 
 
 class Approach(NamedTuple):
     """The places that only one robot may use while it docks or leaves a dock."""
 
-    edges: Dict[int, Tuple[float, float]]  # place: the fractions between which it is the approach
+    edges: Dict[int, Tuple[float, float]]  # by place: the part of it in the approach, as fractions
     vertices: FrozenSet[int]               # without the dock, where a docked robot blocks nothing
 
 
@@ -39,8 +39,8 @@ class Conflicts(NamedTuple):
     """For each place the places that exclude it at one distance; rows as in a CSR matrix.
 
     Row p is the slice starts[p]:starts[p + 1] of the other arrays. `forward` and `backward` are the
-    fractions of edge p, driven forward or backward, after which `other` is free again. They are 1
-    also if `other` is not even free at the end. For a vertex p they have no meaning.
+    fractions of edge p, driven forward or backward, after which `other` is free again. If `other`
+    is not free even at the end, they are 1. For a vertex p they have no meaning.
     """
 
     starts: np.ndarray     # (P + 1,)
@@ -54,15 +54,16 @@ class Conflicts(NamedTuple):
         return cast(List[int], self.other[self.starts[place]:self.starts[place + 1]].tolist())
 
     def fractions(self, pairs: Union[slice, np.ndarray]) -> Iterator[Tuple[float, float]]:
-        """Returns the fractions of some pairs, driven forward and backward."""
+        """Returns for some pairs the fractions `forward` and `backward`."""
         return zip(cast(List[float], self.forward[pairs].tolist()),
                    cast(List[float], self.backward[pairs].tolist()))
 
 
 class Conflict(NamedTuple):
-    """One place that excludes a place p: the numbers of a row, and those of the same pair from it.
+    """One place `other` that excludes a place p, as in `Conflicts`.
 
-    As in `Conflicts`; the `other_` fractions are those of edge `other`.
+    forward, backward             -- fractions of edge p after which `other` is free again
+    other_forward, other_backward -- fractions of edge `other` after which p is free again
     """
 
     other: int
@@ -79,7 +80,7 @@ class Exclusions:
     ends       -- (E,2) vertex places at the origin and the destination of each edge
     vertices   -- number of vertices
     approaches -- approaches of the docks
-    alone      -- groups of places on which one robot may be at once
+    alone      -- groups of places; only one robot at a time may be in a group
     """
 
     def __init__(self, pieces: Pieces, ends: np.ndarray, vertices: int,
@@ -99,7 +100,7 @@ class Exclusions:
         """Returns the places that exclude one place for robots whose curves must stay `distance` m
         apart.
 
-        For single places lists are far faster than arrays.
+        It makes lists, because for single places these are far faster than arrays.
         """
         row = self._rows.get((distance, place))
         if row is None:
@@ -119,10 +120,11 @@ class Exclusions:
 
     def near(self, line: Sequence[Tuple[float, float]],
              distance: float) -> Dict[int, Tuple[float, float]]:
-        """Returns places nearer than `distance` (m) to a line through these points (m), or to one
-        point.
+        """Returns the places that are nearer than `distance` (m) to a line through these points
+        (m), or to a single point.
 
-        With each edge goes the part of it that is too near, as fractions in its own direction.
+        For each place it returns the part that is too near: two fractions, in the direction of the
+        edge.
         """
         pieces = self._pieces
         found: Dict[int, Tuple[float, float]] = {}
@@ -142,10 +144,10 @@ class Exclusions:
 
     def kept_free(self, line: Sequence[Tuple[float, float]], distance: float,
                   own: float) -> Dict[int, Tuple[float, float]]:
-        """Returns places `near` a robot on this line, and those of each group of which it has a
-        place.
+        """Returns the places `near` a robot on this line, and all places of each group of `alone`
+        in which the robot is.
 
-        own -- m from the line within which the robot has a place
+        own -- m: the robot is at each place that is nearer to the line than this
         """
         found = self.near(line, distance)
         if self._alone:
@@ -186,7 +188,7 @@ class Exclusions:
         return pairs.conflicts()
 
     def _at_ends(self, pairs: _Pairs) -> Tuple[np.ndarray, ...]:
-        """Makes what excludes a vertex exclude also the edges at it, up to that end.
+        """Returns pairs: a place that excludes a vertex also excludes the edges there, at that end.
 
         Geometry gives the same result except for rounding, but the searches need it exactly.
         """
@@ -205,7 +207,9 @@ class Exclusions:
 
 
 class _Pairs:
-    """A growing set of ordered pairs of places, each with the stretch of the first in conflict."""
+    """A growing set of ordered pairs of places: each with the part of `place`, from the fraction
+    `low` to the fraction `high`, that excludes `other`.
+    """
 
     def __init__(self, places: int) -> None:
         self._places = places
@@ -219,7 +223,7 @@ class _Pairs:
             self._new.append((place, other, low, high))
 
     def merge(self) -> None:
-        """Leaves one sorted entry for each pair, with the stretch that covers all added ones."""
+        """Leaves one sorted entry for each pair, with a part that covers all its added parts."""
         columns = [(self.place, self.other, self.low, self.high), *self._new]
         place, other, low, high = map(np.concatenate, zip(*columns))
         self._new = []
@@ -234,7 +238,7 @@ class _Pairs:
             self.high = np.maximum.reduceat(high, first)
 
     def make_symmetric(self) -> None:
-        """Adds the other of two places fully if rounding made only one conflict with the other."""
+        """Adds each reverse of a pair that rounding left out; it excludes the whole place."""
         key, mirrored = self._keys()
         missing = ~np.isin(mirrored, key)
         if missing.any():
@@ -248,7 +252,7 @@ class _Pairs:
                          np.searchsorted(*self._keys()))
 
     def _keys(self) -> Tuple[np.ndarray, np.ndarray]:
-        """Returns a number for each pair, and that of the same pair seen from the other place."""
+        """Returns a number for each pair, and the number of the reverse of each pair."""
         return (self.place * self._places + self.other,
                 self.other * self._places + self.place)
 
@@ -268,7 +272,7 @@ def _cut(pieces: Pieces, longest: float) -> Pieces:
 
 
 class _Stretches(NamedTuple):
-    """Short runs of pieces on one place; each run is compared as a whole first."""
+    """Short runs of pieces, each on one place. Whole runs are compared before their pieces."""
 
     first: np.ndarray   # (S,) index of the first piece
     pieces: np.ndarray  # (S,) number of pieces
@@ -281,7 +285,7 @@ class _Stretches(NamedTuple):
 
 
 def _stretches(pieces: Pieces, longest: float) -> _Stretches:
-    """Returns all pieces, none longer than `longest` (m), in stretches of about that length."""
+    """Returns all pieces in stretches of about the length `longest` (m). No piece is longer."""
     lengths = _lengths(pieces)
     along = np.cumsum(lengths) - lengths
     new_place = np.concatenate(([True], pieces.place[1:] != pieces.place[:-1]))
@@ -313,7 +317,7 @@ def _lengths(pieces: Pieces) -> np.ndarray:
 
 def _distance(points: np.ndarray, one: np.ndarray, others: np.ndarray,
               other: np.ndarray) -> np.ndarray:
-    """Returns the distances (m) of some `points` (2,N) from some of the `others`."""
+    """Returns distances (m): of `points` (2,N) at the indices `one` from `others` at `other`."""
     here: np.ndarray = points.take(one, axis=1)
     there: np.ndarray = others.take(other, axis=1)
     x, y = here - there
@@ -322,9 +326,10 @@ def _distance(points: np.ndarray, one: np.ndarray, others: np.ndarray,
 
 def _pairs_of_pieces(stretches: _Stretches, one: np.ndarray, other: np.ndarray,
                      distance: float) -> Tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Returns the pairs of pieces, of pairs of stretches, that may be too near.
+    """Returns, for pairs of stretches, the pairs of their pieces that may be too near.
 
-    Returns the number of the pair of stretches, ascending, and the two pieces.
+    It returns three arrays: the number of the pair of stretches (ascending), the piece of the first
+    stretch, the piece of the second one.
     """
     pair = np.repeat(np.arange(len(one)), stretches.pieces[one])
     ours = stretches.first[one][pair] + count_up(stretches.pieces[one])
@@ -344,7 +349,8 @@ def _near(pieces: Pieces, stretches: _Stretches, one: np.ndarray, other: np.ndar
           distance: float) -> Iterator[Tuple[np.ndarray, ...]]:
     """Yields the pairs of stretches that are too near, in both directions.
 
-    Yields the places, and the part of the first one that is too near to the second.
+    For each pair it yields the two places, and the part of the first place (from, to) that is too
+    near to the second one.
     """
     pair, ours, theirs = _pairs_of_pieces(stretches, one, other, distance)
     keep = distance - ROUNDING + pieces.margin[ours] + pieces.margin[theirs]
@@ -370,7 +376,7 @@ def _near(pieces: Pieces, stretches: _Stretches, one: np.ndarray, other: np.ndar
 
 
 def _within_approach(approach: Approach) -> Tuple[np.ndarray, ...]:
-    """Returns the pairs by which each edge of a dock's approach excludes all other places in the
+    """Returns the pairs that make each edge of a dock's approach exclude all other places of the
     approach.
     """
     pairs = [(edge, other, *stretch) for edge, stretch in approach.edges.items()

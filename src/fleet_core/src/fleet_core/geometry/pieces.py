@@ -12,13 +12,13 @@ import numpy as np
 from trajectory_graph import CurveType, Graph
 from trajectory_graph.curves import bezier_arc_lengths, bezier_lengths, bezier_points
 
-# m: the largest distance of a curve from its pieces; the actual distance is accounted for
+# m: the largest distance of a curve from its pieces; `margin` has the actual distance
 TOLERANCE = 5e-3
 _FINE = 64  # number of parts of a spline from which the pieces are chosen; a power of two
 _COARSE = 16  # number of fine parts in one piece if the curve is nearly straight
 # number of splines computed in one step, so that their arrays stay in the processor's cache
 _AT_ONCE = 256
-# bound of a part's distance from its chord, in multiples of the distance of the part's middle
+# upper bound of a part's distance from its chord, as a multiple of the distance at its middle
 _BULGE = 1.5
 
 
@@ -29,7 +29,7 @@ class Pieces(NamedTuple):
     start: np.ndarray   # (2, N) m
     end: np.ndarray     # (2, N) m, equal to the start for a vertex
     begins: np.ndarray  # (N,) 0..1, fraction of the edge's arc length at `start`
-    ends: np.ndarray    # (N,) the same at `end`; in between it grows evenly
+    ends: np.ndarray    # (N,) the same at `end`; in between, the fraction grows evenly
     margin: np.ndarray  # (N,) m: the largest distance of the curve from the piece's point at the
                         # same arc length
 
@@ -93,7 +93,7 @@ def _spline_pieces(places: np.ndarray, control: np.ndarray) -> Pieces:
     t = np.linspace(0.0, 1.0, 2 * _FINE + 1)
     points, arcs = bezier_points(control, t), bezier_arc_lengths(control, t)
     arcs /= arcs[:, -1:]
-    # The distance of a fine part's middle from its chord bounds that of the curve from the part.
+    # The distance of a fine part from its chord, at its middle, bounds the distance everywhere.
     which, begins = np.repeat(np.arange(len(places)), _FINE), np.tile(np.arange(_FINE), len(places))
     bulge = _strayed(points, arcs, which, 2 * begins, 2).reshape(len(places), _FINE).max(axis=1)
     bulge *= _BULGE
@@ -119,8 +119,8 @@ def _spline_pieces(places: np.ndarray, control: np.ndarray) -> Pieces:
 
 def _strayed(points: np.ndarray, arcs: np.ndarray, which: np.ndarray, begins: np.ndarray,
              step: int) -> np.ndarray:
-    """Returns the largest distance (m) of each chord from its part of the curve, at the same arc
-    lengths.
+    """Returns for each chord its largest distance (m) from its part of the curve, where points
+    at the same arc length are compared.
 
     A chord leads from point `begins` to point `begins` + `step` of curve `which`.
     """

@@ -1,7 +1,7 @@
 """The places of one graph, their curves, and the places that exclude each other.
 
-It depends neither on closed edges nor on times. So one instance serves a graph as long as it is in
-force.
+They depend neither on closed edges nor on times. So one `SiteGeometry` serves a graph as long as
+the graph is in force.
 """
 from __future__ import annotations
 
@@ -19,9 +19,9 @@ from trajectory_graph.shortest_paths import Road, nearest_first
 
 
 class Alone(NamedTuple):
-    """Ids of edges and vertices on which one robot may be at once, however far apart they are.
+    """Ids of edges and vertices. Only one robot at a time may be on them, however far apart.
 
-    An edge at one of the vertices is one of the edges.
+    The edges at the vertices belong to them, too.
     """
 
     edges: FrozenSet[int]
@@ -33,7 +33,7 @@ class SiteGeometry:
 
     graph         -- the trajectory graph
     dock_approach -- m before a dock that belong to the robot that docks or leaves
-    alone         -- places that exclude each other wherever they are
+    alone         -- groups of places that exclude each other wherever they are
     """
 
     def __init__(self, graph: Graph, dock_approach: float = DOCK_APPROACH,
@@ -43,7 +43,7 @@ class SiteGeometry:
         self.vertex_ids: Tuple[int, ...] = tuple(graph.vertices)
         self.edge_ids: Tuple[int, ...] = tuple(graph.edges)
         self.index: Dict[int, int] = {id: k for k, id in enumerate(self.vertex_ids)}
-        """Number of each vertex by its id. This is also its place."""
+        """The number of each vertex, by its id. This number is also that of its place."""
         self.edge_index: Dict[int, int] = {id: k for k, id in enumerate(self.edge_ids)}
         self.ends = np.array([(self.index[edge.origin], self.index[edge.destination])
                               for edge in graph.edges.values()], dtype=np.int64).reshape(-1, 2)
@@ -99,8 +99,8 @@ class SiteGeometry:
         return Approach(edges, frozenset(near) - {dock})
 
     def _near(self, dock: int, roads: List[List[Road]]) -> Dict[int, float]:
-        """Returns the vertices nearer to a dock than `dock_approach` along the edges,
-        with the distance (m).
+        """Returns the distance (m) along the edges, by vertex, of all vertices that are nearer to
+        a dock than `dock_approach`.
         """
         near = takewhile(lambda reached: reached.distance < self.dock_approach,
                          nearest_first(dock, roads.__getitem__))

@@ -16,7 +16,7 @@ class Knowledge(Enum):
     KNOWN = 'known'
     """The robot is within its allocation, switched on or off."""
     UNKNOWN = 'unknown'
-    """The robot has never reported, or only an old journal knows it, so it may be anywhere."""
+    """The robot has never reported, or the journal is an older one: it may be anywhere."""
     ABSENT = 'absent'
     """A person declared that the robot is not on the site."""
 
@@ -38,7 +38,7 @@ class Allocation:
 
     holds  -- edges that the robot was granted and has not certainly left, in driving order
     vertex -- id of the vertex on which the robot stands; None: it stands on none
-    areas  -- where the robot stands between vertices, and the areas that evidence adds
+    areas  -- the point where the robot stands between vertices, and areas that evidence adds
     """
 
     kind: RobotType
@@ -48,10 +48,10 @@ class Allocation:
     areas: Tuple[Area, ...] = ()
 
     def is_within(self, other: Allocation) -> bool:
-        """Returns whether every place of this allocation is one of another of the same robot.
+        """Returns whether `other`, of the same robot, has every place of this allocation.
 
-        So it excludes no robot that the other one does not exclude. The robot is known as well as
-        by the other one, and its load makes it no wider.
+        If so, this allocation excludes no robot that `other` does not exclude. Both must have the
+        same knowledge, and the robot's reach must not be larger than in `other`.
         """
         if self.knowledge is not other.knowledge or self.kind.reach > other.kind.reach or (
                 self.vertex not in (None, other.vertex)

@@ -1,4 +1,4 @@
-"""The changes of all robots, numbered. So a reader looks only at robots that have changed."""
+"""The numbered changes of all robots, so that a reader looks only at robots that have changed."""
 from __future__ import annotations
 
 from itertools import takewhile
@@ -23,7 +23,7 @@ class Changes:
         return self._last.get(name, 0)
 
     def follow(self) -> Callable[[], List[str]]:
-        """Returns a function: names of the robots that changed since it was last called."""
+        """Returns a function that returns the names of the robots changed since its last call."""
         read = 0
 
         def news() -> List[str]:

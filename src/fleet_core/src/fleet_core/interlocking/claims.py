@@ -1,11 +1,12 @@
 """Claims: which robot may be where a resource is needed.
 
 A robot claims a resource before it is granted a place that needs it. The claim is on the disk
-before the device is asked, and before the place is granted. It ends by the robot's place alone,
-never by time. So no door closes on a robot that stands in it, through all restarts.
+before the device is asked, and before the place is granted. It ends only when the robot's place
+does not need it any more, never after a time. So no door closes on a robot that stands in it, not
+even after a restart.
 
-A robot claims what its allocation needs, what it wants, and what it claims by the journal. The
-state of a claim is kept nowhere. It follows from three facts:
+A robot claims what its allocation needs, what it wants, and what the journal says that it claims.
+The state of a claim is not stored. It follows from three facts:
 
     | facts                               | state     |
     |-------------------------------------|-----------|
@@ -16,9 +17,9 @@ state of a claim is kept nowhere. It follows from three facts:
     | not needed, not wanted              | RETURNING |
 
     needed -- a place in the robot's allocation needs the resource
-    wanted -- the robot asked last for edges that need it
-    ready  -- the claim is on the disk, and a fresh report of the device, if there is one, says that
-              it is open by a request that has this robot
+    wanted -- the edges that the robot asked for last need the resource
+    ready  -- the claim is on the disk, and the device, if there is one, has freshly reported that
+              it is open, by a request that was made with this claim
 
 Events, and the state after them:
 
@@ -33,14 +34,15 @@ Events, and the state after them:
     | the journal is written          | ASKED     | READY     | IN_USE    | LOST      | it ends   |
     | the fleet manager restarts      | RETURNING | RETURNING | by device | by device | RETURNING |
 
-    by device -- as it is ready or not: after a restart a device must report anew, by a new request
-    by wish   -- as the robot wants it or not
+    by device -- depends on whether it is ready: after a restart a device must report to a new
+                 request
+    by wish   -- depends on whether the robot wants it
 
 Invariants (`test_claim_proof.py` proves them for any number of robots, places and resources):
 
 (a) an allocated or stored place has all claims that it needs
-(b) claims never exceed the capacity, except by evidence: a robot that is in a place has its claim
-(c) a claim is stored before the device is asked, and ends by the place only
+(b) claims exceed the capacity only by evidence: a robot that is in a place has its claim anyway
+(c) a claim is stored before the device is asked, and ends only when no place needs it any more
 (d) an edge into a resource is granted only with a claim that is READY or IN_USE, and the order for
     it is sent only with such a claim
 """
@@ -103,27 +105,27 @@ ClaimsOf = Mapping[str, FrozenSet[str]]
 class Claims:
     """The claims of all robots of a site.
 
-    stored -- as they are in the journal
+    stored -- the claims in the journal
     number -- the highest number of a request in the journal
-    clock  -- returns ms since 1970: requests by an older journal must not draw a number again
+    clock  -- returns ms since 1970, so that no number is used twice even with an older journal
 
-    It has one method for each event of a claim, and one for each question about claims.
+    The class has one method for each event of a claim, and one for each question about claims.
     """
 
     def __init__(self, needs: Needs, stored: Optional[ClaimsOf] = None, number: int = 0,
                  clock: Callable[[], int] = lambda: 0) -> None:
         self.needs = needs
         self.open_for: Mapping[str, int] = {}
-        """By resource, the request by which its device is open, as a fresh report says."""
+        """By resource, the number of the request by which its device freshly reports to be open."""
         self._clock = clock
         self._number = number
-        # The three reasons for claims, by robot. A resource that the site lost is not claimed.
+        # The three reasons for claims, by robot. Resources that the site lost are left out.
         self._stored = {name: own & needs.resources.keys() for name, own in (stored or {}).items()}
         self._wanted: Dict[str, FrozenSet[str]] = {}
-        # Until an allocation is known, its robot may be in all places where it could be.
+        # Until its allocation is known, a robot may need all that it claims in the journal.
         self._needed: Dict[str, FrozenSet[str]] = dict(self._stored)
-        self._changed: Set[str] = set()  # robots whose claims are not in the journal as they are
-        self._asked: Dict[Tuple[str, str], int] = {}  # the first request with this robot
+        self._changed: Set[str] = set()  # robots whose claims differ from those in the journal
+        self._asked: Dict[Tuple[str, str], int] = {}  # number of the first request for this robot
         self._requests: Dict[str, DeviceRequest] = {}
         self._is_begun = not needs.has_devices
         if not self._is_begun:
@@ -180,13 +182,13 @@ class Claims:
                     here: AbstractSet[str] = NOTHING, rest: Rest = WHOLE) -> str:
         """Returns the name of a resource that keeps a robot from driving a signed edge now.
 
-        It is empty if none does.
+        Empty: none does.
 
         A robot that is already where a resource is needed may leave without its device.
 
-        is_inside -- it stands on the edge, between the ends
-        here      -- what is needed on the edge that it drives before this one
-        rest      -- of the edge, which it has still to drive
+        is_inside -- the robot stands on the edge, between its ends
+        here      -- resources that the robot's present edge needs: it does not enter them anew
+        rest      -- the part of the edge that the robot has still to drive
         """
         needed = self.needs.of_edge(edge, rest)
         if not needed:
@@ -203,7 +205,7 @@ class Claims:
     def follow(self, name: str, allocation: Allocation) -> None:
         """Notes that a robot has this allocation now.
 
-        Where evidence says that it is, it has its claims.
+        The robot claims what these places need, even if that exceeds the capacity.
         """
         if not self:
             return
@@ -217,10 +219,10 @@ class Claims:
         """Notes that a robot asks for these signed edges, and for no others: it claims what they
         need.
 
-        The claims of edges that follow each other are had together or not at all, in the order of
-        the edges.
+        Edges that follow each other and each need something get their claims together or not at
+        all. The runs of such edges are taken in their order.
 
-        rest -- of the first edge, which it has still to drive
+        rest -- the part of the first edge that the robot has still to drive
         """
         if not self or not edges and not self._wanted.get(name):
             return
@@ -233,7 +235,7 @@ class Claims:
         self._note(name)
 
     def _stretches(self, edges: Iterable[int], rest: Rest) -> Iterator[FrozenSet[str]]:
-        """Yields what each run of edges needs of which each needs something."""
+        """Yields what each run of edges needs; in a run, each edge needs something."""
         run = NOTHING
         for number, edge in enumerate(edges):
             needed = self.needs.of_edge(edge, WHOLE if number else rest)
@@ -254,7 +256,7 @@ class Claims:
         self._note(name)
 
     def _note(self, name: str) -> None:
-        """Notes whether a robot's claims are in the journal as they are."""
+        """Notes whether a robot's claims differ from those in the journal."""
         if self._kept(name) == self.stored_of(name):
             self._changed.discard(name)
         elif name not in self._changed:
@@ -282,7 +284,7 @@ class Claims:
 
     @property
     def to_store(self) -> ClaimsOf:
-        """All claims, as they are to be stored, of robots whose claims have changed.
+        """The claims to be stored: all claims of each robot whose claims have changed.
 
         These robots must be stored together with their claims, so that each stored place has its
         stored claims.
@@ -290,7 +292,9 @@ class Claims:
         return {name: self._kept(name) for name in sorted(self._changed)}
 
     def stored(self) -> None:
-        """Notes that what was to be stored is in the journal now. The devices may be asked."""
+        """Notes that the claims of `to_store` are in the journal now, and makes the requests to
+        the devices whose claims have changed.
+        """
         told = set() if self._is_begun else set(self.needs.resources)
         self._is_begun = True
         for name, kept in self.to_store.items():
@@ -312,13 +316,14 @@ class Claims:
             self._asked[name, resource] = self._number
 
     def asked_for(self, resource: str) -> FrozenSet[str]:
-        """Returns the names of the robots for which the newest request holds the device."""
+        """Returns the names of the robots for which the newest request keeps the device open."""
         return frozenset(name for name, asked in self._asked if asked == resource)
 
     def outnumber(self, number: int) -> None:
-        """Notes that a device obeys a request with this number, which is not of this journal.
+        """Notes that a device obeys a request with this number, which this journal does not have.
 
-        It takes no request with a lower number. So each device is asked anew, and only that counts.
+        The device obeys no request with a lower number. So each device is asked anew, with a higher
+        number, and only the new requests count.
         """
         self._number = max(self._number, number)
         self._asked.clear()
@@ -327,5 +332,5 @@ class Claims:
 
     @property
     def requests(self) -> Mapping[str, DeviceRequest]:
-        """The newest request to each device, by resource. All its claims are in the journal."""
+        """The newest request to each device, by resource. The claims for it are in the journal."""
         return self._requests

@@ -16,8 +16,8 @@ The model of claims (`test/interlocking/test_claim_proof.py`) has these as well:
     | claim(robot, resource)        | the robot's claims                                           |
     | stored_claim(robot, resource) | its claims in the journal                                    |
 
-The models also have what robots really obey and where they are. No program knows this; the
-simulations check it against their own robots.
+The models also have relations for what robots really obey and for where they are. No program knows
+this; the simulations check it against their own robots.
 """
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ from trajectory_graph.id_lists import listed
 
 
 class Invariant(Enum):
-    """What holds of each step. The values are shown to people."""
+    """What must hold for each step. The values say how it is violated; they are shown to people."""
 
     CHECKED = 'it holds places that it was not granted'
     CONTAINED = 'it was sent over edges that it does not hold'
@@ -64,11 +64,11 @@ class Invariant(Enum):
 
 @dataclass(frozen=True)
 class Violation:
-    """A step that is not one of the model's.
+    """A step that the model does not allow.
 
-    edges -- signed ids; empty for APART, READ, areas and what concerns claims
+    edges -- signed ids; empty for APART and READ, and for violations about areas or claims
     other -- name of the other robot; only for APART
-    resources -- names; only for what concerns claims
+    resources -- names; only for violations about claims
     """
 
     invariant: Invariant
@@ -125,7 +125,7 @@ class Conformance:
         self._stored: Dict[str, Allocation] = {}
         self._claims: Dict[str, FrozenSet[str]] = {}
         self._unclaimed: Dict[str, FrozenSet[str]] = {}
-        # by robot: what its present and its stored allocation need, as long as these are the same
+        # by robot: the needs of its present and its stored allocation, until the allocation changes
         self._needed: Dict[Tuple[str, bool], Tuple[Allocation, FrozenSet[str]]] = {}
 
     def granted(self, name: str, edges: Collection[int], claims: Claims,
@@ -181,9 +181,10 @@ class Conformance:
     @staticmethod
     def _too_near(name: str, robots: Mapping[str, ObservedRobot],
                   excluding: Callable[[str], Sequence[str]]) -> List[Violation]:
-        """Returns a robot that excludes one that may drive; empty: none does.
+        """Returns a violation if this robot may drive although another one excludes it.
 
-        A robot that has not reported since the start is known only roughly for a moment.
+        Robots that have not reported since the start do not count, because their places are known
+        only roughly.
         """
         master = robots[name].master
         if not master.protocol.ahead or master.is_stopping or robots[name].needs_person or (
@@ -194,10 +195,9 @@ class Conformance:
 
     def _wrong_claims(self, robots: Mapping[str, ObservedRobot],
                       claims: Claims) -> Iterator[Violation]:
-        """Yields what is wrong with claims. Evidence may claim more than there is; nothing else
-        may.
+        """Yields what is wrong with claims. Only evidence may make claims exceed a capacity.
 
-        Only a check after each event tells which of the two it was.
+        Whether it was evidence is known only if there is a check after each event.
         """
         for name, robot in robots.items():
             allocation, stored = robot.master.allocation, self._stored.get(name)
@@ -207,7 +207,7 @@ class Conformance:
             new = NOTHING if before is None or self._every > 1 else now - needed - before
             over = frozenset(one for one in new if len(claims.holders(one))
                              > claims.needs.resources[one].capacity)
-            # A robot whose place is doubted since the start is to claim again when it is known.
+            # A robot whose place has been unknown since the start claims again when it is known.
             unstored = NOTHING if allocation.knowledge is Knowledge.UNKNOWN else (
                 self._needs_of(name, stored, claims.needs, True) - claims.stored_of(name))
             for invariant, resources in (
@@ -232,7 +232,7 @@ class Conformance:
         return kept[1]
 
     def _is_seen(self, name: str, master: RouteMaster) -> bool:
-        """Returns whether this is the state of the last check; each change makes new objects."""
+        """Returns whether the state is that of the last check: each change makes new objects."""
         before = self._seen.get(name)
         now = self._seen[name] = master.allocation, master.protocol, master.last_sent
         return before is not None and before[2] == now[2] and (

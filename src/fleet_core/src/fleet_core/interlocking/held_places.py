@@ -1,4 +1,4 @@
-"""Held places: the places of the geometry that robots hold; which of them exclude each other."""
+"""Held places: the places of the geometry that robots hold, and which of them exclude others."""
 from __future__ import annotations
 
 from typing import Dict, Iterator, List, NamedTuple, Sequence, Tuple
@@ -21,7 +21,7 @@ class HeldPlace(NamedTuple):
 
 
 class HeldPlaces:
-    """The places that many robots hold, found by their numbers.
+    """The places that robots hold, found by the numbers of the places.
 
     clearance -- m that stays free between any two robots
     """
@@ -51,7 +51,7 @@ class HeldPlaces:
         self.add(name, allocation.kind, self._places_of(allocation))
 
     def add(self, name: str, kind: RobotType, places: Sequence[HeldPlace]) -> None:
-        """Adds the places of a robot that holds none."""
+        """Adds the places of a robot that holds none yet."""
         self._held[name] = list(places)
         self._kinds[name] = kind
         at = self._at.setdefault(kind, {})

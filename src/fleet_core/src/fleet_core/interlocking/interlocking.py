@@ -36,7 +36,7 @@ from fleet_core.interlocking.reports import GraphPosition
 from fleet_core.interlocking.resources import NOTHING, WHOLE, Needs, Resource, Rest
 from fleet_core.interlocking.route_master import RouteMaster, Sending
 
-_REMEMBERED = 1000  # number of areas of which the near places are remembered
+_REMEMBERED = 1000  # number of areas whose near places are kept
 
 
 class Gate(Enum):
@@ -95,7 +95,7 @@ class InterlockedRobot(Protocol):
 
 @dataclass(frozen=True)
 class Grant:
-    """The edges that are granted, and why the next one is not (None: all are granted)."""
+    """The edges that are granted, and why the next edge is refused (None: all are granted)."""
 
     edges: Tuple[int, ...]
     refusal: Optional[Refusal] = None
@@ -106,7 +106,7 @@ class Asked:
     """An edge that a robot requests, as the conditions see it.
 
     edge      -- signed id; 0: the request is about no edge yet
-    before    -- the edge before this one; 0: the edge begins where the record ends
+    before    -- the requested edge before this one; 0: this one is the first
     is_inside -- the robot stands on the edge, between its ends
     place     -- the part of the edge that the robot would hold
     """
@@ -128,17 +128,17 @@ class Interlocking:
 
     No two allocations may exclude each other: the curves of the places of two robots must stay at
     least both reaches and the clearance apart. `grant` therefore gives a robot only edges that all
-    GATES and all CONDITIONS allow. Evidence may make allocations exclude each other all the same;
-    then `separate` stops all these robots. It is to be called after each event.
+    GATES and all CONDITIONS allow. Evidence may still make allocations exclude each other. Then
+    `separate` stops all these robots: it must be called after each event.
 
     clearance   -- m that stays free between any two robots
     robots      -- all robots that the fleet manager knows, also those that left the fleet file
-    conformance -- checks each step against the model; None: nothing does
+    conformance -- checks each step against the model; None: the steps are not checked
     news        -- returns the names of the robots that changed since it was last called; None: any
                    robot may have changed at any time
-    claims      -- the claims of the robots to the resources of the site; None: it has none
+    claims      -- the claims of the robots to the resources of the site; None: it has no resources
 
-    Its attributes are what a grant rests on, and what must be stored before an order is sent.
+    Its attributes have the facts on which a grant rests.
     """
 
     def __init__(self, geometry: SiteGeometry, clearance: float,
@@ -149,7 +149,7 @@ class Interlocking:
         self.claims = Claims(Needs((), geometry)) if claims is None else claims
         """Which robot may be where a door, a zone or a station is."""
         self.is_stopped = False
-        """Is the fleet stopped?"""
+        """Whether the fleet is stopped."""
         self.trouble = ''
         """Why the journal cannot be written, as a clause; empty: it can be written."""
         self.closed: AbstractSet[int] = frozenset()
@@ -164,12 +164,13 @@ class Interlocking:
         self._news = news or (lambda: robots)
         self._known: Dict[str, Allocation] = {}
         self._holds = HeldPlaces(geometry, clearance)
-        self._stored = HeldPlaces(geometry, clearance)  # as they are in the journal
+        self._stored = HeldPlaces(geometry, clearance)  # by the allocations in the journal
         self._to_store: Set[str] = set()
         self._with_areas: Set[str] = set()
         self._unknown: Set[str] = set()
-        self._to_compare: Set[str] = set()  # robots that may exclude another one since a change
-        # robots that excluded another one when they were compared last
+        # robots that have changed, and may exclude another one now
+        self._to_compare: Set[str] = set()
+        # robots that excluded another one in the last comparison
         self._crowded: Set[str] = set()
         self._near: Dict[Tuple[Area, float], Mapping[int, Tuple[float, float]]] = {}
         for name in self.claims.robots - robots.keys():
@@ -180,11 +181,11 @@ class Interlocking:
     def grant(self, robot: InterlockedRobot, edges: Sequence[int], renew: bool = False) -> Grant:
         """Grants the longest beginning of these edges that the robot may have now.
 
-        For edges that only lack claims, the robot claims what they need. So it may have them later.
-        What it claims and does not need for these edges is returned.
+        If a robot only lacks claims for an edge, it claims what the edge needs, and may have the
+        edge later. Claims that it wanted for other edges end.
 
         The granted edges are added to the robot's allocation and ordered at once. The order is sent
-        in the same event, after it is stored on the disk; `not_stored` takes it back.
+        in the same event, after it is stored on the disk. `not_stored` withdraws it.
 
         edges -- signed ids, in driving order; they follow all edges granted before
         renew -- use a new route id, for example for another mission
@@ -212,15 +213,15 @@ class Interlocking:
         return Grant(tuple(granted), refusal)
 
     def _lacking_claims(self, robot: InterlockedRobot, edges: Sequence[int]) -> List[Asked]:
-        """Returns the longest beginning of these edges from which at most claims keep the robot."""
+        """Returns the longest beginning of these edges for which the robot lacks only claims."""
         return list(takewhile(lambda asked: first_refusal(WITHOUT_CLAIMS, self, asked) is None,
                               self._asked(robot, edges)))
 
     def would_grant(self, wanted: Mapping[str, Sequence[int]]) -> Dict[str, Tuple[int, ...]]:
-        """Returns for each robot the longest beginning of its edges that all may have now, at once.
+        """Returns for each robot the longest beginning of its edges that all may have together now.
 
-        Nothing is granted. It does not matter that a robot's last order is not settled yet: that
-        takes until its next report only.
+        Nothing is granted. A robot's last order need not be settled yet, because its next report
+        will settle it.
 
         wanted -- edges by the names of the robots, as for `grant`
         """
@@ -255,10 +256,10 @@ class Interlocking:
 
     @property
     def to_store(self) -> AbstractSet[str]:
-        """Names of the robots that have left places on which grants rest, but not in the journal.
+        """Names of the robots whose stored allocations are still too near to granted edges.
 
-        They must be stored together with these grants. Otherwise allocations would exclude each
-        other after a restart.
+        Their present allocations must be stored together with these grants. Otherwise allocations
+        would exclude each other after a restart.
         """
         return self._to_store
 
@@ -273,10 +274,10 @@ class Interlocking:
         self._to_store.difference_update(names)
 
     def not_stored(self, trouble: str) -> None:
-        """Notes that nothing can be stored now. What was granted for that commit is taken back.
+        """Notes that nothing can be stored now, and withdraws the grants that were to be stored.
 
-        Such a grant would leave when the journal can be written again. Until then a door may have
-        closed. So the robot is granted these edges anew, by all gates and conditions.
+        Otherwise their orders would be sent when the journal can be written again, although a door
+        may have closed by then. So these edges must pass all gates and conditions again.
 
         trouble -- why nothing can be stored, as a clause
         """
@@ -287,9 +288,9 @@ class Interlocking:
     # -- conformance ------------------------------------------------------------------------------
 
     def violations(self) -> List[Violation]:
-        """Returns what the event that ends now did against the model.
+        """Returns how the event that ends now has violated the model.
 
-        To be called after its orders left.
+        It must be called after the orders of this event have been sent.
         """
         if self._conformance is None:
             return []
@@ -299,9 +300,10 @@ class Interlocking:
     # -- orders that are sent ---------------------------------------------------------------------
 
     def keep_out(self) -> List[str]:
-        """Ends routes before devices that do not report now that they are open. Returns whose.
+        """Ends routes before devices that do not report now that they are open.
 
-        A robot that is where the device is needed may leave, and keeps its route.
+        Returns the names of the robots whose orders have changed. A robot that is where the device
+        is needed may leave, and keeps its route.
         """
         if not self.claims.needs.has_devices:
             return []
@@ -317,10 +319,10 @@ class Interlocking:
         return found
 
     def _kept_out(self, robot: InterlockedRobot, begin: int, may_leave: bool) -> Optional[int]:
-        """Returns which edge ahead leads first to where the robot may not get now; None: none does.
+        """Returns the number of the first edge ahead that the robot may not enter; None: no edge.
 
-        begin     -- only edges from this one on count
-        may_leave -- the robot may drive on where the device is needed that its present edge needs
+        begin     -- number of the first edge that counts
+        may_leave -- the robot may drive on through the resources that its present edge needs
         """
         protocol, needs = robot.master.protocol, self.claims.needs
         here = needs.of_edge(protocol.ahead[0]) if protocol.shown and may_leave else NOTHING
@@ -339,8 +341,8 @@ class Interlocking:
         """Returns all orders that are due now. Orders that stop a robot or shorten its route pass
         no gate.
 
-        Others are judged by what devices report now: since the grant, a commit may have taken long,
-        or this program has restarted.
+        All other orders are checked against the present reports of devices: since the grant, the
+        commit may have taken long, or this program may have restarted.
         """
         found: List[Tuple[str, Sending]] = []
         for name, robot in self._robots.items():
@@ -363,7 +365,7 @@ class Interlocking:
         if not self.claims.needs.has_devices:
             return False
         self._refresh()
-        # By this order the robot could come back to a device that it has left since its report.
+        # This order could lead the robot back to a device that it has left since its report.
         return self._kept_out(robot, robot.master.protocol.shown, may_leave=False) is not None
 
     def forget(self, name: str) -> None:
@@ -386,7 +388,7 @@ class Interlocking:
         return sorted(self._unknown)
 
     def excluding(self, name: str) -> Tuple[str, ...]:
-        """Returns the names of all robots whose allocations exclude that of this robot."""
+        """Returns the names of all robots whose allocations exclude the allocation of this one."""
         self._refresh()
         own = self._known[name]
         if own.knowledge is not Knowledge.KNOWN:
@@ -394,9 +396,7 @@ class Interlocking:
         return tuple(sorted(set(self._near_to(name, own, own.kind))))
 
     def is_free(self, robot: InterlockedRobot, position: GraphPosition) -> bool:
-        """Returns whether no other robot's allocation excludes
-        that `robot` stands at this position.
-        """
+        """Returns whether `robot` at this position would be excluded by no other allocation."""
         self._refresh()
         if position.vertex is not None:
             return not self.holder(robot, HeldPlace(self._geometry.index[position.vertex]))
@@ -404,10 +404,10 @@ class Interlocking:
         return next(self._in_area(robot.name, robot.type, area), None) is None
 
     def without_room(self, robot: InterlockedRobot, kind: RobotType) -> str:
-        """Returns the name of a robot that keeps this one from becoming one of another type.
+        """Returns the name of a robot because of which this one cannot become another type.
 
-        Empty: none does. Then other robots that may still be too near by the journal are to be
-        stored, as after a grant.
+        Empty: there is none. Robots that are too near only in the journal must then be stored, as
+        after a grant.
         """
         self._refresh()
         own = self._known[robot.name]
@@ -421,7 +421,7 @@ class Interlocking:
         return ''
 
     def _near_to(self, name: str, own: Allocation, kind: RobotType) -> Iterator[str]:
-        """Yields the robots whose allocations exclude this one, as that of a robot of a type."""
+        """Yields the robots whose allocations would exclude this one if its robot were a `kind`."""
         for held in self._holds.places(name):
             yield from self._holders(name, kind, held)
         for area in own.areas:
@@ -430,14 +430,15 @@ class Interlocking:
     def separate(self, is_starting: bool = False) -> List[str]:
         """Stops robots that exclude each other since an allocation changed. Returns their names.
 
-        An allocation that loses places only, as nearly each report makes it, excludes no further
-        robot. It is compared again only if the robot excluded another one before.
+        Nearly every report only removes places from an allocation. Then the robot excludes no
+        further robot, so it is compared again only if it excluded another one before.
 
-        A grant never makes such a pair: evidence does, or a robot that drives its route again. In
-        the second case a robot with nothing to drive needs no stop: it is granted nothing
-        meanwhile. A robot that needs a person is stopped already.
+        Grants never bring two robots too near to each other. Evidence can, and so can a robot that
+        drives its route again. In the second case a robot with nothing to drive is not stopped,
+        because it is granted nothing meanwhile. A robot that needs a person is stopped already.
 
-        is_starting -- the place of a robot that has not reported yet is known only roughly
+        is_starting -- robots that have not reported yet are left out: their places are known only
+                       roughly
         """
         self._refresh()
         changed, self._to_compare = self._to_compare, set()
@@ -478,7 +479,7 @@ class Interlocking:
         return next(self._holders(robot.name, robot.type, held), '')
 
     def _holders(self, own: str, kind: RobotType, held: HeldPlace) -> Iterator[str]:
-        """Yields the names of all such robots. A name may come twice."""
+        """Yields the names of all robots that `holder` may return. A name may come twice."""
         yield from self._holds.excluding(own, kind, held)
         for name in self._with_areas:
             if name == own:
@@ -507,7 +508,7 @@ class Interlocking:
             if allocation is before:
                 continue
             self._known[name] = allocation
-            # A robot that may be anywhere excludes no other one, but others exclude it.
+            # A robot that may be anywhere is not compared itself, but others are compared with it.
             if self._unknown or name in self._crowded or before is None or (
                     not allocation.is_within(before)):
                 self._to_compare.add(name)
@@ -521,7 +522,7 @@ class Interlocking:
 def _meets(part: Optional[Tuple[float, float]], held: HeldPlace) -> bool:
     """Returns whether the blocked part of a place lies on the part of it that is still held.
 
-    part -- the part of the place that is too near to something, from and to a fraction; None: none
+    part -- the blocked part, from one fraction to another; None: nothing is blocked
     """
     if part is None:
         return False
@@ -639,7 +640,7 @@ GATES: Tuple[Condition, ...] = (
     _fleet_is_not_stopped, _journal_can_be_written, _no_person_is_needed, _does_not_work,
     _clock_is_right, _robot_is_known, _others_are_known, _last_order_is_settled,
     _robot_is_clear_of_others)
-"""All must be met before a robot is granted anything, also an edge that it holds already."""
+"""All must be met before a robot is granted anything, even an edge that it holds already."""
 
 LASTING_GATES: Tuple[Condition, ...] = tuple(
     gate for gate in GATES if gate is not _last_order_is_settled)
@@ -650,4 +651,4 @@ WITHOUT_CLAIMS: Tuple[Condition, ...] = (
 """The conditions for an edge that a robot must meet before it may claim what the edge needs."""
 
 CONDITIONS: Tuple[Condition, ...] = (*WITHOUT_CLAIMS, _claims_are_ready)
-"""All must be met, in addition, for each edge that a robot is granted."""
+"""All must be met for each edge that a robot is granted, in addition to GATES."""

@@ -14,7 +14,7 @@ from trajectory_graph.drawn_names import at_vertex, place_name
 
 TREMBLE = 0.05     # m by which the reported location of a standing robot may change
 CLOCK_ERROR = 0.2  # s by which a robot's clock may differ; `peer_watch` warns above this
-_OLD = 10.0        # s: a location that is older at its arrival is old
+_OLD = 10.0        # s: people are warned of a location that is older at its arrival
 
 
 @dataclass(frozen=True)
@@ -26,9 +26,9 @@ class Pose:
 
 
 def distance(graph: Graph, one: Pose, other: Pose) -> float:
-    """Returns the metres between two poses: along their common edge, else straight.
+    """Returns the metres between two poses: along their common edge, or straight if there is none.
 
-    Infinite off the graph.
+    Infinite if a pose is off the graph.
     """
     if one.edge == other.edge:
         length = graph.curve(one.edge).length if one.edge else 0.0
@@ -128,9 +128,9 @@ class GraphPosition:
         return vertex.x, vertex.y
 
     def distance(self, graph: Graph, pose: Pose) -> float:
-        """Returns the metres to a pose: along the common edge, else straight.
+        """Returns the metres to a pose: along the common edge, or straight if there is none.
 
-        Infinite off the graph.
+        Infinite if the pose is off the graph.
         """
         if self.vertex is None:
             return distance(graph, Pose(self.edge, self.fraction), pose)
@@ -141,9 +141,8 @@ class GraphPosition:
     def touches(self, graph: Graph, edges: Tuple[int, ...], play: float = 0.0) -> bool:
         """Returns whether the position is on one of these edges, or at an end of one.
 
-        A robot that strays by up to `play` (m) from its edge reports the nearest edge. Beside
-        another edge this need not be its own edge. The reported position is then at most twice the
-        play from the robot's own edge.
+        A robot that strays by up to `play` (m) from its edge reports the nearest edge, which may
+        not be its own. The reported position is then at most twice the play from its own edge.
         """
         if self.vertex is None:
             if abs(self.edge) in map(abs, edges):
@@ -160,9 +159,9 @@ class GraphPosition:
 
 
 def position_of(pose: Pose, graph: Graph, near: float) -> Optional[GraphPosition]:
-    """Returns the position that a pose means: the vertex within `near` m, else the edge.
+    """Returns the position that a pose means: a vertex within `near` m, or the edge if none is.
 
-    None: off graph.
+    None: the pose is off the graph.
     """
     if not pose.edge:
         return None

@@ -19,7 +19,7 @@ class ResourceKind(Enum):
     """The kind of a resource. The values are shown to people."""
 
     DOOR = 'door'
-    AIR_LOCK = 'air lock'  # its doors are one resource: no robot enters before it may leave
+    AIR_LOCK = 'air lock'  # its doors are one resource: a robot enters only if it may also leave
     LIGHT = 'light'
     ZONE = 'zone'
     STATION = 'station'
@@ -31,9 +31,9 @@ class Resource:
     """A resource of a site.
 
     edges      -- ids of the edges that need it
-    vertices   -- ids of the vertices that need it; then their edges need it, too
+    vertices   -- ids of the vertices that need it; the edges at these vertices need it, too
     capacity   -- number of robots that may claim it at once
-    has_device -- a device must report that it is ready; False: it is always ready
+    has_device -- a device must report that the resource is ready; False: it is always ready
     """
 
     name: str
@@ -48,10 +48,10 @@ class Resource:
 
     @property
     def orders_plans(self) -> bool:
-        """Whether the order of plans depends on it.
+        """Whether plans keep an order of use for this resource.
 
-        So it does if it is for one robot, and has several places. Without it, two robots could be
-        at these places at once.
+        They do if only one robot may claim it and it has several places. Without that order two
+        robots could be at these places at once.
         """
         return self.capacity == 1 and (bool(self.edges) or len(self.vertices) > 1)
 
@@ -60,7 +60,7 @@ class Rest(NamedTuple):
     """The rest of an edge, which a robot has still to drive.
 
     behind -- the fraction of the edge, in driving direction, that lies behind the robot's centre
-    reach  -- m from its centre that the robot may cover
+    reach  -- m around its centre that the robot may cover
     """
 
     behind: float = 0.0
@@ -73,16 +73,17 @@ WHOLE = Rest()
 class Needs:
     """The resources that the places of one graph need.
 
-    An edge needs also what the vertices at its ends need, because a robot on it may stand there.
+    An edge also needs what the vertices at its ends need, because a robot on it may stand there.
     But the rest of an edge does not need what the vertex behind the robot needs, if no part of the
-    robot covers that vertex. So a robot that was put down there may drive on while another one
-    claims what is behind it. A robot that has such a claim keeps it until it has left the edge.
+    robot covers that vertex. So a robot that a person put down on the edge may drive on while
+    another one claims what is behind it. A robot that claims what the vertex behind it needs keeps
+    this claim until it has left the edge.
     """
 
     def __init__(self, resources: Iterable[Resource], geometry: SiteGeometry) -> None:
         self.resources: Mapping[str, Resource] = {one.name: one for one in resources}
         self.has_devices = any(one.has_device for one in self.resources.values())
-        """Must any device report that it is ready?"""
+        """Whether any resource is ready only if a device reports it."""
         self._geometry = geometry
         self._at: Dict[int, FrozenSet[str]] = {}  # by place
         self._vertices: Set[int] = set()  # places of vertices that need anything
@@ -100,8 +101,9 @@ class Needs:
         return self._at.get(self._geometry.index[vertex], NOTHING)
 
     def of_edge(self, edge: int, rest: Rest = WHOLE) -> FrozenSet[str]:
-        """Returns the names of the resources that a signed edge, or the rest of it, needs, with
-        both of its ends.
+        """Returns the names of the resources that a signed edge and the vertices at its ends need.
+
+        rest -- the part of the edge that counts, with its start if the robot covers it
         """
         known = self._of_edge.get(edge)
         if known is None:
@@ -113,7 +115,7 @@ class Needs:
         return self._inside(edge) | self.of_vertex(self._ends(edge)[1])
 
     def _covers_start(self, edge: int, reach: float) -> float:
-        """Returns the fraction of a signed edge up to which a robot on it covers its start."""
+        """Returns up to which fraction of a signed edge a robot covers the start of the edge."""
         known = self._covered.get((edge, reach))
         if known is None:
             start = self._geometry.graph.start_vertex(edge).position
@@ -123,17 +125,17 @@ class Needs:
         return known
 
     def on_entry(self, edge: int, is_inside: bool) -> FrozenSet[str]:
-        """Returns the names of the resources into which a robot gets by driving a signed edge.
+        """Returns the names of the resources that a robot enters when it drives a signed edge.
 
-        is_inside -- it stands on the edge already, between the ends
+        is_inside -- the robot stands on the edge already, between its ends
         """
         _, end = self._ends(edge)
         return self.of_vertex(end) | (NOTHING if is_inside else self._inside(edge))
 
     def of(self, allocation: Allocation, claimed: AbstractSet[str] = NOTHING) -> FrozenSet[str]:
-        """Returns the names of the resources that all places of an allocation need.
+        """Returns the names of the resources that the places of an allocation need.
 
-        Of those that the robot has claimed it also returns those of whole edges.
+        For resources in `claimed`, whole edges count, not only the rest of each edge.
 
         A robot that may stand between vertices needs what an edge needs if its centre may be on
         that edge. It needs what a vertex needs if any part of it covers the vertex.

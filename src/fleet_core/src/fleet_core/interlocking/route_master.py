@@ -1,7 +1,7 @@
-"""The fleet manager's end for one robot: its orders, its reports, and where it may be.
+"""The fleet manager's end of the route protocol for one robot, and where the robot may be.
 
-`route_protocol.master` says what the robot may still do by its orders. The reports also tell where
-it is. Both together give its allocation, which is computed from nothing else:
+`route_protocol.master` says what the robot may still do by its orders. The reports also say where
+it is. The allocation is computed from these two alone:
 
     | the robot may be                    | because                                                |
     |-------------------------------------|--------------------------------------------------------|
@@ -9,10 +9,10 @@ it is. Both together give its allocation, which is computed from nothing else:
     |                                     | it, or it is held until the robot stands               |
     | on the vertex where it stands, or   | its last report says STANDING                          |
     | at the point between vertices       |                                                        |
-    | near its last location, or the one  | that is not on an edge or vertex of the two lines above|
-    | before if that was a stray one      |                                                        |
-    | within a radius of its last location| another one moves it; the radius grows with the age of |
-    |                                     | the location                                           |
+    | near its last location, and near    | this location is on no edge or vertex of the rows above|
+    | the one before if it was a stray one|                                                        |
+    | within a radius of its last location| another giver moves it; the radius grows with the age  |
+    |                                     | of the location                                        |
     | in an area                          | it held an edge that the graph does not have any more  |
     | anywhere                            | it has never reported, or the journal is an older one  |
 """
@@ -53,13 +53,13 @@ from trajectory_graph.id_lists import listed
 
 ME = 'path_supervisor'
 """The name of this master in its orders."""
-# m that a robot may have moved since its last location while another one moves it
+# m that a robot may have moved since its last location while another giver moves it
 MANUAL_REACH = 10.0
 # m that a standing robot may be beside the place where its route begins or ends
 BESIDE = NEAR + TREMBLE
 _STEP = 0.5   # m: the step in which the area around such a robot grows
 _SOON = 0.2   # s within which that area grows again; ticks come more often
-_SQUARE = 1.0  # m: such a robot's location is stored whenever it is in another such square
+_SQUARE = 1.0  # m: its location is stored whenever it has come into another square of this size
 
 Clock = Callable[[], int]
 """Returns ms since 1970."""
@@ -75,8 +75,8 @@ class Sending(NamedTuple):
 class Located(NamedTuple):
     """A location of the robot.
 
-    age      -- s for which the robot may have moved on from there when the report arrived
-    is_stray -- it was not on a place that the robot had then; two later ones must disprove it
+    age      -- s for which the robot may have moved on before the report arrived
+    is_stray -- it was on no place that the robot had then; it counts until two later ones arrive
     """
 
     point: Point
@@ -91,7 +91,7 @@ class Located(NamedTuple):
 class Lost(NamedTuple):
     """Areas of edges that a robot held, and that the graph in force does not have.
 
-    until -- number of the stop after which the robot is seen not to be there
+    until -- number of a stop: the areas end when the robot stands after it
     """
 
     areas: Tuple[Area, ...] = ()
@@ -105,7 +105,7 @@ class Memory(NamedTuple):
     """The state of a route master that must survive a restart.
 
     position   -- where the robot stands
-    locations  -- the last two, the newest first, as far as they matter after a restart
+    locations  -- those of the last two that matter after a restart, beginning with the newest
     """
 
     protocol: MasterState = MasterState()
@@ -126,15 +126,15 @@ class Memory(NamedTuple):
 class Heard:
     """The results of one report.
 
-    news    -- what it changes about the orders
+    news    -- what the report changes about the orders
     passed  -- vertices passed since the last report, in order
     cause   -- why a new epoch of the robot began; None: none did, or no epoch was known before
-    had_route -- it had a route, or an order for one was on its way
-    is_off_graph -- this report and the one before say that it is off the graph
-    left    -- it stands, but not where it may be by its orders
-    expected -- a clause that says where it was expected, and where it is; only if it has left
-    is_near -- it left that place only along the edge on which it was
-    is_located -- the report has a later location than all before
+    had_route -- the robot had a route before, or an order for one was on its way
+    is_off_graph -- this report and the one before say that the robot is off the graph
+    left    -- the robot stands, but not where it may be by its orders
+    expected -- if it has left: a clause that says where it was expected, and where it is
+    is_near -- it is still on the edge on which it stood, or on one at its vertex
+    is_located -- the report has a new location
     """
 
     news: News = OLD_NEWS
@@ -149,37 +149,38 @@ class Heard:
 
 
 class RouteMaster:
-    """Orders routes, repeats orders that no report shows, and keeps where the robot may be.
+    """Orders routes, repeats orders that no report shows yet, and computes where the robot may be.
 
-    Only the interlocking gives it routes.
+    Only the interlocking orders routes through it.
 
     tell -- is called after each change, so that the interlocking reads the allocation again
 
-    It has one method for each event of the route, and one property for each answer about it. All
-    read or change the same record: what is ordered, and where the robot may be.
+    The class has one method for each event of the route, and one property for each question about
+    it. All read or change the same record: what is ordered, and where the robot may be.
     """
 
     def __init__(self, record: RouteRecord, clock: Clock,
                  tell: Callable[[], None] = lambda: None) -> None:
         self.record = record
         self._clock, self._tell = clock, tell
-        # Number of the last order that may have been sent, and when, if by this program.
+        # Number of the last order that may have been sent, and when this program sent it, if it did
         self._sent: Tuple[int, float] = (0, -math.inf)
         self._label = 0  # of the route that is being extended
         self.locations: Tuple[Located, ...] = ()
         self.reach = 0.0
-        """Radius (m) around the last location: another one may have moved the robot since then."""
+        """Radius (m) around the last location within which another giver may have moved the robot.
+        """
         self._lost = NOT_LOST
-        # Stamp and point of the newest location; None: it has not reported since the start.
+        # Stamp and point of the newest location; None: the robot has not reported since the start.
         self._told: Optional[Tuple[float, Optional[Point]]] = None
         self._strays = 0         # number of consecutive locations that were elsewhere
         self._off_graph = 0      # number of consecutive reports that were off the graph
         self._absent_since: Optional[float] = None  # the supervisor's time
         self.clock_is_off = False
         self._beside: Optional[Point] = None
-        """Where the robot stood when another beginning of its next route was chosen."""
-        self._cut_refused = 0  # number behind the last edge of a shorter route that was refused
-        # What follows from all this, as far as it was asked for since the last change.
+        """The location of the robot when `begin_at` chose where its next route begins."""
+        self._cut_refused = 0  # `end` of a shorter route that the robot refused
+        # Answers that were computed from all this since the last change.
         self._allocation: Optional[Allocation] = None
         self._elsewhere: Optional[Tuple[Located, ...]] = None
         self._progress: Optional[Tuple[object, ...]] = None
@@ -193,7 +194,7 @@ class RouteMaster:
 
     @property
     def order(self) -> Optional[Order]:
-        """The order that no report shows yet."""
+        """The newest order, if no report shows it yet."""
         return self.protocol.pending
 
     @property
@@ -208,12 +209,12 @@ class RouteMaster:
 
     @property
     def takes_away(self) -> bool:
-        """Whether that order stops the robot, or shortens its route."""
+        """Whether `order` stops the robot, or shortens its route."""
         return self.protocol.takes_away
 
     @property
     def is_new_motion(self) -> bool:
-        """Whether that order lets the robot drive, and was never sent."""
+        """Whether `order` lets the robot drive, and was never sent."""
         return (self.order is not None and not self.takes_away
                 and self.last_sent < self.order.number)
 
@@ -221,7 +222,7 @@ class RouteMaster:
     def is_ready(self) -> bool:
         """Whether the robot may be given a route now.
 
-        If it stands elsewhere than expected, the next location must confirm that.
+        If it stands elsewhere than expected, its next location must first confirm this place.
         """
         return self.protocol.is_ready and not self.has_lost_places and not (
             self._strays and self.record.is_standing)
@@ -245,8 +246,8 @@ class RouteMaster:
     def needs_stop(self) -> bool:
         """Whether the robot must be stopped before it can be given a route.
 
-        It stands, but does not count the orders of this fleet manager yet, or by an older journal
-        earlier orders may still reach it.
+        Its reports do not count the orders of this fleet manager yet, or the journal is an older
+        one, so that orders which it does not know may still reach the robot.
         """
         protocol = self.protocol
         return (not protocol.commands or bool(protocol.unknown)) and (
@@ -264,12 +265,12 @@ class RouteMaster:
 
     @property
     def is_by_evidence(self) -> bool:
-        """Whether anything except grants determines where the robot may be."""
+        """Whether the robot may be at places that follow from evidence, not only from grants."""
         return bool(self.allocation.areas or self.protocol.held)
 
     @property
     def allocation(self) -> Allocation:
-        """All places that the robot may occupy or still reach. A new object whenever it changes."""
+        """All places that the robot may occupy or still reach. Each change makes a new object."""
         if self._allocation is None:
             self._allocation = self._allocated()
         return self._allocation
@@ -293,9 +294,9 @@ class RouteMaster:
 
     @property
     def _locations_elsewhere(self) -> Tuple[Located, ...]:
-        """The last two locations, as far as they are not on a place that the robot has.
+        """Those of the last two locations that are not on a place that the robot has.
 
-        The one before the last counts only if it was a stray one.
+        The older of the two counts only if it was a stray one.
         """
         if self._elsewhere is None:
             record = self.record
@@ -307,13 +308,13 @@ class RouteMaster:
 
     def _covers(self, point: Point, holds: Sequence[Hold],
                 position: Optional[GraphPosition]) -> bool:
-        """Returns whether a point is on a place that the robot has, as exactly as it stands or
-        follows its edges.
+        """Returns whether a point is on a place that the robot has, within the accuracy with which
+        it stands or follows its edges.
 
-        A robot that begins a route is as far from it as it was from the place where it stood. So a
-        grant adds no other place than the edges.
+        A robot that begins a route is as far from it as it was from the place where it stood. The
+        tolerance on edges allows for this, so a grant adds no place but its edges.
 
-        position -- where it stands; None: it drives, or that is not known
+        position -- where the robot stands; None: it drives, or its place is not known
         """
         record, graph = self.record, self.record.graph
         if position is not None and math.dist(
@@ -361,7 +362,8 @@ class RouteMaster:
         self._set(give_route(self.protocol, number, (*self.record.ahead, *edges), self._label))
 
     def shorten(self) -> bool:
-        """Asks the robot to stop at the end of its edge. Returns whether it may drive farther.
+        """Asks the robot to stop at the end of its edge. Returns whether it may still drive on
+        behind that edge.
 
         If the robot refuses because it cannot brake in time, the next call asks it to stop at the
         end of the following edge.
@@ -380,9 +382,9 @@ class RouteMaster:
     def end_after(self, edges: int) -> bool:
         """Lets the robot drive only so many of the edges ahead. Returns whether its orders change.
 
-        What never left this program is taken back. A robot that may follow the rest already gets a
-        shorter route, or is stopped if that has no edge. It keeps its route if it refused such a
-        shorter one before, because it cannot brake in time.
+        Routes that never left this program are withdrawn. If the robot may have more edges by its
+        other orders, it is sent a shorter route, or a stop if no edge is left. A robot that refused
+        such a shorter route before keeps its route, because it cannot brake in time.
         """
         before = self.protocol
         self._take_back_unsent()
@@ -401,7 +403,7 @@ class RouteMaster:
                              self._label))
 
     def _take_back_unsent(self) -> None:
-        """Takes back the routes that never left this program: no robot can know of them."""
+        """Withdraws the routes that never left this program: no robot can know of them."""
         kept = tuple(order for order in self.protocol.open
                      if not order.edges or order.number <= self.last_sent)
         if len(kept) == len(self.protocol.open):
@@ -411,8 +413,7 @@ class RouteMaster:
             self.record.stand(self.record.position)
 
     def not_stored(self) -> None:
-        """Notes that what was ordered last cannot be stored. It is taken back if it lets the robot
-        drive on.
+        """Notes that the last order cannot be stored, and withdraws it if it lets the robot drive.
 
         A stop or a shorter route stays: it is sent although it is not stored.
         """
@@ -420,13 +421,13 @@ class RouteMaster:
             self._take_back_unsent()
 
     def halt(self) -> None:
-        """Stops the robot wherever it is. It keeps its allocation until it is seen standing."""
+        """Stops the robot wherever it is. It keeps its allocation until it reports STANDING."""
         self._take_back_unsent()
         number = self._next_number()
         self._set(give_stop(self.protocol, number, label_of(number)))
 
     def drop_stops(self) -> None:
-        """Notes that the robot has no topics here any more: nothing can be sent to it."""
+        """Drops the stops: the robot has no topics here any more, so nothing can be sent to it."""
         protocol = self.protocol
         self._set(replace(protocol, open=tuple(one for one in protocol.open if one.edges)))
 
@@ -494,9 +495,10 @@ class RouteMaster:
 
     @property
     def _known(self) -> Tuple[object, ...]:
-        """What a report may change although the protocol says nothing new.
+        """The state that a report may change even if it says nothing new about orders.
 
-        A robot that waits reports it again. `test_told_changes.py` finds a field that is missing.
+        The reports of a waiting robot leave it the same, so nothing is computed anew.
+        `test_told_changes.py` finds a field that is missing here.
         """
         record = self.record
         return (record.pose, record.position, record.cleared, self.locations, self.reach,
@@ -512,7 +514,7 @@ class RouteMaster:
     def _come_to_rest(self, report: Report, heard: Heard, expected: str) -> None:
         """Notes that the robot stands.
 
-        `expected`: where it should be, empty if it is there or was unknown.
+        `expected`: a clause that says where it should be; empty if it is there or was unknown.
         """
         heard.left = bool(expected)
         heard.is_near = self._is_near(report)
@@ -527,13 +529,13 @@ class RouteMaster:
                                     default=0)
         if news.cause is not None or news.failed or news.took and not said.edges:
             self.record.begin_anew()
-            self._cut_refused = 0  # the numbers of edges may go back
+            self._cut_refused = 0  # a lower number may come again, for another edge
 
     def _is_beside(self, report: Report, point: Optional[Point]) -> bool:
-        """Returns whether the robot counts as where it may be, although it is not exactly there.
+        """Returns whether the robot counts as at its place, although it is not exactly there.
 
-        A standing robot may be a little beside the place where its route begins or ends. If nothing
-        was known of its place, it may be anywhere.
+        A standing robot may be a little beside the place where its route begins or ends. If its
+        place was not known before, every place counts.
         """
         position = self.record.position
         if position is None:
@@ -620,7 +622,7 @@ class RouteMaster:
     def _stored_locations(self) -> Tuple[Located, ...]:
         """The locations that matter after a restart.
 
-        While another one moves the robot, a location is stored when it is in another square.
+        While another giver moves the robot, they change only when it comes into another square.
         """
         if self.protocol.is_anywhere:
             return tuple(Located((math.floor(x / _SQUARE) * _SQUARE + _SQUARE / 2,
@@ -638,7 +640,7 @@ class RouteMaster:
         """Sets the state from before a restart."""
         number = memory.protocol.number
         self.record.cleared, self.record.protocol = memory.cleared, memory.protocol
-        # No journal that this start has read knows the numbers between these two.
+        # Numbers between these two are in no journal that this run has read.
         self.record.set_protocol(replace(memory.protocol, gap=(number, self._next_number())))
         self._sent = number, -math.inf
         self.record.position = memory.position
@@ -650,7 +652,7 @@ class RouteMaster:
     def lose(self, areas: Sequence[Area]) -> None:
         """Adds areas of edges that the graph in force does not have, and stops the robot.
 
-        They end when the robot stands after that stop.
+        The areas end when the robot stands after that stop.
         """
         if not areas:
             return
@@ -662,7 +664,7 @@ class RouteMaster:
     # -- other evidence ---------------------------------------------------------------------------
 
     def grow(self, age: float) -> bool:
-        """Grows the area around a robot that another one moves. Returns whether it grew.
+        """Grows the area around a robot that another giver moves. Returns whether it grew.
 
         age -- s since its last location
         """
@@ -684,8 +686,8 @@ class RouteMaster:
     def doubt(self) -> None:
         """Notes that the restored state is that of an older journal: the robot may be anywhere.
 
-        That ends when the robot stands after a stop that is given from now on, because an order
-        that the journal does not know may still be on its way.
+        An order that the journal does not know may still be on its way. So the doubt ends when the
+        robot stands after a stop that is given from now on.
         """
         self._absent_since = None
         self._set(replace(self.protocol, unknown=self._next_number()))
@@ -713,7 +715,7 @@ class RouteMaster:
         self._absent_since = now
 
     def is_back(self, report: Report, now: float) -> bool:
-        """Ends the absence of a robot if its location was taken later. Returns whether it does."""
+        """Ends the absence if this location was taken after it began. Returns whether it ended."""
         if self._absent_since is None or not report.stamp or (
                 now - max(report.age, 0.0) <= self._absent_since + CLOCK_ERROR):
             return False

@@ -1,7 +1,7 @@
 """The route record of one robot: the edges that it was ordered to drive, and its progress on them.
 
-The edges are numbered as in `route_protocol.master`. This class adds the lengths, and from the
-reported pose what certainly lies behind the robot.
+The edges are numbered as in `route_protocol.master`. This module adds their lengths, and computes
+from the reported pose what certainly lies behind the robot.
 """
 from __future__ import annotations
 
@@ -15,20 +15,20 @@ from fleet_core.interlocking.reports import CLOCK_ERROR, GraphPosition, Pose
 from route_protocol.master import MasterState, Step, left
 from trajectory_graph import Graph
 
-# the fraction of an edge that is driven except for a tiny remainder
+# the largest cleared fraction of an edge: a robot that has not passed its end is still on it
 _NOT_OVER = 1.0 - 1e-9
-_REMEMBERED = 100  # number of driven edges that are kept; far more than while the planner works
+# number of driven edges that are kept; far more than a robot drives while the planner works
+_REMEMBERED = 100
 
 
 class RouteRecord:
     """One robot's route record.
 
-    kind  -- the robot's type, with its load; its highest speed bounds how far it may have moved
-             since a location
+    kind  -- the robot's type, with its load; its highest speed limits how far the robot may have
+             moved since a location was taken
     slack -- m by which the robot may be behind its reported place
 
-    It has many methods because all that is asked about the driven and the ordered edges is asked
-    here.
+    It has many methods because it answers every question about the driven and the ordered edges.
     """
 
     def __init__(self, graph: Graph, kind: RobotType, slack: float = 0.0) -> None:
@@ -44,7 +44,8 @@ class RouteRecord:
         """Number of times that the record was begun anew. A plan of an earlier generation is void.
         """
         self.cleared: Tuple[int, float] = (0, 0.0)
-        """Number and fraction of the edge before which all certainly lies behind the robot."""
+        """An edge's number and a fraction of it: everything before is certainly behind the robot.
+        """
         self._slack = slack
         self._driven: Deque[Step] = deque(maxlen=_REMEMBERED)
 
@@ -57,12 +58,12 @@ class RouteRecord:
 
     @property
     def end(self) -> int:
-        """Number behind the last edge that the robot may drive."""
+        """The number after that of the last edge that the robot may drive."""
         return self.protocol.end
 
     @property
     def ahead(self) -> Tuple[int, ...]:
-        """The edges not yet complete, the one being driven first."""
+        """The edges that are not complete yet, beginning with the one that is being driven."""
         return self.protocol.ahead
 
     @property
@@ -74,8 +75,8 @@ class RouteRecord:
     def begins(self) -> Tuple[int, float]:
         """Number of the first edge that is held, and the fraction of it that lies behind the robot.
 
-        It is not always that of `cleared`: a robot that came to rest has left the edges behind it,
-        also if the pose that tells how far does not belong to the edge ahead.
+        The number may differ from that in `cleared`: a robot that came to rest has left the edges
+        behind it, even if its pose is not on the edge ahead.
         """
         first = next((step.number for step in self._path), self.end)
         return first, self.cleared[1] if self.cleared[0] == first else 0.0
@@ -121,7 +122,7 @@ class RouteRecord:
     def part(self, begin: int, end: int) -> Tuple[int, ...]:
         """Returns the edges from number `begin` to before `end`, as far as the record has them.
 
-        It still has the last edges that the robot has left: a plan was made before that.
+        The record still has the last edges that the robot has left, because a plan may be older.
         """
         path = (*self._driven, *(Step(number, edge)
                                  for number, edge in enumerate(self.ahead, self.done)))
@@ -137,9 +138,7 @@ class RouteRecord:
         return whole - fraction * self.graph.curve(edges[0]).length
 
     def begun(self, edge: int, position: Optional[GraphPosition]) -> float:
-        """Returns the fraction of an edge behind a robot that stands there and would drive it
-        that way.
-        """
+        """Returns the fraction of a signed edge that lies behind a robot at this position."""
         if position is None or position.vertex is not None or abs(edge) != abs(position.edge):
             return 0.0
         fraction = position.fraction if edge == position.edge else 1.0 - position.fraction
@@ -150,8 +149,8 @@ class RouteRecord:
     def set_protocol(self, protocol: MasterState) -> None:
         """Notes that what the robot may still do by its orders has changed.
 
-        A late copy of a stop from before the epoch takes the count of its edges back to where that
-        stop was given. Then none of the edges that are counted from there lies behind it.
+        A late copy of a stop from before the epoch sets the number of the edge under way back to
+        its value at that stop. Then no edge with that number or a higher one lies behind the robot.
         """
         self.protocol = protocol
         if self.cleared[0] > self.done:
@@ -175,10 +174,9 @@ class RouteRecord:
         self._driven.clear()
 
     def passed(self, edges: Tuple[int, ...]) -> List[int]:
-        """Notes that the robot has driven these edges to their ends. Returns the vertices, in
-        order.
+        """Notes that the robot has driven these edges: the last ones before the edge under way.
 
-        They are the last edges before the one under way.
+        Returns the ids of the vertices at their ends, in order.
         """
         begin = self.done - len(edges)
         self._driven.extend(Step(begin + k, edge) for k, edge in enumerate(edges))

@@ -1,4 +1,4 @@
-"""The last gate that each route passes. A stop closes it at once, from any thread."""
+"""The last gate that each route passes. A stop closes the gate at once, from any thread."""
 from __future__ import annotations
 
 import threading
@@ -44,7 +44,7 @@ class StopGate:
 
     @contextmanager
     def passage(self, edges: Sequence[int]) -> Iterator[bool]:
-        """Yields whether a route over these edges may be sent. No stop can come in between.
+        """Yields whether a route over these edges may be sent. Until it is sent, stops must wait.
 
         An empty route passes without waiting, because it is a stop.
         """

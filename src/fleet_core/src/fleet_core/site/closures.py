@@ -31,8 +31,8 @@ class EdgeOperation:
     """Opens or closes edges.
 
     edges    -- ids of the edges
-    identity -- identifies the message, to recognise one that comes again, as a latched message does
-                after a broken connection; empty: the message is always carried out
+    identity -- identifies the message. So a message that arrives again is recognised, for example
+                a latched one after a broken connection; empty: it is always carried out
     """
 
     action: EdgeAction
@@ -50,8 +50,8 @@ class Closures:
     edges -- ids of the edges
     stamp -- ns of the ROS clock; 0: no edge was ever closed or opened
 
-    The argument `known` of methods has the ids of the graph's edges. Edges that are not known are
-    not closed. None: there is no graph, and every id is accepted.
+    The argument `known` of the methods has the ids of the graph's edges. Other edges are not
+    closed. If it is None, there is no graph, and every id is accepted.
 
     Raises FileError for a file with other content. Methods raise OSError if the file cannot be
     written; then nothing has changed.

@@ -1,11 +1,11 @@
-"""The graph in force, and the rule when a file may replace it: never under robots that drive on it.
+"""The graph in force, and when a file may replace it: never on routes that robots drive.
 
 A copy of the graph in force is kept. If the node restarts while robots drive, the file may have
 changed meanwhile; the copy is the graph on which they drive.
 
 States: no graph, or one graph in force. Events: a file is loaded, a robot reports its route.
-Invariants: a graph that is put in force is valid, breaks no running route, and is on the disk
-before; once a graph is in force, there always is one.
+Invariants: before a graph is put in force, it is valid and on the disk, and it breaks no running
+route; once a graph is in force, there always is one.
 """
 from __future__ import annotations
 
@@ -72,8 +72,8 @@ class GraphInForce:
     def _load_first(self, file: str, new: Optional[Graph], trouble: str) -> Loaded:
         """Loads the first file after a start.
 
-        Only running routes are checked. The place of a standing robot is not, because a person may
-        have carried it meanwhile.
+        Only running routes are checked. The place of a standing robot is not checked, because a
+        person may have carried the robot elsewhere.
         """
         before = self._kept(file)
         running = {name: replace(route, edge=0) for name, route in self.routes.items()
@@ -97,7 +97,7 @@ class GraphInForce:
         return Loaded(True, '')
 
     def _kept(self, file: str) -> Optional[Graph]:
-        """Returns the graph of the copy, if it came from this file; else None."""
+        """Returns the graph of the copy; None: it did not come from this file, or is not valid."""
         try:
             with open(self._copy, encoding='utf-8') as stream:
                 origin = stream.readline()

@@ -13,7 +13,7 @@ from trajectory_graph import Graph
 from trajectory_graph.drawn_names import drawn_ids, edge_name
 from trajectory_graph.id_lists import listed
 
-_NAMED = 5  # most objects of a kind that are named; the others are counted
+_NAMED = 5  # number of objects of a kind that are named; the others are only counted
 
 
 class Remark(NamedTuple):
@@ -138,7 +138,7 @@ def _on_long_edges(graph: Graph, found: Survey) -> Iterable[Remark]:
 def _named(one: str, many: str, ids: Iterable[int]) -> str:
     """Returns `vertex 3`, or `vertices 3, 4`.
 
-    At most `_NAMED` ids, then the number of the others.
+    The text has at most `_NAMED` ids, and then the number of the others.
     """
     ids = list(ids)
     if len(ids) == 1:

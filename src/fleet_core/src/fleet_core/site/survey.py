@@ -12,17 +12,17 @@ from fleet_core.planning.parking import WellFormedSets, named_parking
 from fleet_core.planning.road_network import RoadNetwork
 
 LONG = 3.0
-"""Following distances. The next robot waits until the whole edge is free. So an edge of this length
-lets through less than half of the robots that edges of one following distance would."""
-_SAMPLES = 100  # most vertices from which paths are counted, to bound the time on large graphs
+"""The length of a long edge, in following distances. The next robot waits until the whole edge is
+free. So less than half as many robots pass as on edges of one following distance."""
+_SAMPLES = 100  # number of vertices from which paths are counted; bounds the time on large graphs
 
 
 @dataclass(frozen=True)
 class Capacity:
     """The number of robots that a graph has room for, if all are of one type.
 
-    robots -- with all docks kept free
-    docks  -- further robots, at docks
+    robots -- number of robots while all docks stay free
+    docks  -- number of further robots, which stand at docks
     """
 
     type: str
@@ -58,8 +58,8 @@ class LongEdge:
 class Stranded:
     """Vertices that robots of a type cannot reach, or from which they cannot return.
 
-    vertices     -- because no edges lead there and back
-    behind_docks -- because the only edges lead through a dock, which is only a destination
+    vertices     -- vertices to which and from which no edges lead
+    behind_docks -- vertices whose only edges lead through a dock, through which no route may lead
     """
 
     type: str
@@ -180,7 +180,7 @@ def _joined(network: RoadNetwork, roads: nx.DiGraph) -> Set[int]:
 
 
 def long_edges(network: RoadNetwork, kind: RobotType, distance: float) -> Tuple[LongEdge, ...]:
-    """Returns edges longer than `LONG` following distances; the edge that costs most is first."""
+    """Returns edges longer than `LONG` following distances; the one that costs most comes first."""
     graph = network.graph
     lengths = {id: graph.curve(id).length for id in graph.edges}
     long = [id for id, length in lengths.items() if length > LONG * distance]
@@ -197,8 +197,8 @@ def long_edges(network: RoadNetwork, kind: RobotType, distance: float) -> Tuple[
 
 
 def _roads(network: RoadNetwork, kind: RobotType) -> nx.DiGraph:
-    """Returns a directed graph of vertex ids with the fastest edge
-    that a robot may drive between two.
+    """Returns a directed graph of vertex ids. It has the fastest edge from one vertex to another
+    that a robot of this type may drive.
     """
     roads = nx.DiGraph()
     roads.add_nodes_from(network.vertex_ids)

@@ -2,7 +2,7 @@
 
 A robot that is to charge is a *candidate* until it may leave the charger. It *needs* to charge, or
 it only *tops up*, because it has nothing to do. A candidate with a *turn* may go to a place of a
-charger. All others wait, and do not drive to a charger that is not for them.
+charger. All others wait, and do not drive to a charger for which they have no turn.
 
 Turns are given in the order of these rows, in each row to the emptiest robot first:
 
@@ -22,15 +22,15 @@ it claims a door (`interlocking.claims`).
 
 Invariants, for each state after any events (`test_chargers.py`):
 
-- No two robots have a turn for one place. No robot has a turn for a place in which another one
+- No two robots have a turn for the same place. No robot has a turn for a place in which another one
   stays.
-- The robots with a turn for a charger, and others that stay in it, are not more than its capacity,
-  unless those that stay alone are.
+- The robots with a turn for a charger and the others that stay in it do not exceed its capacity,
+  unless those that stay exceed it already.
 - While a place is free that some robot may use, and its charger has room, no robot that needs to
   charge waits for it.
-- No robot that needs to charge waits for a place that a robot which tops up has.
-- A turn stays until the robot may leave, or another robot stays in its place or claims the charger,
-  or the place is not among those that would do any more.
+- No robot that needs to charge waits for a place for which a robot that tops up has a turn.
+- A robot keeps its turn until it may leave, or another robot stays in the place or claims the
+  charger, or the place does not suit the robot any more.
 """
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ from typing import AbstractSet, Dict, Iterable, Mapping, NamedTuple, Optional, T
 
 @dataclass(frozen=True)
 class Charger:
-    """Docks at which robots charge. They are equal: any of them would do for a robot.
+    """Docks at which robots charge. They are equal: any of them suits a robot.
 
     places   -- dock vertices
     capacity -- number of robots that may be at its places
@@ -55,10 +55,10 @@ class Charger:
 class Candidate(NamedTuple):
     """A robot that is to charge.
 
-    places    -- docks that would do, the nearest one first
+    places    -- docks that suit the robot, the nearest one first
     charge    -- of its battery, from 0 to 1
     needs     -- it needs to charge; False: it only tops up
-    had       -- the place of its turn before
+    had       -- the place of its last turn; None: it had no turn
     is_inside -- it claims the charger of the place that it prefers
     """
 
@@ -71,7 +71,7 @@ class Candidate(NamedTuple):
 
     @property
     def preferred(self) -> Tuple[int, ...]:
-        """Its places, that of its last turn first."""
+        """Its places; the place of its last turn comes first."""
         if self.had not in self.places:
             return self.places
         return (self.had, *(place for place in self.places if place != self.had))
@@ -79,10 +79,10 @@ class Candidate(NamedTuple):
 
 @dataclass(frozen=True)
 class Occupied:
-    """What robots that are no candidates take of the chargers.
+    """The places and the room at chargers that robots which are no candidates take.
 
     kept   -- places in which they stay
-    inside -- by name of a charger, how many of them stay in it
+    inside -- by the name of a charger, how many of them stay in it
     wanted -- places to which missions go
     """
 
@@ -93,7 +93,7 @@ class Occupied:
 
 def turns_of(chargers: Iterable[Charger], candidates: Iterable[Candidate],
              occupied: Occupied) -> Dict[str, int]:
-    """Returns, by robot that may go to a charger now, the place to which it goes."""
+    """Returns the names of the robots that may go to a charger now, each with its place there."""
     at = {place: one for one in chargers for place in one.places}
     taken = Counter(occupied.inside)
     turns: Dict[str, int] = {}
@@ -113,5 +113,5 @@ def turns_of(chargers: Iterable[Charger], candidates: Iterable[Candidate],
 
 
 def _rank(one: Candidate) -> Tuple[bool, bool, bool, float]:
-    """Returns the rank of a candidate: the one with the least rank is the first to get a turn."""
+    """Returns the rank of a candidate: the candidate with the lowest rank gets a turn first."""
     return not one.needs, not (one.needs and one.is_inside), one.had is None, one.charge

@@ -12,8 +12,8 @@ from enum import IntEnum
 class Until(IntEnum):
     """What a mission waits for, as in itrci_nav_msgs/MissionDependency."""
 
-    DONE = 0    # the other one has succeeded; if it ends otherwise, this one has failed
-    ENDED = 1   # the other one has ended
+    DONE = 0    # the success of the other mission; without it the waiting mission fails
+    ENDED = 1   # the end of the other mission
 
 
 @dataclass(frozen=True)

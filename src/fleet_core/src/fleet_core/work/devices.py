@@ -1,4 +1,4 @@
-"""Devices of a site, as the work file describes them: those that edges lead through, and machines.
+"""Devices of a site, as the work file describes them: those on edges, such as doors, and machines.
 """
 from __future__ import annotations
 
@@ -79,8 +79,8 @@ class HandOverAddress:
 class StepDevice:
     """A device that carries out steps: a press or a conveyor that hands over to robots.
 
-    timeout -- s that it may take to get ready for a step, and to break one off
-    at      -- vertices at which it stands; empty: not said
+    timeout -- s that it may take to get ready for a step, or to break a step off
+    at      -- vertices at which it stands; empty: the work file names none
     address -- where its driver reaches it; None: it is SIMULATED
     """
 
@@ -94,8 +94,8 @@ class StepDevice:
 class Device:
     """A device through which edges lead.
 
-    edges   -- numbers of edges, in both directions: no robot is let onto them while the device is
-               not known to be open
+    edges   -- ids of edges, in both directions: no robot is let onto them unless the device is
+               known to be open
     timeout -- s that it may take to do what it was asked for
     address -- where its driver reaches it; None: it is SIMULATED
     """

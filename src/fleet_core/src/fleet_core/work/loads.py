@@ -1,4 +1,4 @@
-"""Types of load: what a robot needs more, and where it may not go, while it carries one."""
+"""Types of load: how much room a robot with a load needs, how fast it is, and where it may go."""
 from __future__ import annotations
 
 from dataclasses import dataclass
@@ -11,9 +11,9 @@ from fleet_core.work.stops import LoadEffect, WorkStep
 class LoadType:
     """A type of load.
 
-    radius -- m, of the disc that contains the robot and its load; None: that of the robot
-    speed  -- m/s, at most; None: as without it
-    closed -- ids of the edges onto which no robot is sent with it
+    radius -- m, of the disc that contains the robot and its load; None: the radius of the robot
+    speed  -- m/s that a robot with this load does not exceed; None: the load sets no limit
+    closed -- ids of the edges onto which no robot is sent with this load
     """
 
     name: str
@@ -23,9 +23,9 @@ class LoadType:
 
 
 def fault_of_load(step: WorkStep, loads: Collection[str]) -> str:
-    """Returns why a step does not fit the types of load of a site, as words after its name.
+    """Returns why a step does not fit the types of load of a site, in words that follow its name.
 
-    Empty: it does.
+    Empty: it fits.
     """
     known = ', '.join(loads) or 'none'
     if step.load_type and step.load_type not in loads:

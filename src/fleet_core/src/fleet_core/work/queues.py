@@ -12,27 +12,27 @@ A robot whose next stop is at a station is a *waiter* until it has left that sto
     | is on its way to the queue                           | no   | the queue places behind those  |
     | finds no queue place free                            | no   | where it is                    |
 
-A mission that no robot serves yet is no waiter. It gets no robot while the station is full with its
-queue (`has_place_for`), so that no robot waits in the way of others, and is kept from other work.
+A mission that no robot serves yet is no waiter. It gets no robot while the station and its queue
+are full (`has_place_for`), because that robot would wait in the way of others and do no other work.
 A waiter finds no queue place only if its mission has a stop before this one, or if the queue was
 shortened meanwhile.
 
-The rest is ordered as the lower three rows are. Those that have arrived are in the order of their
-arrival; those on their way, in the order in which they got a queue place; those without one, by
-priority and age of their missions. So no robot passes another one in the queue.
+The rest has the order of the lower three rows. Robots that have arrived come first, in the order of
+their arrival. Then come those on their way, in the order in which they got a queue place, and then
+those without one, by priority and age of their missions. So no robot passes another in the queue.
 
 A turn is not a claim. A robot claims the station when it is granted the edges that lead there, as
 it claims a door (`interlocking.claims`). Nothing here is stored: after a restart, robots with a
-claim have their turns, and robots at queue places have arrived, the first place first.
+claim have their turns, and robots at queue places have arrived, in the order of the places.
 
 Invariants, for each state after any events (`test_queues.py`):
 
-- The robots with a turn, and others that claim the station, are never more than its capacity. The
-  exception: those that claim it are already more.
-- No two robots have one target. No robot has a turn for a place where another one stands.
+- The robots with a turn and the others that claim the station do not exceed its capacity, unless
+  those that claim it exceed it already.
+- No two robots have the same target. No robot has a turn for a place where another one stands.
 - A queue place is not used while a queue place before it is free.
 - The order of those that have arrived never changes. None of them waits while a robot behind it
-  gets a turn, except for a place that only the other one may use.
+  gets a turn, except for a place that only that robot may use.
 - While a place that some robot may use is free, and there is room, no robot waits for it.
 """
 from __future__ import annotations
@@ -58,7 +58,7 @@ from fleet_core.work.stations import Station
 class Waiter(NamedTuple):
     """A robot whose next stop is at a station.
 
-    places    -- vertices of the station that would do, the nearest one first
+    places    -- vertices of the station that suit the robot, the nearest one first
     rank      -- of its mission; the lower one is served first
     ends_at   -- vertex at which the edges that it was granted end; None: it is between vertices
     is_inside -- it claims the station
@@ -73,11 +73,11 @@ class Waiter(NamedTuple):
 
 @dataclass(frozen=True)
 class Others:
-    """The robots that are not waiters of a station, as far as they matter to it.
+    """The robots that are not waiters of a station, but take room or places there.
 
     inside -- number of them that claim the station
-    at     -- vertices at which they stand, or at which the edges end that they were granted
-    kept   -- those of these vertices which the robots there do not leave to make room
+    at     -- vertices at which they stand, or at which their granted edges end
+    kept   -- vertices of `at` that the robots there do not leave to make room
     """
 
     inside: int = 0
@@ -92,7 +92,7 @@ class Queue:
     turns   -- the place to which each robot with a turn goes
     arrived -- robots that have arrived at the queue, in the order of their arrival
     coming  -- robots on the way to a queue place, in the order in which they got one
-    waits   -- by robot without a turn, its queue place; None: it waits where it is
+    waits   -- the queue place of each robot without a turn; None: it waits where it is
     """
 
     turns: Mapping[str, int] = field(default_factory=dict)
@@ -107,7 +107,7 @@ EMPTY_QUEUE = Queue()
 class _Turns:
     """The turns that are given while a queue advances.
 
-    places -- by robot with a turn, the place to which it goes
+    places -- the place to which each robot with a turn goes
     """
 
     def __init__(self, station: Station, waiters: Mapping[str, Waiter], others: Others) -> None:
@@ -130,7 +130,8 @@ class _Turns:
             self.places[name] = wanted if wanted in free else free[0]
 
     def keep(self, before: Mapping[str, int]) -> None:
-        """Keeps the turns of before for which there is room, and gives one to all inside."""
+        """Keeps earlier turns if there is room, and gives turns to robots that claim the station.
+        """
         for name, place in before.items():
             if name in self._waiters and (name in self._inside or self.has_room):
                 self.give(name, place)
@@ -167,12 +168,11 @@ def has_place_for(places: Sequence[int], waiters: Iterable[Sequence[int]],
     """Returns whether one more waiter would find a place of the station, or a queue place, beside
     all waiters.
 
-    The same for a charger, which has no queue.
+    If not, it could only wait elsewhere, perhaps in the way. A charger has no queue.
 
-    If not, it could only wait elsewhere, perhaps in the way.
-
-    places  -- that would do for it, as for each waiter
-    others  -- of which only those count that do not make room
+    places  -- places that suit the new waiter
+    waiters -- for each other waiter, the places that suit it
+    others  -- their `at` does not count, because robots there make room
     """
     wishes = [tuple(one) for one in (*waiters, places)]
     free = set(station.places) - set(others.kept)

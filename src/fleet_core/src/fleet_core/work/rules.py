@@ -1,13 +1,12 @@
 """The rules of work at stops: what each event changes, and what may begin.
 
-A step is stored RUNNING under a new key before the robot is told. It is repeated under another key
+A step is stored as RUNNING, under a new key, before it is ordered. It is repeated under another key
 only if it is known to have ended without being done, or if a person says so, or if it is harmless.
-If it is not known whether it has been done, a person is asked. While a step waits for an answer, no
-other step begins.
+If it is not known whether a step has been done, a person is asked. While a step waits for an
+answer, no other step begins.
 
-When a step is ordered that takes or gives a load, the load of the robot counts as unknown. It is
-known again when it is known how the step has ended. So the stored load is right at each moment at
-which the master may end.
+When a step that takes or gives a load is ordered, the load of the robot counts as unknown until it
+is known how the step has ended. So the stored load is right even if the master ends at any moment.
 """
 from __future__ import annotations
 
@@ -51,7 +50,7 @@ from fleet_core.work.work import (
 )
 from route_protocol.steps import ShownStep, StepAct, StepCommand, StepReport, Word
 
-GRACE = 10_000  # ms that a step has to end after it was told to, before a person is asked
+GRACE = 10_000  # ms: a person is asked if a step has not ended so long after it was told to end
 
 
 class StepDecision(IntEnum):
@@ -69,8 +68,8 @@ class Where(NamedTuple):
 
     stands   -- it stands, and no order on its way lets it drive
     is_there -- it stands at the present stop
-    is_near  -- it stands there, or in front of it
-    may_enter -- others let it go there now: so it does not only wait for its turn
+    is_near  -- it stands at the present stop, or in front of it
+    may_enter -- it may drive to the stop now; False: it must wait for its turn at the station
     """
 
     stands: bool = False
@@ -135,7 +134,7 @@ def place_not_to_enter(work: Work) -> Optional[int]:
 
 
 def time_left(work: Work, now: int) -> float:
-    """Returns the seconds until the timeouts of all running steps are over; NaN: none runs.
+    """Returns the seconds until the timeouts of all running steps have passed; NaN: none runs.
 
     `now`: ms since 1970.
     """
@@ -181,7 +180,7 @@ def blocks_none(step: WorkStep, work: Work) -> bool:
 def _has_stop(work: Work) -> bool:
     """Returns whether there is a stop left at which steps may run.
 
-    If the work ends, only while it is cut short.
+    If the mission ends early, there is one only when its work has been cut (`is_cut`).
     """
     return work.current < len(work.progress) and not work.is_ending
 
@@ -199,8 +198,8 @@ def due_step(situation: Situation, where: Where) -> Optional[StepPlace]:
 
 
 def _steps_left_behind(work: Work) -> Iterator[Tuple[StepPlace, WorkStep, StepProgress]]:
-    """Returns the steps of earlier stops. One that is to be repeated went on while its robot drove
-    away, so it begins wherever that is.
+    """Returns the steps of earlier stops. Such a step ran on while the robot drove away. So if it
+    is repeated, it begins wherever the robot is.
     """
     return ((place, step, own) for place, step, own in work.steps if place.stop < work.current)
 
@@ -225,7 +224,8 @@ def _steps_in_turn(work: Work) -> Iterator[Tuple[StepPlace, WorkStep, StepProgre
 def passed(situation: Situation, reached: int) -> Situation:
     """Returns the situation after the robot has passed so many stops without work.
 
-    It is at work at one that was the last stop until others were added.
+    It leaves one of them if it was AT_WORK there, because that stop was the last one until others
+    were added.
     """
     work = situation.work
     while work.current < min(reached, len(work.progress)):
@@ -237,7 +237,7 @@ def passed(situation: Situation, reached: int) -> Situation:
 def follow(situation: Situation, where: Where) -> Situation:
     """Returns the situation after the robot has moved, or steps have ended.
 
-    where -- as the present stop sees it; it may be another one afterwards
+    where -- relative to the present stop; in the result another stop may be the present one
     """
     work = situation.work
     if where.stands:
@@ -265,7 +265,7 @@ def _followed(work: Work, where: Where) -> Work:
 def parted(work: Work) -> Work:
     """Returns the work of a mission that its robot does not serve any more.
 
-    Nothing of it was ordered, so another robot begins it.
+    None of its steps was ordered, so another robot begins it.
     """
     number = work.current
     is_behind = number < len(work.progress) and work.progress[number].state in (
@@ -296,8 +296,8 @@ def _may_leave(work: Work) -> bool:
 
 
 def _was_at_work(work: Work) -> bool:
-    """Returns whether a step of the present stop was ordered there. Its robot was moved away if
-    it is not at work.
+    """Returns whether a step of the present stop was ordered there. If so, but the stop is not
+    AT_WORK, its robot was moved away.
     """
     number = work.current
     return any(own.times_ordered and step.when is not When.BEFORE_ENTRY
@@ -307,7 +307,8 @@ def _was_at_work(work: Work) -> bool:
 def _moved(work: Work, where: Where) -> Work:
     """Returns the work after a robot was moved away from its stop, if it was.
 
-    A person looks first at what runs. Then the robot drives back, if steps are left there.
+    A person is asked first about the steps that run. Then the robot drives back, if steps are left
+    there.
     """
     if where.is_there or work.current == len(work.progress) or (
             where.is_near and not is_at_work(work)):
@@ -327,7 +328,7 @@ def next_key(work: Work, last: int, now: int) -> int:
     """Returns the key for the next order of a step: above all keys of this mission.
 
     last -- the highest key that its robot, or device, has taken
-    now  -- ms since 1970. Its clock may have been set back.
+    now  -- ms since 1970; the clock may have been set back
     """
     return max(now, last + 1, *(own.key + 1 for _, _, own in work.steps))
 
@@ -345,9 +346,10 @@ def begin(situation: Situation, place: StepPlace, key: int, run: int, now: int) 
 
 
 def _changing(load: RobotLoad, step: WorkStep) -> RobotLoad:
-    """Returns the load of a robot for which a step begins that takes or gives.
+    """Returns the load of a robot after a step has begun that takes or gives a load.
 
-    Until it is known how it has ended, the load may be what it was, and what the step takes.
+    Until it is known how the step has ended, the robot may carry what it carried before, and also
+    what the step takes.
     """
     taken = (step.load_type or ANY_LOAD,) if step.load is LoadEffect.TAKES else ()
     changing = load.with_types(taken)
@@ -427,7 +429,7 @@ def _known(situation: Situation, place: StepPlace, change: int = 0) -> Situation
 def _failed(situation: Situation, place: StepPlace, text: str) -> Situation:
     """Returns the situation after a step is known to have ended without being done.
 
-    Its policy says what follows.
+    The policy of the step decides what follows.
     """
     situation = _known(situation, place)
     work, step = situation.work, situation.work.step(place)
@@ -447,8 +449,9 @@ def _failed(situation: Situation, place: StepPlace, text: str) -> Situation:
 
 
 def _unknown(situation: Situation, place: StepPlace, text: str) -> Situation:
-    """Returns the situation in which it is not known whether a step has been done:
-    a person is asked, unless it is harmless.
+    """Returns the situation when it is not known whether a step has been done.
+
+    A person is asked, unless the step is harmless and may be repeated.
     """
     work, step = situation.work, situation.work.step(place)
     own = work.progress_of(place)
@@ -468,7 +471,7 @@ def may_be_repeated(step: WorkStep, own: StepProgress) -> bool:
 
 
 def expire(situation: Situation, now: int) -> Situation:
-    """Returns the situation after the timeouts that are over. `now`: ms since 1970."""
+    """Returns the situation after all timeouts that have passed. `now`: ms since 1970."""
     for place, step, own in tuple(situation.work.steps):
         over = own.begun + round(1000.0 * step.timeout)
         if own.state is not StepState.RUNNING or now < over:
@@ -483,10 +486,10 @@ def expire(situation: Situation, now: int) -> Situation:
 
 
 def answer(situation: Situation, said: StepDecision, key: int = 0) -> Tuple[Situation, str]:
-    """Returns the situation after a person's answer. Also returns why not, as a clause; empty:
-    done.
+    """Returns the situation after a person's answer, and a clause that says why the answer is
+    refused (empty: it is accepted).
 
-    key -- of the step that the answer is about; 0: the one that asks
+    key -- key of the step that is answered; 0: the step that is `answerable`
     """
     work, place = situation.work, situation.work.answerable
     if place is None or key and work.progress_of(place).key != key:
@@ -511,7 +514,7 @@ def answer(situation: Situation, said: StepDecision, key: int = 0) -> Tuple[Situ
 
 
 def _no_answer(work: Work, own: StepProgress, said: StepDecision) -> str:
-    """Returns what a step does that makes an answer impossible, as words after its name; or ''."""
+    """Returns why a step cannot be answered so, in words that follow its name; '': it can."""
     if said is StepDecision.RETRY and own.state is StepState.RUNNING:
         return 'runs: there is nothing to retry'
     if said is StepDecision.RETRY and work.is_ending:
@@ -533,13 +536,13 @@ def has_ended(own: StepProgress) -> bool:
 
 
 def cancel(situation: Situation, reason: str = '') -> Situation:
-    """Returns the situation after the mission is cancelled. It is accepted in every state."""
+    """Returns the situation after the mission is cancelled, which is possible in every state."""
     return settle(_end(situation, Ending.CANCEL, reason))
 
 
 def fail(situation: Situation, reason: str) -> Situation:
-    """Returns the situation of a mission that cannot be completed any more,
-    nor its clean-up be made.
+    """Returns the situation of a mission when neither its stops nor those for cleaning up can be
+    made any more.
     """
     return settle(situation._replace(work=replace(
         situation.work, ending=Ending.FAIL, is_cut=False, reason=reason)))
@@ -548,7 +551,7 @@ def fail(situation: Situation, reason: str) -> Situation:
 def _end(situation: Situation, ending: Ending, reason: str) -> Situation:
     """Returns the situation of a mission that ends.
 
-    One that fails while it is cancelled has failed.
+    A mission that fails while it makes its stops of `on_cancel` counts as failed.
     """
     before = situation.work.ending
     if ending is before or before is Ending.FAIL or situation.work.is_ending:
@@ -567,7 +570,7 @@ def settle(situation: Situation) -> Situation:
             situation = _event(situation, place, StepEvent.CANCEL, own.text)
         elif is_open and own.seen is not Seen.OVER:
             situation = _update(situation, place, is_ended=True)
-        elif is_open:  # if it moves the load, a person must say where that is
+        elif is_open:  # if it moves the load, a person must say where the load is
             situation = _event(situation, place, StepEvent.CANCEL, own.text)
     work = situation.work
     if any(open_steps(work)):
@@ -581,7 +584,7 @@ def settle(situation: Situation) -> Situation:
 
 
 def _cut(work: Work, event: StopEvent) -> Work:
-    """Returns the work without the stops that were not begun. The present one counts as left."""
+    """Returns the work without the stops that have not begun; a stop that has begun ends."""
     number = work.current
     if number == len(work.progress):
         return work
@@ -606,11 +609,10 @@ def _with_clean_up(work: Work, situation: Situation) -> Work:
 
 def changed(situation: Situation, stops: Tuple[WorkStop, ...], first: int = 0,
             ) -> Tuple[Situation, str]:
-    """Returns the situation after other stops take the place of some that have not begun.
+    """Returns the situation after new stops have replaced stops that have not begun, and a clause
+    that says why they cannot replace them (empty: they have).
 
-    first -- number, from 1, of the first one that they replace; 0: all that have not begun
-
-    Also returns why not, as a clause; empty: done.
+    first -- number, from 1, of the first stop to be replaced; 0: the first one that has not begun
     """
     work = situation.work
     if work.ending is not Ending.NONE:
@@ -628,9 +630,7 @@ def changed(situation: Situation, stops: Tuple[WorkStop, ...], first: int = 0,
 
 
 def chosen(situation: Situation, place: int) -> Situation:
-    """Returns the situation after another one of its equal places is chosen for the present
-    stop.
-    """
+    """Returns the situation after another place of its group is chosen for the present stop."""
     work = situation.work
     stops = list(work.stops)
     stops[work.current] = replace(stops[work.current], place=place)
@@ -653,7 +653,7 @@ def said_empty(load: RobotLoad) -> RobotLoad:
 def said_loaded(load: RobotLoad, serial: int, work: Optional[Work] = None) -> RobotLoad:
     """Returns the load after a person says that the robot carries the load of this mission.
 
-    If it counted as empty, its load may be each one that the mission takes.
+    If the robot counted as empty, its load may be any load that the mission takes.
 
     work -- of the mission; None: it has no steps
     """
@@ -664,7 +664,7 @@ def said_loaded(load: RobotLoad, serial: int, work: Optional[Work] = None) -> Ro
 
 
 def to_take(work: Work) -> FrozenSet[str]:
-    """Returns the types of load that a robot takes at its present stop, or at the next one."""
+    """Returns the types of load that a robot has yet to take at its present or next stop."""
     number = work.current
     if work.is_ending or number == len(work.stops):
         return frozenset()
@@ -677,9 +677,9 @@ def to_take(work: Work) -> FrozenSet[str]:
 
 
 def commands(work: Work, report: StepReport, device: str = '') -> List[StepCommand]:
-    """Returns what the robot, or a device, is to be told until it shows it. `work` must be stored.
+    """Returns the commands to the robot, or a device, that its report does not show yet.
 
-    A key is sent only when all lower ones are shown.
+    `work` must be stored before. A key is sent only when the report shows all lower keys.
     """
     found: List[StepCommand] = []
     for step, own in _to_be_told(work, report, device):
@@ -693,7 +693,7 @@ def commands(work: Work, report: StepReport, device: str = '') -> List[StepComma
 
 def _to_be_told(work: Work, report: StepReport,
                 device: str) -> List[Tuple[WorkStep, StepProgress]]:
-    """Returns the steps that an actor may not know as they are now, by their keys."""
+    """Returns the steps about which an actor may need a command, in the order of their keys."""
     steps = [(step, own) for _, step, own in work.steps if step.actor.has_driver
              and step.device == device and own.state in (StepState.RUNNING, StepState.ASK)
              and own.seen is not Seen.OVER and own.run == report.run]
@@ -701,8 +701,8 @@ def _to_be_told(work: Work, report: StepReport,
 
 
 def _first_command(step: WorkStep, own: StepProgress) -> StepCommand:
-    """Returns what an actor is told that does not show a step: to begin it,
-    or never to begin it.
+    """Returns the command to an actor that does not show a step yet: to begin it, or never to
+    begin it.
     """
     if own.is_ended:
         act = StepAct.CANCEL if step.breakable else StepAct.REVOKE

@@ -1,4 +1,4 @@
-"""What a site says about work. `files.work_file` reads it."""
+"""The data about work at a site. `files.work_file` reads them from the work file."""
 from __future__ import annotations
 
 from dataclasses import dataclass, field
@@ -17,7 +17,7 @@ from fleet_core.work.zones import Zone
 class JobSteps(NamedTuple):
     """The steps at the stops of one kind of jobs that other programs send.
 
-    places -- vertices of these stops; empty: all that no other entry of this kind names
+    places -- vertices of these stops; empty: all vertices that no other entry of this kind names
     """
 
     kind: StopKind
@@ -27,13 +27,13 @@ class JobSteps(NamedTuple):
 
 @dataclass(frozen=True)
 class SiteWork:
-    """All that a site says about work. Each mapping is by name, in the order of the file.
+    """All data about work at a site. Each mapping is by name, in the order of the file.
 
-    devices -- those through which edges lead
-    step_devices -- those that carry out steps
-    step_types -- the types of steps that the actors of the site know; empty: not said
-    job_steps  -- of pickups and drop-offs of jobs
-    chargers -- those that the work file names
+    devices -- devices through which edges lead
+    step_devices -- devices that carry out steps
+    step_types -- the types of steps that the actors of the site know; empty: the file lists none
+    job_steps  -- the steps at pickups and drop-offs of jobs
+    chargers -- chargers that the work file names
     """
 
     stations: Mapping[str, Station] = field(default_factory=dict)
@@ -49,7 +49,9 @@ class SiteWork:
 
     @property
     def names(self) -> FrozenSet[str]:
-        """Names of all stations, devices, chargers and zones. No two have one name."""
+        """The names of all stations, devices, chargers and zones; no two of them have the same
+        name.
+        """
         return frozenset((*self.stations, *self.devices, *self.step_devices, *self.chargers,
                           *self.zones))
 

@@ -1,4 +1,4 @@
-"""Stations, and the places that a word names."""
+"""Stations, and the places that a word in a file or a command names."""
 from __future__ import annotations
 
 from dataclasses import dataclass
@@ -10,10 +10,10 @@ from trajectory_graph.id_lists import listed
 
 
 class StationKind(Enum):
-    """What the places of a station are to each other."""
+    """How one of the places of a station is chosen for a mission."""
 
-    STATION = 'station'   # a mission says to which of them it goes
-    GROUP = 'group'       # equal: the fleet manager chooses one of them
+    STATION = 'station'   # the mission names the place
+    GROUP = 'group'       # the places are equal: the fleet manager chooses one
 
 
 @dataclass(frozen=True)
@@ -21,7 +21,7 @@ class Station:
     """Places at which robots work.
 
     places   -- vertices
-    queue    -- vertices at which robots wait for it, the first one nearest to it
+    queue    -- vertices at which robots wait for the station, the nearest one first
     capacity -- number of robots that may be at its places
     """
 
@@ -55,8 +55,8 @@ def place_of(word: str, stations: Mapping[str, Station], graph: Graph) -> int:
 def places_of(word: str, stations: Mapping[str, Station], graph: Graph) -> Tuple[int, ...]:
     """Returns the places that a word names: one vertex, or the equal ones of a group.
 
-    The word is the name of a station, the id of a vertex, or a label that only one vertex has. The
-    name of a station goes before a label. Raises UnknownPlace.
+    The word is the name of a station, the id of a vertex, or a label that only one vertex has. A
+    word that is both a name of a station and a label means the station. Raises UnknownPlace.
     """
     if word in stations:
         return _places_at(stations[word])

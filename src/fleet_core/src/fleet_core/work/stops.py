@@ -47,14 +47,14 @@ class Actor(IntEnum):
 
     ROBOT = 0
     PERSON = 1
-    OUTSIDE = 2   # a program that answers by a mission command
-    DEVICE = 3    # a press or a conveyor, of which the work file says how it is reached
+    OUTSIDE = 2   # a program that answers with a mission command
+    DEVICE = 3    # a press or a conveyor; the work file has its address
 
     @property
     def has_driver(self) -> bool:
-        """Whether it is ordered by step commands, and says how a step ends.
+        """Whether the actor obeys step commands and reports how a step ends.
 
-        Others are answered for.
+        For the other actors somebody answers how the step has ended.
         """
         return self in (Actor.ROBOT, Actor.DEVICE)
 
@@ -72,7 +72,7 @@ class Policy(IntEnum):
 
     ASK = 0
     FAIL = 1
-    RETRY = 2   # so many times, then ASK
+    RETRY = 2   # as many times as `retries` says, then ASK
     SKIP = 3
 
 
@@ -93,8 +93,8 @@ class WorkStep:
     retries    -- for RETRY: how many times it is repeated
     harmless   -- it may be carried out twice, so that an unknown outcome may be followed by a retry
     breakable  -- it is broken off when its mission is cancelled or its time is over
-    device     -- name of the device that carries it out, for DEVICE
-    load_type  -- what it takes, by its name in the work file; empty: it is not said
+    device     -- for DEVICE: name of the device that carries it out
+    load_type  -- the type of load that it takes, as in the work file; empty: it is not known
 
     Each attribute is a part of the step, as it is stored.
     """
@@ -118,9 +118,9 @@ class WorkStep:
 class WorkStop:
     """One stop: a vertex, and the steps there.
 
-    place     -- vertex; of a group, the chosen one; 0 in a request: none is chosen yet
-    condition -- for a stop after a cancellation: by which load it is made
-    group     -- name of the group of which any place would do; empty: only `place` would
+    place     -- vertex; for a group, the chosen vertex; 0 in a request: none is chosen yet
+    condition -- for a stop after a cancellation: with which load the robot makes it
+    group     -- name of the group of which any place is right; empty: only `place` is right
     """
 
     place: int
@@ -177,7 +177,7 @@ def problem_of(step: WorkStep) -> str:
         ((step.actor is Actor.DEVICE) is not bool(step.device),
          'needs the name of a device if its actor is DEVICE, and none otherwise'),
         (step.actor is Actor.DEVICE and (step.type != HAND_OVER or bool(step.parameters)),
-         f'is for a device: its type must be {HAND_OVER}, and it has no parameters'),
+         f'is for a device: its type must be {HAND_OVER}, and it must not have parameters'),
         (not 0 <= step.retries <= MOST_RETRIES or (
             (step.on_failure is Policy.RETRY) is not bool(step.retries)),
          f'needs retries (1 to {MOST_RETRIES}) if on_failure is RETRY, and none otherwise'),
@@ -188,7 +188,8 @@ def problem_of(step: WorkStep) -> str:
 
 
 def _rules_of_load(step: WorkStep) -> Tuple[Tuple[bool, str], ...]:
-    """Returns what may be wrong with a step that changes the load: is it wrong, and in words."""
+    """Returns the rules for a step that changes the load: whether it breaks each one, and a text.
+    """
     return (
         (step.blocking is not StepBlocking.HARD, 'changes the load, so its blocking must be HARD'),
         (step.when is not When.AT, 'changes the load, so it must be carried out AT the stop'),

@@ -13,7 +13,7 @@ class StepState(Enum):
 
     WAITING = 'waiting'
     RUNNING = 'running'
-    ASK = 'ask'           # a person decides how it goes on; nothing later begins meanwhile
+    ASK = 'ask'           # a person must decide what follows; no later step begins meanwhile
     DONE = 'done'
     FAILED = 'failed'
     CANCELLED = 'cancelled'
@@ -39,8 +39,8 @@ class StopState(Enum):
     """The state of a stop."""
 
     WAITING = 'waiting'
-    DRIVING = 'driving'   # it is the next one; steps before the entry to it may run
-    AT_WORK = 'at work'   # the robot stands there; it is DRIVING again when it was moved away
+    DRIVING = 'driving'   # it is the next stop; steps BEFORE_ENTRY may run
+    AT_WORK = 'at work'   # the robot stands there; if it is moved away, the stop is DRIVING again
     DONE = 'done'
     FAILED = 'failed'
     SKIPPED = 'skipped'
@@ -112,7 +112,7 @@ LOAD: Mapping[Tuple[LoadState, LoadEvent], LoadState] = {
 
 
 class NoTransition(Exception):
-    """A table has no row for an event in a state: a defect of the caller."""
+    """A table has no row for an event in a state: the caller has a defect."""
 
 
 def after(table: Mapping[Tuple[State, Event], State], state: State, event: Event) -> State:

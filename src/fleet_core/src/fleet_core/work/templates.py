@@ -1,8 +1,8 @@
-"""Templates of missions: stops with parameters in the place of places and of texts for a step.
+"""Templates of missions: stops in which parameters stand for places and for texts of steps.
 
-The fleet manager fills them in when it accepts a mission, and stores the stops. So the mission
-means the same if the work file changes later, also if its request is sent again. The sender needs
-no work file, and there is one reader of that file. Timetables are run there as well.
+The fleet manager fills a template in when it accepts a mission, and stores the stops. So the
+mission stays the same if the work file changes later, even if its request is sent again. The sender
+needs no work file: only the fleet manager reads it. The fleet manager also runs the timetables.
 """
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from typing import Callable, Iterable, Iterator, Mapping, Tuple
 from fleet_core.work.stops import Condition, StopKind, WorkStep, WorkStop
 
 PARAMETER = '$'
-"""A text that begins with it stands for an argument."""
+"""A text that begins with this sign names a parameter."""
 
 
 @dataclass(frozen=True)
@@ -20,7 +20,7 @@ class TemplateStop:
     """A stop of a template.
 
     at    -- the name of a station, the id or the label of a vertex, or a parameter
-    steps -- with parameters as values of their `parameters`
+    steps -- the values in their `parameters` may be parameters of the template
     """
 
     at: str
@@ -69,8 +69,8 @@ def filled(stops: Iterable[TemplateStop], arguments: Mapping[str, str],
            group: Callable[[str], str] = lambda _: '') -> Tuple[WorkStop, ...]:
     """Returns the stops with arguments in the place of parameters.
 
-    place -- the vertex for the word of a stop; what it raises is passed on
-    group -- the group that this word names; empty: none
+    place -- returns the vertex for the word of a stop, or raises an error, which is passed on
+    group -- returns the group that the word of a stop names; empty: it names none
     """
     def text(word: str) -> str:
         return arguments[word[len(PARAMETER):]] if word.startswith(PARAMETER) else word

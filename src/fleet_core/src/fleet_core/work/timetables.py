@@ -1,8 +1,8 @@
 """Timetables: templates that are run at times of the day.
 
 A run is named by the time that the site's clock on the wall shows: a `WallMinute`. So a run is made
-once, also if that clock shows its time twice, and a time that the clock skips is not lost: it comes
-with the first time that is shown afterwards.
+only once if that clock shows its time twice. A run whose time the clock skips is not lost: it is
+made at the first time that the clock shows afterwards.
 """
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ class Timetable:
                  more than a day: after midnight
     days      -- days of the week on which it begins; 0 is Monday
     priority  -- of its missions
-    deadline  -- minutes from the time of a run to that by which it is to be done; 0: there is none
+    deadline  -- minutes after the time of a run by which it must be done; 0: no deadline
     """
 
     name: str
@@ -69,12 +69,13 @@ class Timetable:
 
 
 class DueRun(NamedTuple):
-    """What a timetable asks for now.
+    """The run that a timetable asks for now.
 
     run         -- the run to be made now; None: there is none
-    missed      -- number of earlier runs that were not made, and are not made any more
+    missed      -- number of earlier runs that were not made, and will not be made any more
     last        -- the minute up to which all runs are made or missed
-    is_set_back -- the clock was set back by more than a day: the runs go on from what it shows now
+    is_set_back -- the clock was set back by more than a day: the runs go on from the time that it
+                   shows now
     """
 
     run: Optional[WallMinute]
@@ -86,11 +87,11 @@ class DueRun(NamedTuple):
 def due(timetable: Timetable, last: Optional[WallMinute], now: WallMinute) -> DueRun:
     """Returns the newest run after `last` that is due.
 
-    last -- as in the last answer; None: the timetable is new, and begins with this minute
+    last -- `last` of the result before; None: the timetable is new, and begins with this minute
     """
     is_set_back = last is not None and last > now + DAY
     since = now - 1 if last is None or is_set_back else last
-    runs = newest = 0  # there are none if the clock shows a time again, or was set back a little
+    runs = newest = 0  # no run is due if the clock shows a time again, or was set back a little
     for day in range((since - timetable.end) // DAY, now // DAY + 1):
         first = day * DAY + timetable.begin
         if shown_at(day * DAY).weekday() in timetable.days and first <= now:
@@ -104,9 +105,9 @@ def due(timetable: Timetable, last: Optional[WallMinute], now: WallMinute) -> Du
 
 
 def next_run(timetable: Timetable, last: Optional[WallMinute], now: WallMinute) -> WallMinute:
-    """Returns the first minute after `now` in which a run will be due, if the clock is not set.
+    """Returns the first minute after `now` in which a run is due, if nobody sets the clock.
 
-    last -- as for `due`; if the clock was set back a little, no run comes before it
+    last -- as for `due`; if the clock was set back a little, no run comes before `last`
     """
     is_set_back = last is not None and last > now + DAY
     since = now if last is None or is_set_back else max(last, now)

@@ -1,7 +1,7 @@
 """The work of one mission: how far its stops and steps are, and the load of its robot.
 
-Everything here is a value. `work.rules` has the rules that change it. A `Situation` is stored as a
-whole, before anything that follows from it is sent.
+All objects here are immutable values. `work.rules` has the rules for new values. A `Situation` is
+stored as a whole, before anything that follows from it is sent.
 """
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ ANY_LOAD = ''  # the type of a load whose type is not known
 
 
 class Seen(Enum):
-    """What the master has seen of the key of a step."""
+    """What reports have shown of the last order of a step."""
 
     NOTHING = 'nothing'   # the robot has not shown it: it may not have received the command yet
     RUNNING = 'running'
@@ -25,7 +25,7 @@ class Seen(Enum):
 
 
 class Ending(Enum):
-    """How a mission ends before its last stop; NONE: it does not."""
+    """How a mission ends before its last stop; NONE: it does not end so."""
 
     NONE = ''
     CANCEL = 'cancel'
@@ -36,11 +36,11 @@ class Ending(Enum):
 class StepProgress:
     """How far a step is.
 
-    key      -- number under which it was ordered last; 0: it never was
+    key      -- number under which it was ordered last; 0: it was never ordered
     run      -- the run of its robot, or device, for which it was ordered
-    begun    -- ms since 1970, when it was ordered
+    begun    -- the time at which it was ordered, in ms since 1970
     times_ordered -- how many times it was ordered
-    is_ended -- it is to end, if its actor can end it, or not to begin
+    is_ended -- it must not begin any more; if it runs, it must end if its actor can end it
     text     -- for people: why it failed, or why a person is asked
     """
 
@@ -73,9 +73,9 @@ class StepPlace(NamedTuple):
 class Work:
     """The stops of a mission and their progress.
 
-    stops     -- those that have been made, and those that are to be made
+    stops     -- stops that have been made, and stops that are to be made
     on_cancel -- stops that may follow a cancellation
-    is_cut    -- the stops that are not made any more are gone, and those of `on_cancel` are there
+    is_cut    -- because it ends, some stops were removed, and those of `on_cancel` were added
     reason    -- why it ends, for people
     """
 
@@ -88,7 +88,7 @@ class Work:
 
     @property
     def is_ending(self) -> bool:
-        """Whether the mission is to end, while something that it has begun has not ended yet."""
+        """Whether the mission is to end, but something that it has begun has not ended yet."""
         return self.ending is not Ending.NONE and not self.is_cut
 
     @cached_property
@@ -130,7 +130,7 @@ class Work:
 
     @property
     def answerable(self) -> Optional[StepPlace]:
-        """The step that `mission answer` is about: the one that asks, or one done by others."""
+        """The step that `mission answer` answers: one in ASK, or a running one without a driver."""
         others = (place for place, step, own in self.steps
                   if own.state is StepState.RUNNING and not step.actor.has_driver)
         return self.asking or next(others, None)
@@ -141,8 +141,8 @@ class RobotLoad:
     """The load of a robot.
 
     serial -- of the mission whose load it is; 0: none
-    count  -- pieces that it carries; if it is UNKNOWN, before the step that made it so
-    types  -- names of the types of load that it may carry, in order; None: not known
+    count  -- number of pieces; while the state is UNKNOWN, the last known number
+    types  -- names of the types of load that the robot may carry, sorted; None: not known
     """
 
     state: LoadState = LoadState.EMPTY
@@ -152,13 +152,13 @@ class RobotLoad:
 
     @property
     def may_be(self) -> FrozenSet[str]:
-        """The types of load that the robot may carry. `ANY_LOAD`: it is not known."""
+        """The types of load that the robot may carry. `ANY_LOAD`: a load of unknown type."""
         if self.state is LoadState.EMPTY:
             return frozenset()
         return frozenset((ANY_LOAD,) if self.types is None else self.types)
 
     def with_types(self, types: Iterable[str]) -> RobotLoad:
-        """Returns the same load, which may be of these types as well."""
+        """Returns the same load; the robot may now carry these types as well."""
         return replace(self, types=tuple(sorted(self.may_be.union(types))))
 
     def is_bound_to(self, serial: int) -> bool:

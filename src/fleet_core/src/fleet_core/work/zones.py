@@ -1,4 +1,4 @@
-"""Zones: parts of a site in which only so many robots may be at once."""
+"""Zones: parts of a site in which only a limited number of robots may be at once."""
 from __future__ import annotations
 
 from dataclasses import dataclass
