@@ -3,8 +3,8 @@ from __future__ import annotations
 
 from enum import Enum
 
-DRAIN_STANDING = 4.0 / 3600     # percent per second; not in the sources: about a day of standing
-DRAIN_DRIVING = 8.0 / 3600      # about twelve hours of driving
+DRAIN_STANDING = 4.0 / 3600     # percent per second; assumed: it lasts for about a day of standing
+DRAIN_DRIVING = 8.0 / 3600      # it lasts for about twelve hours of driving
 CHARGE = 25.0 / 3600            # four hours from empty to full
 BULK_TIME = 5.0                 # s, minimum time of Bulk before Overcharge
 OVERCHARGE_TIME = 15.0          # s after docking before Float
