@@ -39,7 +39,7 @@ class SegmentLine:
 class AnswerEnd:
     """The last line of the answer to a command; `command` in lower case.
 
-    linked -- the new job picks up after the drop-off of this job (a swap)
+    linked -- id of the job after whose drop-off the new job picks up (a swap); empty: no swap
     """
 
     command: str
@@ -79,7 +79,7 @@ def command_of(job: HandedJob) -> str:
 
 
 def query_of(job: HandedJob) -> str:
-    """Returns the query whether the Fleet Manager knows a job, and in which states its segments are."""
+    """Returns the query about a job: whether it is known, and the states of its segments."""
     return f'queueQuery jobId {job.id}'
 
 

@@ -118,7 +118,7 @@ class HandedSegment:
 
     @property
     def number(self) -> int:
-        """The number in its id. One counter numbers all segments, so they can be sorted by it."""
+        """The number in its id. One counter numbers all segments: the numbers show their order."""
         digits = self.id[len(self.id.rstrip('0123456789')):]
         return int(digits) if digits else 0
 
@@ -142,7 +142,7 @@ class HandedJob:
     is_unwanted -- whether it is to be cancelled
     reason    -- why the Fleet Manager refused the job, or its modification
     wanted    -- its stops after the modification under way; empty: none is under way
-    linked    -- this job begins with its robot's drop-off for that job, at the same goal (a swap)
+    linked    -- id of the job after whose drop-off, at the same goal, this job picks up (a swap)
     """
 
     id: str
@@ -188,8 +188,8 @@ class HandedJob:
         """Returns the job after a listing of the segments that the Fleet Manager still knows.
 
         It forgets segments in the order in which they ended, and a segment begins when the one
-        before it is completed. So if no open segment is listed, the job has ended, in the state that
-        the listed segments show.
+        before it is completed. So if no open segment is listed, the job has ended, and the listed
+        segments show how.
         """
         known = tuple(one for one in self.segments if one.id in listed or one.is_final)
         if not self.is_open or any(not one.is_final for one in known):
@@ -248,7 +248,7 @@ MODIFYING_STATUSES = ('BeforeModify', 'InterruptedByModify', 'AfterModify')
 
 
 def _event_of(segments: Tuple[HandedSegment, ...], count: int) -> HandedEvent:
-    """Returns the event of a job that follows from its segments."""
+    """Returns the event that follows from the segments of a job."""
     statuses = [one.status for one in segments]
     if len(segments) >= count and all(one.is_final for one in segments):
         if 'Failed' in statuses:

@@ -298,9 +298,9 @@ class JobClient:
                      if job.is_in_hand and self._is_to_be_asked(job, now)), None)
 
     def _is_to_be_asked(self, job: HandedJob, now: float) -> bool:
-        """Returns whether there is no new enough line about a job.
+        """Returns whether to query a job: after an error or a modification, or without recent news.
 
-        A job to be cancelled is queried, and its cancellation repeated, until the job has ended.
+        A job to be cancelled is queried, and its cancellation repeated, until it has ended.
         """
         times = self._asked if job.is_unwanted else self._heard
         return (job.id in self._errors or job.id in self._unsure or job.id not in times

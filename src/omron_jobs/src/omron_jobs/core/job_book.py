@@ -50,7 +50,7 @@ from omron_jobs.core.posted_records import PostedRecord
 
 REPEAT = 2.0        # s between two messages about one job to the fleet manager
 SILENCE = 10.0      # s without news of a mission after which the fleet manager is asked
-QUESTIONS = 10      # in a second, at most, about silent missions: a thousand may be silent for hours
+QUESTIONS = 10      # about silent missions in a second, at most: a thousand may be silent
 MOST_OPEN = 2000    # jobs
 MOST_ENDED = 100    # jobs that are kept after their end; OMRON's MaxNumberOfCompletedItems
 KEEP_ENDED = 60     # min for which ended jobs are kept; OMRON's DeleteCompletedItemsMinutes
@@ -136,7 +136,7 @@ class JobBook:
         self._unstored: Set[int] = set()
         self._restless: Set[int] = {job.mission for job in self.shelf.open}
         self._silent_from = -math.inf   # no mission is silent before this moment
-        self._asked = -math.inf         # the questions that QUESTIONS allows up to this moment are used
+        self._asked = -math.inf         # the questions allowed up to this moment are used
 
     # -- queries of clients ----------------------------------------------------------------------
 
@@ -228,7 +228,7 @@ class JobBook:
 
     def set_goal(self, job: QueuedJob, segment: JobSegment, place: Place,
                  posted: Optional[PostedRecord] = None) -> List[SegmentChange]:
-        """Changes the goal of a segment, unless its mission already shows that this is too late.
+        """Changes the goal of a segment, unless its mission already shows that it is too late.
 
         Raises JobRefused, and OSError if it cannot be stored.
         """
@@ -249,7 +249,7 @@ class JobBook:
     # -- the fleet manager -----------------------------------------------------------------------
 
     def due(self, now: float) -> List[FleetMessage]:
-        """Returns the messages to send to the fleet manager now. `now`: s, monotonic clock."""
+        """Returns messages to send now, while the fleet manager listens. `now`: s, monotonic."""
         found = []
         for id in sorted(self._restless):
             job = self.shelf[id]

@@ -43,7 +43,7 @@ class JobSite:
         self.robots: Mapping[str, RobotNews] = {}
 
     def vertex_of(self, name: str) -> Optional[int]:
-        """Returns the vertex with this goal name or this id; None: no goal. Raises JobRefused."""
+        """Returns the vertex of the goal with this name or id, or None. Raises JobRefused."""
         if self.goals is None:
             raise JobRefused('knows no goals yet: is the fleet manager running?')
         if name in self.goals or not (name.isascii() and name.isdecimal()):
@@ -346,9 +346,9 @@ _Matches = Callable[[QueuedJob, JobSegment], bool]
 
 
 def matching(kind: str, value: str, only_current: bool = False) -> _Matches:
-    """Returns a test whether a type and value of a command name a segment. Raises JobRefused.
+    """Returns a test of whether a command's type and value name a segment. Raises JobRefused.
 
-    only_current -- whether a robot or status names only a job's segment that is served or comes next
+    only_current -- whether a robot or a status names only the segment that is served or comes next
     """
     wanted = value.lower()
 

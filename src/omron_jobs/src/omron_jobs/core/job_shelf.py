@@ -69,7 +69,7 @@ class JobShelf:
         self.on_change(mission)
 
     def too_old(self, since: int, most: int) -> List[int]:
-        """Returns the missions of ended jobs, except the `most` newest that ended since `since`.
+        """Returns the missions of jobs that ended before `since`, or before the `most` newest ends.
 
         since -- ms since 1970
         """

@@ -2,7 +2,7 @@
 
 Sources: docs/explanation/sources.md. Warehouse programs split the lines at blanks, and read words
 by their position. So every blank and quotation mark counts. Only the server uses this table: the
-simulator and the drivers have separate tables, so that a mistake in one table shows as a difference.
+simulator and the drivers have tables of their own. So a mistake in one table shows as a difference.
 """
 from __future__ import annotations
 

@@ -45,7 +45,7 @@ _KINDS = {JobStop.PICKUP: HandedStopKind.PICKUP, JobStop.DROPOFF: HandedStopKind
 
 
 class JobClientNode:
-    """The node: see the module's text. One lock guards the jobs and the goals that wait."""
+    """The node that the module describes. One lock guards the jobs and the action goals."""
 
     def __init__(self) -> None:
         host, port = parameter('~fleet_manager_ip'), parameter('~port', 7171, int)
