@@ -65,9 +65,9 @@ class Fence(NamedTuple):
         return beside ** 2 + before ** 2 <= REACH ** 2
 
     def trimmed(self, points: np.ndarray) -> Fence:
-        """Returns the fence, as short and shallow as the covered ones of `points` (N,2) allow.
+        """Returns the fence, as short and shallow as it can be to cover the same of `points` (N,2).
 
-        It contains the frame's origin, and ends on either side where a long gap begins.
+        It contains the frame's origin, and ends on either side before a long gap without points.
         """
         covered = points[self.covers(points)]
         along = np.sort(np.append(np.clip(covered[:, 0], self.left, self.right), 0.0))

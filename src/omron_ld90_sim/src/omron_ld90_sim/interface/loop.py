@@ -39,7 +39,7 @@ class Loop:
         self.after_step: List[Callable[[], None]] = []
 
     def set_speed(self, speed: float) -> None:
-        """Sets the speed of the clock as a factor of real time; not safe from another thread."""
+        """Sets the clock's speed as a factor of real time; not safe from another thread."""
         self.speed = speed
         self._cycle = min(INPUT_CYCLE * speed, LONGEST_INPUT_CYCLE)
         self._start = time.monotonic() - self.clock.now / speed
@@ -82,7 +82,7 @@ class Loop:
             self._calls.popleft()()
 
     def stop(self) -> None:
-        """Ends `run`. It may be called from any thread or signal handler, before `run`, and twice."""
+        """Ends `run`; safe from any thread or signal handler, before `run`, and if repeated."""
         self._stopped = True
         with contextlib.suppress(OSError):      # the loop may have ended and closed already
             self._wake_write.send(b'.')

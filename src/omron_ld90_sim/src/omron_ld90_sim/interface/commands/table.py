@@ -54,7 +54,7 @@ class CommandCall:
     def named(self, names: Iterable[str], what: str) -> str:
         """Returns the one of `names` that equals the first argument with case ignored.
 
-        Raises CommandFailed if there is none; `what` is the kind of thing, for the text of the error.
+        Raises CommandFailed if there is none; `what` is the kind of thing, for the error's text.
         """
         name = find_name(names, self.arguments[0])
         if name is None:
