@@ -2,8 +2,8 @@
 
 A door or a light has one coil and one discrete input. A device that carries out hand-overs has a
 coil to start it, two discrete inputs, and four holding registers for the key of the step.
-The client is pymodbus, from 2.1 (Ubuntu 20.04) to 3.x. After an error a connection is closed: a late
-answer could be mistaken for the answer to the next request.
+The client is pymodbus, from 2.1 (Ubuntu 20.04) to 3.x. After an error a connection is closed: a
+late answer could be mistaken for the answer to the next request.
 """
 from __future__ import annotations
 
