@@ -37,7 +37,7 @@ def test_a_door_narrower_than_the_robot_is_no_way() -> None:
 
 @pytest.mark.parametrize('width', [600.0, 620.0, 650.0])
 def test_a_slanting_passage_out_of_a_spot_where_it_can_just_turn_is_driven(width) -> None:
-    # a dead-end corridor of 940 mm along y = 0; at its end a passage leads up, slightly to the right
+    # a dead-end corridor of 940 mm along y = 0; near its end a passage leads up, slightly right
     through = np.array([math.cos(math.radians(65.0)), math.sin(math.radians(65.0))])
     aside = np.array([-through[1], through[0]]) * width / 2.0
     left, right = (side + through * (470.0 - side[1]) / through[1] for side in (aside, -aside))
