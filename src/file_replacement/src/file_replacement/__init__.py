@@ -29,8 +29,8 @@ def replace_file(path: Union[str, os.PathLike], content: Union[str, bytes], *,
                the caller does not wait for the disk
     backup  -- path at which the old file is kept
     only_with -- a mark that the caller writes into each of its files, within the first 4096 bytes.
-               An old file without the mark is not a file of the caller: FileExistsError is
-               raised. It is for a file whose name the user did not give
+               Raises FileExistsError if the old file does not have the mark. It is meant for files
+               whose names the user did not give
     """
     target = os.path.realpath(path)
     if only_with and not _has(target, only_with):

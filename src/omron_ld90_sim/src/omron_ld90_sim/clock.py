@@ -1,7 +1,7 @@
 """The simulated clock: runs callbacks at points of simulated time, in order.
 
-The wall clock has two uses: the loop decides by it how far to advance, and answers contain its
-date. Everything else in a run depends only on the inputs and their times.
+The wall clock has two uses: it determines how far the loop advances the simulated clock, and
+answers contain its date. Everything else in a run depends only on the inputs and their times.
 """
 from __future__ import annotations
 

@@ -26,11 +26,11 @@ from omron_map.sections import Section
 class MapDocument:
     """A map that can be read, edited and saved.
 
-    Edits change the document in place, and only the necessary lines. An edit that cannot be done
-    raises MapError and changes nothing. `name` is the name of the file in errors.
+    Edits change the document in place, but no more lines than necessary. An edit that cannot be
+    done raises MapError and changes nothing. `name` is the name of the file in errors.
 
-    It has a method for each kind of content and one for each edit, because edits keep the layout of
-    the whole file.
+    It has a method for each kind of content and for each edit, because edits keep the layout of the
+    whole file.
     """
 
     def __init__(self, content: MapContent, name: str) -> None:

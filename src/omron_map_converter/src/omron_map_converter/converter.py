@@ -177,7 +177,7 @@ def _clear(document: MapDocument, wanted: List[MapObject],
 
 def _add_missing(document: MapDocument,
                  wanted: List[MapObject]) -> Tuple[List[MapObject], List[MapObject]]:
-    """Adds places whose names the map lacks. Returns the map's object for each, and the added."""
+    """Adds places whose names the map lacks. Returns the object of each place, and the new ones."""
     named: Dict[str, MapObject] = {}
     for obj in document.objects:
         named.setdefault(obj.key, obj)

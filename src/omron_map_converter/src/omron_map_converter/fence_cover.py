@@ -1,5 +1,6 @@
-"""Makes fences that keep a robot in the corridors of its graph: few rectangles or lines. mm, map
-frame.
+"""Makes fences, few rectangles or lines, that keep a robot in the corridors of its graph.
+
+Lengths are in mm, in the map frame.
 
 The fences are complete when every point of the offset outline around the floor has a wall or a
 fence within the robot's half width. This is a set cover, found greedily. The search walks along the
@@ -198,7 +199,7 @@ def _post(frame: Frame) -> Fence:
 
 
 def _needed(fences: Sequence[Fence], covered: Sequence[np.ndarray]) -> List[Fence]:
-    """Returns the fences that are needed: not those whose points other fences also cover.
+    """Returns the fences without those that are needless because others cover all their points.
 
     Removes the smallest first.
     """

@@ -13,7 +13,7 @@ from typing import List, NamedTuple, Optional, Tuple, cast
 import numpy as np
 
 FLATNESS = 1e-4  # m, greatest distance between a spline and its polyline
-_SHARP = 0.02  # in the curve's parameter: so near to a stop, the speed has a kink
+_SHARP = 0.02  # in the curve's parameter; nearer to a stop the speed has a kink
 _GRADES = 0.5 ** np.arange(4.0, 24.0)  # shorter and shorter steps on both sides of a stop
 _GRADES = np.concatenate((-_GRADES, -0.75 * _GRADES, [0.0], 0.75 * _GRADES, _GRADES))
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(4)  # Gauss-Legendre quadrature on -1..1

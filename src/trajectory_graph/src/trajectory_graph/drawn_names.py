@@ -12,7 +12,7 @@ from trajectory_graph.graph import Graph
 
 
 def drawn_ids(graph: Graph, ids: Iterable[int]) -> Tuple[int, ...]:
-    """Returns the unsigned ids of the drawn edges that have these edges, each once, in order."""
+    """Returns the unsigned ids of the drawn edges to which edges belong, each once, in order."""
     edges = graph.edges
     return tuple(dict.fromkeys(edges[id].drawn_id if id in edges else id for id in map(abs, ids)))
 

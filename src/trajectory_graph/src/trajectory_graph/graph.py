@@ -286,8 +286,8 @@ def parts_of(vertices: Iterable[int], edges: Iterable[Edge]) -> Tuple[FrozenSet[
 def _in_sequence(sections: List[Edge]) -> Tuple[int, ...]:
     """Returns the ids of the sections of one drawn edge, from its origin to its destination.
 
-    In a file that was edited by hand they may be no chain. Then those outside the chain follow, by
-    id.
+    In a file that was edited by hand the sections may be no chain. Then the sections outside the
+    chain follow, by id.
     """
     after = {edge.origin: edge for edge in sections}
     reached = {edge.destination for edge in sections}

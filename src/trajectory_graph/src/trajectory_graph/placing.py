@@ -21,7 +21,7 @@ ABOVE_FIRST: Tuple[Side, ...] = (
 """The sides of a point, the best one first; y upwards."""
 BELOW_RIGHT_FIRST: Tuple[Side, ...] = (
     (1, -1), (-1, -1), (1, 1), (-1, 1), (0, -1), (0, 1), (1, 0), (-1, 0))
-"""The same for a vertex: its corners come first, because edges are at its sides."""
+"""The sides of a vertex, the best one first: the corners, because edges are at the sides."""
 CELL = 1.6  # m, cell size of the grid in which near boxes are searched
 
 

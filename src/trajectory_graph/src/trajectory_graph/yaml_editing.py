@@ -138,7 +138,7 @@ def _values(fields: Fields, element: Element) -> Fields:
 
 
 def _rewritten(text: str, node: yaml.SequenceNode, records: List[Fields]) -> Edit:
-    """Returns the edit that rewrites a list in brackets; an empty list gets a line per record."""
+    """Returns the edit that rewrites a list in brackets; an empty one becomes a line per record."""
     start, end = node.start_mark.index, _end_of(node)
     if node.value or not records:
         return start, end, f'[{", ".join(map(flow_mapping, records))}]'

@@ -101,7 +101,7 @@ def _machine(name: str, message: Optional[StepStates],
 
 
 def machine_table(machines: Iterable[ListedMachine], now: float) -> str:
-    """Returns the machines as a table. If the last step of one was not done, the reason follows."""
+    """Returns the machines as a table; the reason for a failed last step is below its machine."""
     rows, notes = [], []
     for one in machines:
         last = one.last

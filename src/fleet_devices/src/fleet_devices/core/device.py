@@ -43,7 +43,7 @@ Invariants (`test_device_states.py` searches all states, and finds each rule tha
 NEVER CLOSES ON A HOLDER  the output is set to off only while no requester holds the device, and
                           only after a claim was given back since the start
 OPEN IS NEW     a report that says OPEN shows only requests that were taken before an exchange with
-                a reading began, and the last `STEADY` readings were open, the last of them not
+                a reading began; the last `STEADY` readings were open, and the last reading is not
                 older than `offline_after`
 NUMBERS GROW    the number of a requester's newest request never falls, also across restarts with
                 the memory
@@ -69,7 +69,7 @@ from route_protocol.devices import (
 
 STEADY = 2          # equal readings in a row that are needed, because an input may flicker
 MOST_HOLDERS = 100  # requesters that may hold one device
-KEPT = 50           # of the requesters that hold nothing, so many numbers are kept
+KEPT = 50           # requesters that hold nothing and whose last numbers are kept
 
 _SETTLED = {True: DeviceMode.OPEN, False: DeviceMode.CLOSED}
 

@@ -37,7 +37,7 @@ class ScriptedFault:
 
 
 class SimulatedDevice:
-    """A door that moves at a constant speed while its output asks for it.
+    """A door that moves at a constant speed: it opens while its output is on, and then closes.
 
     clock  -- s, from any beginning
     travel -- s from closed to open
@@ -80,7 +80,7 @@ class SimulatedDevice:
 
 
 class SimulatedHandOver:
-    """A device that carries out hand-overs; each takes `seconds` after its start is switched on.
+    """A device that carries out hand-overs. Each takes `seconds`, from the start signal on.
 
     clock -- s, from any beginning
     """

@@ -16,7 +16,7 @@ from route_protocol.devices import DeviceFault, DeviceMode
 
 
 def show_devices(site: Mapping[str, Device], devices: Devices, machines: HandOvers) -> None:
-    """Publishes a status for each device, and one for the memory."""
+    """Publishes a status for each device, and a status for the memory."""
     publish_diagnostics('none', {'memory': memory_task(devices, machines), **{
         f'{device.kind.value.replace("_", " ")} {name}': device_task(name, devices)
         for name, device in site.items()}, **{

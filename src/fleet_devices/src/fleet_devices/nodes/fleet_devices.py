@@ -1,4 +1,4 @@
-"""fleet_devices: drives the doors, lights and other devices of a site, for all that ask.
+"""fleet_devices: drives the doors, lights and other devices of a site, for all requesters.
 
 Subscribes
     /device_request (itrci_nav_msgs/DeviceRequest)
@@ -18,8 +18,8 @@ Parameters
     ~steps_file        string  fleet_devices/steps.json  keeps the steps of each machine; used only
                                         if the site has one
     ~period            float   0.2 s    between two readings of a device
-    ~offline_after     float   2 s      without a reading after which a device is OFFLINE
-    ~simulated_travel  float   3 s      that a simulated device takes to open, close or hand over
+    ~offline_after     float   2 s      without a reading until a device is OFFLINE
+    ~simulated_travel  float   3 s      for a simulated device to open, close or hand over
     ~simulated_faults  list    []       faults of simulated devices: device, fault, begin, end
 """
 from __future__ import annotations

@@ -185,7 +185,7 @@ class JobClient:
                 self._errors[question.job] = line.text
 
     def due(self, now: float) -> List[str]:
-        """Returns the lines to send now; first stores a job that is sent.
+        """Returns the lines to send now. A job is stored as SENT before its command is returned.
 
         Raises OSError; then nothing is to be sent.
         """
@@ -226,7 +226,7 @@ class JobClient:
         changed, self._changed = list(self._changed.values()), {}
         return changed
 
-    # -- what was heard ----------------------------------------------------------------------------
+    # -- lines of the Fleet Manager ----------------------------------------------------------------
 
     def _hear_segment(self, line: SegmentLine, now: float) -> None:
         job = self._jobs.get(line.job)

@@ -202,9 +202,9 @@ class JobBook:
 
     def cancel(self, jobs: Sequence[QueuedJob], reason: str,
                posted: Optional[PostedRecord] = None) -> List[SegmentChange]:
-        """Cancels jobs that have not ended. Raises OSError if that cannot be stored.
+        """Cancels jobs that have not ended. Raises OSError if the cancellation cannot be stored.
 
-        posted -- here and below: the REST record that asks for it; it is stored together with it
+        posted -- here and below: the REST record that requests the change; both are stored together
         """
         wanted = [replace(job, cancel=reason) for job in jobs if job.cancel is None]
         self._keep(wanted, posted)
@@ -221,7 +221,7 @@ class JobBook:
 
     def set_priority(self, job: QueuedJob, segment: JobSegment, priority: int,
                      posted: Optional[PostedRecord] = None) -> List[SegmentChange]:
-        """Changes the priority of a segment. Raises OSError if that cannot be stored."""
+        """Changes the priority of a segment. Raises OSError if the change cannot be stored."""
         changed, changes = with_priority(job, segment.number, priority)
         self._keep([changed], posted)
         return changes

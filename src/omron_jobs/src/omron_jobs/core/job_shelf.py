@@ -69,9 +69,9 @@ class JobShelf:
         self.on_change(mission)
 
     def too_old(self, since: int, most: int) -> List[int]:
-        """Returns the missions of jobs that ended before `since`, or before the `most` newest ends.
+        """Returns the missions of ended jobs to forget: all but the `most` newest, and old ones.
 
-        since -- ms since 1970
+        since -- ms since 1970; a job that ended before this is old
         """
         left = len(self._ended) - most
         found: List[int] = []

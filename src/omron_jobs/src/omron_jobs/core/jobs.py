@@ -72,7 +72,7 @@ class DriveAct(Enum):
     """What a robot was seen to do. Clients are informed in the order of these values."""
 
     DRIVES = 'drives'
-    WAITS = 'waits'     # in front of its goal, until the steps before entering end
+    WAITS = 'waits'     # in front of its goal, while steps run before it may enter
     WORKS = 'works'     # at its goal
 
 
@@ -212,7 +212,7 @@ def queued_segments(segments: Tuple[JobSegment, ...], robot: str = '') -> Tuple[
 
 
 def carrier_to(job: QueuedJob, vertex: int) -> str:
-    """Returns the robot that ends a job with a drop-off at a vertex next; empty: there is none.
+    """Returns the robot whose next drop-off, at a vertex, ends a job; empty: there is none.
 
     Such a robot carries the load of the job, so no other robot can get the job.
     """

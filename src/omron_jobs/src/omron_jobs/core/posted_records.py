@@ -8,7 +8,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, Mapping
 
-MOST_POSTED = 1000  # records of each type that are kept, the newest ones
+MOST_POSTED = 1000  # the newest records of each type are kept
 
 
 @dataclass(frozen=True)

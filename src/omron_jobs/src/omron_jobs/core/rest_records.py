@@ -296,7 +296,7 @@ class RestRecords:
                 self._put(RestType.ROBOT_FAULT, {**ended, 'active': False})
 
     def _now(self) -> int:
-        """Returns the time of a change. It never goes back: `UpdatedSince` would miss changes."""
+        """Returns the time of a change. It never goes back, so `UpdatedSince` misses no change."""
         return max(self._last, self._clock())
 
     def _put(self, kind: RestType, content: Record, at: int = 0) -> Record:

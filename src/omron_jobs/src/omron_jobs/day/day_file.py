@@ -35,9 +35,9 @@ _OWN_ID = re.compile(r'JOB\d+\Z', re.ASCII | re.IGNORECASE)
 class DayLine(NamedTuple):
     """One line of a day.
 
-    number -- in the file, from 1
-    at     -- s after midnight
-    name   -- of the command
+    number -- number of the line in the file, from 1
+    at     -- its time, s after midnight
+    name   -- name of the command
     words  -- its arguments, without quotation marks
     """
 

@@ -12,7 +12,7 @@ from node_program.inert_text import cell
 from omron_jobs.day.day_run import PlayedDay
 from omron_jobs.day.judge import WatchedJob
 
-SHOWN = 10          # late jobs, refused commands and broken promises that are told one by one
+SHOWN = 10          # late jobs, refused commands and broken promises that are listed, of each
 _COLUMNS = ('job', 'line', 'queued', 'robot', 'wait_s', 'lead_s', 'state')
 _GOOD = 'No job was lost, and none was done twice. All lines that were told are true.'
 

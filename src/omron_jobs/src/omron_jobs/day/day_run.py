@@ -38,7 +38,7 @@ class PlayedDay(NamedTuple):
     """A day that was played. Times of jobs are in s of the virtual clock.
 
     begin  -- s after midnight at which the virtual clock began
-    hours  -- from the first line to the end
+    hours  -- time from the first line to the end
     wrong  -- the broken promises, in sentences
     """
 

@@ -27,7 +27,7 @@ _log = logging.getLogger(__name__)
 
 
 class DialledAddress(NamedTuple):
-    """The address to which the server connects, and the commands that it carries out for it.
+    """The address to which the server connects, and the commands that it repeats for that program.
 
     commands -- carried out every `seconds` (0: never), as if the program had sent them
     """

@@ -22,14 +22,14 @@ Parameters
                                         ROS_HOME
     ~outgoing_host  string  ''          a program to which this node connects by itself; empty: none
     ~outgoing_port  int     7179
-    ~outgoing_commands string  ''       commands carried out for it again and again, separated by |
-    ~outgoing_seconds float  0.0        s between two times; 0: never
+    ~outgoing_commands string  ''       commands that are repeated for that program, separated by |
+    ~outgoing_seconds float  0.0        s between two repetitions; 0: never
     ~robot_type     string  ''          robots that serve jobs; empty: all
     ~work_file      string  ''          work file (YAML), for the steps at the goals of jobs
-    ~rest_port      int     0           of the REST interface; 0: there is none
-    ~rest_host      string  127.0.0.1   the address on which its clients may connect
-    ~rest_password_file  string  ''     contains the password of its clients, and nothing else
-    ~rest_certificate, ~rest_key  string  ''  PEM files: it is served by TLS
+    ~rest_port      int     0           port of the REST interface; 0: there is no such interface
+    ~rest_host      string  127.0.0.1   the address on which REST clients may connect
+    ~rest_password_file  string  ''     contains the password of REST clients, and nothing else
+    ~rest_certificate, ~rest_key  string  ''  PEM files; with them the REST interface uses TLS
 """
 from __future__ import annotations
 

@@ -135,7 +135,7 @@ def _until_there(robot: SimRobot, x: float, y: float, heading: Optional[float],
                 waited, nearest = 0.0, left
         if waited >= BLOCKED_TIMEOUT:
             raise ActivityFailure('Failed going to goal', failed)
-        pause = robot.random.uniform(0.5, 1.5) * RETRY      # random: two robots must not be in step
+        pause = robot.random.uniform(0.5, 1.5) * RETRY      # random: robots must not retry together
         yield pause
         waited += pause
 
@@ -158,7 +158,10 @@ def come_to_rest(robot: SimRobot) -> Script:
 
 
 def leave_dock(robot: SimRobot, wavering: Sequence[ChargeState] = _WAVERING_ON_GOTO) -> Script:
-    """Backs out of the dock if the robot is in it; announces `wavering`, as transcripts show it."""
+    """Backs out of the dock if the robot is in it.
+
+    wavering -- the charge states that the robot announces meanwhile, as transcripts show
+    """
     if robot.docking.state is DockingPhase.UNDOCKED:
         return
     yield from come_to_rest(robot)

@@ -123,7 +123,7 @@ class SimRobot:
         self.navigation.change_floor(floor)
 
     def _dock_at_start(self) -> None:
-        """Sets up a robot that starts in a dock: it is charged, or charges."""
+        """Sets the docking state of a robot that starts in a dock."""
         here = self.base.pose
         for dock in self.document.docks:
             inside = docked_pose(self.navigation.floor, dock)
@@ -155,7 +155,7 @@ class SimRobot:
         self.announce(self.docking.line)
 
     def _note_state(self) -> None:
-        """Updates the working state; the data store shows how long the robot was in each."""
+        """Updates the working state. The data store shows how long the robot was in each state."""
         if self.permission.motors in (MotorState.ESTOP, MotorState.RELIEVED):
             state: Optional[WorkState] = WorkState.IN_ESTOP
         elif any(kind == 'fault' for kind, _ in self.permission.blocked_by):

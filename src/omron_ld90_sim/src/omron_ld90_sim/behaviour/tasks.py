@@ -24,13 +24,13 @@ SOUND = 2.0                 # s, length of every sound file
 
 
 class Arguments(NamedTuple):
-    """The number of words that a task needs, and the positions of numbers."""
+    """The number of words that a task needs, and the positions of its numeric arguments."""
 
     required: int
     numbers: range = range(0)
 
 
-ARGUMENTS: Dict[str, Arguments] = {     # of tasks that have any; checked before they begin
+ARGUMENTS: Dict[str, Arguments] = {     # checked before a task begins
     'move': Arguments(0, range(5)), 'deltaheading': Arguments(1, range(2)),
     'setheading': Arguments(1, range(1)), 'gotopoint': Arguments(2, range(3)),
     'goto': Arguments(1), 'wait': Arguments(1, range(1)), 'say': Arguments(1),

@@ -10,7 +10,7 @@ SLOTS = 4       # payload slots of a robot with the default configuration (I617-
 
 
 def find_name(names: Iterable[str], wanted: str) -> Optional[str]:
-    """Returns the one of `names` that equals `wanted` with case ignored; None if there is none."""
+    """Returns the name in `names` that equals `wanted`, ignoring case; None: there is none."""
     return next((name for name in names if name.lower() == wanted.lower()), None)
 
 

@@ -15,7 +15,7 @@ from omron_ld90_sim.motion.noise import noise
 NOISE = 6.0             # mm, standard deviation along the ray
 KEPT_FOR = 30.0         # s for which cumulative points are kept
 KEPT_WITHIN = 4000.0    # mm from the robot within which they are reported
-KEPT_POINTS = 200       # at most these many are reported
+KEPT_POINTS = 200       # largest number that is reported
 
 
 class Scanner:

@@ -17,7 +17,7 @@ _BOUNDS = {WHOLE: ('-2147483648', '2147483647'), REAL: ('-inf', 'inf')}
 
 @dataclass
 class ConfigParameter:
-    """One value and its description for `getConfigSectionInfo`; a bound of None is no bound."""
+    """One value, and its description for `getConfigSectionInfo`; a bound may be None: no bound."""
 
     name: str
     type: str

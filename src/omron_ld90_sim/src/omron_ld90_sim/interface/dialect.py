@@ -18,7 +18,7 @@ WELCOME = ('Welcome to the server.',
 
 
 class HelpLayout(Enum):
-    """The layout of the help list, as format of name and description."""
+    """The layout of the help list, as a format string for name and description."""
 
     RIGHT = '{0:>15}          {1}'      # the LD-90's: name right-aligned, ten blanks
     LEFT = '{0:<28}{1}'                 # a long name touches its description

@@ -36,7 +36,7 @@ class QueueRobot(Protocol):
         """Whether it may get a job."""
 
     def drive(self, goal: str, ended: Callable[[bool], None]) -> None:
-        """Drives to a goal. Calls `ended` once, later, with whether the robot has reached it."""
+        """Drives to a goal. Later calls `ended` once: True if the robot has reached the goal."""
 
     def stop(self) -> None:
         """Ends the drive."""
@@ -193,7 +193,7 @@ class JobQueue:
         return next((one.robot for one in self.segments if one.id == segment.after), NO_ROBOT)
 
     def _linked(self, job: str) -> List[QueueSegment]:
-        """Returns the open segments of the job that is linked to this one."""
+        """Returns the open segments of jobs that are linked to a job."""
         ids = {one.id for one in self.segments if one.job == job and one.is_open}
         jobs = {one.job for one in self.segments if one.after in ids and one.job != job}
         return [one for one in self.segments if one.is_open and one.job in jobs]

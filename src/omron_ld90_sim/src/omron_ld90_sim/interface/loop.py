@@ -18,8 +18,8 @@ from typing import Callable, Deque, List, Tuple
 
 from omron_ld90_sim.clock import SimClock
 
-INPUT_CYCLE = 0.02      # s of wall time: the longest cycle, in which inputs are simultaneous
-LONGEST_INPUT_CYCLE = 0.1   # s of the robot's clock, another limit of the cycle
+INPUT_CYCLE = 0.02      # s of wall time; inputs within such a cycle take effect together
+LONGEST_INPUT_CYCLE = 0.1   # s of the robot's clock; this limits the cycle, too
 LONGEST_ROUND = 0.1     # s of wall time for inputs, after which the clock has its turn
 LONGEST_SLEEP = 3600.0  # s; a selector does not accept much longer times
 
@@ -64,7 +64,7 @@ class Loop:
                 callback()
 
     def _serve(self, ready: List[Tuple[selectors.SelectorKey, int]]) -> None:
-        """Handles the inputs that are ready; the next round handles those for which time is up."""
+        """Handles the inputs that are ready, for LONGEST_ROUND at most; the rest stays ready."""
         until = time.monotonic() + LONGEST_ROUND
         for key, mask in ready:
             key.data(mask)

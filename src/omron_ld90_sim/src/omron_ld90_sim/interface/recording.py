@@ -129,7 +129,7 @@ class ReplaySession:
             elif due + OVERLAP > clock.now:
                 clock.at(due + OVERLAP, self._send_due_lines)
                 return
-            else:  # a command that this client has not sent, before the answer to its last command
+            else:  # this client did not send that command
                 self._script.popleft()
 
     def _answer(self, line: bytes) -> None:

@@ -87,7 +87,7 @@ class Simulator:
                  settings: Sequence[Tuple[str, str, str]] = (), battery: float = 100.0,
                  robots: Optional[Sequence[RobotSpec]] = None,
                  arrival_error: Tuple[float, float] = ARRIVAL_ERROR) -> None:
-        """`start` is in mm, mm, degrees; `speed` is that of the robots' clock, as a factor.
+        """`start` is in mm, mm, degrees; `speed` is the speed of the robots' clock as a factor.
 
         `arrival_error` (mm, degrees) is the largest distance from a goal at which a robot may
         stop; docks are always reached exactly.

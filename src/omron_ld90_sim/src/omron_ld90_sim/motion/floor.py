@@ -2,8 +2,9 @@
 
 There are two fields on a grid with the map's own pitch: `clearance`, the distance to anything that
 the robot may not touch, and `sight`, the distance to anything that its laser sees. The centres of
-the cells are multiples of the pitch, like the scan points: so scan points are exact. A floor never
-changes; all robots on a map share it. Fields that only some robots need are computed on first use.
+the cells are multiples of the pitch, like the scan points, so that scan points are not rounded. A
+floor never changes; all robots on a map share it. Fields that only some robots need are computed on
+first use.
 """
 from __future__ import annotations
 

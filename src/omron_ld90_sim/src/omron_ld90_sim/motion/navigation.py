@@ -49,7 +49,7 @@ class Navigation:
                 *(Disc(place.x, place.y, radius) for place in self._stops(within))]
 
     def _stops(self, within: float) -> List[SimPose]:
-        """Returns the places of the robots within `within` mm, and those up to where they stop."""
+        """Returns places of the robots within `within` mm, from here to where they can stop."""
         stops = []
         for other in self._near(within):
             base, track = other.base, other.base.track
@@ -103,7 +103,7 @@ class Navigation:
 
     @property
     def can_set_course(self) -> bool:
-        """Whether the base stands or drives forwards, not turns, backs up or is about to arrive."""
+        """Whether the base stands or drives forwards, and does not turn, back up or just arrive."""
         base, track = self.base, self.base.track
         return base.still or (track is not None and not track.reverse
                               and track.length - base.place > SHORTEST_LEAD)

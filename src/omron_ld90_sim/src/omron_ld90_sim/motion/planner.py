@@ -30,7 +30,7 @@ SEARCH_AROUND = 4000.0  # mm around robot and goal within which a path is search
 TURN_NEAR = 300.0       # mm around the ends of a narrow place to search for places to turn
 TURN_PLACES = 80        # largest number of these places
 COARSELY = 5            # every fifth point of many straights is examined first
-DETOUR = 2.5            # largest cost of such a path; a straight in the open costs 1
+DETOUR = 2.5            # largest cost of the path found first; a straight in the open: 1
 
 
 class NoWay(Exception):

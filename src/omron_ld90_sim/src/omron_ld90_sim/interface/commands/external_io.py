@@ -1,7 +1,7 @@
 """External inputs and outputs: commands that add and remove sets and update their values.
 
 An update is sent to all clients, because one of them may be the device that drives the outputs.
-All other answers go to the asker.
+All other answers go to the client that asked.
 """
 from __future__ import annotations
 

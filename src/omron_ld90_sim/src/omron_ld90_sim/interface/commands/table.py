@@ -52,7 +52,7 @@ class CommandCall:
         self.session.send(line)
 
     def named(self, names: Iterable[str], what: str) -> str:
-        """Returns the one of `names` that equals the first argument with case ignored.
+        """Returns the name in `names` that equals the first argument, ignoring case.
 
         Raises CommandFailed if there is none; `what` is the kind of thing, for the error's text.
         """
