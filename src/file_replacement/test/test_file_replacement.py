@@ -1,4 +1,4 @@
-"""A file is replaced by a complete new one, or not at all; one function does this everywhere."""
+"""A file is replaced by a complete new file, or not at all; all packages use this function."""
 from __future__ import annotations
 
 import ast

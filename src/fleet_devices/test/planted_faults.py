@@ -1,4 +1,4 @@
-"""The rules of a device, each left out: each function here leaves out one, until a test ends."""
+"""Planted faults: each function leaves out one rule of a device until the test ends."""
 from __future__ import annotations
 
 from dataclasses import replace
@@ -29,7 +29,7 @@ def shows_what_was_not_read(patch: pytest.MonkeyPatch) -> None:
 
 def changed(patch: pytest.MonkeyPatch, name: str,
             change: Callable[[DeviceMachine, DeviceMachine], DeviceMachine]) -> None:
-    """Lets an event of a device have another result, made of the state before and the result."""
+    """Changes the result of an event: `change` makes it from the state before and the result."""
     right = getattr(DeviceMachine, name)
 
     def wrong(self: DeviceMachine, *arguments: object) -> DeviceMachine:
@@ -80,7 +80,7 @@ def closes_for_the_first_who_gives_back(patch: pytest.MonkeyPatch) -> None:
 
 
 def ends_a_use_by_time(patch: pytest.MonkeyPatch) -> None:
-    """A lease: what all others have, and what closes doors on robots."""
+    """A use ends after some time (a lease), although a robot may still be in the door."""
     changed(patch, 'tick', lambda before, after: replace(after, obeyed=(), is_closing=True)
             if before.obeyed and after.fault is not before.fault else after)
 

@@ -1,4 +1,4 @@
-"""The search over all states of a small world: both machines of fleet_devices are proved by it."""
+"""The search through all states of a small world; it proves both machines of fleet_devices."""
 from __future__ import annotations
 
 from collections import deque
@@ -8,16 +8,16 @@ State = TypeVar('State')
 
 
 class Broken(AssertionError):
-    """An invariant does not hold. The arguments: its name, the way to the state, and why."""
+    """An invariant does not hold. The arguments: its name, the path to the state, and why."""
 
 
 def visited(first: State, key: Callable[[State], object],
             events: Callable[[State], Iterable[Tuple[str, Callable[[State], State]]]],
             check: Callable[[State], None]) -> int:
-    """Visits every state. Returns their number; raises Broken with the way to the state.
+    """Visits every state. Returns the number of states; raises Broken with the path to the state.
 
-    key    -- what distinguishes two states
-    events -- what can happen in a state, by name; an event raises Broken, too
+    key    -- returns a value that is equal for equal states
+    events -- returns the events that can happen in a state, with names; they may raise Broken, too
     check  -- raises Broken for a state that is wrong
     """
     seen: Dict[object, Tuple[Optional[object], str]] = {key(first): (None, 'start')}

@@ -1,4 +1,4 @@
-"""What one device says of its faults, and what it keeps of many requesters."""
+"""One device: the texts about its faults, and its memory of many requesters."""
 from __future__ import annotations
 
 from typing import Sequence

@@ -1,9 +1,9 @@
-"""Every state of one device, whatever it reads, with lost and late requests, and restarts.
+"""Every state of one device, for all readings, with lost and late requests, and restarts.
 
-Two requesters send numbered requests (odd numbers: OPEN, even ones: CLOSED), each of which may be
-lost, or come late and again. The device shows anything at any time, or nothing. The node restarts
-with its memory, or without it. The real `DeviceMachine` is searched; ghosts remember what it may
-forget.
+Two requesters send numbered requests (odd numbers: OPEN, even numbers: CLOSED). Each request may be
+lost, late or repeated. The device shows anything at any time, or nothing. The node restarts with or
+without its memory. The search uses the real `DeviceMachine`; *ghosts* are data for the checks that
+the machine itself does not keep.
 """
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from route_protocol.devices import UNKNOWN_REQUESTER, DeviceMode, DeviceReport, 
 
 TIMEOUT = OFFLINE_AFTER = 1
 LIMITS = DeviceLimits(TIMEOUT, OFFLINE_AFTER)
-OLD = 2           # ages from here on are alike: they are above both limits
+OLD = 2           # all ages from this on are equivalent: they are above both limits
 STEADY = 2
 REQUESTERS = ('a', 'b')
 MOST = {'a': 2, 'b': 1 if is_whole(__file__) else 0}  # the number of a requester's last request
@@ -35,14 +35,14 @@ class World:
     """The device, time, and the ghosts.
 
     sent       -- the number of the newest request of each requester
-    inside     -- who may be in the device: it was told that the device is open for its newest
-                  request, and has not given it back
-    heard      -- for each requester: 2: read since its newest request was taken, 1: an exchange
-                  has begun since, 0: none
-    readings   -- the last readings that count: since a start, a silence, or another stage
-    gave_back  -- a claim was given back since the start
-    must_close -- the last claim was given back, and the device has not read closed since
-    begun_since -- an exchange has begun in this stage of the device
+    inside     -- for each requester, whether it may be in the device: a report said that the
+                  device is open for its newest request, and it has not given the device back
+    heard      -- for each requester, whether since its newest request was taken an exchange had a
+                  reading (2), an exchange has begun (1), or no exchange has begun (0)
+    readings   -- the last readings that count: those after a start, a silence or a new stage
+    gave_back  -- whether a claim was given back since the start
+    must_close -- whether the last claim was given back, and the device did not read closed since
+    begun_since -- whether an exchange has begun in this stage of the device
     """
 
     device: DeviceMachine
@@ -58,9 +58,10 @@ class World:
 
 
 def key(world: World) -> object:
-    """What decides about the future: ages instead of times, relations instead of counts.
+    """The part of the state that decides the future: ages instead of times, relations instead of
+    counts.
 
-    Of the readings that count, the last one decides, and whether the one before was the same.
+    Of the readings that count, the last one matters, and whether the one before it was equal.
     """
     last = world.readings[-1:]
     return (*device_key(world.device, world.now), world.sent, world.inside, world.heard, last,
@@ -70,7 +71,7 @@ def key(world: World) -> object:
 
 
 def device_key(device: DeviceMachine, now: float) -> Tuple:
-    """What decides about the future of the device alone."""
+    """The part of the state that decides the future of the device alone."""
     def age(time: Optional[float]) -> Optional[float]:
         return None if time is None else min(now - time, OLD)
     return (tuple((one.use.requester, one.use.mode, one.use.number, device.begun > one.begun,
@@ -127,7 +128,7 @@ def deliver(world: World, who: int, number: int) -> World:
 
 
 def release_unknown(world: World) -> World:
-    """A person has looked: nobody is in the device."""
+    """A person has checked that nobody is in the device, and gives it back for `unknown`."""
     request = DeviceRequest(UNKNOWN_REQUESTER, 'gate', DeviceMode.CLOSED, 9)
     after = world.device.ask(request, world.now, 0.0)
     known = {one.use.requester for one in after.obeyed if one.use.holds}
@@ -167,7 +168,7 @@ def end(world: World, reading: Optional[Reading]) -> World:
     world = replace(
         world, device=after, heard=tuple(2 if one else 0 for one in world.heard),
         readings=readings, read_at=began, must_close=world.must_close and not is_closed)
-    if is_closed:  # nobody is in a device that is closed
+    if is_closed:  # nobody is in a closed device
         known = {one.use.requester for one in after.obeyed if one.use.holds}
         world = replace(world, inside=tuple(
             is_in and name in known for is_in, name in zip(world.inside, REQUESTERS)))
@@ -231,9 +232,9 @@ def steps(world: World) -> Iterator[Step]:
 
 
 def check_live(world: World, checked: Set[object]) -> None:
-    """From here on no message is lost, and the device obeys its output.
+    """The device reaches its mode if from now on no message is lost, and it obeys its output.
 
-    checked -- what was checked before
+    checked -- the states that were checked before
     """
     known = *device_key(world.device, world.now), world.sent, world.must_close
     if known in checked:
@@ -269,7 +270,7 @@ def check_life(world: World, output: bool) -> None:
 
 
 def search(live: bool = True) -> int:
-    """Visits every state. Returns their number; raises Broken with the way to the state."""
+    """Visits every state. Returns the number of states; raises Broken with the path."""
     lives: Set[object] = set()
     return visited(World(DeviceMachine.start(LIMITS, LOST, 0)), key, steps,
                    lambda world: check_live(world, lives) if live else None)
@@ -300,8 +301,7 @@ PLANTED = {
 
 
 BY_TWO = (planted.forgets_that_the_memory_is_lost,)
-"""Those that show only when both requesters send. The search for each other one is short without b.
-"""
+"""Faults that show only if both requesters send. For the others, a search without b is shorter."""
 
 
 @pytest.mark.parametrize('plant', PLANTED, ids=lambda plant: plant.__name__)

@@ -1,4 +1,4 @@
-"""All devices together: what is stored before it is done, what is due, and a random machine.
+"""All devices together: data is stored before it has effects, exchanges due, and random tests.
 
 The machine has requesters that restart, messages that are lost or late, restarts of the node with
 and without its memory, a disk that is full, and doors that are slow, stuck, silent or lie.
@@ -37,7 +37,7 @@ STEPS = 400_000 if os.environ.get('LD90_LONG_TESTS') == '1' else 20_000
 
 
 class Disk:
-    """What is stored, and whether it can be."""
+    """The stored data, and whether data can be stored."""
 
     def __init__(self, memory: Optional[StoredDevices] = None) -> None:
         self.memory = memory or StoredDevices()
@@ -163,7 +163,9 @@ def test_each_change_is_reported_at_once_and_else_twice_a_second():
 
 @dataclass
 class Requester:
-    """A program with a journal: its number is stored before it asks, and it enters only if told."""
+    """A program with a journal. It stores its number before it asks, and enters only if a report
+    says that the device is open for it.
+    """
 
     name: str
     number: int = 0
@@ -187,7 +189,7 @@ class Requester:
 
 
 class Broken(AssertionError):
-    """What the machine must never do."""
+    """The machine did something that it must never do."""
 
 
 @dataclass
@@ -230,7 +232,7 @@ class Machine:
         elif event < 0.454:
             self.restart(StoredDevices())
         elif event < 0.457 and not any(requester.inside for requester in self.requesters):
-            self.deliver(asked(CLOSED, 1, UNKNOWN_REQUESTER))  # a person has looked
+            self.deliver(asked(CLOSED, 1, UNKNOWN_REQUESTER))  # a person has checked the door
         elif event < 0.46:
             self.disk.is_full = not self.disk.is_full
         elif event < 0.47 and self.late_reports:
@@ -267,7 +269,7 @@ class Machine:
             reading, problem = self.exchange(exchange)
             self.devices.ended(name, reading, problem, self.now)
             if reading == Reading(False, False) and self.is_found_closed():
-                for requester in self.requesters:  # nobody is in a door that is closed
+                for requester in self.requesters:  # nobody is in a closed door
                     requester.inside = False
         self.devices.tick(self.now)
         for report in self.devices.reports(self.now):
@@ -289,7 +291,7 @@ class Machine:
         return reading, ''
 
     def is_found_closed(self) -> bool:
-        """Returns whether a lost memory has just ended, because the device was read closed."""
+        """Returns whether the memory is no longer lost, because the device has just read closed."""
         return self.devices['gate'].alike >= 2
 
     def check(self, report: DeviceReport) -> None:

@@ -1,9 +1,10 @@
 """Every state of one device that carries out steps, with lost and late commands, and restarts.
 
-The fleet manager orders two steps, each of which it may cancel; a command may be lost, or come late
-and again. Each exchange may have its effect and no reading. The device works, fails, lies dead,
-loses its memory, or shows anything. The node restarts between any two events, with what was stored.
-The real `HandOverMachine` is searched; ghosts remember what it may forget.
+The fleet manager orders two steps, and may cancel each. A command may be lost, late or repeated.
+Each exchange may have its effect but no reading. The device works, fails, does not react, loses its
+memory, or shows anything. The node restarts between any two events, with its stored memory. The
+search uses the real `HandOverMachine`; *ghosts* are data for the checks that the machine itself
+does not keep.
 """
 from __future__ import annotations
 
@@ -36,12 +37,12 @@ COMMANDS = tuple(StepCommand(key, act, RUN, 'handshake' if act is StepAct.DO els
 WHOLE = is_whole(__file__)
 BOUNDS = (((2, 1, 1), (3, 0, 0)) if LONG else ((2, 1, 0), (2, 0, 1)) if WHOLE
           else ((1, 1, 0), (2, 0, 0)))
-"""How many of the commands, restarts and power cuts there may be."""
+"""The bounds of each search: numbers of commands, restarts and power cuts."""
 MOST_RESTARTS, MOST_POWER_CUTS = 1, 0
 
 
 class Press(NamedTuple):
-    """The device in truth. `ended`: for each key, the ends that it has shown."""
+    """The true state of the device."""
 
     start: bool = False
     key: int = 0
@@ -55,12 +56,12 @@ class Press(NamedTuple):
 
 @dataclass(frozen=True)
 class World:
-    """All there is.
+    """The state of everything.
 
-    stored  -- what is on the disk
-    write   -- of the exchange that is awaited; `is_awaited`: there is one
-    started -- by key, how often its start was written
-    said    -- by key, the ends that the device has shown while it had this key
+    stored  -- the data on the disk
+    write   -- the start signal that the awaited exchange writes; None: it writes nothing
+    started -- how often the start of each key was written
+    said    -- for each key, whether the device has shown *done* and *failed* while it had this key
     """
 
     device: HandOverMachine
@@ -75,7 +76,7 @@ class World:
 
 
 def key_of(world: World) -> object:
-    """What decides about the future: ages instead of times, relations instead of counts."""
+    """The part of the state that decides the future: ages for times, relations for counts."""
     device = world.device
 
     def age(time: Optional[float]) -> Optional[float]:
@@ -122,7 +123,7 @@ def end(world: World, is_written: bool, is_read: bool) -> World:
 
 
 def press_ends(world: World, failed: bool) -> World:
-    """A press says how it has ended. One that does not work well says both, or changes its mind."""
+    """A press shows how a step has ended. A faulty press shows both ends, or changes the end."""
     press = world.press._replace(**{'failed' if failed else 'done': True})
     if press.key not in KEYS:
         return replace(world, press=press)
@@ -146,13 +147,13 @@ def pass_time(world: World) -> World:
 
 
 def restart(world: World) -> World:
-    """The exchange that is awaited may have had its effect before, or has none."""
+    """A restart: the awaited exchange has had its effect before, or never has one."""
     device = HandOverMachine.start(LIMITS, world.stored, world.now)
     return replace(told(world, device), write=None, restarts=world.restarts + 1)
 
 
 def told(world: World, device: HandOverMachine) -> World:
-    """Stores the device, and checks what it says of its steps."""
+    """Stores the memory of the device, and checks the reports on its steps."""
     before = {step.key: step for step in world.device.actor.steps}
     running = [step.key for step in device.actor.steps if not step.word.is_final]
     if len(running) > 1 or running != ([device.key] if device.phase in RUNNING else []):
@@ -206,9 +207,9 @@ def events(world: World) -> Iterator[Event]:
 
 
 def check_live(world: World, checked: Set[object]) -> None:
-    """From here on the device works, or is silent: what runs ends.
+    """A step that runs ends if from now on the device works, or is silent.
 
-    checked -- what was checked before
+    checked -- the states that were checked before
     """
     known = key_of(replace(world, stored=HandOverMemory(RUN), started=(), said=(), restarts=0,
                            power_cuts=0, write=None))
@@ -236,7 +237,7 @@ def check_live(world: World, checked: Set[object]) -> None:
 
 
 def search(live: bool = True) -> int:
-    """Visits every state. Returns their number; raises Broken with the way to the state."""
+    """Visits every state. Returns the number of states; raises Broken with the path."""
     memory = HandOverMemory(RUN)
     lives: Set[object] = set()
     return visited(World(HandOverMachine.start(LIMITS, memory, 0), memory), key_of, events,

@@ -16,7 +16,7 @@ ALWAYS = 1e9
 
 
 class Disk:
-    """Keeps what was stored last, unless it is full."""
+    """Keeps the data that was stored last, unless it is full."""
 
     def __init__(self) -> None:
         self.stored = StoredHandOvers()
@@ -29,7 +29,7 @@ class Disk:
 
 
 class Site:
-    """A press that takes 3 s, and the devices' part of the node."""
+    """A press that takes 3 s, and the part of the node that drives it."""
 
     def __init__(self, *faults: Tuple[FaultKind, float, float]) -> None:
         self.now = 0.0
@@ -119,7 +119,7 @@ def test_nothing_starts_before_it_is_stored():
     site.disk.is_full = False
     site.order(4)
     site.wait(0.2)
-    site.disk.is_full = True  # it is READYING, and must not start
+    site.disk.is_full = True  # the device is READYING, and must not start
     site.wait(1.0)
     assert not site.press.exchange(None).start
     site.disk.is_full = False

@@ -1,4 +1,4 @@
-"""All devices of a connection are read one after the other, in the order in which it was asked."""
+"""All devices of a connection are read one after the other, in the order of the requests."""
 from __future__ import annotations
 
 from typing import List, Optional, Tuple
@@ -8,7 +8,7 @@ from fleet_devices.drivers.driver import ExchangeQueue, Silent
 
 
 class Door:
-    """Reads as its output is, or is silent."""
+    """A door: its readings follow its output, or it is silent."""
 
     def __init__(self, problem: str = '') -> None:
         self.problem = problem

@@ -31,7 +31,7 @@ COIL, INPUT, UNIT, Plc = plc_module.COIL, plc_module.INPUT, plc_module.UNIT, plc
 
 
 class Clock:
-    """A clock that a test moves."""
+    """A clock that a test advances."""
 
     def __init__(self) -> None:
         self.now = 0.0
@@ -86,9 +86,9 @@ def test_a_killed_server_is_silent_and_one_that_starts_again_is_read_again(plc):
         door.exchange(True)
     plc.start()
     with pytest.raises(Silent, match='does not answer'):
-        door.exchange(True)  # it is not tried again before the pause is over
+        door.exchange(True)  # no new connection is tried before the pause is over
     clock.now += PAUSE
-    assert door.exchange(None) == Reading(False, False)  # it has lost its coils
+    assert door.exchange(None) == Reading(False, False)  # the server has lost its coils
     assert door.exchange(True) == Reading(True, True)
 
 
@@ -114,7 +114,7 @@ def test_a_press_whose_server_dies_is_silent(plc):
         press.exchange(None)
     plc.start()
     clock.now += PAUSE
-    assert press.exchange(None) == Signals(False, 0, False, False)  # it has lost its memory
+    assert press.exchange(None) == Signals(False, 0, False, False)  # the server has lost its memory
     assert plc.starts == 1
 
 
@@ -161,12 +161,12 @@ def test_a_server_that_does_not_answer_ends_the_exchange(monkeypatch):
 @settings(max_examples=40, deadline=None)
 @given(st.lists(st.binary(max_size=300), min_size=1, max_size=4))
 def test_no_bytes_upset_the_driver(answers):
-    """Whatever a server sends, the exchange has a reading of two bits, or is silent."""
+    """Whatever a server sends, the exchange returns a reading, or raises Silent."""
     given_ = iter(answers * 100)
 
     def answer(data: bytes) -> bytes:
         body = next(given_)
-        if len(body) % 2:  # the right head, so that the rest is read
+        if len(body) % 2:  # the right header, so that the rest is read
             return data[:4] + len(body).to_bytes(2, 'big') + body
         return body
     before, modbus.TIMEOUT = modbus.TIMEOUT, 0.05

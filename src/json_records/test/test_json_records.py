@@ -1,4 +1,4 @@
-"""What is written is read as it was; anything else is refused."""
+"""Written values are read back unchanged; all other data is refused."""
 from __future__ import annotations
 
 import json

@@ -1,4 +1,4 @@
-"""What several tests of the job server need."""
+"""Common fixtures of the job server's tests."""
 from __future__ import annotations
 
 import time

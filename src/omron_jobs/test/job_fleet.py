@@ -1,6 +1,6 @@
 """A fleet manager for tests of the job server, and a disk that can fail.
 
-It keeps to what docs/reference/path_supervisor.md says: it knows a repeat by id and stamp, shows a
+It follows docs/reference/path_supervisor.md: it recognises a repeat by id and stamp, shows a
 mission after each change, and answers questions from its journal.
 """
 from __future__ import annotations
@@ -43,9 +43,9 @@ class Mission(NamedTuple):
 
 
 class FakeFleet:
-    """Accepts missions. Everything else happens when a test says so.
+    """Accepts missions. All other events happen when a test calls a method.
 
-    driven -- for each mission, each stop at which a robot has been, as (mission, stop)
+    driven -- the stops at which a robot has been, each as (mission, number of the stop)
     """
 
     def __init__(self) -> None:
@@ -54,7 +54,7 @@ class FakeFleet:
         self.refuses = self.refuses_changes = False
 
     def handle(self, message: FleetMessage) -> Iterator[Tuple[Key, Optional[JobMission]]]:
-        """Handles a message, and returns the statuses that it sends. None: it is unknown."""
+        """Handles a message. Yields the missions that it shows; None: the mission is unknown."""
         key = message.job.mission, message.job.queued
         if message.act is FleetAct.REQUEST and key not in self.missions:
             self.missions[key] = Mission(
@@ -85,13 +85,13 @@ class FakeFleet:
             shown=shown if robot is None else shown._replace(robot=robot))
 
     def drives(self) -> Dict[int, JobDrive]:
-        """Where the robots of all active missions drive."""
+        """The drives of the robots of all active missions."""
         return {key[0]: JobDrive(one.shown.robot, one.shown.places[one.shown.reached])
                 for key, one in self.missions.items()
                 if one.shown.state is JobMissionState.ACTIVE and one.shown.robot}
 
     def reach(self, key: Key) -> None:
-        """The robot of an active mission does its next stop."""
+        """The robot of an active mission completes its next stop."""
         mission = self.missions[key]
         self.driven.append((key, mission.shown.reached))
         reached = mission.shown.reached + 1
@@ -105,7 +105,7 @@ def places_of(job: QueuedJob) -> Tuple[int, ...]:
 
 
 def tell(book: JobBook, key: Key, shown: Optional[JobMission], now: float) -> List[SegmentChange]:
-    """Lets a book hear what the fleet manager has sent."""
+    """Passes what the fleet manager has sent to a job book."""
     if shown is None:
         return book.hear_unknown(*key, asked=now)
     return book.hear(*key, shown, now)

@@ -48,12 +48,12 @@ class Line:
         return lines
 
     def say(self, line: str) -> List[str]:
-        """The lines that answer a line."""
+        """The answer to a line of the first client."""
         self.client.receive(line.encode() + b'\r\n')
         return self.heard()
 
     def exchange(self) -> List[str]:
-        """Lets the fleet manager handle what is due; the lines that follow."""
+        """The lines that the first client gets when the fleet manager handles the messages due."""
         for message in self.book.due(self.now):
             for key, shown in self.fleet.handle(message):
                 self.server.announce(tell(self.book, key, shown, self.now))
@@ -64,18 +64,18 @@ class Line:
         return job.mission, job.queued
 
     def show(self, key: Key) -> List[str]:
-        """The fleet manager shows a mission; the lines that follow."""
+        """The lines that follow when the fleet manager shows a mission."""
         self.server.announce(tell(self.book, key, self.fleet.missions[key].shown, self.now))
         return self.heard()
 
     def set(self, state: JobMissionState, robot: Optional[str] = None, number: int = -1,
             ) -> List[str]:
-        """A mission gets a state. Its robot, if it has one, drives."""
+        """The lines that follow when a mission gets a state, and its robot, if any, drives."""
         self.fleet.set(self.key(number), state, robot)
         return [*self.show(self.key(number)), *self.drive()]
 
     def drive(self, act: DriveAct = DriveAct.DRIVES) -> List[str]:
-        """The fleet manager shows robots on the way to their next stops; the lines that follow."""
+        """The lines that follow when the fleet manager shows what the robots do (`act`)."""
         drives = {key: drive._replace(act=act) for key, drive in self.fleet.drives().items()}
         self.server.announce(self.book.hear_drives(drives))
         return self.heard()

@@ -1,4 +1,4 @@
-"""A simulated Fleet Manager on loopback, whose link can be cut at any word of either side."""
+"""A simulated Fleet Manager on loopback. Its link can be cut at any word of either side."""
 from __future__ import annotations
 
 import contextlib
@@ -16,7 +16,7 @@ PASSWORD = 'p'
 
 
 class Robot:
-    """A robot whose drives end when the test says so."""
+    """A robot; the test ends its drives."""
 
     def __init__(self, name: str) -> None:
         self.name = name
@@ -44,19 +44,22 @@ class Robot:
 
 @dataclass(frozen=True)
 class Cut:
-    """Where the link is cut: after these bytes of the Fleet Manager, or with a line of the client
-    that begins with them; whether that line still arrives.
+    """Where the link is cut: after `words` of the Fleet Manager, or at a line of the client that
+    begins with them.
+
+    is_heard     -- whether `words` are from a line of the client
+    is_delivered -- whether this line still arrives
     """
 
     words: bytes
-    is_heard: bool = False      # a line of the client
+    is_heard: bool = False
     is_delivered: bool = False
 
 
 class ManagerPort:
     """The Fleet Manager with one robot, which drives while `drives`; a context manager.
 
-    Its attributes are what a test sets and reads; one thread owns the sockets.
+    Tests set and read its attributes; one thread owns the sockets.
     """
 
     def __init__(self, password: str = PASSWORD) -> None:
@@ -66,7 +69,7 @@ class ManagerPort:
         self.drives, self.mute = True, False
         self.chunk = 1 << 20                # bytes that are sent at a time
         self.before = b''                   # is sent before the next answer
-        self.swallowed: Optional[bytes] = None      # a line that begins with it has no effect
+        self.swallowed: Optional[bytes] = None      # lines that begin with it have no effect
         self.heard: List[str] = []
         self.logins = 0
         self._server = socket.create_server(('127.0.0.1', 0))

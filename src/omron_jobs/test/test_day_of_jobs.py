@@ -1,4 +1,4 @@
-"""A day of jobs against the simulated fleet: the example of a shift, and what the judge finds."""
+"""A day of jobs against the simulated fleet: the example of a shift, and the judge's findings."""
 from __future__ import annotations
 
 import csv
@@ -122,7 +122,7 @@ CANCELLED = Status(1, MissionState.CANCELLED, 'r1', 1)
 
 def judged(told: Sequence[Tuple[str, str]], last: Status = DONE, serials: Tuple[int, ...] = (1,),
            visits: Sequence[str] = ('press', 'shelf'), cancel: str = '') -> List[str]:
-    """What the judge finds in a job of which this was told."""
+    """The errors that the judge finds if the program gets these states of a job."""
     places = {name: GoalPlace(k, 10.0 * k, 0.0) for k, name in enumerate(GOALS)}
     judge = Judge(places)
     judge.hears_reply(3, [REPLY], 1.0)

@@ -1,4 +1,4 @@
-"""The orders of the jobs that are kept, and the questions about many of them."""
+"""The orders in which jobs are kept, and the questions about many silent missions."""
 from __future__ import annotations
 
 from dataclasses import replace

@@ -1,7 +1,7 @@
 """The client of this package gives jobs to its server, in any order with losses and restarts.
 
-Their tables of words know nothing of each other: what one of them says otherwise than the other one
-reads it shows here. Each job is driven once, and ends at the client as at the server.
+Client and server have separate tables of words: a difference between the tables shows here. Each
+job is driven once, and ends in the same state at the client and at the server.
 """
 from __future__ import annotations
 
@@ -101,7 +101,7 @@ class ClientAgainstServer(RuleBasedStateMachine):
 
     @rule(is_answered=st.booleans())
     def talk(self, is_answered: bool) -> None:
-        """What is due is said, and answered; or the link is lost before the answer."""
+        """The client sends what is due, and gets the answers, or the link is lost before them."""
         for _ in range(30):
             lines = self.client.due(self.now)
             if not lines:

@@ -75,7 +75,7 @@ class HandedJobsInAnyOrder(RuleBasedStateMachine):
 
     @rule()
     def connect(self) -> None:
-        """The old link is lost with what is under way, and a new one is logged in."""
+        """The old link is lost with the bytes on their way; the client logs in over a new link."""
         for old in list(self.manager.sessions):
             old.close(abort=True)
         self.client.hear_loss()
@@ -88,7 +88,7 @@ class HandedJobsInAnyOrder(RuleBasedStateMachine):
 
     @rule()
     def lose_an_answer(self) -> None:
-        """What is due is carried out, and the link is lost before the answer."""
+        """The Fleet Manager carries out commands, and the link is lost before its answer."""
         self.carry_to_server(10_000)
         self.connect()
 
@@ -139,7 +139,7 @@ class HandedJobsInAnyOrder(RuleBasedStateMachine):
     @rule(goal=st.integers(0, 1), other=st.integers(0, 1))
     def modify_what_is_queued(self, goal: int, other: int) -> None:
         """A job that the Fleet Manager has just queued gets other goals and priorities, so that
-        one modification needs several commands. Single rules seldom meet in this order.
+        one modification needs several commands. Random rules seldom come in this order.
         """
         self.request(goal)
         self.carry_to_server(10_000)
@@ -211,7 +211,7 @@ class HandedJobsInAnyOrder(RuleBasedStateMachine):
 
     @rule(drives=st.integers(0, 3))
     def wait(self, drives: int = 0) -> None:
-        """So long that the Fleet Manager distributes jobs, and the client asks again."""
+        """Enough time passes for the Fleet Manager to distribute jobs, and the client to query."""
         self.clock.advance(self.clock.now + 0.2)
         for _ in range(drives):
             for robot in range(2):
@@ -221,7 +221,7 @@ class HandedJobsInAnyOrder(RuleBasedStateMachine):
 
     @rule(end=st.booleans())
     def work(self, end: bool) -> None:
-        """Everything that is under way arrives, and maybe the robots do."""
+        """All bytes on their way arrive; with `end`, the robots arrive, too."""
         for _ in range(2):
             self.carry_to_server(10_000)
             self.carry_to_client(1_000_000)
@@ -250,11 +250,11 @@ class HandedJobsInAnyOrder(RuleBasedStateMachine):
 
     @property
     def seen(self) -> Dict[str, set]:
-        """By each job, the ids of all segments that the Fleet Manager ever had."""
+        """The ids of all segments that the Fleet Manager ever had, by job."""
         return self.__dict__.setdefault('_seen', {})
 
     def teardown(self) -> None:
-        """Everything works again: each job ends, in its true state."""
+        """From now on everything works: each job ends in its true state."""
         if not hasattr(self, 'manager'):
             return
         self.is_full = False
@@ -298,7 +298,7 @@ def test_no_job_is_done_twice_none_is_lost_and_each_ends_in_its_true_state() -> 
 
 
 class SendsAgainWithoutAsking(JobClient):
-    """After a login it takes a job in doubt for one that was never sent."""
+    """A faulty client: after a login it treats a job in doubt as a job that was never sent."""
 
     def hear_login(self) -> None:
         super().hear_login()
@@ -308,7 +308,7 @@ class SendsAgainWithoutAsking(JobClient):
 
 
 class SendsBeforeItStores(JobClient):
-    """A job is sent although the disk has it as one that was not sent."""
+    """A faulty client: it sends a job that is not yet stored as SENT."""
 
     def _keep(self, job: HandedJob) -> None:
         if job.state is HandedState.SENT:
@@ -321,7 +321,7 @@ class SendsBeforeItStores(JobClient):
 
 
 class NeverAsks(JobClient):
-    """A job in doubt is taken for an accepted one."""
+    """A faulty client: after a login it treats a job in doubt as an accepted job."""
 
     def hear_login(self) -> None:
         super().hear_login()
@@ -331,7 +331,7 @@ class NeverAsks(JobClient):
 
 
 class BelievesErrors(JobClient):
-    """An error ends a job without a question, as if it had been done."""
+    """A faulty client: after an error it ends a job as completed, without a query."""
 
     def hear_line(self, text: str, now: float) -> None:
         question = self._question
@@ -341,21 +341,21 @@ class BelievesErrors(JobClient):
 
 
 class SendsAgainLater(JobClient):
-    """An old "not known" counts as a proof."""
+    """A faulty client: it sends a job again even if "not known" comes late."""
 
     def _hear_not_known(self, job: HandedJob) -> None:
         self._put(job.after(HandedEvent.NOT_KNOWN))
 
 
 class ModifiesWithoutAsking(JobClient):
-    """After a login it takes what it heard before for what the Fleet Manager has now."""
+    """A faulty client: after a login it does not query the segments of a job to be modified."""
 
     def _is_to_be_asked(self, job: HandedJob, now: float) -> bool:
         return not job.wanted and super()._is_to_be_asked(job, now)
 
 
 class BelievesAnswersToModifications(JobClient):
-    """A modification of one value that was answered ends all of it."""
+    """A faulty client: after the answer about one value it ends the whole modification."""
 
     def hear_line(self, text: str, now: float) -> None:
         question, line = self._question, read_line(text)
@@ -370,7 +370,7 @@ class BelievesAnswersToModifications(JobClient):
                                    BelievesErrors, SendsAgainLater, ModifiesWithoutAsking,
                                    BelievesAnswersToModifications])
 def test_a_planted_fault_is_found(fault: Type[JobClient]) -> None:
-    @seed(0)  # with it, each fault is found soon
+    @seed(0)  # with this seed, each fault is found soon
     class Faulty(HandedJobsInAnyOrder):
         Client = fault
     with pytest.raises(AssertionError):

@@ -1,4 +1,4 @@
-"""Command lines of clients, and all that follows. OMRON's own lines are in test_job_lines."""
+"""Command lines of clients, and their effects. OMRON's own lines are in test_job_lines."""
 from __future__ import annotations
 
 from typing import List, Tuple
@@ -176,7 +176,7 @@ def test_a_segment_is_driving_when_its_robot_drives_to_its_goal(line):
     for other in (JobDrive('r2', 1), JobDrive('r', 2)):
         assert line.book.hear_drives({line.key()[0]: other}) == []
     assert updates(line.drive()) == [('PICKUP1', 'InProgress', 'Driving')]
-    assert line.book.hear_drives({}) == []  # it waits for another robot on its way
+    assert line.book.hear_drives({}) == []  # the robot waits for another robot
     line.fleet.reach(line.key())
     assert updates(line.show(line.key())) == [
         ('PICKUP1', 'Completed', 'None'), ('DROPOFF2', 'InProgress', 'UnAllocated'),
@@ -192,7 +192,7 @@ def test_the_steps_at_a_goal_are_told_before_and_after(line):
     line.set(ACTIVE, 'r')
     for act, sub in ((DriveAct.WAITS, 'BeforePickup'), (DriveAct.WORKS, 'AfterPickup')):
         assert updates(line.drive(act)) == [('PICKUP1', 'InProgress', sub)]
-    assert line.drive(DriveAct.DRIVES) == []  # it does not come from its work again
+    assert line.drive(DriveAct.DRIVES) == []  # the substatus does not go back
     line.fleet.reach(line.key())
     assert updates(line.show(line.key())) == [
         ('PICKUP1', 'Completed', 'None'), ('DROPOFF2', 'InProgress', 'UnAllocated'),
@@ -221,7 +221,7 @@ def test_a_pickup_where_a_running_job_drops_off_is_a_swap_for_its_robot(line):
     assert (message.act, message.job.robot) == (FleetAct.REQUEST, 'Lynx1')
     for key, shown in line.fleet.handle(message):
         line.server.announce(tell(line.book, key, shown, line.now))
-    assert line.heard() == []  # its robot stays named while it waits
+    assert line.heard() == []  # the waiting job keeps the name of its robot
     assert 'linked' not in line.say('queuePickupDropoff y z')[0]  # one robot, one swap
 
 
@@ -289,7 +289,7 @@ def test_the_goal_of_a_segment_changes_while_its_robot_drives(line):
             'BeforeModify Driving Goal "x" "r"', 'InterruptedByModify None Goal "x" "r"',
             'AfterModify None Goal "y" "r"', 'Pending None Goal "y" "None"',
             'InProgress UnAllocated Goal "y" "r"', 'InProgress Allocated Goal "y" "r"')]
-    assert line.drive() == []  # it still drives to the old one
+    assert line.drive() == []  # the robot still drives to the old goal
     line.exchange()
     assert updates(line.drive()) == [('PICKUP1', 'InProgress', 'Driving')]
     assert line.fleet.missions[line.key()].shown.places == (2,)
@@ -299,7 +299,7 @@ def test_a_change_of_goal_that_races_the_arrival_goes_back_and_every_client_is_t
     line.say('queuePickupDropoff x y 10 20 j')
     line.exchange()
     line.set(ACTIVE, 'r')
-    line.fleet.reach(line.key())  # the job server has not heard of it
+    line.fleet.reach(line.key())  # the job server does not know this yet
     line.say('queueModify pickup1 goal z')
     assert line.exchange()[:5] == [
         f'QueueUpdate: PICKUP1 j 10 {told} "r" {AT} {end} 0 ' for told, end in (

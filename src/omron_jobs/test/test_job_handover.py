@@ -1,4 +1,4 @@
-"""Jobs over a real link on loopback: wherever it ends, each job is done once, and told truly."""
+"""Jobs over a real link on loopback: wherever it ends, each job is done once, and shown truly."""
 from __future__ import annotations
 
 import time

@@ -1,8 +1,9 @@
 """Each line of OMRON's sources that the server sends, byte for byte, with its source.
 
-A row is a conversation: `> ` a line of a client, `< ` a line that must follow, `* ` what the fleet
-does. What stands here was read from the sources, not from the server: "p." is a page of OMRON's
-ARCL manual (I617-E-01), a name is that of a client, "real" a line that a Fleet Manager has sent.
+A row is a conversation: `> ` is a line of a client, `< ` a line that must follow, and `* ` an act
+of the fleet. The lines were copied from the sources, not from the server. Of the sources, "p." is a
+page of OMRON's ARCL manual (I617-E-01), a name is a client program, and "real" is a line that a
+Fleet Manager has sent.
 """
 from __future__ import annotations
 
@@ -52,7 +53,7 @@ ROWS: Dict[str, Sequence[str]] = {
         f'< QueueUpdate: PICKUP12 JOB12 10 InProgress Allocated Goal "x" "Lynx1" {OPEN} 0 ',
         '* drives',
         f'< QueueUpdate: PICKUP12 JOB12 10 InProgress Driving Goal "x" "Lynx1" {OPEN} 0 ',
-        '* wait 16', '* done',  # the same robot goes on at once, and queue times stay
+        '* wait 16', '* done',  # the same robot continues at once; the queuing times stay
         f'< QueueUpdate: PICKUP12 JOB12 10 Completed None Goal "x" "Lynx1" {AT} {LATER} 0 ',
         f'< QueueUpdate: DROPOFF13 JOB12 20 InProgress UnAllocated Goal "y" "Lynx1" {OPEN} 0 ',
         f'< QueueUpdate: DROPOFF13 JOB12 20 InProgress Allocated Goal "y" "Lynx1" {OPEN} 0 ',
@@ -244,16 +245,16 @@ STATES = {'paused': JobMissionState.PAUSED, 'failed': JobMissionState.FAILED}
 
 
 class Conversation:
-    """Carries out rows, and compares what both clients hear.
+    """Carries out rows, and compares the lines that both clients get.
 
-    job -- number of the job about which the fleet does something; -1: the last one
+    job -- number of the job to which the acts of the fleet apply; -1: the last job
     """
 
     def __init__(self, line: Line) -> None:
         self.line, self.job = line, -1
 
     def check(self, wanted: Sequence[str]) -> None:
-        """The lines since the last check. Replies go to the asker, changes to everybody."""
+        """Checks the lines since the last check: replies go to one client, changes to both."""
         told = bytes(self.line.client.output)
         assert told == b''.join(one.encode() + b'\r\n' for one in wanted)
         self.skip()
@@ -283,7 +284,7 @@ class Conversation:
             self.drive(verb, *words)
 
     def drive(self, verb: str, *words: str) -> None:
-        """What the fleet does. The lines that follow wait for the next check."""
+        """Does an act of the fleet. The lines that follow wait for the next check."""
         line, key = self.line, self.line.key(self.job)
         for message in line.book.due(line.now):
             for one, shown in line.fleet.handle(message):
@@ -345,10 +346,10 @@ def test_what_only_a_robot_takes_is_refused(line: Line, command: str) -> None:
 
 
 @pytest.mark.parametrize('command', [
-    # not on a Fleet Manager, or nowhere
+    # commands that a Fleet Manager does not have
     'status', 'goto', 'stop', 'doTask', 'getRobots', 'queueMultiple', 'queueDropoffList',
     'goalAndTask',
-    # on a Fleet Manager, and not offered
+    # commands of a Fleet Manager that this server does not offer
     'log', 'arclSendText', 'popupSimple', 'connectOutgoing', 'configAdd', 'configStart',
     'getConfigSectionInfo', 'getDataStoreFieldInfo', 'newConfigParam', 'mapObjectList', 'extIOAdd',
     'tripReset'])

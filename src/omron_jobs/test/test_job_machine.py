@@ -1,7 +1,7 @@
 """Jobs, cancellations, lost messages and clients, full disks and restarts, in any order.
 
-The model is what clients were told: each job that was `successfully queued` is done once, or ends
-otherwise, and what is told of it is what its mission did. What was posted over REST stays.
+The model is the lines that clients got. Each job that was `successfully queued` is done once, or
+ends in another state; its lines agree with its mission. Records that were posted over REST stay.
 """
 from __future__ import annotations
 
@@ -46,10 +46,10 @@ class JobsInAnyOrder(RuleBasedStateMachine):
         self.now = 0.0
         self.ids = iter(range(1, 10 ** 6))
         self.queued: Dict[str, int] = {}
-        """By the id of its first segment, the number of segments of each job that was accepted."""
+        """The number of segments of each accepted job, by the id of its first segment."""
         self.cancelled: List[str] = []
         self.posted: Dict[Tuple[RestType, str], Any] = {}
-        """By type and key, each record of REST that was answered 201."""
+        """The records of REST to which the answer was 201, by type and key."""
         self.start()
 
     def start(self) -> None:
@@ -142,7 +142,7 @@ class JobsInAnyOrder(RuleBasedStateMachine):
 
     @rule(lost=st.lists(st.booleans(), max_size=6), twice=st.booleans())
     def exchange(self, lost: List[bool], twice: bool) -> None:
-        """What is due is sent. Some messages and answers are lost; others arrive twice."""
+        """The messages due are sent. Some messages and answers are lost; others arrive twice."""
         losses = iter(lost)
         for message in self.book.due(self.now) + self.book.silent(self.now):
             for _ in range(1 + twice):
@@ -186,8 +186,8 @@ class JobsInAnyOrder(RuleBasedStateMachine):
 
     @rule(which=PICK, state=st.sampled_from((State.FAILED, State.CANCELLED)))
     def end_unheard(self, which: int, state: State) -> None:
-        """A mission that the job server knows ends, and the news is lost. Single rules seldom meet
-        in this order.
+        """A mission that the job server knows ends, and its status is lost. Random rules seldom
+        come in this order.
         """
         self.exchange([], False)
         open_ones = [key for key, one in self.fleet.missions.items() if one.shown.state.is_open]
@@ -234,7 +234,7 @@ class JobsInAnyOrder(RuleBasedStateMachine):
             assert done == sorted(done, reverse=True)
 
     def teardown(self) -> None:
-        """All losses end: then each job ends, and is shown as its mission has ended."""
+        """From now on nothing is lost: each job ends, in the state of its mission."""
         if not hasattr(self, 'disk'):
             return
         self.disk.is_full = self.fleet.refuses_changes = False
@@ -271,8 +271,8 @@ class JobsInAnyOrder(RuleBasedStateMachine):
 
 
 class JobsOfBothInterfaces(JobsInAnyOrder):
-    """Cancellations and modifications come over REST, too. A machine of its own finds the planted
-    faults of the other one sooner."""
+    """Cancellations and modifications come over REST, too. The machine without REST is separate
+    because it finds most planted faults sooner."""
 
     @rule(which=PICK, key=st.sampled_from(('', 'a', 'b')), wish=st.sampled_from((
         ('JobCancel', {'cancelReason': 'why'}), ('JobSegmentModify', {'priority': 4}),
@@ -303,11 +303,11 @@ class JobsOfBothInterfaces(JobsInAnyOrder):
 TestJobsInAnyOrder = JobsOfBothInterfaces.TestCase
 
 
-# -- the machine finds what it is for --------------------------------------------------------------
+# -- planted faults --------------------------------------------------------------------------------
 
 
 class StoresLate(JobBook):
-    """Says that a job is queued before it is on the disk."""
+    """A faulty book: it accepts a job before the job is on the disk."""
 
     def queue(self, goals: Sequence[JobGoal], *others: Any, **named: Any) -> QueuedJob:
         disk, self._store = self._store, Disk()
@@ -318,7 +318,7 @@ class StoresLate(JobBook):
 
 
 class StampsAnew(JobBook):
-    """Gives each repeat of a request a stamp of its own."""
+    """A faulty book: it gives each repeat of a request another stamp."""
 
     def due(self, now: float) -> List[FleetMessage]:
         return [message._replace(job=replace(message.job, queued=message.job.queued + 1 + k))
@@ -326,7 +326,7 @@ class StampsAnew(JobBook):
 
 
 class CancelsOnce(JobBook):
-    """Sends a cancellation once, and does not look whether it was heard."""
+    """A faulty book: it sends a cancellation only once, even if it gets lost."""
 
     def due(self, now: float) -> List[FleetMessage]:
         sent = self.__dict__.setdefault('cancelled', set())
@@ -337,7 +337,7 @@ class CancelsOnce(JobBook):
 
 
 class ChangesOnce(JobBook):
-    """Sends a change once, and does not look whether it is done."""
+    """A faulty book: it sends a change only once, even if it gets lost."""
 
     def due(self, now: float) -> List[FleetMessage]:
         sent = self.__dict__.setdefault('changed', set())
@@ -348,28 +348,28 @@ class ChangesOnce(JobBook):
 
 
 class KeepsTheNewGoal(JobBook):
-    """Takes a change of goal as done although the robot was at the old one before."""
+    """A faulty book: it keeps the new goal although the mission ended at the old goal."""
 
     def hear(self, mission: int, stamp: int, news: JobMission, now: float) -> List[SegmentChange]:
         return super().hear(mission, stamp, news._replace(places=()), now)
 
 
 class ForgetsItsCounter(JobBook):
-    """Begins to count anew at each start."""
+    """A faulty book: its counters begin at their first values after each start."""
 
     def __init__(self, jobs: Iterable[QueuedJob], counters: JobCounters, *others: Any) -> None:
         super().__init__(jobs, JobCounters(), *others)
 
 
 class StoresNoRecords(JobBook):
-    """Stores what a record of REST changes, but not the record."""
+    """A faulty book: it stores the jobs that a REST record changes, but not the record."""
 
     def _keep(self, jobs: Sequence[QueuedJob], posted: Optional[PostedRecord]) -> None:
         super()._keep(jobs, None)
 
 
 class AsksNobody(JobBook):
-    """Waits for news of its missions, also of those whose last news was lost."""
+    """A faulty book: it asks no questions about silent missions."""
 
     def silent(self, now: float) -> List[FleetMessage]:
         return []

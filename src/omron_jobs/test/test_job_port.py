@@ -1,4 +1,4 @@
-"""The port, with clients over loopback: who may connect, and what a bad client costs the others."""
+"""The port, with clients over loopback: who may connect, and the harm that a bad client does."""
 from __future__ import annotations
 
 import asyncio

@@ -1,6 +1,6 @@
 """The REST interface without I/O: the paths and records of FLOW Core's Integration Toolkit.
 
-The table of names below is the test's own: it was read from the sources, not from the server.
+The table of names below belongs to the test: it was copied from the sources, not from the server.
 """
 from __future__ import annotations
 
@@ -202,7 +202,7 @@ def test_every_path_of_the_facts_is_answered():
 
 
 REQUEST = ('namekey', 'jobId', 'status', 'assignedJobId', 'audit')
-FIELDS = {  # of each record, beside the bodies that make some
+FIELDS = {  # of each type of records
     'JobRequest': (*REQUEST, 'defaultPriority', 'details'),
     'Pickup': (*REQUEST, 'goal', 'priority'),
     'Dropoff': (*REQUEST, 'robot', 'goal', 'priority'),
@@ -412,7 +412,7 @@ def test_requests_jobs_and_their_keys_outlive_a_restart():
     assert again.post('/JobRequest', {'namekey': 'own', 'details': [{'pickupGoal': 'x'}]}
                       ).status == 400
     assert len(again.book.jobs) == 1
-    assert again.ask('/Job/UpdatedSince?sinceTime=1005000')  # so a client that asks misses nothing
+    assert again.ask('/Job/UpdatedSince?sinceTime=1005000')  # so a client misses nothing
 
 
 def test_cancellations_and_modifications_outlive_a_restart_and_their_keys_count_once():

@@ -141,7 +141,7 @@ def test_a_client_that_reads_no_stream_loses_only_its_own_connection(monkeypatch
             await other.content.readline()
             while len(one.port._streams) < 2:
                 await asyncio.sleep(0.01)
-            for _ in range(40):  # without a pause: nothing of it is written meanwhile
+            for _ in range(40):  # without a pause, so that nothing is written in between
                 one.site.made('/Pickup', {'goal': 'x'})
             while len(one.port._streams) > 1:
                 await asyncio.sleep(0.01)

@@ -1,4 +1,4 @@
-"""Common fixtures of the simulator's tests; this file also puts its folder on their path."""
+"""Common fixtures of the simulator's tests. Because of this file, tests can import its folder."""
 from __future__ import annotations
 
 import socket
@@ -19,7 +19,7 @@ def map_file(tmp_path: Path) -> Path:
 
 @pytest.fixture
 def listener() -> Iterator[socket.socket]:
-    """A program that listens, as the target of the outgoing connection or to occupy a port."""
+    """A program that listens: a target of the outgoing connection, or another user of a port."""
     with socket.socket() as sock:
         sock.bind(('127.0.0.1', 0))
         sock.listen(4)

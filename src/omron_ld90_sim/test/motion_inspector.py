@@ -15,7 +15,7 @@ class Inspector:
     """Records every step of a base; `check` compares them with obstacles and limits."""
 
     def __init__(self, obstacles: Obstacles, base: Base) -> None:
-        # the body never crosses the border of an area, so it is enough that the start is outside
+        # the body never crosses the border of an area, so only its start must be checked
         assert not obstacles.forbidden(base.pose)
         self.obstacles, self.base = obstacles, base
         self._rows = [self._row(False)]
@@ -60,7 +60,7 @@ class Inspector:
         self._hold(np.abs(moved - (speed[:-1] + speed[1:]) / 2) < 8.0, 'jumped')
         self._hold(clear >= LD90_BODY.half_width, 'too near while driving')
         self._hold(~turning | (clear >= LD90_BODY.half_diagonal), 'too near while turning')
-        # beyond half its diagonal the body cannot touch anything
+        # the body cannot touch anything farther away than half its diagonal
         for number in np.flatnonzero(clear <= LD90_BODY.half_diagonal):
             pose = SimPose(*rows[number + 1, :3])
             assert self.obstacles.distance(pose) > 0.0, f'collision at {pose}'

@@ -80,12 +80,12 @@ def lonely_floor(*walls: Tuple[float, float, float, float]) -> SimFloor:
 
 @lru_cache(maxsize=4)
 def floor_of(document: MapDocument) -> SimFloor:
-    """The floor of a map that no event changes."""
+    """The floor of a map; no test changes it."""
     return SimFloor.from_map(document)
 
 
 class Rig:
-    """A robot and its ARCL server without sockets, on a clock of their own or on a given one."""
+    """A robot and its ARCL server without sockets, on a new clock or on a given clock."""
 
     def __init__(self, document: Optional[MapDocument] = None,
                  start: Optional[Tuple[float, float, float]] = (-3000.0, 0.0, 0.0),
@@ -177,7 +177,7 @@ class Client:
         return self.lines()
 
     def until(self, beginning: str, times: int = 1, seconds: float = 200.0) -> List[str]:
-        """The lines up to the one that begins with `beginning`, within some simulated seconds."""
+        """The lines up to the first that begins with `beginning`; the simulated time is limited."""
         seen = self.lines()
         end = self._rig.clock.now + seconds
         while sum(line.startswith(beginning) for line in seen) < times:
@@ -189,7 +189,7 @@ class Client:
 
 
 class Obstacles:
-    """The true obstacles of a map, not rasterised, for checks of a driven path."""
+    """The true obstacles of a map, without a grid, for checks of a driven path."""
 
     def __init__(self, document: MapDocument) -> None:
         pieces = [np.asarray(document.points, float).reshape(-1, 2)]

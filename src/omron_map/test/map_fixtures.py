@@ -7,7 +7,7 @@ from map_builders import CELL, TWO_SCANS
 
 
 class Bad(NamedTuple):
-    """A file to refuse; the error must give this line and field, and contain these words."""
+    """A file to refuse. The error must name this line and field, and contain these words."""
 
     data: bytes
     line: Optional[int]
@@ -19,7 +19,7 @@ GOAL = b'Cairn: Goal 20 20 0.000000 "" ICON "North"\n'
 
 
 def _goal(line: bytes) -> bytes:
-    """The cell with another object in the place of its goal."""
+    """The bytes of the map `CELL` with another object instead of its goal."""
     return CELL.replace(GOAL, line + b'\n')
 
 

@@ -1,4 +1,4 @@
-"""Forbidden areas rotate about the map's origin; the numbers of the worked examples."""
+"""Forbidden areas rotate about the map's origin; the numbers are those of worked examples."""
 from __future__ import annotations
 
 import math

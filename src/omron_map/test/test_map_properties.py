@@ -131,7 +131,7 @@ def test_rows_are_the_same_numbers_however_they_are_spaced(rows):
 @settings(max_examples=3 * settings.default.max_examples)
 @given(st.text('0123456789-+. x\n', max_size=24))
 def test_rows_are_accepted_exactly_when_plain_python_would(text):
-    """Compares the fast check of all rows with the obvious reading, line by line."""
+    """The fast check of all rows is compared with a simple reader, line by line."""
     def plain():
         rows = []
         for line in text.split('\n'):

@@ -1,4 +1,4 @@
-"""A changed map file is noticed when it no longer changes; a map not made yet is waited for."""
+"""A changed map file is reported when it has settled; programs wait for a map not made yet."""
 from __future__ import annotations
 
 import os
@@ -27,14 +27,14 @@ def set_age(path: str, seconds: float) -> None:
 
 
 class Watched:
-    """A watched file, and the time between two looks at it."""
+    """A watched file, and the time between two checks of it."""
 
     def __init__(self, path: str) -> None:
         self.now = 0.0
         self.watcher = MapWatcher(path, settled=2.0, clock=lambda: self.now)
 
     def after(self, *seconds: float) -> list:
-        """The watcher's results at looks after these seconds each."""
+        """The watcher's results of checks that follow each other at these intervals (s)."""
         told = []
         for pause in seconds:
             self.now += pause

@@ -1,6 +1,6 @@
-"""Two real robots' maps, if they exist: nothing is lost, everything is found.
+"""Two real robots' maps, if they are there: nothing is lost, everything is found.
 
-The maps belong to others and contain a robot's configuration, so they are no part of the
+The maps belong to other people and contain a robot's configuration. So they are not in the
 repository.
 """
 from __future__ import annotations

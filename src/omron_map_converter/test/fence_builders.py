@@ -28,7 +28,7 @@ def grid(columns: int, rows: int, pitch: float = 2.5, degrees: float = 0.0) -> G
 
 
 def quarter_turn(radius: float) -> Graph:
-    """Edge 1 leads from the origin to the left on a quarter circle, with 4 m before and after."""
+    """Edge 1 is a quarter circle from the origin to the left, between two edges of 4 m."""
     # control length of the Bezier curve of that circle
     reach = radius * 4.0 / 3.0 * math.tan(math.pi / 8.0)
     return Graph([Vertex(1, 0.0, 0.0, 0.0), Vertex(2, radius, radius, math.pi / 2.0),

@@ -78,7 +78,7 @@ def test_a_corner_that_is_a_bend_by_itself_is_one_place():
 
 
 def test_a_thicket_of_tiny_edges_is_looked_at_in_time():
-    """There are more paths through this graph than can be searched one by one."""
+    """This graph has too many paths to search them one by one."""
     rungs = 40
     vertices = [(2 * i + j + 1, 0.003 * i, 0.001 * j) for i in range(rungs) for j in range(2)]
     ends = [(2 * i + a + 1, 2 * i + b + 3) for i in range(rungs - 1)

@@ -60,7 +60,7 @@ def test_a_line_through_a_corridor_is_found():
 
 
 def test_a_flood_fill_on_the_laboratory_map_stays_in_the_corridors():
-    """The same question for pixels: which of them can the centre of a disc of 250 mm reach?"""
+    """The same check on a grid: the pixels that the centre of a disc of 250 mm can reach."""
     pitch = 20.0
     graph = load_graph(str(LAB / 'lab_graph.yaml'))
     document = MapDocument.load(str(LAB / 'lab.map'))

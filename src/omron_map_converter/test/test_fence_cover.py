@@ -166,7 +166,7 @@ def test_on_a_real_map_most_walls_are_fence_enough():
 
 @BOTH_KINDS
 def test_a_long_corridor_with_many_branches(kind):
-    """Its only outer region has a long outline, so only the near points are checked."""
+    """The only outer region has a long outline, so only near points are examined."""
     spine = [(id, 3.0 * id, 0.0) for id in range(1, 21)]
     branches = [(20 + id, 3.0 * id, 2.5 if id % 2 else -2.5) for id in range(1, 21)]
     graph = graph_of(spine + branches, [(id, id + 1) for id in range(1, 20)]

@@ -1,4 +1,4 @@
-"""Kept maps: only a map that was made of the same is used again."""
+"""Kept maps: a map is used again only if it was made from the same data."""
 import os
 from pathlib import Path
 

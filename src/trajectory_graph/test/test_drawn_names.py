@@ -19,7 +19,7 @@ from trajectory_graph.drawn_names import (
 )
 
 DRAWN = graph_of({1: (0, 0), 2: (6, 0), 3: (7, 0)}, {7: (1, 2), 8: (2, 3)})
-CUT = split_edges(DRAWN, 2.0)  # edge 7: sections 9, 10, 11 over the vertices 4 and 5
+CUT = split_edges(DRAWN, 2.0)  # edge 7: sections 9, 10, 11, with the vertices 4 and 5 between them
 
 
 def test_a_section_has_the_name_of_the_drawn_edge():

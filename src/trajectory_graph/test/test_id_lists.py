@@ -1,4 +1,4 @@
-"""A sentence names few ids, however many there are."""
+"""A sentence names few ids, even if there are many."""
 from __future__ import annotations
 
 import re
@@ -10,7 +10,7 @@ from trajectory_graph.id_lists import MOST, listed
 
 SOURCES = Path(__file__).resolve().parents[2]
 JOINED = re.compile(r'''join\(map\(str|\{(list|tuple|sorted)\([^(]*\)\}''')
-#: Output for the person who asks for it, own files, and tests.
+#: Output that a person has requested, files of the program itself, and tests.
 COMPLETE = ('/commands/', 'fleet_simulation/', 'omron_map/', 'omron_ld90_sim/', 'graph_editor/',
             'vda5050_bench/', '/journal.py', '/history.py', 'fleet_page/', 'fleet_bringup/')
 

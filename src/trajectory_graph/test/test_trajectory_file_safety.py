@@ -1,4 +1,4 @@
-"""A graph file that another program named: only regular files are read, and no content is shown."""
+"""Another program names a graph file: only regular files are read, and errors quote no content."""
 from __future__ import annotations
 
 import os

@@ -1,4 +1,4 @@
-"""Shortest paths are drivable routes, and no neighbour offers a shorter one."""
+"""Shortest paths are drivable routes, and none through a neighbour is shorter."""
 from __future__ import annotations
 
 import pytest

@@ -24,13 +24,13 @@ def replace_file(path: Union[str, os.PathLike], content: Union[str, bytes], *,
     A symbolic link stays, and the file to which it points is replaced. Text is written as UTF-8.
     Raises OSError; the old file is then unchanged.
 
-    mode    -- mode of the new file; None: that of the old one, or the default of a new file
-    on_disk -- True: the new file survives a power cut. False is for a file that must only survive
-               its process, if the caller must not wait for a disk
+    mode    -- mode of the new file; None: the mode of the old file, or the default of a new file
+    on_disk -- True: the new file survives a power cut. False: it only survives its process, and
+               the caller does not wait for the disk
     backup  -- path at which the old file is kept
-    only_with -- a mark that the caller writes into each of its files, within the first 4096 bytes:
-               an old file without it is another's, and FileExistsError is raised. For a file whose
-               name the user did not give
+    only_with -- a mark that the caller writes into each of its files, within the first 4096 bytes.
+               Raises FileExistsError if the old file does not have the mark. It is meant for files
+               whose names the user did not give
     """
     target = os.path.realpath(path)
     if only_with and not _has(target, only_with):

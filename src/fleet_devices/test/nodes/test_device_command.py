@@ -1,4 +1,4 @@
-"""The command `device`: what it lists, asks for, and says of the answer."""
+"""The command `device`: its lists, its requests, and its texts about the answers."""
 from __future__ import annotations
 
 import json

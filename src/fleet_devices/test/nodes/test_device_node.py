@@ -1,4 +1,4 @@
-"""The parts of the node: files, parameters, answers of robots, and what people are told."""
+"""The parts of the node: files, parameters, answers of robots, and texts for people."""
 from __future__ import annotations
 
 from pathlib import Path
@@ -183,7 +183,7 @@ def test_a_memory_that_cannot_be_stored_is_an_error():
 
 
 def test_the_example_of_the_page_is_a_work_file(tmp_path: Path):
-    """The devices on the page of the documentation are read as they stand there."""
+    """The devices on the page of the documentation can be read as a work file."""
     from fleet_core.files.work_file import load_work
     from trajectory_graph import Edge, Graph, Vertex
     page = Path(__file__).resolve().parents[4] / 'docs/reference/fleet_devices.md'

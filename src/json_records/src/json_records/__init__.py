@@ -1,8 +1,8 @@
-"""Dataclasses as JSON, and back with a check of every type: one store for all kept data.
+"""Converts dataclasses to JSON and back, with a check of every type, for all stored data.
 
-A dataclass becomes an object, a NamedTuple and a tuple become lists, an enum its value. Annotations
-may be dataclasses, NamedTuples, enums, str, int, float, bool, Any, and Optional, Tuple, List and
-Mapping of these.
+A dataclass becomes an object; a NamedTuple or tuple becomes a list; an enum becomes its value.
+Annotations may be dataclasses, NamedTuples, enums, str, int, float, bool, Any, and Optional, Tuple,
+List and Mapping of these.
 """
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ _PLAIN: FrozenSet[type] = frozenset({str, int, float, bool})
 
 
 def to_json(value: Any) -> Any:
-    """Returns a value as JSON has it."""
+    """Returns a value in the types of JSON."""
     if is_dataclass(value):
         return {field.name: to_json(getattr(value, field.name)) for field in fields(value)}
     if isinstance(value, Enum):
@@ -45,7 +45,7 @@ def to_json(value: Any) -> Any:
 
 def from_json(kind: Type[Kind], found: Any, added: Container[str] = (),
               instead: Mapping[str, type] = {}) -> Kind:
-    """Returns the value of this type that `to_json` has made `found` of.
+    """Returns the value of type `kind` that `to_json` has converted to `found`.
 
     added   -- fields of dataclasses that older versions did not write; they get their defaults
     instead -- types of fields of `kind` that are narrower than its annotations

@@ -1,4 +1,4 @@
-"""The node of the client: what callers of its action are told, and its file."""
+"""The node of the client: the feedback to callers of its action, and its file."""
 from __future__ import annotations
 
 import json
@@ -34,7 +34,7 @@ ENDS = {HandedEvent.COMPLETED: 'succeeded', HandedEvent.CANCELLED: 'aborted',
 
 
 class Handover:
-    """Keeps jobs without a link; the test says what becomes of them."""
+    """Keeps jobs without a link; the test changes their states."""
 
     def __init__(self, jobs: Any, host: str, port: int, password: bytes,
                  on_change: Callable[[HandedJob], None], lock: Any) -> None:
@@ -48,7 +48,7 @@ class Handover:
         self.link = Link(LinkPhase.CONNECTED, self.link.peer)
 
     def close(self) -> None:
-        """Ends nothing."""
+        """Does nothing."""
 
     @property
     def jobs(self) -> List[HandedJob]:
@@ -80,7 +80,7 @@ class Handover:
 
 
 class Goal:
-    """A goal of the action, with what its caller is told."""
+    """A goal of the action, with the states and feedback that its caller gets."""
 
     def __init__(self, stops: List[JobStop], request: str = '', modifies: bool = False) -> None:
         self._goal = QueueJobGoal(request_id=request, stops=stops, modifies=modifies)
@@ -135,7 +135,7 @@ class Server:
         self.on_goal, self.on_cancel = on_goal, on_cancel
 
     def start(self) -> None:
-        """Starts nothing."""
+        """Does nothing."""
 
 
 @pytest.fixture
@@ -240,7 +240,7 @@ def test_a_goal_that_modifies_is_about_the_job_of_its_request(parameters):
         assert one.told == ['accepted', 'succeeded']
         assert one.statuses[-1].modification == JobStatus.MODIFICATION_REFUSED
     late = ask(node, MESSAGE, 'pallet 7', modifies=True)
-    assert late.told == ['accepted', 'succeeded']       # it has these goals already
+    assert late.told == ['accepted', 'succeeded']       # the job has these goals already
     late = ask(node, other, 'pallet 7', modifies=True)
     assert late.told == ['rejected'] and late.text == (
         'The job is not modified: its job has ended, or is cancelled.')

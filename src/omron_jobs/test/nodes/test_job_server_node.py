@@ -1,4 +1,4 @@
-"""The parts of the node: its file, and what the messages of the fleet manager say."""
+"""The parts of the node: its file, and the meaning of the fleet manager's messages."""
 from __future__ import annotations
 
 import copy
@@ -54,7 +54,7 @@ def test_jobs_come_back(tmp_path):
     file.write([JOB, OTHER], (), COUNTERS)
     file.write([], [42], COUNTERS)
     file.close()
-    other = str(tmp_path / 'other.sqlite')  # this process has the lock of the first one
+    other = str(tmp_path / 'other.sqlite')  # this process has locked the first file
     shutil.copy(path, other)
     assert JobFile(other, '~jobs_file').read() == ([JOB], COUNTERS)
 
@@ -62,7 +62,7 @@ def test_jobs_come_back(tmp_path):
 def test_the_last_posted_records_of_each_type_come_back_in_order(tmp_path, monkeypatch):
     monkeypatch.setattr('omron_jobs.nodes.job_file.MOST_POSTED', 3)
     path = str(tmp_path / 'jobs.sqlite')
-    with sqlite3.connect(path) as older:  # a file that was made before there were such records
+    with sqlite3.connect(path) as older:  # a file of a version without posted records
         older.executescript("""
             CREATE TABLE job (mission INTEGER PRIMARY KEY, record TEXT NOT NULL);
             CREATE TABLE counters (one INTEGER PRIMARY KEY CHECK (one = 1), record TEXT NOT NULL);
@@ -75,7 +75,7 @@ def test_the_last_posted_records_of_each_type_come_back_in_order(tmp_path, monke
     for one in (change, *cancels):
         file.write([], (), COUNTERS, one)
     with pytest.raises(OSError):
-        file.write([OTHER], (), COUNTERS, change)  # a number is used once
+        file.write([OTHER], (), COUNTERS, change)  # a number can be used only once
     found = file.read_posted()
     assert [one for one in found if one.kind == 'JobCancel'] == cancels[4:]
     assert [one for one in found if one.kind != 'JobCancel'] == [change]
@@ -187,7 +187,7 @@ def test_every_state_of_a_robot_has_its_words():
 
 
 def test_a_node_that_lacks_one_of_its_ports_listens_on_none(tmp_path, monkeypatch):
-    """A client would be connected, and wait for ever for an answer."""
+    """If one port listened, its client would connect, and wait for an answer for ever."""
     password = tmp_path / 'password'
     password.write_text('a-password')
     password.chmod(0o600)

@@ -1,7 +1,7 @@
 """The simulated clock: runs callbacks at points of simulated time, in order.
 
-Nothing in the simulator reads the wall clock, except the transport, which decides how far to
-advance. So a run depends only on its inputs and their times.
+The wall clock has two uses: it determines how far the loop advances the simulated clock, and
+answers contain its date. Everything else in a run depends only on the inputs and their times.
 """
 from __future__ import annotations
 
@@ -74,7 +74,7 @@ class SimClock:
 class Ticker:
     """Calls back at every whole multiple of `period` seconds, so it does not drift.
 
-    The multiples are those of the clock, so the exact time of a client's connection has no effect.
+    It counts from the start of the clock, so the exact time of a client's connection has no effect.
     """
 
     def __init__(self, clock: SimClock, period: float, callback: Callable[[], None]) -> None:

@@ -31,7 +31,7 @@ def test_no_fault_and_no_task_makes_the_robot_break_a_limit(path: Optional[Path]
         if random.rand() < 0.2:
             faults.inject(random.choice(['estop press', 'lost', 'motors off', 'block', 'unblock',
                                          'reboot 1']))
-        else:  # recovers, with a new client if necessary
+        else:  # the robot recovers; a new client connects if necessary
             faults.inject('estop release')
             client, true = rig.client(), rig.robot.true_pose
             client.send('enableMotors', f'localizeToPoint {true.x} {true.y} {true.theta}')

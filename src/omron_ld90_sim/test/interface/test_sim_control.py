@@ -1,4 +1,4 @@
-"""The control socket of a running simulation obeys programs, and no web page."""
+"""The control socket of a running simulation obeys programs, but not web pages."""
 from __future__ import annotations
 
 import socket
@@ -18,7 +18,7 @@ def _robot(map_file) -> Iterator[Simulator]:
 
 
 def answer(port: int, data: bytes, lines: int) -> bytes:
-    """What comes back until the connection ends, or until `lines` lines."""
+    """The answer: `lines` lines, or fewer if the connection ends."""
     received = b''
     with socket.create_connection(('127.0.0.1', port), timeout=20.0) as connection:
         connection.sendall(data)
@@ -58,4 +58,4 @@ def test_a_web_page_changes_nothing_and_reads_nothing(robot, first):
 def test_a_web_page_that_knows_the_password_drives_no_simulated_robot(robot):
     said = answer(robot.port, b'POST / HTTP/1.1' + REQUEST + b'adept\ngoto 1\n', 99)
     assert b'Going to' not in said and b'Welcome' not in said
-    assert robot.where()  # it still runs
+    assert robot.where()  # the simulation still runs

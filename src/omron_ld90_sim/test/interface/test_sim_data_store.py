@@ -38,7 +38,7 @@ def test_the_wheels_count_from_where_the_robot_was_switched_on() -> None:
 
 
 def test_the_data_store_counts_the_hours_of_each_state_and_the_trip_anew() -> None:
-    rig = Rig(start=None)  # in its dock
+    rig = Rig(start=None)  # the robot starts in its dock
     client = rig.client()
     rig.clock.advance(3600.0)
     rig.robot.permission.press_estop()

@@ -1,4 +1,4 @@
-"""Faults on demand, one statement each."""
+"""Faults on demand; each test states the effect of one fault."""
 from __future__ import annotations
 
 import pytest

@@ -1,4 +1,4 @@
-"""Runs of the whole program over sockets: what the seed determines, and what it does not."""
+"""Runs of the whole program over sockets: which results the seed determines."""
 from __future__ import annotations
 
 import socket
@@ -14,11 +14,11 @@ from omron_ld90_sim.interface.recording import Transfer, read_log
 
 PROGRAM = [sys.executable, '-c',
            'import sys; from omron_ld90_sim.interface.cli import main; sys.exit(main())']
-BEGIN = 10.0  # s on the robot's clock, at which the connection exists on any machine
+BEGIN = 10.0  # s on the robot's clock; on any computer the connection exists by then
 
 
 def recorded_drive(folder: Path, seed: int) -> List[Transfer]:
-    """The part of the program's log about a drive; the drive itself has a known begin and end."""
+    """The part of the program's log about a drive that begins and ends at known times."""
     folder.mkdir()
     room, log = folder / 'room.map', folder / 'session.log'
     room.write_text(ROOM)

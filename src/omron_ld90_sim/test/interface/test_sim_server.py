@@ -1,4 +1,4 @@
-"""Which client receives what, the outgoing link, and which clients are dropped; without sockets."""
+"""The lines for each client, the outgoing link, and dropped clients; without sockets."""
 from __future__ import annotations
 
 from sim_builders import Client, Rig

@@ -94,7 +94,7 @@ def test_a_client_that_never_reads_holds_nobody_up_and_is_dropped(
         deaf.connect(('127.0.0.1', robot.port))
         deaf.sendall(b'adept\n')
         other.send('goto 12')
-        with pytest.raises(OSError):  # dropped: data that it sends then is answered with a reset
+        with pytest.raises(OSError):  # dropped: the answer to further data is a reset
             for _ in range(100_000):
                 deaf.sendall(b'help\n' * 10)
         deaf.close()

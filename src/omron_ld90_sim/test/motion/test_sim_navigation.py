@@ -14,7 +14,7 @@ from sim_builders import LAB, Obstacles, Rig, corridor, fleet, gap, room
 from omron_ld90_sim.motion.base import STEP
 from omron_map import MapDocument
 
-CHANGES = 150 if is_whole(__file__) else 50  # of the goal while the robot drives
+CHANGES = 150 if is_whole(__file__) else 50  # number of changes of the goal during a drive
 
 
 def test_a_new_goal_straight_ahead_is_taken_without_slowing_down() -> None:

@@ -37,7 +37,7 @@ def test_a_door_narrower_than_the_robot_is_no_way() -> None:
 
 @pytest.mark.parametrize('width', [600.0, 620.0, 650.0])
 def test_a_slanting_passage_out_of_a_spot_where_it_can_just_turn_is_driven(width) -> None:
-    # a blind corridor of 940 mm along y = 0 from the left; out of its end, up and slightly right
+    # a dead-end corridor of 940 mm along y = 0; near its end a passage leads up, slightly right
     through = np.array([math.cos(math.radians(65.0)), math.sin(math.radians(65.0))])
     aside = np.array([-through[1], through[0]]) * width / 2.0
     left, right = (side + through * (470.0 - side[1]) / through[1] for side in (aside, -aside))
@@ -67,7 +67,7 @@ def test_a_detour_of_many_metres_is_found() -> None:
 
 
 def test_a_corridor_of_900_mm_with_a_bend_can_be_driven() -> None:
-    # an L: along y = 0 from the left, then up along x = 0
+    # an L: from the left along y = 0, then up along x = 0
     floor = lonely_floor((-5000, 450, -450, 450), (-450, 450, -450, 4000),
                          (-5000, -450, 450, -450), (450, -450, 450, 4000))
     planner = Planner(floor)

@@ -24,8 +24,8 @@ ARROW_NECK, ARROW_WING = 0.55, 0.2  # shares of the length: start of the head, h
 #: Fonts with more than Latin letters, if they are installed; otherwise Pillow's own small font.
 FONTS = ('NotoSansCJK-Regular.ttc', 'NanumGothic.ttf', 'DejaVuSans.ttf',
          'LiberationSans-Regular.ttf')
-#: Pillow's other layout, for scripts that join letters, crashes in Ubuntu 20.04. In that version
-#: the layout is a number; newer versions have a class for it.
+#: Pillow has another layout, for scripts that join letters, which crashes in Ubuntu 20.04. There a
+#: layout is a number; newer versions of Pillow have a class for it.
 BASIC_LAYOUT: Any = 0
 Font = Union[ImageFont.FreeTypeFont, ImageFont.ImageFont]
 
@@ -106,7 +106,7 @@ class Canvas:
     def write(self, path: str, is_named: bool = True) -> Tuple[int, int]:
         """Writes the picture as a PNG file in one step; returns its size in pixels.
 
-        is_named -- whether the user gave `path`; else only a picture of ld_map is replaced
+        is_named -- whether the user gave `path`; if not, only a file of ld_map is replaced
         Raises MapError if it cannot be written.
         """
         width, height = self._image.size

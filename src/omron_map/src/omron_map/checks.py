@@ -38,7 +38,7 @@ def _header(scans: Sequence[Scan]) -> Iterator[MapWarning]:
 
 
 def _claims(scan: Scan, keys: Tuple[str, ...], rows: np.ndarray) -> Iterator[MapWarning]:
-    """Compares the header's values about `rows` with the rows; only the rows are used."""
+    """Yields a warning for each header value that contradicts `rows`; maps use only the rows."""
     count, low, high, ordered = keys
     found: Dict[str, object] = {count: len(rows)}
     if len(rows):

@@ -74,6 +74,6 @@ def _without(objects: List[MapObject], taken: List[MapObject]) -> Tuple[MapObjec
 
 
 def _extra_rows(rows: np.ndarray, others: np.ndarray) -> int:
-    """Returns the number of different rows that only `rows` has, and not `others`."""
+    """Returns the number of distinct rows of `rows` that `others` does not have."""
     either = sorted_rows(np.concatenate((rows, others)), once=True)
     return len(either) - len(sorted_rows(others, once=True))

@@ -1,9 +1,9 @@
 """A `.map` file: its original bytes and their meaning.
 
 The document keeps the raw lines together with the values read from them. An unchanged line is
-written back from its bytes. So reading and saving without an edit gives the same file. (A map's
-identity is a checksum of all its bytes.) All lengths are in mm and all angles in degrees, in the
-map frame.
+written back from its bytes. So reading and saving without an edit gives the same file; this matters
+because a checksum of all bytes identifies a map. All lengths are in mm and all angles in degrees,
+in the map frame.
 """
 from __future__ import annotations
 
@@ -26,11 +26,11 @@ from omron_map.sections import Section
 class MapDocument:
     """A map that can be read, edited and saved.
 
-    Edits change the document in place, and only the necessary lines. An edit that cannot be done
-    raises MapError and changes nothing. `name` is the name of the file in errors.
+    Edits change the document in place, but no more lines than necessary. An edit that cannot be
+    done raises MapError and changes nothing. `name` is the name of the file in errors.
 
-    It has a method for each kind of content and one for each edit, because edits keep the layout of
-    the whole file.
+    It has a method for each kind of content and for each edit, because edits keep the layout of the
+    whole file.
     """
 
     def __init__(self, content: MapContent, name: str) -> None:
@@ -44,7 +44,7 @@ class MapDocument:
     def load(cls, path: str) -> MapDocument:
         """Returns the map in the regular file `path`; raises MapError.
 
-        Of a file that is not a map only the beginning is read, and the error quotes none of it.
+        If the file is not a map, only its beginning is read, and the error does not quote it.
         """
         name = os.fspath(path)
         data = read_regular_file(name, accept=lambda head: check_category(head, name))
@@ -183,7 +183,7 @@ class MapDocument:
         self._end_last_row()
 
     def replace_points(self, points: np.ndarray) -> None:
-        """Replaces the points of the scan by `points` (N, 2), whole mm, and update the header."""
+        """Replaces the points of the scan by `points` (N, 2), whole mm, and updates the header."""
         self._replace_rows('DATA', points)
 
     def replace_lines(self, lines: np.ndarray) -> None:

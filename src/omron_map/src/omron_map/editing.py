@@ -55,9 +55,7 @@ def remove(file: str, records: List[Record], objects: Iterable[MapObject]) -> Li
 
 
 def _is_parameter_of(name: str, record: Record) -> bool:
-    """Returns whether a line belongs to the object with this name, so that it goes
-    with the object.
-    """
+    """Returns whether a line belongs to the object with this name, and is removed with it."""
     return any(ref.owned for ref in find_references(record.keyword, record.text, name))
 
 
@@ -116,7 +114,7 @@ def rename(file: str, records: List[Record], obj: MapObject,
 
 
 def _with_new_reference(record: Record, name: str, new_name: str) -> Record:
-    """Returns `record` with changed bytes in its certain references only."""
+    """Returns `record` with the new name in those references that are certain."""
     text = decode(record.raw)
     for ref in reversed(find_references(record.keyword, record.text, name)):
         if ref.certain:
@@ -145,7 +143,7 @@ def _by_name(records: List[Record]) -> Dict[str, MapObject]:
 
 
 def _indices(file: str, records: List[Record], objects: Iterable[MapObject]) -> List[int]:
-    """Returns the index of each object: of the same object, else of the first equal one.
+    """Returns the index of each object: of the identical object, or of the first equal one.
 
     No index is returned twice. Raises MapError for an object that is not in the map.
     """

@@ -16,7 +16,7 @@ from omron_map.errors import MapError
 from omron_map.occupancy import FREE, OCCUPIED, UNKNOWN, OccupancyGrid
 from omron_map.saving import MADE_BY, png_notes, write_file
 
-#: Grey value of each kind of cell. (255 - 205) / 255 is slightly above the threshold of free cells.
+#: Grey value of each kind of cell. (255 - 205) / 255 is slightly above FREE_THRESHOLD: not free.
 GREY = {FREE: 254, UNKNOWN: 205, OCCUPIED: 0}
 OCCUPIED_THRESHOLD, FREE_THRESHOLD = 0.65, 0.196
 FORMATS = ('.png', '.pgm')
@@ -26,8 +26,9 @@ def export_grid(grid: OccupancyGrid, path: str, is_named: bool = True) -> Tuple[
     """Writes `grid` to `path` (.png, .pgm, or the .yaml of a .pgm).
 
     Returns the paths of the image and of the YAML file in the same folder. The YAML file names the
-    image relative to itself. Each file is replaced in one step, the one that may be refused first:
-    a file with a name that the user did not give, and that ld_map has not written. Raises MapError.
+    image relative to itself. Each file is replaced in one step. A file whose name the user did not
+    give is replaced only if ld_map has written it; it comes first, so that a refusal changes
+    nothing. Raises MapError.
 
     is_named -- whether the user gave `path`
     """

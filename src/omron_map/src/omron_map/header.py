@@ -77,7 +77,7 @@ class ScanHeader:
 
 
 def scan_keys(sources: Sequence[str]) -> Dict[str, Tuple[str, str]]:
-    """Returns source and key by the first word (lower case) of a line, for these sources."""
+    """Returns the source and key that each first word (lower case) of a line stands for."""
     meanings = {f'{key}:'.lower(): (sources[0], key) for key in SCAN_KEYS}
     for source in reversed(sources):
         meanings.update((f'{source}{key}:'.lower(), (source, key)) for key in SCAN_KEYS)

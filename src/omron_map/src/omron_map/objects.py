@@ -190,7 +190,7 @@ class MapObject:
 
     @property
     def anchor(self) -> Tuple[float, float, float]:
-        """x, y, theta by which the vendor's tools sort; of areas and lines: the stored corner."""
+        """x, y, theta by which the vendor's tools sort; areas and lines: the from corner, and 0."""
         if self.extent is not None:
             return float(self.extent.from_x), float(self.extent.from_y), 0.0
         return self.x, self.y, self.theta

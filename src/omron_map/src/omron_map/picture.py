@@ -29,7 +29,7 @@ LEAST_POINT = 1.2  # px
 SQUARE = 300  # mm
 ARROW = 550  # mm
 GAP = 75  # mm between an object and its name
-LEAST_METRE = 8  # px; narrower lines of the net are not drawn
+LEAST_METRE = 8  # px; lines of the net that would be nearer to each other are not drawn
 
 
 def draw_map(document: MapDocument, path: str, long_side: int = LONG_SIDE,
@@ -37,7 +37,7 @@ def draw_map(document: MapDocument, path: str, long_side: int = LONG_SIDE,
     """Writes a PNG picture of `document`; returns its size in pixels.
 
     long_side -- length of its longer side, px
-    is_named  -- whether the user gave `path`; else only a picture of ld_map is replaced
+    is_named  -- whether the user gave `path`; if not, only a file of ld_map is replaced
     Raises MapError if the map is empty or the file cannot be written.
     """
     picture = MapPicture(document, long_side)

@@ -63,7 +63,7 @@ class _Floor:
         grid.mark_lines(document.lines)
         grid.mark_forbidden(document)
         blocked = _widened(grid.cells != FREE, half_width / PITCH)
-        blocked[[0, -1], :] = blocked[:, [0, -1]] = True  # so that neighbours are inside the grid
+        blocked[[0, -1], :] = blocked[:, [0, -1]] = True  # so all neighbours of free cells exist
         return cls(~blocked, low)
 
     def connects(self, home: MapObject, places: Sequence[MapObject]) -> bool:
@@ -83,7 +83,7 @@ class _Floor:
         return (rows + bottom) * width + columns + left
 
     def _reached_from(self, start: np.ndarray) -> np.ndarray:
-        """Returns which cells can be reached (flat array), by a wave from cell to cell."""
+        """Returns for each cell whether it can be reached from `start` (flat array)."""
         unseen = self._free.ravel().copy()
         reached = np.zeros_like(unseen)
         steps = np.array((1, -1, self._free.shape[1], -self._free.shape[1]))

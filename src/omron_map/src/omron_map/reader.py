@@ -60,7 +60,7 @@ def read_content(data: bytes, name: str) -> MapContent:
 
 
 def check_category(data: bytes, name: str) -> None:
-    """Raises MapError if `data`, the beginning of the file `name`, is not that of a map.
+    """Raises MapError if `data`, from the beginning of the file `name`, does not begin a map.
 
     A file that was given by mistake or by malice may contain a secret, so the error does not quote
     the file.

@@ -8,13 +8,13 @@ from PIL.PngImagePlugin import PngInfo
 from file_replacement import replace_file
 from omron_map.errors import MapError
 
-MADE_BY = 'written by ld_map'  # in each file whose name the user may leave to the program
+MADE_BY = 'written by ld_map'  # in each file whose name the program may choose
 
 
 def write_file(path: str, data: bytes, backup: bool = False, is_named: bool = True) -> None:
     """Replaces a file; with `backup` the old file stays as `<path>.bak`. Raises MapError.
 
-    is_named -- whether the user gave the name; else a file that ld_map has not written stays
+    is_named -- whether the user gave the name; if not, only a file of ld_map is replaced
     """
     try:
         replace_file(path, data, backup=f'{os.path.realpath(path)}.bak' if backup else None,

@@ -78,7 +78,7 @@ def update_header(records: List[Record], kind: str, rows: np.ndarray, line_end: 
 def _place(records: List[Record], key: str) -> int:
     """Returns the index for a new key, in the vendor's order of the keys.
 
-    This is behind the last key that the vendor's tools write earlier, else behind the category.
+    It follows the last key that the vendor's tools write before it, or else the category.
     """
     earlier = {f'{name}:'.lower() for name in _ORDER[:_ORDER.index(key)]}
     places = [index + 1 for index, record in enumerate(records) if record.keyword in earlier]

@@ -71,7 +71,7 @@ def split_sections(data: bytes, line: int) -> List[Section]:
 
 
 def _heading_offsets(data: bytes, line: int) -> List[int]:
-    """Returns the offsets of the section keywords; rows have no letters, so letters show them."""
+    """Returns the offsets of the section keywords; finds them by letters, which no row has."""
     letters = np.flatnonzero(np.frombuffer(data, np.uint8) > ord('9'))
     offsets: List[int] = []
     read_to = 0

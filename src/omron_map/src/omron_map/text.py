@@ -2,7 +2,7 @@
 
 The vendor's current tools write UTF-8. Older files and hand-made files contain bytes of
 Windows-1252 (Latin-1 with more quotes). Internally, bytes that are not UTF-8 are kept as
-surrogates, so that they are written back unchanged. People are shown letters.
+surrogates, so that they are written back unchanged. For people they are converted to letters.
 """
 from __future__ import annotations
 

@@ -2,8 +2,8 @@
 
 Lengths are in m, angles in rad. A *bend* is a place around which the path turns by more than BEND
 within a short stretch. The turn may be in a curve, at the corner where two edges meet, or both.
-Turns to either side add up along the path, also through vertices. A corner that is a bend by itself
-ends the sum: there the robot turns on the vertex, and drives on from its new heading.
+Turns to the left and to the right add up along the path, also across vertices. A corner that alone
+is a bend ends the sum: there the robot turns on the vertex, and drives on with its new heading.
 """
 from __future__ import annotations
 
@@ -83,7 +83,7 @@ class _Ways:
     def _turn_beyond(self, edge: int, reach: int) -> float:
         """Returns the largest turn of a path within `reach` mm after the end of a signed edge.
 
-        Whole mm, so that cached results are found again from all paths that lead there.
+        `reach` is in whole mm, so that all paths that lead to this edge can use a cached result.
         """
         key = edge, reach
         if key not in self._beyond:

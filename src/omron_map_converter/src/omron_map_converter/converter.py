@@ -1,4 +1,4 @@
-"""Writes a graph into a base map: every vertex a goal or the dock, and fences along the edges.
+"""Writes a graph into a base map: vertices as goals and dock, and fences along the edges.
 
 `convert` edits a document in memory. `convert_file` also writes it, reads it back and checks the
 result. Positions are in mm, headings in degrees.
@@ -48,9 +48,9 @@ class ConversionOptions:
     """The options of a conversion."""
 
     dock_vertex: Optional[int] = None
-    """None: the graph has no dock."""
+    """The vertex of the dock; None: the graph has no dock."""
     dock_heading: Optional[float] = None
-    """Degrees, facing the station; None: from the graph, see `goals.dock_pose`."""
+    """The heading that faces the station, degrees; None: from the graph, see `goals.dock_pose`."""
     existing_goals: ExistingGoals = ExistingGoals.REPLACE
     fences: Fences = Fences.AREAS
     corridors: CorridorRules = CorridorRules()
@@ -117,7 +117,7 @@ def check_output(base: MapDocument, conversion: Conversion, output: str) -> None
     """Reads the map `output` and compares it with its sources; raises ConversionError.
 
     The objects must be those of `base`, without the removed ones and with the added ones. All other
-    lines must be those of `base`. Only if objects were removed may lines about them be missing.
+    lines must be those of `base`; only lines about removed objects may be missing.
     """
     made = MapDocument.load(output)
     expected = Counter(map(_written, base.objects))
@@ -177,7 +177,7 @@ def _clear(document: MapDocument, wanted: List[MapObject],
 
 def _add_missing(document: MapDocument,
                  wanted: List[MapObject]) -> Tuple[List[MapObject], List[MapObject]]:
-    """Adds places that the map lacks by name; returns the map's object for each, and the new."""
+    """Adds places whose names the map lacks. Returns the object of each place, and the new ones."""
     named: Dict[str, MapObject] = {}
     for obj in document.objects:
         named.setdefault(obj.key, obj)
@@ -190,7 +190,7 @@ def _add_missing(document: MapDocument,
 def _new_warnings(document: MapDocument, known: Set[str], removed: List[MapObject]) -> List[str]:
     """Returns the warnings that the base map did not have.
 
-    Without those about objects that came back.
+    Warnings about removed objects are left out if an object of the same name was added.
     """
     present = {obj.key for obj in document.objects}
     back = [f'{obj.label!r}, which was removed' for obj in removed if obj.key in present]

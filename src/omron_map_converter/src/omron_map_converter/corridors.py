@@ -54,7 +54,7 @@ class Corridors:
     """The floor of a graph, and its parts."""
 
     curves: Mapping[int, LineString]
-    """By edge id."""
+    """The curves of the edges, by edge id."""
     rules: CorridorRules
     floor: BaseGeometry
     """The floor that must stay free: half a corridor's width to either side of every curve, discs

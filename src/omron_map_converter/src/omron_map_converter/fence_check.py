@@ -2,8 +2,8 @@
 
 A *leak* is a place at which a robot can leave the corridors. Imagine a disc as wide as the robot
 that starts at any vertex. At a leak its centre gets farther than half a corridor and ALLOWANCE from
-every curve; the zones for turning and docking do not count. The check uses only shapes, widened and
-cut; it uses nothing of the search for fences.
+every curve; the zones for turning and docking do not count. The check only widens and cuts shapes;
+it shares no code with the search for fences.
 """
 from __future__ import annotations
 

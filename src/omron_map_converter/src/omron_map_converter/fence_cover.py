@@ -1,12 +1,13 @@
-"""Makes fences that keep a robot in the corridors of its graph: few rectangles or lines. mm, map
-frame.
+"""Makes fences, few rectangles or lines, that keep a robot in the corridors of its graph.
+
+Lengths are in mm, in the map frame.
 
 The fences are complete when every point of the offset outline around the floor has a wall or a
 fence within the robot's half width. This is a set cover, found greedily. The search walks along the
 outline. At the first point that is not covered, it grows rectangles of several directions and
-distances until they would touch the floor. It keeps the one that covers most open points. A
-rectangle that grows to the other side of a block between corridors covers the block's whole
-outline.
+distances until they would touch the floor. It keeps the rectangle that covers the largest number of
+open points. A rectangle that grows to the other side of a block between corridors covers the
+block's whole outline.
 """
 from __future__ import annotations
 
@@ -41,10 +42,10 @@ NARROW = 40.0  # depth of a fence at a sharp corner
 OFFSETS = (CLEARANCE - OUTLINE_DISTANCE, 20.0, 60.0, 100.0, 140.0, 180.0)
 """Distances from the outline, away from the floor, at which a fence may begin."""
 LOOK_AHEAD = (250.0, 500.0, 750.0, 1000.0, 1500.0, 2000.0, 2600.0, 3200.0)
-"""Arc lengths along a curved outline; a fence may be parallel to the chord to that point."""
+"""Arc lengths along a curved outline; a fence may be parallel to the chord of such an arc."""
 STRAIGHT = 500.0  # length of the outline in one direction that a fence follows
 STAND_OFF = 0.02  # additional points that a fence must cover per mm of distance from the floor
-WORTH = 1.5  # factor of additional points that justifies a fence across a whole block
+WORTH = 1.5  # how many times as many points a fence across a whole block must cover
 INSET = 1.0  # distance from the sides of a fence within which edges may touch it
 MANY = 2000  # from this number of outline points on, only near points are examined
 NEARBY = 1.5 * LONGEST + LONGEST_EDGE
@@ -58,9 +59,7 @@ def fence_areas(floor: BaseGeometry, walls: np.ndarray) -> List[Fence]:
 
 
 def fence_lines(floor: BaseGeometry, walls: np.ndarray) -> List[Fence]:
-    """Returns the same as `fence_areas`, but made to be used as lines: nothing is deeper
-    than a line.
-    """
+    """Returns fences like `fence_areas`, but without depth, for use as lines."""
     return _fences(floor, walls, 0.0)
 
 
@@ -86,7 +85,7 @@ class _Cover:
             self._trees = cKDTree(region.points), cKDTree(region.edges.mean(axis=1))
 
     def fences(self) -> List[Fence]:
-        """Fences that cover all open parts of the outline."""
+        """Returns fences that cover all open parts of the outline."""
         found: List[Fence] = []
         covered: List[np.ndarray] = []
         for ring, position in self._walk():
@@ -102,7 +101,7 @@ class _Cover:
     def _walk(self) -> Iterator[Tuple[np.ndarray, int]]:
         """Yields the places at which fences are grown, as pairs of a ring and a position on it.
 
-        First from the middle of long straight sides, then all around.
+        The first places are in the middle of long straight sides; then the whole outline follows.
         """
         straight = [(len(side), number, side) for number, ring in enumerate(self._region.rings)
                     for side in sides(self._region.directions[ring])
@@ -115,7 +114,7 @@ class _Cover:
                 yield ring, position
 
     def _around(self, point: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
-        """Indices of the outline points, and the edges (M,2,2), in reach of a fence at `point`."""
+        """Returns indices of outline points, and edges (M,2,2), in reach of a fence at `point`."""
         if self._trees is None:
             return np.arange(len(self._region.points)), self._region.edges
         points, edges = (tree.query_ball_point(point, NEARBY) for tree in self._trees)
@@ -170,9 +169,7 @@ class _Offers:
         return fence.covers(self._points).sum() - STAND_OFF * fence.near
 
     def deepened(self, fence: Fence) -> Fence:
-        """Returns the fence, or a deeper one up to the other side of the block if
-        that covers enough.
-        """
+        """Returns the fence, or a fence across the whole block if that covers enough points."""
         best, most = fence, fence.covers(self._points).sum() * WORTH
         span = free_span(self._edges, fence.near, fence.far)
         if span is None:
@@ -202,7 +199,7 @@ def _post(frame: Frame) -> Fence:
 
 
 def _needed(fences: Sequence[Fence], covered: Sequence[np.ndarray]) -> List[Fence]:
-    """Returns the fences without those whose points others also cover.
+    """Returns the fences without those that are needless because others cover all their points.
 
     Removes the smallest first.
     """

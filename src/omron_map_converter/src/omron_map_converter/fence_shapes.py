@@ -14,7 +14,7 @@ from omron_map_converter.corridors import ROBOT_HALF_WIDTH
 from omron_map_converter.outer_regions import STEP
 
 REACH = ROBOT_HALF_WIDTH - STEP / 2 - 10.0
-"""A point of the offset outline is covered by anything within this distance: the robot cannot pass
+"""A fence or wall within this distance covers a point of the offset outline: the robot cannot pass
 between two covered points, with 10 mm to spare."""
 LONGEST = 10000.0  # largest length of a fence to either side of its origin, and largest depth
 THICKNESS = 200.0  # depth of a fence along a corridor
@@ -65,9 +65,9 @@ class Fence(NamedTuple):
         return beside ** 2 + before ** 2 <= REACH ** 2
 
     def trimmed(self, points: np.ndarray) -> Fence:
-        """Returns the fence, as short and shallow as the covered ones of `points` (N,2) allow.
+        """Returns the fence, as short and shallow as it can be to cover the same of `points` (N,2).
 
-        It contains the frame's origin, and ends on either side where a long gap begins.
+        It contains the frame's origin, and ends on either side before a long gap without points.
         """
         covered = points[self.covers(points)]
         along = np.sort(np.append(np.clip(covered[:, 0], self.left, self.right), 0.0))
@@ -105,7 +105,7 @@ class Fence(NamedTuple):
 def free_span(edges: np.ndarray, near: float, far: float) -> Optional[Tuple[float, float]]:
     """Returns how far (left, right) the strip near..far is free of `edges` (M,2,2) around u = 0.
 
-    At most LONGEST to either side; None if the strip is not free at u = 0.
+    The result is at most LONGEST to either side; None if the strip is not free at u = 0.
     """
     u, v = edges[..., 0], edges[..., 1]
     within = (v.min(axis=1) < far) & (v.max(axis=1) > near)

@@ -34,7 +34,7 @@ def is_fence(obj: MapObject) -> bool:
 
 
 def fence_objects(floor: BaseGeometry, walls: np.ndarray, kind: Fences) -> List[MapObject]:
-    """Fences as map objects around `floor` (mm), at openings between `walls` (N,2)."""
+    """Returns fences as map objects around `floor` (mm), at openings between `walls` (N,2)."""
     if kind is Fences.AREAS:
         return [MapObject.forbidden_area(fence.rectangle, description=FENCE)
                 for fence in fence_areas(floor, walls)]
@@ -56,7 +56,7 @@ def notes_on_fences(graph: Graph, corridors: Corridors, fences: Iterable[MapObje
 
 
 def notes_on_homes(corridors: Corridors, homes: Iterable[MapObject]) -> List[str]:
-    """Notes on start positions outside the corridors, from which a robot can drive nowhere."""
+    """Returns notes on start positions outside the corridors: a robot cannot leave them."""
     return [f'{home} at {_where(home)} mm is outside the corridors: a robot that starts there can '
             'drive to no goal.' for home in homes
             if not corridors.floor.intersects(_shape(home))]
@@ -72,14 +72,14 @@ def _where(home: MapObject) -> str:
 
 
 def notes_on_places(corridors: Corridors, places: Iterable[MapObject]) -> List[str]:
-    """Notes on places that the fences cut off."""
+    """Returns notes on places that the fences cut off."""
     floor = prep(corridors.floor)
     return [f'{place} is outside the corridors: the robot cannot drive to it '
             'any more.' for place in places if not floor.contains(Point(place.x, place.y))]
 
 
 def notes_on_walls(graph: Graph, walls: np.ndarray) -> List[str]:
-    """Notes on edges that the robot cannot follow, because the map has an obstacle there."""
+    """Returns notes on edges that the robot cannot follow because of an obstacle in the map."""
     return [f'Edge {found.edge_id} leads past an obstacle at a distance of {found.distance:.0f} mm '
             f'near {found.x:.0f} {found.y:.0f} mm, but the robot is {2 * ROBOT_HALF_WIDTH:.0f} mm '
             'wide.' for found in obstructions(graph, walls, ROBOT_HALF_WIDTH)]

@@ -46,10 +46,10 @@ def goal(graph: Graph, vertex: Vertex) -> MapObject:
 
 
 def dock_pose(graph: Graph, vertex_id: int, heading: Optional[float] = None) -> MapPose:
-    """Returns the pose before docking, facing the station; `heading` (degrees) overrides.
+    """Returns the pose before docking, facing the station.
 
-    Raises UnknownVertex. Raises ValueError if the vertex has several edges, so that its heading is
-    not determined.
+    `heading` (degrees) replaces the heading that follows from the graph. Raises UnknownVertex, and
+    ValueError if the vertex has several edges, so that the graph does not determine the heading.
     """
     vertex = graph.vertex(vertex_id)
     if heading is None:

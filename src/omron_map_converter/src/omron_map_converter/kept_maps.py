@@ -2,7 +2,7 @@
 
 A kept map has the SHA-256 of everything on which it depends as its name: the graph, the base map,
 the options, the source code of the conversion, and the versions of its libraries. So an outdated
-map is never found. The first line of the file is the SHA-256 of the map: a damaged one is not used.
+map is never found. The first line of a file is the SHA-256 of its map: a damaged map is not used.
 """
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ from trajectory_graph import Graph
 from trajectory_graph.yaml_file import dump_graph
 
 MOST = 20
-"""So many maps are kept; the one that has not been used for the longest time is removed."""
+"""The number of kept maps; beyond it, the maps that were not used for longest are removed."""
 
 Folder = Union[str, 'os.PathLike[str]']
 
@@ -58,9 +58,9 @@ def convert_or_copy(graph: Graph, base_map: str, output: str, options: Conversio
 
 
 def _key(graph: Graph, base_map: str, options: ConversionOptions) -> str:
-    """Returns a name for all on which the map depends."""
+    """Returns the SHA-256 of everything on which the map depends."""
     whole = hashlib.sha256()
-    with contextlib.suppress(OSError):  # the conversion tells that the file cannot be read
+    with contextlib.suppress(OSError):  # the conversion reports that it cannot be read
         whole.update(_digest(Path(base_map).read_bytes()))
     for part in (dump_graph(graph), repr(options), *_versions()):
         whole.update(_digest(part.encode()))

@@ -30,8 +30,8 @@ def obstacle_points(document: MapDocument,
                     ignored: Callable[[MapObject], bool] = lambda obj: False) -> np.ndarray:
     """Returns points (N,2) on everything that a robot cannot pass, except `ignored` objects.
 
-    Scan points, wall lines (a point every LINE_PITCH), forbidden lines, and forbidden areas
-    (filled, a point every AREA_PITCH).
+    They are on scan points, wall lines and forbidden lines (a point every LINE_PITCH), and in
+    forbidden areas (a point every AREA_PITCH).
     """
     points: List[np.ndarray] = [document.points.astype(float)]
     points += [_along(*line) for line in document.lines.tolist()]

@@ -2,7 +2,7 @@
 
 The outside of the floor consists of *outer regions*: one for every block between corridors, and one
 that surrounds everything. The *offset outline* of each runs OUTLINE_DISTANCE away from the floor.
-If walls and fences cover it, no robot can leave the floor.
+If walls and fences cover all outlines, no robot can leave the floor.
 """
 from __future__ import annotations
 

@@ -16,7 +16,7 @@ MOST_SECTIONS = 100000
 def split_edges_main(arguments: Optional[Sequence[str]] = None) -> int:
     """Runs the command and returns the exit status.
 
-    0: the file is written; 1: it is not, and one sentence on stderr says why; 130: ended by Ctrl-C.
+    0: the file is written; 1: it is not written, and stderr has one sentence; 130: Ctrl-C.
     """
     parser = argparse.ArgumentParser(
         prog='split_edges',

@@ -1,8 +1,8 @@
 """The curves of edges in the plane: length, points along the curve, projection onto the curve.
 
 Units are metres and radians. A curve is stored as a polyline. The polyline is so fine (0.1 mm) that
-it can replace the curve. The arc length is that of the curve, not the slightly shorter length of
-the polyline.
+it can replace the curve. The arc length is measured along the curve; the polyline is slightly
+shorter.
 """
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from typing import List, NamedTuple, Optional, Tuple, cast
 import numpy as np
 
 FLATNESS = 1e-4  # m, greatest distance between a spline and its polyline
-_SHARP = 0.02  # distance, in the curve's parameter, from a stop within which its speed has a kink
+_SHARP = 0.02  # in the curve's parameter; nearer to a stop the speed has a kink
 _GRADES = 0.5 ** np.arange(4.0, 24.0)  # shorter and shorter steps on both sides of a stop
 _GRADES = np.concatenate((-_GRADES, -0.75 * _GRADES, [0.0], 0.75 * _GRADES, _GRADES))
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(4)  # Gauss-Legendre quadrature on -1..1
@@ -33,7 +33,7 @@ class Curve:
     def __init__(self, points: np.ndarray, arc: Optional[np.ndarray] = None) -> None:
         """
         points -- (N,2), N >= 2, m: the polyline; repeated points are dropped
-        arc    -- (N,), m: the curve's arc length at each point; None: use that of the polyline
+        arc    -- (N,), m: the curve's arc length at each point; None: the length of the polyline
         """
         steps = np.linalg.norm(np.diff(points, axis=0), axis=1)
         kept = np.concatenate(([True], steps > 1e-9))
@@ -46,7 +46,7 @@ class Curve:
         self._lengths = np.diff(self._arc)
         self.length = float(self._arc[-1])
         """The arc length, in m; 0 if all points coincide."""
-        self._corners = cast(  # for single points lists are faster than numpy
+        self._corners = cast(  # lists are faster than numpy for one point
             List[Tuple[float, float, float]], np.column_stack((self._arc, self.points)).tolist())
 
     def reversed(self) -> Curve:
@@ -252,7 +252,7 @@ def _first_part(control: np.ndarray, t: float) -> np.ndarray:
 
 def spline_control(start: Tuple[float, float], start_theta: float, param_f: float,
                    end: Tuple[float, float], end_theta: float, param_b: float) -> np.ndarray:
-    """Returns the control points (4,2) of the fleet's spline, as we interpret it.
+    """Returns the control points (4,2) of the fleet's spline, in our interpretation.
 
     The spline is a cubic Bezier curve. It leaves `start` in direction `start_theta`, with a control
     point `param_f` metres ahead. It enters `end` in direction `end_theta`, with a control point

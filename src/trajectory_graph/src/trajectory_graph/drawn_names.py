@@ -1,8 +1,8 @@
-"""Names of edges, vertices and places for people: those of the graph that a person has drawn.
+"""Names of edges, vertices and places for people, as in the graph that a person has drawn.
 
-`split_edges` cuts long edges into sections. Sections, and the vertices between them, have ids that
-stand in no file of a person. Topics carry these ids; texts for people name the drawn edges instead.
-An id that the graph does not have is named as it is.
+`split_edges` cuts long edges into sections. The ids of sections, and of the vertices between them,
+are in no file that a person has drawn. Topics use these ids, but texts for people name the drawn
+edges. If the graph does not have an id, its name is the id itself.
 """
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ from trajectory_graph.graph import Graph
 
 
 def drawn_ids(graph: Graph, ids: Iterable[int]) -> Tuple[int, ...]:
-    """Returns the unsigned ids of the drawn edges of these edges, each once, in the same order."""
+    """Returns the unsigned ids of the drawn edges to which edges belong, each once, in order."""
     edges = graph.edges
     return tuple(dict.fromkeys(edges[id].drawn_id if id in edges else id for id in map(abs, ids)))
 
 
 def edge_name(graph: Graph, signed_id: int) -> str:
-    """Returns the name of an edge: `edge 7`; of one that is driven backwards: `edge -7`."""
+    """Returns the name of an edge: `edge 7`, or `edge -7` if it is driven backwards."""
     return f'edge {"-" if signed_id < 0 else ""}{drawn_ids(graph, (signed_id,))[0]}'
 
 
@@ -39,7 +39,7 @@ def place_name(graph: Graph, signed_id: int, fraction: float) -> str:
 
 
 def vertex_name(graph: Graph, id: int) -> str:
-    """Returns the name of a vertex: `vertex 5`; of one between two sections: `edge 7 at 50 %`."""
+    """Returns the name of a vertex: `vertex 5`, or between two sections `edge 7 at 50 %`."""
     return _between_sections(graph, id) or f'vertex {id}'
 
 
@@ -50,8 +50,7 @@ def at_vertex(graph: Graph, id: int) -> str:
 
 
 def size_of(graph: Graph) -> str:
-    """Returns the numbers of vertices and edges that were drawn, and of sections if edges are cut.
-    """
+    """Returns a text: how many vertices and edges were drawn, and how many sections there are."""
     drawn = sum(not graph.divides_an_edge(id) for id in graph.vertices)
     cut = len(graph.edges) > len(graph.sections)
     return (f'{drawn} vertices and {len(graph.sections)} edges'
@@ -59,7 +58,7 @@ def size_of(graph: Graph) -> str:
 
 
 def _between_sections(graph: Graph, id: int) -> str:
-    """Returns the place on a drawn edge of a vertex that divides it; of other vertices nothing."""
+    """Returns the place on a drawn edge that a vertex divides; empty: it divides no edge."""
     if id not in graph.vertices or not graph.divides_an_edge(id):
         return ''
     return place_name(graph, max(graph.edges_from(id)), 0.0)

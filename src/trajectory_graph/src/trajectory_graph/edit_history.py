@@ -10,8 +10,8 @@ class History:
     """The drafts of an editing session, for undo and redo.
 
     version -- a number that increases with every change
-    gesture -- a value that is the same for all changes of one gesture, e.g. the drag of a handle;
-               one undo takes back all changes with the same gesture
+    gesture -- a value that all changes of one gesture have in common, e.g. the drag of a handle;
+               one undo reverts all changes with the same gesture
     """
 
     MOST = 1000
@@ -25,7 +25,7 @@ class History:
 
     @property
     def undoable(self) -> Optional[str]:
-        """The name of the change that `undo` takes back, or None."""
+        """The name of the change that `undo` reverts, or None."""
         return self._past[-1][0] if self._past else None
 
     @property
@@ -51,11 +51,11 @@ class History:
         self._gesture = None
 
     def undo(self) -> Optional[str]:
-        """Takes back one change; returns its name, or None if there is none."""
+        """Reverts one change; returns its name, or None if there is none."""
         return self._step(self._past, self._future)
 
     def redo(self) -> Optional[str]:
-        """Repeats the change that was taken back last; returns its name, or None."""
+        """Repeats the change that was reverted last; returns its name, or None."""
         return self._step(self._future, self._past)
 
     def _step(self, source: List[Tuple[str, Draft]],

@@ -28,7 +28,7 @@ class EditError(TrajectoryGraphError):
 
 @dataclass(frozen=True)
 class Draft:
-    """Vertices and edges by id, in the sequence of the file; it has the vertices of each edge."""
+    """Vertices and edges by id, in the order of the file. It has both vertices of each edge."""
 
     vertices: Mapping[int, Vertex]
     edges: Mapping[int, Edge]
@@ -92,7 +92,7 @@ def snapped(x: float, y: float, grid: float) -> Tuple[float, float]:
 
 
 def add_vertex(draft: Draft, x: float, y: float, **fields: Any) -> Tuple[Draft, int]:
-    """Adds a vertex without edges; its id is above all others. Returns the draft and the id."""
+    """Adds a vertex without edges, with an id above all others. Returns the draft and the id."""
     some = next(iter(draft.vertices.values()), None)
     id = max(draft.vertices, default=0) + 1
     fields.setdefault('theta', 0.0)

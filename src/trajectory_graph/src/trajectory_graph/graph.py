@@ -67,8 +67,8 @@ class Vertex:
 class Edge:
     """A curve from vertex `origin` to vertex `destination`; lengths in m, speeds in m/s.
 
-    section_of -- id of the drawn edge of which this edge is a section (`split_edges`); 0: this edge
-        was drawn itself. It is a name for people, so it does not count in comparisons
+    section_of -- id of the drawn edge that this edge is a section of (`split_edges`); 0: this edge
+        itself was drawn. It is only for texts, so it does not count in comparisons
     """
 
     id: int
@@ -93,8 +93,8 @@ _Element = TypeVar('_Element', Vertex, Edge)
 class Graph:
     """A valid trajectory graph: ids are unique, edges join two vertices, every vertex has edges.
 
-    Raises GraphError with the wrong element if the graph is not valid. A graph never changes. Its
-    many methods only answer questions; each one is a question that several packages ask.
+    Raises GraphError with the wrong element if the graph is not valid. A graph never changes. It
+    has many methods because several packages query it.
     """
 
     def __init__(self, vertices: Iterable[Vertex], edges: Iterable[Edge]) -> None:
@@ -141,7 +141,7 @@ class Graph:
         return tuple(map(abs, self.edges_from(vertex_id)))
 
     def edges_from(self, vertex_id: int) -> Tuple[int, ...]:
-        """Returns the signed ids of the edges at the vertex, in the direction away from it."""
+        """Returns the edges at the vertex, with signed ids that lead away from it."""
         self.vertex(vertex_id)
         return tuple(self._edges_from[vertex_id])
 
@@ -153,7 +153,7 @@ class Graph:
         return self._parts
 
     def part_of(self, vertex_id: int) -> FrozenSet[int]:
-        """Returns the vertices that are connected to this one, and this one."""
+        """Returns the vertices that are connected to this vertex, with the vertex itself."""
         return next(part for part in self.parts if vertex_id in part)
 
     def is_same(self, other: Optional[Graph]) -> bool:
@@ -175,7 +175,9 @@ class Graph:
 
     @property
     def sections(self) -> Mapping[int, Tuple[int, ...]]:
-        """By the id of each drawn edge, its sections from origin to destination; often only itself.
+        """The sections of each drawn edge, from origin to destination, by the id of the drawn edge.
+
+        An edge that was not cut is its only section.
         """
         if self._sections is None:
             sections: Dict[int, List[Edge]] = {}
@@ -284,7 +286,8 @@ def parts_of(vertices: Iterable[int], edges: Iterable[Edge]) -> Tuple[FrozenSet[
 def _in_sequence(sections: List[Edge]) -> Tuple[int, ...]:
     """Returns the ids of the sections of one drawn edge, from its origin to its destination.
 
-    In a file that was edited by hand they may be no chain; then the others follow by their ids.
+    In a file that was edited by hand the sections may be no chain. Then the sections outside the
+    chain follow, by id.
     """
     after = {edge.origin: edge for edge in sections}
     reached = {edge.destination for edge in sections}

@@ -1,8 +1,8 @@
 """Compares an edge in two graphs, for robots that are on the edge or will drive it.
 
-The node that replaces a graph uses this rule, and so do the robots that continue their routes on
-the new graph. The speeds of an edge may change during a drive. Its id, ends, curve and docks may
-not.
+The node that replaces a graph uses this rule, and the robots that continue their routes on the new
+graph use it, too. During a drive the speeds of an edge may change. Its id, ends, curve and docks
+may not change.
 """
 from __future__ import annotations
 

@@ -1,8 +1,9 @@
 """Finds places for texts beside their points, so that no text covers another.
 
-A text is at the first of its places that is free. If none is free, `may` says what it may cover to
-be shown: soft boxes, or all. It covers as little as it can. The editor and RViz place their texts
-so, and the page by the same rules (`placing.js`; a test in `fleet_page` compares the two).
+A text gets the first of its places that is free. If none is free, `may` says what the text may
+cover: nothing, soft boxes or all boxes. Then it gets the place at which it covers least. The editor
+and RViz use this module; the page has the same rules in `placing.js`, and a test in `fleet_page`
+compares the two.
 """
 from __future__ import annotations
 
@@ -12,7 +13,7 @@ from itertools import product
 from typing import Dict, Iterator, List, NamedTuple, Optional, Sequence, Tuple
 
 Box = Tuple[float, float, float, float]  # left, lower, right, upper
-Side = Tuple[int, int]                   # 1 and -1: beyond the point, 0: in its middle
+Side = Tuple[int, int]                   # 1, -1: to this side of the point, 0: centred
 _Cell = Tuple[int, int]
 
 ABOVE_FIRST: Tuple[Side, ...] = (
@@ -20,12 +21,12 @@ ABOVE_FIRST: Tuple[Side, ...] = (
 """The sides of a point, the best one first; y upwards."""
 BELOW_RIGHT_FIRST: Tuple[Side, ...] = (
     (1, -1), (-1, -1), (1, 1), (-1, 1), (0, -1), (0, 1), (1, 0), (-1, 0))
-"""The same for a vertex, at whose sides there are edges: its corners are the best ones."""
-CELL = 1.6  # m of the grid in which neighbours are found
+"""The sides of a vertex, the best one first: the corners, because edges are at the sides."""
+CELL = 1.6  # m, cell size of the grid in which near boxes are searched
 
 
 class MayCover(Enum):
-    """What a text may cover if no place of it is free."""
+    """What a text may cover if none of its places is free."""
 
     NOTHING = 'nothing'
     SOFT = 'soft boxes'
@@ -33,14 +34,14 @@ class MayCover(Enum):
 
 
 class Covered(NamedTuple):
-    """How much of a box is covered, as an area."""
+    """The area of a box that is covered by firm and by soft boxes."""
 
     firm: float = 0.0
     soft: float = 0.0
 
 
 class _Cover:
-    """A covered box. Each is one of its own, also if two are at the same place."""
+    """A covered box. Two at the same place are different objects."""
 
     def __init__(self, box: Box, is_soft: bool, weight: float) -> None:
         self.box, self.is_soft, self.weight = box, is_soft, weight
@@ -49,9 +50,9 @@ class _Cover:
 class Places:
     """The boxes that are covered.
 
-    window  -- what lies outside counts as covered and firm; None: there is no outside
-    cell    -- size of the grid in which neighbours are found
-    beneath -- boxes that are covered, too: those that do not change from picture to picture
+    window  -- places outside this box count as covered by firm boxes; None: there is no window
+    cell    -- cell size of the grid in which near boxes are searched
+    beneath -- further covered boxes, which do not change from picture to picture
     """
 
     def __init__(self, window: Optional[Box] = None, cell: float = CELL,
@@ -60,13 +61,13 @@ class Places:
         self._cells: Dict[_Cell, List[_Cover]] = {}
 
     def cover(self, box: Box, is_soft: bool = False, weight: float = 1.0) -> None:
-        """Marks a box as covered. `weight`: by which its area counts."""
+        """Marks a box as covered. `weight`: factor of its area."""
         cover = _Cover(box, is_soft, weight)
         for cell in self._cells_of(box):
             self._cells.setdefault(cell, []).append(cover)
 
     def uncover(self, box: Box) -> None:
-        """Takes back the first cover of this box."""
+        """Reverts the first call of `cover` with this box."""
         for one in [one for cell in self._cells_of(box) for one in self._cells.get(cell, ())
                     if one.box == box][:1]:
             for cell in self._cells_of(box):
@@ -74,9 +75,9 @@ class Places:
 
     def place(self, boxes: Sequence[Box], before: int = -1,
               may: MayCover = MayCover.NOTHING) -> int:
-        """Covers the best one of `boxes` with a text. Returns its number; -1: there is none.
+        """Covers the best of `boxes` with a text. Returns its number; -1: the text has no place.
 
-        before -- number of the box where the text was; it stays there while that is free
+        before -- number of the former box of the text; it stays there while that box is free
         """
         numbers = range(len(boxes))
         best, least = -1, Covered(math.inf, math.inf)

@@ -18,9 +18,9 @@ def check_route(graph: Graph, edges: Sequence[int]) -> None:
 
 
 def route_vertices(graph: Graph, edges: Sequence[int]) -> List[int]:
-    """Returns the ids of the vertices to visit, in sequence, without the start vertex.
+    """Returns the ids of the vertices to visit, in order, without the start vertex.
 
-    The list has both vertices of each edge, without the first vertex and without adjacent repeats.
+    They are the vertices of all edges, without the first vertex and without adjacent repeats.
     Example: the edges [E1, E4, E5] from V1 give [V1, V2, V2, V7, V7, V6], and so [V2, V7, V6].
     Raises the errors of `check_route`.
     """

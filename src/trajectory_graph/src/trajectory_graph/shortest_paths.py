@@ -20,7 +20,7 @@ from trajectory_graph.graph import Graph
 
 
 class Road(NamedTuple):
-    """A way from one vertex to another. `edge`: signed id."""
+    """An edge from one vertex to another. `edge`: signed id."""
 
     end: int
     length: float
@@ -28,7 +28,7 @@ class Road(NamedTuple):
 
 
 class Reached(NamedTuple):
-    """A vertex, its distance from the start, and the last edge of its path; 0 at the start."""
+    """A vertex, its distance from the start, and the last edge of its path (0: it is the start)."""
 
     vertex: int
     distance: float
@@ -36,7 +36,10 @@ class Reached(NamedTuple):
 
 
 def nearest_first(start: int, roads: Callable[[int], Iterable[Road]]) -> Iterator[Reached]:
-    """Yields all vertices that roads lead to, the nearest first. `roads`: those from a vertex."""
+    """Yields all vertices that can be reached, the nearest first.
+
+    roads -- returns the roads that leave a vertex
+    """
     reached = set()
     waiting = [(0.0, start, 0)]
     while waiting:

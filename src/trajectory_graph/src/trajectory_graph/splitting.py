@@ -28,7 +28,7 @@ def split_edges(graph: Graph, longest: float) -> Graph:
     - Edges that are short enough keep their ids.
     - Sections and new vertices get ids above all old ids, in the sequence of the edges, from
       origin to destination.
-    - A section knows the edge of which it is a section (`section_of`).
+    - `section_of` of a section is the id of the drawn edge.
     - A new vertex has the heading of the edge there. Its label is the edge's id and the number of
       the section that ends there, e.g. `7/2`. It is not a parking vertex.
     """

@@ -96,9 +96,9 @@ def compose_data(data: bytes) -> yaml.Node:
 
 
 def _unquoted(problem: Optional[str]) -> str:
-    """Returns the error of the YAML parser without quotations of the file.
+    """Returns the error of the YAML parser without the parts that quote the file.
 
-    The file may be a wrong one, e.g. a file with secrets that was given by mistake.
+    The file may have been given by mistake, e.g. a file with secrets.
     """
     return re.sub(r"""\s*(['"]).{2,}\1""", '', problem or 'no reason is known')
 
@@ -117,10 +117,10 @@ def _nesting(data: bytes) -> int:
 
 
 def mapping(node: yaml.Node, name: str, known: Container[str] = ()) -> Dict[str, yaml.Node]:
-    """Returns the fields of a mapping; raises WrongYaml, also for a repeated key.
+    """Returns the fields of a mapping. Raises WrongYaml.
 
-    Raises it for a key that is a number and for a key without a value, too. They are usually parts
-    of a misspelt value: YAML reads `{X: 12,75}` as `X: 12` and a key `75`.
+    It is also raised for a repeated key, a key that is a number, and a key without a value. The
+    last two usually come from a misspelt value: YAML reads `{X: 12,75}` as `X: 12` and a key `75`.
 
     The error names only keys that are `known`. Other keys may come from a file that was given by
     mistake.
@@ -187,7 +187,7 @@ def scalar(one: Field, expected: str) -> str:
 
 
 def _without_underscore(text: str) -> str:
-    """Raises ValueError for `1_5`, which Python and YAML take for 15."""
+    """Returns `text`; raises ValueError for e.g. `1_5`, which Python and YAML read as 15."""
     if '_' in text:
         raise ValueError
     return text

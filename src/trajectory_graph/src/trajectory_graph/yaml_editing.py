@@ -78,7 +78,7 @@ class GraphFile:
 
 
 def _for_marks(text: str) -> str:
-    """Returns the text with blanks for the line breaks that only YAML has; positions stay."""
+    """Returns the text with blanks in place of line breaks that only YAML has; positions stay."""
     for character in _LINE_BREAKS_OF_YAML_ONLY:
         text = text.replace(character, ' ')
     return text
@@ -120,7 +120,7 @@ def _known_edits(text: str, node: yaml.SequenceNode, fields: Callable[[Element],
 
 
 def _new_records(text: str, like: yaml.MappingNode, added: Sequence[Fields]) -> Edit:
-    """Returns the edit that adds records behind another record, in its layout."""
+    """Returns the edit that adds records after the record `like`, in its layout."""
     _, end = _lines_of(text, like)
     lines = ''.join(_like(text, like, values) for values in added)
     if not text[:end].endswith('\n'):
@@ -133,12 +133,12 @@ def _id_of(record: yaml.MappingNode) -> int:
 
 
 def _values(fields: Fields, element: Element) -> Fields:
-    """Returns the fields with `Dock`, which the file may omit."""
+    """Returns the fields with a value of `Dock`, even if the file omits it."""
     return {**fields, 'Dock': element.dock} if 'Dock' in fields else fields
 
 
 def _rewritten(text: str, node: yaml.SequenceNode, records: List[Fields]) -> Edit:
-    """Returns the edit that rewrites a list in brackets; an empty list gets a line per record."""
+    """Returns the edit that rewrites a list in brackets; an empty one becomes a line per record."""
     start, end = node.start_mark.index, _end_of(node)
     if node.value or not records:
         return start, end, f'[{", ".join(map(flow_mapping, records))}]'

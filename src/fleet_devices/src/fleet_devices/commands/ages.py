@@ -1,4 +1,4 @@
-"""How long ago something was, for people."""
+"""Ages as texts for people."""
 from __future__ import annotations
 
 

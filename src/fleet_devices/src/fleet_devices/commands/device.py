@@ -4,10 +4,10 @@
     device open gate_north
     device release gate_north [--of REQUESTER]
 
-A person is a requester like any other: a device that a person has opened stays open until that
-person gives it back, also if robots have passed since.
+A person is a requester like any other: a device that a person has opened stays open until this
+person gives it back, even if robots have passed through it in the meantime.
 
-Exit status 0: done; 1: wrong input, or fleet_devices does not run; 2: not taken.
+Exit status 0: done; 1: wrong input, or fleet_devices does not run; 2: the request was not taken.
 """
 from __future__ import annotations
 
@@ -105,8 +105,7 @@ def _ask(states: TopicListener, name: str, requester: str, mode: DeviceMode) -> 
 
 
 def not_held(report: DeviceReport, requester: str) -> str:
-    """Returns, as sentences, that a requester has nothing to give back, and the other holders.
-    """
+    """Returns sentences that the requester holds nothing to give back, and who holds the device."""
     holders = [use.requester for use in report.obeyed if use.holds]
     return (f'{requester} does not hold device {report.device}, so nothing is given back. '
             + (f'It is held for {", ".join(holders)}: name one with --of.' if holders
@@ -114,8 +113,8 @@ def not_held(report: DeviceReport, requester: str) -> str:
 
 
 def number_after(use: Optional[DeviceUse]) -> int:
-    """Returns the number of the next request of a requester, above its last one,
-    also of another clock.
+    """Returns the number of the next request of a requester. It is above the last number, even if
+    this came from another clock.
     """
     return max(milliseconds(), use.number + 1 if use is not None else 0)
 
@@ -123,7 +122,7 @@ def number_after(use: Optional[DeviceUse]) -> int:
 def is_taken(report: DeviceReport, request: Request) -> bool:
     """Returns whether a report shows that a request was taken.
 
-    What was lost is not shown when it is back.
+    After a request of `unknown` was taken, the report no longer has that requester.
     """
     if request.requester == UNKNOWN_REQUESTER:
         return report.use_of(UNKNOWN_REQUESTER) is None
@@ -131,7 +130,7 @@ def is_taken(report: DeviceReport, request: Request) -> bool:
 
 
 def answer(report: DeviceReport, request: Request) -> str:
-    """Returns what has come of a request, as a sentence."""
+    """Returns the result of a request, as a sentence."""
     holders = [use.requester for use in report.obeyed if use.holds]
     if request.mode is DeviceMode.OPEN:
         return (f'Device {report.device} is held open for {request.requester}; it is '
@@ -196,7 +195,7 @@ def _newest_reports(states: TopicListener, patience: float) -> Dict[str, DeviceR
 
 
 def listed(reports: Sequence[DeviceReport], now: float) -> str:
-    """Returns the devices as a table; below each one what is wrong with it."""
+    """Returns the devices as a table, with the fault of each device below it."""
     rows = [(report.device, report.mode.name, age(report.since, now),
              'never' if report.read_at is None else age(report.read_at, now),
              ', '.join(f'{use.requester} ({age(use.since, now)})' if use.since

@@ -1,6 +1,6 @@
-"""The machines in `device list`: what each one does, by its own reports, and for which robot.
+"""The machines in `device list`: the state that each machine reports, and the robot it works for.
 
-For which robot it works only the fleet manager knows. Without one, that is left out.
+Only the fleet manager knows that robot. If no fleet manager runs, the robot is left out.
 """
 from __future__ import annotations
 
@@ -23,10 +23,11 @@ _TOPIC = '/devices/', '/step_states'
 
 @dataclass(frozen=True)
 class ListedMachine:
-    """What is known of a machine.
+    """A machine, as the list shows it.
 
-    report  -- its newest one; None: none came. read_at: when it was made, s since 1970
-    told    -- what the fleet manager says of it; None: none runs, or it does not know the machine
+    report  -- its newest report; None: none came
+    read_at -- when this report was made, s since 1970
+    told    -- the fleet manager's view of it; None: there is no fleet manager, or no view
     """
 
     name: str
@@ -35,7 +36,7 @@ class ListedMachine:
     told: Optional[MachineView] = None
 
     def state(self, now: float) -> MachineState:
-        """Returns what it does, by its own report."""
+        """Returns its state, according to its own report."""
         if self.report is None or now - self.read_at > FRESH:
             return MachineState.SILENT
         return MachineState.FREE if self.running is None else MachineState.WORKING
@@ -57,7 +58,7 @@ class ListedMachine:
 
     @property
     def serves(self) -> str:
-        """The robot for which it works, and that robot's mission; '-': none, or not known."""
+        """The robot for which it works, with the robot's mission; '-': none, or not known."""
         step, told = self.running, self.told
         if step is None or told is None or told.key != step.key or not told.robot:
             return '-'
@@ -65,7 +66,7 @@ class ListedMachine:
 
 
 def machine_topics() -> List[str]:
-    """Returns the topics on which machines report, as the ROS master knows them."""
+    """Returns the topics on which machines report, from the ROS master."""
     return [name for name, kind in rospy.get_published_topics('/devices')
             if kind == StepStates._type and machine_of_topic(name)]
 
@@ -79,10 +80,10 @@ def machine_of_topic(topic: str) -> str:
 
 def listed_machines(reports: Mapping[str, StepStates], state: Optional[FleetState],
                     ) -> List[ListedMachine]:
-    """Returns all machines that report, or of which the fleet manager knows, by name.
+    """Returns all machines that report, or that the fleet manager knows, sorted by name.
 
-    reports -- the newest one of each machine
-    state   -- of the fleet; None: no fleet manager runs
+    reports -- the newest report of each machine
+    state   -- the state of the fleet; None: no fleet manager runs
     """
     told = {} if state is None else {one.name: machine_of(one) for one in state.machines}
     return [_machine(name, reports.get(name), told.get(name)) for name in sorted({*reports, *told})]
@@ -100,7 +101,7 @@ def _machine(name: str, message: Optional[StepStates],
 
 
 def machine_table(machines: Iterable[ListedMachine], now: float) -> str:
-    """Returns the machines as a table; below each one why its last step was not done."""
+    """Returns the machines as a table; the reason for a failed last step is below its machine."""
     rows, notes = [], []
     for one in machines:
         last = one.last

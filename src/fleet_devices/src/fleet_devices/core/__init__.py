@@ -1,1 +1,1 @@
-"""What is asked of each device, what it shows, and what is done: no ROS, no I/O, no clock."""
+"""The requests for devices, their readings, and the resulting commands: no ROS, I/O or clock."""

@@ -1,8 +1,8 @@
-"""One device: its holders, what it shows, and what its output must be.
+"""One device: its holders, the mode that it shows, and the output that it must have.
 
 State: the newest request of each requester (`obeyed`), whether a holder may be unknown
-(`is_memory_lost`), whether the device is closing, and what its last readings were. The stage
-follows:
+(`is_memory_lost`), whether the device is closing, and its last readings. The stage follows from
+this state:
 
     | stage   | is it held?                        | output        |
     |---------|------------------------------------|---------------|
@@ -13,27 +13,28 @@ follows:
 
     | event                             | in      | then                                           |
     |-----------------------------------|---------|------------------------------------------------|
-    | start with the memory             |         | HELD if a requester holds it, else LEFT        |
-    | start without it                  |         | FOUND                                          |
+    | start with the memory             |         | HELD if a requester holds it; if not, LEFT     |
+    | start without the memory          |         | FOUND                                          |
     | OPEN with a new number            | any     | HELD                                           |
-    | CLOSED, others hold it            | HELD    | HELD                                           |
-    | CLOSED, no other holds it         | any     | CLOSING; FOUND if the memory is lost           |
+    | CLOSED; others hold the device    | HELD    | HELD                                           |
+    | CLOSED; no other holds the device | any     | CLOSING; FOUND if the memory is lost           |
     | CLOSED of `unknown`               | FOUND   | CLOSING                                        |
     | reads closed `STEADY` times       | CLOSING | LEFT                                           |
-    | reads closed `STEADY` times       | any     | the memory is not lost any more: a device that |
-    |                                   |         | is closed has no robot in it                   |
-    | a number that is not new          | any     | the same: it is a repetition                   |
+    | reads closed `STEADY` times       | any     | the memory is not lost any more, because a     |
+    |                                   |         | closed device has no robot in it               |
+    | a number that is not new          | any     | no change: the request is a repetition         |
 
-The device is read by *exchanges*, one after the other; an exchange also sets the output if it does
-not read as it must. So a device that lies, that another program switches, or that has lost its
-power is opened again. Neither time nor the silence of a requester ends a use: a requester that has
-died holds the device until it, or a person, gives it back.
+The device is read by *exchanges*, one after the other. If the output is not as it must be, an
+exchange also sets it. So a device is opened again if its reading was wrong, if another program has
+switched it, or if it has lost its power. Neither time nor the silence of a requester ends a use: a
+requester that does not run any more holds the device until a person gives it back, or until it runs
+again and gives the device back.
 
     | readings                                                        | mode                       |
     |-----------------------------------------------------------------|----------------------------|
     | none yet                                                        | UNKNOWN                    |
     | none for `offline_after`                                        | OFFLINE (NOT_READ)         |
-    | `STEADY` times output and input alike, as the stage wants it    | OPEN or CLOSED             |
+    | `STEADY` times output and input equal, as the stage needs them  | OPEN or CLOSED             |
     | anything else                                                   | MOVING                     |
     | anything else for longer than the device's timeout              | UNKNOWN (TIMED_OUT)        |
 
@@ -42,11 +43,12 @@ Invariants (`test_device_states.py` searches all states, and finds each rule tha
 NEVER CLOSES ON A HOLDER  the output is set to off only while no requester holds the device, and
                           only after a claim was given back since the start
 OPEN IS NEW     a report that says OPEN shows only requests that were taken before an exchange with
-                a reading began, and the last `STEADY` readings were open, the last of them not
+                a reading began; the last `STEADY` readings were open, and the last reading is not
                 older than `offline_after`
-NUMBERS GROW    the number of a requester's newest request never falls, over restarts with the
-                memory too
-HELD IS OPENED  while a requester holds the device, each exchange sets the output unless it reads on
+NUMBERS GROW    the number of a requester's newest request never falls, also across restarts with
+                the memory
+HELD IS OPENED  while a requester holds the device, each exchange sets the output, unless the
+                output reads on
 LIVE            a device that works again becomes OPEN for its holder, and CLOSED if the last claim
                 was given back
 """
@@ -65,9 +67,9 @@ from route_protocol.devices import (
     DeviceUse,
 )
 
-STEADY = 2          # readings alike before they are believed: an input that flaps opens nothing
+STEADY = 2          # equal readings in a row that are needed, because an input may flicker
 MOST_HOLDERS = 100  # requesters that may hold one device
-KEPT = 50           # last numbers that are kept of requesters that hold nothing
+KEPT = 50           # requesters that hold nothing and whose last numbers are kept
 
 _SETTLED = {True: DeviceMode.OPEN, False: DeviceMode.CLOSED}
 
@@ -75,8 +77,8 @@ _SETTLED = {True: DeviceMode.OPEN, False: DeviceMode.CLOSED}
 class DeviceLimits(NamedTuple):
     """Times of a device (s).
 
-    timeout       -- that it may take to open or to close
-    offline_after -- without a reading after which it is OFFLINE
+    timeout       -- how long it may take to open or to close
+    offline_after -- how long it may have no reading before it is OFFLINE
     """
 
     timeout: float
@@ -84,7 +86,7 @@ class DeviceLimits(NamedTuple):
 
 
 class Reading(NamedTuple):
-    """What a device showed: whether its output is on, and whether its input says open."""
+    """A reading of a device: whether its output is on, and whether its input says open."""
 
     output: bool
     is_open: bool
@@ -92,7 +94,7 @@ class Reading(NamedTuple):
 
 @dataclass(frozen=True)
 class DeviceMemory:
-    """What outlives a restart. `is_lost`: there may be a holder that is not among `obeyed`."""
+    """The stored data of a device. `is_lost`: there may be a holder that is not in `obeyed`."""
 
     obeyed: Tuple[DeviceUse, ...] = ()
     is_lost: bool = False
@@ -102,14 +104,14 @@ LOST = DeviceMemory(is_lost=True)
 
 
 class Exchange(NamedTuple):
-    """What a driver has to do: to set the output (None: leaves it as it is), then to read."""
+    """The task of a driver: set the output (None: leave it as it is), then read the device."""
 
     number: int
     output: Optional[bool]
 
 
 class Stage(Enum):
-    """What is known of the holders of a device."""
+    """The stage of a device: what is known about its holders."""
 
     HELD = 'held open'
     FOUND = 'perhaps held: the memory is lost'
@@ -130,21 +132,22 @@ class Taken:
 
 @dataclass(frozen=True)
 class DeviceMachine:
-    """See the module's text. `now` is in s of a clock that never steps back.
+    """The device that the module describes. `now` is in s of a clock that never steps back.
 
     begun       -- number of exchanges that have begun
-    is_awaited  -- the last of them has not ended
-    read        -- number of the last exchange that had a reading; 0: none
-    read_at     -- when it began
-    output      -- what the output read then; None: it must be set again
+    is_awaited  -- whether the last exchange has not ended
+    read        -- number of the last exchange that had a reading; 0: none had
+    read_at     -- when that exchange began
+    output      -- the output in the last reading; None: it must be set again
     settled     -- the last reading: True: open, False: closed, None: neither
-    alike       -- number of readings in a row that were so, at most STEADY
-    stage_from  -- number of exchanges that had begun when the stage began: they do not count
+    alike       -- number of the last readings in a row with this value, at most STEADY
+    stage_from  -- number of exchanges that had begun when the stage began: their readings do not
+                   count
     moving_from -- since when the device is not as it must be
-    mode, since -- what the device shows, and since when
+    mode, since -- the mode that the device shows, and since when
     problem     -- why the last exchange had no reading; empty: it had one
 
-    Its attributes are the facts of the last exchanges by which the mode is judged.
+    It has many attributes because the mode follows from several facts of the last exchanges.
     """
 
     limits: DeviceLimits
@@ -168,13 +171,13 @@ class DeviceMachine:
 
     @classmethod
     def start(cls, limits: DeviceLimits, memory: DeviceMemory, now: float) -> DeviceMachine:
-        """Returns the device after a start with what was stored, or with LOST."""
+        """Returns the device after a start with its stored memory, or with LOST."""
         return cls(limits, now, tuple(Taken(use, 0) for use in memory.obeyed),
                    is_memory_lost=memory.is_lost, moving_from=now)
 
     @property
     def stage(self) -> Stage:
-        """What is known of its holders."""
+        """The stage of the device."""
         if any(taken.use.holds for taken in self.obeyed):
             return Stage.HELD
         if self.is_memory_lost:
@@ -183,16 +186,16 @@ class DeviceMachine:
 
     @property
     def memory(self) -> DeviceMemory:
-        """What must be stored before anything else happens."""
+        """The data that must be stored before anything else happens."""
         return DeviceMemory(tuple(taken.use for taken in self.obeyed), self.is_memory_lost)
 
     @property
     def is_urgent(self) -> bool:
-        """Whether the device answers, and a use was taken after the last reading began."""
+        """Whether the device answers, and a use was taken after its last reading began."""
         return not self.problem and not all(map(self._is_read, self.obeyed))
 
     def refusal(self, request: DeviceRequest) -> str:
-        """Returns why a request cannot be taken, as a clause; empty: it can."""
+        """Returns why a request cannot be taken, as a clause; empty: it can be taken."""
         others = sum(one.use.holds for one in self.obeyed if one.use.requester != request.requester)
         if request.mode is DeviceMode.OPEN and others >= MOST_HOLDERS:
             return f'{MOST_HOLDERS} others hold it already'
@@ -201,10 +204,10 @@ class DeviceMachine:
     # --- events -----------------------------------------------------------------------------------
 
     def ask(self, request: DeviceRequest, now: float, stamp: float) -> DeviceMachine:
-        """Returns the device after a request. `stamp`: the time for its use. The same device: it
-        changes nothing.
+        """Returns the device after a request; the same object if the request changes nothing.
 
-        Nothing may be done, and nothing reported, before `memory` is stored.
+        stamp -- the time for its use
+        The caller must store `memory` before it does or reports anything.
         """
         if request.requester == UNKNOWN_REQUESTER:
             return self._with(now, is_memory_lost=False, is_closing=True) if (
@@ -221,7 +224,7 @@ class DeviceMachine:
     def begin(self, now: float) -> Tuple[DeviceMachine, Exchange]:
         """Returns the device at the beginning of an exchange, and the exchange.
 
-        None may be awaited.
+        The exchange before it must have ended.
         """
         wanted = _OUTPUT[self.stage]
         number = self.begun + 1
@@ -229,8 +232,9 @@ class DeviceMachine:
                 Exchange(number, None if wanted == self.output else wanted))
 
     def end(self, reading: Optional[Reading], problem: str, now: float) -> DeviceMachine:
-        """Returns the device after the end of the exchange. `reading`: None: it had none, because
-        of `problem`.
+        """Returns the device after the end of the exchange.
+
+        reading -- None: there was none, because of `problem`
 
         An exchange without a reading may still have an effect, so the output must be set again.
         """
@@ -244,10 +248,10 @@ class DeviceMachine:
                        output=reading.output, settled=settled, alike=alike, problem='').tick(now)
 
     def tick(self, now: float) -> DeviceMachine:
-        """Returns the device after some time: what the device shows now."""
+        """Returns the device after some time, with the mode that it shows now."""
         mode, fault = self._shown(now)
         after = self
-        if mode is DeviceMode.OFFLINE:  # what was read before does not count any more
+        if mode is DeviceMode.OFFLINE:  # earlier readings do not count any more
             after = replace(after, alike=0, output=None)
         elif self._is_steady() and self.settled is False:
             after = replace(after, is_closing=False, is_memory_lost=False)
@@ -260,7 +264,7 @@ class DeviceMachine:
     # --- what it shows ----------------------------------------------------------------------------
 
     def report(self, name: str) -> DeviceReport:
-        """Returns what is said of the device, without run and count."""
+        """Returns the report on the device, without run and count."""
         shown = [taken for taken in self.obeyed
                  if self.mode is not DeviceMode.OPEN or self._is_read(taken)]
         obeyed = tuple(taken.use for taken in shown)
@@ -320,7 +324,7 @@ class DeviceMachine:
     def _with(self, now: float, **changes: Any) -> DeviceMachine:
         """Returns the device after a change.
 
-        In a new stage its time begins, and it must be read anew.
+        When a new stage begins, its time begins, and earlier readings do not count.
         """
         after = replace(self, **changes)
         if after.stage is not self.stage:
@@ -329,7 +333,7 @@ class DeviceMachine:
 
 
 def _kept(obeyed: Tuple[Taken, ...]) -> Tuple[Taken, ...]:
-    """Returns all requests that hold the device, and the last ones that do not."""
+    """Returns all requests that hold the device, and the newest KEPT that do not."""
     ended = [taken for taken in obeyed if not taken.use.holds]
     forgotten = ended[:-KEPT]
     return tuple(taken for taken in obeyed if taken not in forgotten)

@@ -1,4 +1,4 @@
-"""All devices of a site: what is stored, which exchanges are due, and what is reported."""
+"""All devices of a site: their stored memory, the exchanges and the reports that are due."""
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
@@ -19,7 +19,7 @@ REPORT_PERIOD = 0.5  # s between two reports of a device that does not change
 
 @dataclass(frozen=True)
 class StoredDevices:
-    """What outlives a restart. `run`: the number of the run that has stored it."""
+    """The stored data of all devices. `run`: the number of the run that has stored it."""
 
     run: int = 0
     devices: Mapping[str, DeviceMemory] = field(default_factory=dict)
@@ -28,8 +28,8 @@ class StoredDevices:
 class Periods(NamedTuple):
     """Times (s).
 
-    exchange -- between the beginnings of two exchanges with a device
-    report   -- between two reports of a device that does not change
+    exchange -- from the beginning of an exchange with a device to that of the next exchange
+    report   -- from a report of a device that does not change to the next report
     """
 
     exchange: float
@@ -37,7 +37,7 @@ class Periods(NamedTuple):
 
 
 class _Told(NamedTuple):
-    """The last report of a device, and when it was made; `device` shows the same."""
+    """The last report of a device, when it was made, and the device whose state it shows."""
 
     device: DeviceMachine
     report: DeviceReport
@@ -47,7 +47,7 @@ class _Told(NamedTuple):
 class Devices:
     """The devices by their names. `now` is in s of a clock that never steps back.
 
-    memory -- what was stored; a device that is not in it has lost its memory
+    memory -- the stored data; a device that is not in it has lost its memory
     store  -- stores a new memory; raises OSError if it cannot
     least_run -- the number of this run is at least this
     """
@@ -56,9 +56,9 @@ class Devices:
                  store: Callable[[StoredDevices], None], least_run: int, periods: Periods,
                  now: float) -> None:
         self.run = max(memory.run + 1, least_run)
-        self.problem = ''  # why the memory cannot be stored; empty: it can
+        self.problem = ''  # why the memory cannot be stored; empty: it is stored
         self._store, self._periods = store, periods
-        self._kept = dict(memory.devices)  # also of devices that the site does not have at present
+        self._kept = dict(memory.devices)  # with devices that the site does not have now
         self._devices: Dict[str, DeviceMachine] = {
             name: DeviceMachine.start(one, memory.devices.get(name, LOST), now)
             for name, one in limits.items()}
@@ -73,9 +73,9 @@ class Devices:
     # --- events -----------------------------------------------------------------------------------
 
     def receive(self, request: DeviceRequest, now: float, stamp: float) -> str:
-        """Takes a request. Returns why it is not taken, as a clause; empty: it is.
+        """Takes a request. Returns a clause that says why it is refused; empty: it is taken.
 
-        It is stored before anything is done because of it.
+        The request is stored before it has any effect.
         """
         device = self._devices.get(request.device)
         if device is None:
@@ -102,7 +102,7 @@ class Devices:
         return exchanges
 
     def ended(self, name: str, reading: Optional[Reading], problem: str, now: float) -> None:
-        """Notes that an exchange has ended; without a reading because of `problem`."""
+        """Notes that an exchange has ended. `reading`: None: no reading, because of `problem`."""
         self._change(name, self._devices[name].end(reading, problem, now))
 
     def tick(self, now: float) -> None:
@@ -111,10 +111,9 @@ class Devices:
             self._change(name, device.tick(now))
 
     def reports(self, now: float) -> List[DeviceReport]:
-        """Returns the reports that are due: of devices that show something else, and of others in
-        turn.
+        """Returns the reports that are due: of changed devices, and of others periodically.
 
-        `since` and `read_at` are of the clock of `now`; the times of `obeyed` are stamps.
+        `since` and `read_at` are times of the clock of `now`; the times in `obeyed` are stamps.
         """
         due = []
         for name, device in self._devices.items():
@@ -133,9 +132,10 @@ class Devices:
     # --- memory -----------------------------------------------------------------------------------
 
     def _change(self, name: str, after: DeviceMachine) -> None:
-        """Adopts a change that no request has made.
+        """Adopts a change that does not come from a request.
 
-        It only makes the memory shorter, so an older memory does no harm if it cannot be stored.
+        Such a change only removes data from the memory. So the older memory does no harm if the new
+        memory cannot be stored.
         """
         before, self._devices[name] = self._devices[name], after
         if after.memory != before.memory:

@@ -1,25 +1,24 @@
 """One device that carries out steps: a press or a conveyor that hands something over to a robot.
 
-The fleet manager orders a step as it orders those of a robot (`route_protocol.steps`). The device
-has a *start* output, into which the driver also writes the key of the step, and the inputs *done*
-and *failed*. It is read by *exchanges*, one after the other.
-
-State: the actor's memory of its steps, the phase, and what the last readings were.
+The fleet manager orders a step of a device like a step of a robot (`route_protocol.steps`). The
+device has a *start* output, together with which the driver writes the key of the step, and the
+inputs *done* and *failed*. It is read by *exchanges*, one after the other.
+State: the actor's memory of its steps, the phase, and the last readings.
 
     | phase     | meaning                                        | start output                |
     |-----------|------------------------------------------------|-----------------------------|
-    | LEFT      | no step; how the last one ended is not known   | as it is                    |
-    | IDLE      | no step; the last one has ended                | off, until it reads off     |
+    | LEFT      | no step; the end of the last step is unknown   | as it is                    |
+    | IDLE      | no step; the last step has ended               | off, until it reads off     |
     | READYING  | a step is ordered; its start was never written | off, until it reads off     |
-    | WORKING   | its start was written once, or may be          | as it is                    |
-    | BREAKING  | it is to be broken off                         | off, until it reads off     |
+    | WORKING   | its start was, or may have been, written once  | as it is                    |
+    | BREAKING  | the step is to be broken off                   | off, until it reads off     |
 
     | event                                         | in                | then                     |
     |-----------------------------------------------|-------------------|--------------------------|
-    | start without the memory, a new run begins    |                   | LEFT                     |
-    | start with it                                 | any               | the same                 |
+    | start without the memory: a new run begins    |                   | LEFT                     |
+    | start with the memory                         | any               | the same                 |
     | DO with a new key                             | LEFT, IDLE        | READYING                 |
-    | DO with a new key                             | a step runs       | the new one FAILED       |
+    | DO with a new key                             | a step runs       | the new step FAILED      |
     | DO of another kind of step                    | LEFT, IDLE        | FAILED                   |
     | an exchange begins, all signals read off      | READYING          | WORKING, writes start    |
     | an exchange begins, it reads start of this key| READYING          | WORKING                  |
@@ -34,14 +33,14 @@ State: the actor's memory of its steps, the phase, and what the last readings we
     | no reading for `offline_after`                | READYING          | FAILED, LEFT             |
     | no reading for `offline_after`                | WORKING, BREAKING | UNKNOWN, LEFT            |
 
-"Reads" means `STEADY` readings alike, all of exchanges that began in this phase.
+"Reads" means `STEADY` equal readings, all from exchanges that began in this phase.
 
 Invariants (`test_hand_over_states.py` searches all states, and finds each rule that is left out):
 
-ONCE      the start of a key is written at most once, also over restarts
-STORED    it is written after WORKING with this key was stored
-TRUE      DONE and FAILED are said of a step that was started only if the device said so of its key
-NOT BEGUN a step of which FAILED or CANCELLED is said in READYING was not started
+ONCE      the start of a key is written at most once, also across restarts
+STORED    the start is written only after WORKING with this key was stored
+TRUE      a started step is reported as DONE or FAILED only if the device shows this for its key
+NOT BEGUN a step that ends as FAILED or CANCELLED in READYING was not started
 ONE RUNS  at most one step runs
 LIVE      a step ends if the device works, or is silent
 """
@@ -62,11 +61,11 @@ from route_protocol.steps import (
     Word,
 )
 
-_REPORTS = 2 ** 32  # more reports than the driver sends about a device until its end
+_REPORTS = 2 ** 32  # more than the number of reports of one life of the driver
 
 
 class HandOverPhase(Enum):
-    """What is being done about the step of a device."""
+    """The phase of a step of a device."""
 
     LEFT = 'left as it is'
     IDLE = 'without a step'
@@ -79,7 +78,7 @@ RUNNING = frozenset({HandOverPhase.READYING, HandOverPhase.WORKING, HandOverPhas
 
 
 class Signals(NamedTuple):
-    """What a device showed: its start output with the key there, and its two inputs."""
+    """A reading of a device: its start output, the key, and its two inputs."""
 
     start: bool
     key: int
@@ -93,7 +92,7 @@ class Signals(NamedTuple):
 
 
 class StartSignal(NamedTuple):
-    """A writing of the start output: on with the key of a step, or off (`key`: 0)."""
+    """A value to write to the start output: on, with the key of a step; or off (`key`: 0)."""
 
     is_on: bool
     key: int = 0
@@ -104,7 +103,7 @@ OFF = StartSignal(False)
 
 @dataclass(frozen=True)
 class HandOverMemory:
-    """What outlives a restart. `lives`: how many drivers have begun with this run."""
+    """The stored data of a device. `lives`: how many drivers have started in this run."""
 
     run: int
     lives: int = 0
@@ -116,18 +115,19 @@ class HandOverMemory:
 
 @dataclass(frozen=True)
 class HandOverMachine:
-    """See the module's text. `now` is in s of a clock that never steps back.
+    """The device that the module describes. `now` is in s of a clock that never steps back.
 
     actor   -- the memory of the steps, as the fleet manager sees them
-    key     -- of the step that runs; 0: none
+    key     -- the key of the step that runs; 0: no step runs
     begun   -- number of exchanges that have begun; `is_awaited`: the last one has not ended
-    begun_at, read_at -- when that began, and when the last one began that had a reading
+    begun_at -- when the last exchange began
+    read_at -- when the last exchange with a reading began
     signals -- the last reading; None: there is none that counts
-    alike   -- number of readings in a row that were so, at most STEADY
+    alike   -- number of the last readings in a row that are equal, at most STEADY
     since   -- when the phase began; `phase_from`: number of exchanges that had begun then
     problem -- why the last exchange had no reading; empty: it had one
 
-    Its attributes are the facts of the last exchanges by which the phase is judged.
+    It has many attributes because the phase follows from several facts of the last exchanges.
     """
 
     limits: DeviceLimits
@@ -147,9 +147,9 @@ class HandOverMachine:
 
     @classmethod
     def start(cls, limits: DeviceLimits, memory: HandOverMemory, now: float) -> HandOverMachine:
-        """Returns the device after a start with what was stored.
+        """Returns the device after a start with its stored memory.
 
-        `memory` must be stored with `lives` + 1.
+        The caller must store the memory of the returned device, in which `lives` is larger by 1.
         """
         lives = memory.lives + 1
         actor = ActorState(memory.run, memory.last, memory.steps, lives * _REPORTS)
@@ -157,7 +157,7 @@ class HandOverMachine:
 
     @property
     def memory(self) -> HandOverMemory:
-        """What must be stored before anything else happens."""
+        """The data that must be stored before anything else happens."""
         return HandOverMemory(self.actor.run, self.lives, self.actor.last, self.actor.steps,
                               self.phase, self.key)
 
@@ -171,7 +171,7 @@ class HandOverMachine:
     def obey(self, command: StepCommand, now: float) -> HandOverMachine:
         """Returns the device after a command.
 
-        Nothing may be done, and nothing shown, before `memory` is stored.
+        The caller must store `memory` before it does or reports anything.
         """
         actor, reaction = self.actor.obey(command)
         after = replace(self, actor=actor)
@@ -188,10 +188,10 @@ class HandOverMachine:
         return replace(after, key=command.key)._enter(HandOverPhase.READYING, now)
 
     def begin(self, now: float) -> Tuple[HandOverMachine, Optional[StartSignal]]:
-        """Returns the device at the beginning of an exchange; none may be awaited. Also returns
-        what it writes; None: nothing.
+        """Returns the device at the beginning of an exchange, and what this writes (None: nothing).
 
-        A changed `memory` must be stored before the exchange is carried out.
+        The exchange before it must have ended. A changed `memory` must be stored before the
+        exchange is carried out.
         """
         after, write = self, None
         if self.phase is HandOverPhase.READYING and self._is_steady():
@@ -205,8 +205,9 @@ class HandOverMachine:
         return replace(after, begun=after.begun + 1, begun_at=now, is_awaited=True), write
 
     def end(self, signals: Optional[Signals], problem: str, now: float) -> HandOverMachine:
-        """Returns the device after the end of the exchange. `signals`: None: it had no reading,
-        because of `problem`.
+        """Returns the device after the end of the exchange.
+
+        signals -- None: there was no reading, because of `problem`
 
         An exchange without a reading may have had an effect.
         """
@@ -268,9 +269,9 @@ class HandOverMachine:
         return self._ended(Word.UNKNOWN, StepCode.OTHER, text, HandOverPhase.LEFT, now)
 
     def _give_up(self, code: StepCode, text: str, now: float) -> HandOverMachine:
-        """Returns the device that gives its step up: a step that was never started has failed.
+        """Returns the device after it has given its step up.
 
-        Of any other one it is not known how it ended.
+        A step that was never started has failed. The end of any other step is unknown.
         """
         word = Word.FAILED if self.phase is HandOverPhase.READYING else Word.UNKNOWN
         return self._ended(word, code, text, HandOverPhase.LEFT, now)
@@ -281,7 +282,7 @@ class HandOverMachine:
         return replace(self, actor=actor, key=0)._enter(phase, now)
 
     def _enter(self, phase: HandOverPhase, now: float) -> HandOverMachine:
-        """Returns the device in a new phase, in which it must be read anew."""
+        """Returns the device in a new phase, in which earlier readings do not count."""
         return replace(self, phase=phase, since=now, alike=0, phase_from=self.begun)
 
     def _is_steady(self) -> bool:
@@ -294,7 +295,7 @@ class HandOverMachine:
     def _must_be_off(self) -> bool:
         """Returns whether the start output must be switched off.
 
-        That of a step which may run is left.
+        If a step may be running, its output stays on.
         """
         if self.phase not in (HandOverPhase.IDLE, HandOverPhase.READYING, HandOverPhase.BREAKING):
             return False

@@ -1,4 +1,4 @@
-"""All devices of a site that carry out steps: what is stored, which exchanges are due, reports."""
+"""All devices of a site that carry out steps: stored memory, and due exchanges and reports."""
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
@@ -13,13 +13,13 @@ REPORT_PERIOD = 1.0  # s between two reports of a device whose steps do not chan
 
 @dataclass(frozen=True)
 class StoredHandOvers:
-    """What outlives a restart, by the name of the device."""
+    """The stored data of all devices, by name."""
 
     devices: Mapping[str, HandOverMemory] = field(default_factory=dict)
 
 
 class _Told(NamedTuple):
-    """When a device was reported last, and its steps then."""
+    """The last report of a device: its steps, and when it was made."""
 
     steps: object
     at: float
@@ -28,7 +28,7 @@ class _Told(NamedTuple):
 class HandOvers:
     """The devices by their names. `now` is in s of a clock that never steps back.
 
-    memory -- what was stored; a device that is not in it begins the run `new_run`
+    memory -- the stored data; a device that is not in it begins the run `new_run`
     store  -- stores a new memory; raises OSError if it cannot
     period -- s between the beginnings of two exchanges with a device
 
@@ -38,9 +38,9 @@ class HandOvers:
     def __init__(self, limits: Mapping[str, DeviceLimits], memory: StoredHandOvers,
                  store: Callable[[StoredHandOvers], None], new_run: int, period: float,
                  now: float) -> None:
-        self.problem = ''  # why the memory cannot be stored; empty: it can
+        self.problem = ''  # why the memory cannot be stored; empty: it is stored
         self._store, self._period = store, period
-        self._kept = dict(memory.devices)  # also of devices that the site does not have at present
+        self._kept = dict(memory.devices)  # with devices that the site does not have now
         self._devices: Dict[str, HandOverMachine] = {
             name: HandOverMachine.start(
                 one, memory.devices.get(name) or HandOverMemory(new_run), now)
@@ -60,13 +60,14 @@ class HandOvers:
     # --- events -----------------------------------------------------------------------------------
 
     def receive(self, name: str, command: StepCommand, now: float) -> None:
-        """Takes a command. If it cannot be stored, it is not taken: it comes again."""
+        """Takes a command. A command that cannot be stored is ignored, because it is repeated."""
         if self._is_begun:
             self._change(name, self._devices[name].obey(command, now))
 
     def begin_due(self, now: float) -> List[Tuple[str, Optional[StartSignal]]]:
-        """Begins the exchanges that are due, and returns what each writes. What it rests on is
-        stored.
+        """Begins the exchanges that are due. Returns for each device what to write.
+
+        The memory of these devices is already stored.
         """
         exchanges: List[Tuple[str, Optional[StartSignal]]] = []
         if not self._is_begun:
@@ -80,7 +81,7 @@ class HandOvers:
         return exchanges
 
     def ended(self, name: str, signals: Optional[Signals], problem: str, now: float) -> None:
-        """Notes that an exchange has ended; without a reading because of `problem`."""
+        """Notes that an exchange has ended. `signals`: None: no reading, because of `problem`."""
         device = self._devices[name]
         if not self._change(name, device.end(signals, problem, now)):
             self._devices[name] = replace(device, is_awaited=False)  # it is read again
@@ -91,8 +92,8 @@ class HandOvers:
             self._change(name, device.tick(now))
 
     def reports(self, now: float) -> List[Tuple[str, StepReport]]:
-        """Returns the reports that are due: of devices whose steps have changed,
-        and of others in turn.
+        """Returns the reports that are due: of devices whose steps have changed, and of others
+        periodically.
         """
         due = []
         for name, device in self._devices.items() if self._is_begun else ():

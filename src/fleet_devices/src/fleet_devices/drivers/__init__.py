@@ -1,1 +1,1 @@
-"""What sets the output of a device and reads it: simulated, or over Modbus TCP."""
+"""Drivers, which set the outputs of devices and read the devices: simulated, or Modbus TCP."""

@@ -1,4 +1,4 @@
-"""What a driver is, and the thread in which the exchanges of its devices happen."""
+"""The interface of drivers, and the queue of exchanges that one thread carries out."""
 from __future__ import annotations
 
 import queue
@@ -11,26 +11,26 @@ Kind = TypeVar('Kind')
 
 
 class Silent(Exception):
-    """A device was not read. The text says why, as a clause."""
+    """A device was not read. The text is a clause with the reason."""
 
 
 class DevicePort(Protocol):
-    """The way to one device. One thread calls it."""
+    """The connection to one device. Only one thread calls it."""
 
     def exchange(self, output: Optional[bool]) -> Reading:
         """Sets the output, unless it is None; then reads the device. Raises Silent.
 
-        It ends within some seconds, also if the device does not answer.
+        It ends within some seconds, even if the device does not answer.
         """
 
 
 class HandOverPort(Protocol):
-    """The way to one device that hands over. One thread calls it."""
+    """The connection to one device that carries out hand-overs. Only one thread calls it."""
 
     def exchange(self, start: Optional[StartSignal]) -> Signals:
         """Writes the start output, unless it is None; then reads the device. Raises Silent.
 
-        It writes once at most, and ends within some seconds, also if the device does not answer.
+        It writes at most once, and ends within some seconds, even if the device does not answer.
         """
 
 
@@ -44,8 +44,8 @@ class ExchangeQueue:
             on_end: Callable[[Optional[Kind], str], None]) -> None:
         """Queues an exchange; never waits.
 
-        on_end -- is called with its reading (None: none) and why there is none, in the thread of
-                  `run`
+        on_end -- called with its reading, or with None and the reason why there is none, in the
+                  thread of `run`
         """
         def carry_out() -> None:
             try:

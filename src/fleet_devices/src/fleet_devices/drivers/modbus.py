@@ -1,10 +1,9 @@
 """Devices behind a Modbus TCP server, such as a PLC.
 
-A door or a light has one coil and one discrete input. A device that hands over has a coil to start
-it, two discrete inputs, and four holding registers for the key of the step.
-
-The client is pymodbus, from 2.1 (Ubuntu 20.04) to 3.x. A connection that has failed is closed: an
-answer that comes late would be taken for that of the next request.
+A door or a light has one coil and one discrete input. A device that carries out hand-overs has a
+coil to start it, two discrete inputs, and four holding registers for the key of the step.
+The client is pymodbus, from 2.1 (Ubuntu 20.04) to 3.x. After an error a connection is closed: a
+late answer could be mistaken for the answer to the next request.
 """
 from __future__ import annotations
 
@@ -32,9 +31,9 @@ Request = Callable[[Any], Any]
 def unit_argument(method: Callable[..., Any], unit: int) -> Dict[str, int]:
     """Returns the argument of a method of pymodbus that names the unit.
 
-    Its name has changed within minor versions: `unit` (2.x, without a name in the signature),
-    `slave` (3.0 to 3.9), `device_id` (from 3.10 on). A wrong name is not refused by all versions:
-    some ignore it, and ask unit 0. So the signature decides, not the version.
+    The name of the argument depends on the version: `unit` (2.x, not in the signature), `slave`
+    (3.0 to 3.9), `device_id` (from 3.10 on). Some versions do not refuse a wrong name, but ignore
+    it and address unit 0. So this function looks at the signature, not at the version.
     """
     names = inspect.signature(method).parameters
     for name in ('device_id', 'slave'):
@@ -44,7 +43,7 @@ def unit_argument(method: Callable[..., Any], unit: int) -> Dict[str, int]:
 
 
 class ModbusConnection:
-    """The connection to one server. One thread calls it."""
+    """The connection to one server. Only one thread calls it."""
 
     def __init__(self, host: str, port: int, clock: Clock = time.monotonic) -> None:
         self._host, self._port, self._clock = host, port, clock
@@ -53,7 +52,7 @@ class ModbusConnection:
         self._problem = ''
 
     def call(self, request: Request) -> Any:
-        """Sends a request and returns its answer, which is no error. Raises Silent."""
+        """Sends a request and returns its answer. Raises Silent, also if the answer is an error."""
         client = self._connected()
         try:
             answer = request(client)
@@ -106,7 +105,7 @@ class ModbusUnit:
         self._call('write_coil', address, is_on)
 
     def set_registers(self, address: int, values: List[int]) -> None:
-        """Sets holding registers, the first of which is given."""
+        """Sets holding registers from `address` on."""
         self._call('write_registers', address, values)
 
     def coil(self, address: int) -> bool:
@@ -118,7 +117,7 @@ class ModbusUnit:
         return self._bit('read_discrete_inputs', address)
 
     def registers(self, address: int, count: int) -> List[int]:
-        """Reads holding registers, the first of which is given."""
+        """Reads holding registers from `address` on."""
         values = getattr(self._call('read_holding_registers', address, count=count), 'registers',
                          None)
         if not isinstance(values, list) or len(values) != count or not all(
@@ -154,7 +153,7 @@ class ModbusDevice:
 
 
 class ModbusHandOver:
-    """One device that hands over, behind a connection."""
+    """One device that carries out hand-overs, behind a connection."""
 
     def __init__(self, connection: ModbusConnection, address: HandOverAddress) -> None:
         self._unit, self._address = ModbusUnit(connection, address.unit), address
@@ -172,12 +171,12 @@ class ModbusHandOver:
 
 
 def words_of(key: int) -> List[int]:
-    """Returns a key as it stands in the registers."""
+    """Returns the register values of a key."""
     return [key >> 16 * k & 0xFFFF for k in reversed(range(KEY_REGISTERS))]
 
 
 def key_of(words: List[int]) -> int:
-    """Returns the key that stands in the registers."""
+    """Returns the key with these register values."""
     return sum(word << 16 * k for k, word in enumerate(reversed(words)))
 
 
@@ -190,5 +189,5 @@ def client_class() -> Any:
 
 
 def new_client(host: str, port: int) -> Any:
-    """Returns a client that sends nothing twice by itself."""
+    """Returns a client that does not repeat requests by itself."""
     return client_class()(host, port=port, timeout=TIMEOUT, retries=0)

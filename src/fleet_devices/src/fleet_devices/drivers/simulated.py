@@ -9,17 +9,17 @@ from fleet_devices.core.device import Reading
 from fleet_devices.core.hand_over import Signals, StartSignal
 from fleet_devices.drivers.driver import Silent
 
-SLOWER = 5.0  # times as long as usual
+SLOWER = 5.0  # how many times longer a slow device takes
 
 
 class FaultKind(Enum):
-    """What is wrong with a simulated device."""
+    """A fault of a simulated device."""
 
     SLOW = 'slow'      # it takes SLOWER times as long
     STUCK = 'stuck'    # it does not move
     SILENT = 'silent'  # it does not answer, and does not obey
     LYING = 'lying'    # its input says the opposite
-    SHUT = 'shut'      # it closes by itself, also if its output is on
+    SHUT = 'shut'      # it closes by itself, even if its output is on
     FAILING = 'failing'  # each hand-over fails
 
 
@@ -37,7 +37,7 @@ class ScriptedFault:
 
 
 class SimulatedDevice:
-    """A door that moves at a constant speed while its output asks for it.
+    """A door that moves at a constant speed: it opens while its output is on, and then closes.
 
     clock  -- s, from any beginning
     travel -- s from closed to open
@@ -52,7 +52,7 @@ class SimulatedDevice:
 
     @property
     def is_passable(self) -> bool:
-        """Whether it is open in truth."""
+        """Whether it is really open."""
         self._move()
         return self._width >= 1.0
 
@@ -80,7 +80,7 @@ class SimulatedDevice:
 
 
 class SimulatedHandOver:
-    """A device that hands over, for `seconds` from the moment at which its start goes on.
+    """A device that carries out hand-overs. Each takes `seconds`, from the start signal on.
 
     clock -- s, from any beginning
     """

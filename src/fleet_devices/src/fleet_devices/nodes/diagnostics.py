@@ -16,7 +16,7 @@ from route_protocol.devices import DeviceFault, DeviceMode
 
 
 def show_devices(site: Mapping[str, Device], devices: Devices, machines: HandOvers) -> None:
-    """Publishes a status for each device, and one for the memory."""
+    """Publishes a status for each device, and a status for the memory."""
     publish_diagnostics('none', {'memory': memory_task(devices, machines), **{
         f'{device.kind.value.replace("_", " ")} {name}': device_task(name, devices)
         for name, device in site.items()}, **{
@@ -25,7 +25,7 @@ def show_devices(site: Mapping[str, Device], devices: Devices, machines: HandOve
 
 
 def machine_task(name: str, machines: HandOvers) -> Task:
-    """Returns what a machine does, and why it was not read."""
+    """Returns the diagnostics of a machine: its phase, and why it was not read."""
     def show(status: DiagnosticStatusWrapper) -> DiagnosticStatusWrapper:
         machine = machines[name]
         words = machine.phase.value
@@ -39,7 +39,7 @@ def machine_task(name: str, machines: HandOvers) -> Task:
 
 
 def memory_task(devices: Devices, machines: HandOvers) -> Task:
-    """Returns an error while nothing can be stored."""
+    """Returns the diagnostics of the memory: an error while it cannot be stored."""
     def memory(status: DiagnosticStatusWrapper) -> DiagnosticStatusWrapper:
         problem = devices.problem or machines.problem
         if problem:
@@ -52,7 +52,7 @@ def memory_task(devices: Devices, machines: HandOvers) -> Task:
 
 
 def device_task(name: str, devices: Devices) -> Task:
-    """Returns what a device shows, its holders, and what is wrong with it."""
+    """Returns the diagnostics of a device: its mode, its holders, and its fault."""
     def show(status: DiagnosticStatusWrapper) -> DiagnosticStatusWrapper:
         device = devices[name]
         report = device.report(name)

@@ -1,4 +1,4 @@
-"""fleet_devices: drives the doors, lights and other devices of a site, for all that ask.
+"""fleet_devices: drives the doors, lights and other devices of a site, for all requesters.
 
 Subscribes
     /device_request (itrci_nav_msgs/DeviceRequest)
@@ -18,8 +18,8 @@ Parameters
     ~steps_file        string  fleet_devices/steps.json  keeps the steps of each machine; used only
                                         if the site has one
     ~period            float   0.2 s    between two readings of a device
-    ~offline_after     float   2 s      without a reading after which a device is OFFLINE
-    ~simulated_travel  float   3 s      that a simulated device takes to open, close or hand over
+    ~offline_after     float   2 s      without a reading until a device is OFFLINE
+    ~simulated_travel  float   3 s      for a simulated device to open, close or hand over
     ~simulated_faults  list    []       faults of simulated devices: device, fault, begin, end
 """
 from __future__ import annotations
@@ -57,7 +57,7 @@ TICK = 0.05  # s between two checks for what is due
 
 
 class DeviceNode:
-    """The node: see the module's text. One thread owns the devices."""
+    """The node that the module describes. One thread owns the devices."""
 
     def __init__(self) -> None:
         settings = Settings()
@@ -135,7 +135,7 @@ class DeviceNode:
             peer, machine = self._machine_drivers[name]
             self._lines[peer].put(partial(machine.exchange, start),
                                   partial(self._on_signals, name))
-        behind = rospy.get_time() - now  # of the monotonic clock
+        behind = rospy.get_time() - now  # s, the monotonic clock behind ROS time
         for report in self._devices.reports(now):
             self._states.publish(message_of(report, behind))
         for name, steps in self._machines.reports(now):
@@ -143,7 +143,7 @@ class DeviceNode:
 
 
 def machines_of(settings: Settings) -> HandOvers:
-    """Returns the machines of the site, as they were stored."""
+    """Returns the machines of the site, with their stored memory."""
     if not settings.machines:
         return HandOvers({}, StoredHandOvers(), lambda _: None, 0, 0.0, 0.0)
     memory = MemoryFile(settings.steps_file, '~steps_file', StoredHandOvers(), STEPS_LOST)
@@ -152,7 +152,7 @@ def machines_of(settings: Settings) -> HandOvers:
 
 
 def message_of(report: DeviceReport, behind: float) -> DeviceState:
-    """Returns a report as a message. `behind`: s by which its clock is behind that of ROS."""
+    """Returns the message of a report. `behind`: s by which its clock is behind ROS time."""
     read_at = None if report.read_at is None else report.read_at + behind
     return fill_device_report(
         DeviceState(), report.at(report.since + behind, read_at), DeviceUse,

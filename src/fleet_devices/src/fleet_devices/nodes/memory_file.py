@@ -1,4 +1,4 @@
-"""The files that keep over a restart what must not be forgotten of the devices."""
+"""The files that keep the memory of the devices across a restart."""
 from __future__ import annotations
 
 import json
@@ -21,8 +21,8 @@ STEPS_LOST = ('the steps of the devices are not known: a person is asked for eac
 class MemoryFile(Generic[Kind]):
     """Keeps a value; a relative path begins in ROS_HOME.
 
-    empty  -- what is kept if nothing was stored
-    loss   -- what follows if the file cannot be read, as a clause
+    empty  -- the value if nothing was stored
+    loss   -- the consequence if the file cannot be read, as a clause
     """
 
     def __init__(self, path: str, parameter: str, empty: Kind, loss: str) -> None:
@@ -31,7 +31,7 @@ class MemoryFile(Generic[Kind]):
         hold(self._path, parameter)
 
     def read(self) -> Kind:
-        """Returns what was stored. `empty`: there is no file, or it cannot be read."""
+        """Returns the stored value, or `empty` if there is no file, or it cannot be read."""
         try:
             with open(self._path, encoding='utf-8') as stream:
                 return from_json(type(self._empty), json.load(stream))

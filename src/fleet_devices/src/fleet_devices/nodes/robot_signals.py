@@ -1,6 +1,6 @@
-"""A device at an output and an input of an LD-90, by the commands of its omron_controller.
+"""A device at an output and an input of an LD-90; uses the commands of its omron_controller.
 
-A goal is never cancelled: the controller stops the robot for that.
+An action goal is never cancelled, because a cancellation would stop the robot.
 """
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ ANSWER = 2.0  # s within which a command must end
 
 
 class RobotSignals:
-    """The driver of such a device. One thread calls `exchange`."""
+    """The driver of such a device. Only one thread calls `exchange`."""
 
     def __init__(self, address: RobotAddress) -> None:
         self._address = address
@@ -54,9 +54,10 @@ class RobotSignals:
 
 
 def is_on(lines: Any, name: str, output: bool) -> bool:
-    """Returns whether the robot's answer says that its output, or input, is on. Raises Silent.
+    """Returns whether the robot's answer says that an output or input is on.
 
-    A third state, `broken`, is neither.
+    output -- whether it is an output
+    Raises Silent, also for the third state, `broken`.
     """
     for line in lines:
         reply = parse_line(line)

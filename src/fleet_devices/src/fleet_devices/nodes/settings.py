@@ -36,7 +36,7 @@ SIMULATED = 'simulated'  # the connection of all simulated devices
 class Settings:
     """The checked parameters of the node; raises ConfigurationError.
 
-    devices -- those through which edges lead; `machines`: those that carry out steps
+    devices -- the devices through which edges lead; `machines`: the devices that carry out steps
     """
 
     def __init__(self) -> None:
@@ -70,11 +70,11 @@ class Settings:
         self._connections: Dict[Tuple[str, int], ModbusConnection] = {}
 
     def lines(self) -> Dict[str, Tuple[Hashable, DevicePort]]:
-        """Returns for each device the connection that it shares with others, and its driver."""
+        """Returns for each device its connection, which others may share, and its driver."""
         return {name: self._line(device) for name, device in self.devices.items()}
 
     def machine_lines(self) -> Dict[str, Tuple[Hashable, HandOverPort]]:
-        """Returns for each machine the connection that it shares with others, and its driver."""
+        """Returns for each machine its connection, which others may share, and its driver."""
         return {name: self._machine_line(machine) for name, machine in self.machines.items()}
 
     def _machine_line(self, machine: StepDevice) -> Tuple[Hashable, HandOverPort]:

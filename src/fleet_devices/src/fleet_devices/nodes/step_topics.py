@@ -16,7 +16,7 @@ from route_protocol.steps import StepReport
 class StepTopics:
     """Receives the commands for each device, and publishes its reports.
 
-    on_command -- is called with the name of the device, in a thread of ROS
+    on_command -- called with the name of the device and the command, in a thread of ROS
     """
 
     def __init__(self, devices: Iterable[str], on_command: Callable[[str, Command], None]) -> None:

@@ -1,7 +1,7 @@
 """The lines between a program that gives jobs and OMRON's Fleet Manager, from the program's side.
 
-The server of this package and the simulator have tables of their own: a wrong belief in one of them
-then shows as a difference.
+The server of this package and the simulator have separate tables: a mistake in one table then shows
+as a difference between them.
 """
 from __future__ import annotations
 
@@ -22,12 +22,12 @@ _SEGMENT_LINES = ('queueupdate:', 'queuequery:', 'queueshow:')
 
 
 class WrongJob(ValueError):
-    """A job that cannot be said in a line. The text is a clause that says why."""
+    """A job that no command can express. The text is a clause with the reason."""
 
 
 @dataclass(frozen=True)
 class SegmentLine:
-    """A line about a segment of a job. `is_listed`: it is part of the answer to a question."""
+    """A line about a segment of a job. `is_listed`: it belongs to the answer to a query."""
 
     segment: HandedSegment
     job: str
@@ -39,7 +39,7 @@ class SegmentLine:
 class AnswerEnd:
     """The last line of the answer to a command; `command` in lower case.
 
-    linked -- the job after whose drop-off the new one picks up (a swap)
+    linked -- id of the job after whose drop-off the new job picks up (a swap); empty: no swap
     """
 
     command: str
@@ -79,7 +79,7 @@ def command_of(job: HandedJob) -> str:
 
 
 def query_of(job: HandedJob) -> str:
-    """Returns the question whether the Fleet Manager knows a job, and what its segments do."""
+    """Returns the query about a job: whether it is known, and the states of its segments."""
     return f'queueQuery jobId {job.id}'
 
 
@@ -94,7 +94,7 @@ def modification_of(change: Change) -> str:
 
 
 def check(job: HandedJob) -> None:
-    """Raises WrongJob if the Fleet Manager takes no such job."""
+    """Raises WrongJob for a job that the Fleet Manager does not accept."""
     if not 0 < len(job.stops) <= MOST_STOPS:
         raise WrongJob(f'it has {len(job.stops)} goals, not 1 to {MOST_STOPS}')
     if job.stops[0].kind is not HandedStopKind.PICKUP:
@@ -106,7 +106,7 @@ def check(job: HandedJob) -> None:
 
 
 def read_line(text: str) -> Optional[FleetManagerLine]:
-    """Returns what a line says about jobs; None: nothing."""
+    """Returns the meaning of a line; None: the line is not about jobs."""
     words = _WORD.findall(text)
     if not words:
         return None

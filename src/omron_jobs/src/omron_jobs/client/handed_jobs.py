@@ -5,21 +5,21 @@
                  WITHDRAWN   CANCELLED
     SENT         ACCEPTED    ACCEPTED
                  STARTED     IN_PROGRESS
-                 NOT_KNOWN   STORED: it has certainly not arrived, and may be sent again
+                 NOT_KNOWN   STORED: it certainly did not arrive, and may be sent again
                  FORGOTTEN   UNKNOWN
                  REFUSED     REFUSED
     ACCEPTED     STARTED     IN_PROGRESS
     IN_PROGRESS  ACCEPTED    ACCEPTED: it waits again, for example after an interruption
     SENT, ACCEPTED, IN_PROGRESS
-                 COMPLETED, CANCELLED, FAILED     that state
+                 COMPLETED, CANCELLED, FAILED     the state of the same name
     ACCEPTED, IN_PROGRESS
-                 NOT_KNOWN, FORGOTTEN             UNKNOWN: it was there, and its end was not heard
+                 NOT_KNOWN, FORGOTTEN             UNKNOWN: it had arrived, and its end was missed
 
-Each other pair changes nothing. Invariants: the last five states are final; only STORED leads to
-SENT, and nothing but NOT_KNOWN leads back to STORED.
+All other pairs of state and event change nothing. Invariants: the last five values of HandedState
+are final; only STORED leads to SENT; only NOT_KNOWN leads back to STORED.
 
 A modification gives a job other goals or priorities. It is UNDER_WAY until the Fleet Manager shows
-all of them (DONE), or refuses one (REFUSED). A job that was not sent has them at once.
+all new values (DONE), or refuses one of them (REFUSED). A job that was not sent gets them at once.
 """
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ class HandedState(IntEnum):
 
 
 class Modification(IntEnum):
-    """What became of the last modification, with the numbers of the message JobStatus."""
+    """The state of the last modification, with the numbers of the message JobStatus."""
 
     NONE = 0
     UNDER_WAY = 1
@@ -52,7 +52,7 @@ class Modification(IntEnum):
 
 
 class HandedEvent(Enum):
-    """What becomes known of a job."""
+    """An event of a job."""
 
     SENDING = 'its command is to be sent'
     WITHDRAWN = 'it is cancelled before it was sent'
@@ -118,7 +118,7 @@ class HandedSegment:
 
     @property
     def number(self) -> int:
-        """The number in its id: one counter numbers all segments in their order."""
+        """The number in its id. One counter numbers all segments: the numbers show their order."""
         digits = self.id[len(self.id.rstrip('0123456789')):]
         return int(digits) if digits else 0
 
@@ -133,16 +133,16 @@ class Change(NamedTuple):
 
 @dataclass(frozen=True)
 class HandedJob:
-    """A job. It is one value, because it is stored as one.
+    """A job. It is an immutable value that is stored as a whole.
 
-    id        -- of the job at the Fleet Manager; never used twice
+    id        -- the job's id at the Fleet Manager; never used twice
     request   -- the caller's id of the job, or empty
     sent      -- when its command was sent last; ms, wall clock
     segments  -- its goals as the Fleet Manager showed them, in their order
     is_unwanted -- whether it is to be cancelled
-    reason    -- the Fleet Manager's words for a refusal, of the job or of its modification
-    wanted    -- the stops that a modification under way gives it, else empty
-    linked    -- the job after whose drop-off, at the same goal, its robot picks up (a swap)
+    reason    -- why the Fleet Manager refused the job, or its modification
+    wanted    -- its stops after the modification under way; empty: none is under way
+    linked    -- id of the job after whose drop-off, at the same goal, this job picks up (a swap)
     """
 
     id: str
@@ -173,9 +173,9 @@ class HandedJob:
         return replace(self, state=TRANSITIONS.get((self.state, event), self.state))
 
     def with_segment(self, segment: HandedSegment, robot: str) -> HandedJob:
-        """Returns the job after a line about one of its segments; an ended job does not change.
+        """Returns the job after a line about one of its segments. An ended job does not change.
 
-        A line about one segment more than the job has is ignored.
+        A line about a segment beyond the number of the job's stops is ignored.
         """
         segments = {**{one.id: one for one in self.segments}, segment.id: segment}
         if not self.is_open or len(segments) > len(self.stops):
@@ -188,7 +188,8 @@ class HandedJob:
         """Returns the job after a listing of the segments that the Fleet Manager still knows.
 
         It forgets segments in the order in which they ended, and a segment begins when the one
-        before it is completed. So if no open one is listed, the job has ended as those that are.
+        before it is completed. So if no open segment is listed, the job has ended, and the listed
+        segments show how.
         """
         known = tuple(one for one in self.segments if one.id in listed or one.is_final)
         if not self.is_open or any(not one.is_final for one in known):
@@ -203,16 +204,16 @@ class HandedJob:
 
     @property
     def changes(self) -> Tuple[Change, ...]:
-        """What the Fleet Manager does not show yet, as far as it has shown the segments."""
+        """The wanted values that segments do not show yet; empty if not all segments are known."""
         if len(self.segments) < len(self.stops):
             return ()
         return tuple(change for stop, segment in zip(self.wanted, self.segments)
                      for change in _changes_of(stop, segment))
 
     def settled(self) -> HandedJob:
-        """Returns the job after its modification, if that is over.
+        """Returns the job without its modification, if this has ended.
 
-        A job that has ended keeps none.
+        The modification of a job that has ended is refused.
         """
         if not self.wanted:
             return self
@@ -222,7 +223,7 @@ class HandedJob:
         return self if self.is_open else self.refused(self.reason or 'the job has ended')
 
     def refused(self, reason: str) -> HandedJob:
-        """Returns the job after the refusal of its modification; what is shown already stays."""
+        """Returns the job after the refusal of its modification; it keeps values already shown."""
         missing = {(change.segment.id, change.field) for change in self.changes}
         stops = self.stops
         if len(self.segments) == len(stops):
@@ -247,7 +248,7 @@ MODIFYING_STATUSES = ('BeforeModify', 'InterruptedByModify', 'AfterModify')
 
 
 def _event_of(segments: Tuple[HandedSegment, ...], count: int) -> HandedEvent:
-    """Returns what the segments say of their job."""
+    """Returns the event that follows from the segments of a job."""
     statuses = [one.status for one in segments]
     if len(segments) >= count and all(one.is_final for one in segments):
         if 'Failed' in statuses:

@@ -1,22 +1,23 @@
-"""All jobs that are handed to one Fleet Manager, over losses of the link and restarts of both.
+"""All jobs that are handed to one Fleet Manager, across lost links and restarts of both sides.
 
-One command or question waits for its answer at a time, because answers have no number.
+One command or query waits for its answer at a time, because answers have no number.
 
     event         what follows
     request       the job is stored, then it is sent as soon as there is a link
-    login         each job that the Fleet Manager may have is asked for, before anything is sent
-    answer ends   what it says of the job counts; the next command is due
-    error         the job is asked for: only if the Fleet Manager does not know it, it was refused
+    login         each job that the Fleet Manager may have is queried, before other lines are sent
+    answer ends   the job is changed according to the answer; the next command is due
+    error         the job is queried: it was refused only if the Fleet Manager does not know it
     modification  it is stored; then each value that the Fleet Manager does not show is sent once
-                  over a link, and the job is asked for: what it then shows counts
-    loss          the open question is dropped: its job is in doubt, and is asked for after a login
-    restart       as after a loss, with what the disk has
+                  over a link, and the job is queried: the answer shows whether it was done
+    loss          the open query is dropped: its job is in doubt, and is queried after a login
+    restart       as after a loss, with the jobs that are on the disk
 
-Invariants: a job is on the disk as SENT before its command is sent. A job is sent again only after
-the Fleet Manager said that it does not know it, at most RESENT_WITHIN after it was sent: a Fleet
-Manager forgets the jobs that have ended (by default after 60 minutes, or 100 later ones), so a
-later "not known" is no proof. Such a job ends as UNKNOWN, and a person decides. A value is sent
-only if the Fleet Manager showed another one over this link: twice would end a drive twice.
+Invariants: a job is on the disk as SENT before its command is sent. A job is sent again only if the
+Fleet Manager says that it does not know it, within RESENT_WITHIN after it was sent. A later "not
+known" is no proof, because a Fleet Manager forgets jobs that have ended (by default after 60
+minutes, or 100 later jobs): such a job ends as UNKNOWN, and a person decides. A modified value is
+sent only if the Fleet Manager showed another value over this link, because each such command
+interrupts the drive.
 """
 from __future__ import annotations
 
@@ -47,9 +48,9 @@ from omron_jobs.client.handed_jobs import (
     HandedStop,
 )
 
-RESENT_WITHIN = 300.0   # s after it was sent, within which a job that is not known is sent again
-ANSWERED_WITHIN = 10.0  # s after which a link without the answer is given up
-ASKED_EVERY = 10.0      # s without news of an open job, after which it is asked for
+RESENT_WITHIN = 300.0   # s after sending, within which an unknown job is sent again
+ANSWERED_WITHIN = 10.0  # s to wait for an answer before the link is ended
+ASKED_EVERY = 10.0      # s without news of an open job, after which it is queried
 MOST_OPEN = 1000
 MOST_ENDED = 1000       # jobs that have ended, and are remembered for their callers
 
@@ -58,24 +59,24 @@ Store = Callable[[Sequence[HandedJob]], None]
 
 
 class TooManyJobs(Exception):
-    """The most jobs that may be open are open."""
+    """No further job may be open."""
 
 
 @dataclass(frozen=True)
 class _Question:
-    """The command that waits for its answer, the name of it in lower case, and since when."""
+    """The command that waits for its answer: its name in lower case, its job, and since when."""
 
     command: str
     job: str
     since: float
-    listed: Tuple[str, ...] = ()    # the segments of the job in the answer
+    listed: Tuple[str, ...] = ()    # ids of segments in the answer so far
     is_error: bool = False      # the first line of an error came
 
 
 class JobClient:
-    """See the module's text. `clock`: the wall clock in ms. `new_id`: draws the id of a job.
+    """The state machine of this module. `clock`: wall clock in ms. `new_id`: draws a job's id.
 
-    It has many attributes because one machine has jobs, their file, and the state of one link.
+    It has many attributes because it has the jobs, their file, and the state of one link.
     """
 
     def __init__(self, jobs: Iterable[HandedJob], store: Store, clock: Callable[[], int],
@@ -85,13 +86,13 @@ class JobClient:
         self._is_linked = False
         self._question: Optional[_Question] = None
         self._heard: Dict[str, float] = {}      # when each job was heard of over this link
-        self._asked: Dict[str, float] = {}      # when each job was asked for over this link
-        self._errors: Dict[str, str] = {}       # the words that refused a job, until it is asked
-        self._unsure: Set[str] = set()          # jobs whose modification was answered
+        self._asked: Dict[str, float] = {}      # when each job was queried over this link
+        self._errors: Dict[str, str] = {}       # why a job was refused, until it is queried
+        self._unsure: Set[str] = set()          # jobs whose modification has an answer
         self._tried: Set[str] = set()           # modifications that were sent over this link
         self._changed: Dict[str, HandedJob] = {}
         self._is_stored = True
-        self.problem = ''                       # why the Fleet Manager answers no question
+        self.problem = ''                       # why the Fleet Manager answers no query
 
     @property
     def jobs(self) -> List[HandedJob]:
@@ -99,9 +100,9 @@ class JobClient:
         return list(self._jobs.values())
 
     def request(self, stops: Tuple[HandedStop, ...], request: str = '') -> HandedJob:
-        """Stores a job and returns it; a job that was requested already is returned as it is.
+        """Stores a job and returns it. A job that was requested before is returned unchanged.
 
-        Raises WrongJob, TooManyJobs or OSError: then there is no job.
+        Raises WrongJob, TooManyJobs or OSError; then no job was stored.
         """
         known = next((job for job in self._jobs.values() if request and job.request == request),
                      None)
@@ -120,7 +121,7 @@ class JobClient:
     def modify(self, request: str, stops: Tuple[HandedStop, ...]) -> HandedJob:
         """Gives the job of a request other goals or priorities, and returns it.
 
-        Raises WrongJob or OSError: then nothing has changed.
+        Raises WrongJob or OSError; then nothing has changed.
         """
         job = next((job for job in self._jobs.values() if request and job.request == request),
                    None)
@@ -156,7 +157,7 @@ class JobClient:
         self._is_linked, self.problem = True, ''
 
     def hear_loss(self) -> None:
-        """Ends the link; what was not answered is in doubt."""
+        """Ends the link; the command without an answer is in doubt."""
         self._is_linked, self._question = False, None
         self._heard.clear()
         self._asked.clear()
@@ -184,9 +185,9 @@ class JobClient:
                 self._errors[question.job] = line.text
 
     def due(self, now: float) -> List[str]:
-        """Returns the lines that are to be sent now, stored before.
+        """Returns the lines to send now. A job is stored as SENT before its command is returned.
 
-        Raises OSError: nothing is sent.
+        Raises OSError; then nothing is to be sent.
         """
         if not self._is_linked or self._question is not None or self.problem:
             return []
@@ -215,7 +216,7 @@ class JobClient:
         return self._question is not None and now - self._question.since > ANSWERED_WITHIN
 
     def store_news(self) -> None:
-        """Stores what was heard. Raises OSError: it is tried again at the next call."""
+        """Stores what the lines changed. Raises OSError; the next call tries it again."""
         if not self._is_stored:
             self._store(self.jobs)
             self._is_stored = True
@@ -225,7 +226,7 @@ class JobClient:
         changed, self._changed = list(self._changed.values()), {}
         return changed
 
-    # -- what was heard ----------------------------------------------------------------------------
+    # -- lines of the Fleet Manager ----------------------------------------------------------------
 
     def _hear_segment(self, line: SegmentLine, now: float) -> None:
         job = self._jobs.get(line.job)
@@ -297,9 +298,9 @@ class JobClient:
                      if job.is_in_hand and self._is_to_be_asked(job, now)), None)
 
     def _is_to_be_asked(self, job: HandedJob, now: float) -> bool:
-        """Returns whether nothing was heard of a job.
+        """Returns whether to query a job: after an error or a modification, or without recent news.
 
-        A cancellation is repeated until it has its end.
+        A job to be cancelled is queried, and its cancellation repeated, until it has ended.
         """
         times = self._asked if job.is_unwanted else self._heard
         return (job.id in self._errors or job.id in self._unsure or job.id not in times
@@ -308,7 +309,7 @@ class JobClient:
     # -- the disk ----------------------------------------------------------------------------------
 
     def _keep(self, job: HandedJob) -> None:
-        """Changes a job, or adds it, once it is on the disk."""
+        """Stores a job on the disk, then changes or adds it here."""
         jobs = {**self._jobs, job.id: job}
         ended = [one.id for one in jobs.values() if not one.is_open]
         for id in ended[:max(0, len(ended) - MOST_ENDED)]:
@@ -318,7 +319,10 @@ class JobClient:
         self._changed[job.id] = job
 
     def _put(self, job: HandedJob) -> None:
-        """Changes a job by what was heard; it is stored later: it can be asked for again."""
+        """Changes a job as the Fleet Manager reported it.
+
+        The change is stored later: if it is lost, the Fleet Manager can be queried again.
+        """
         job = job.settled()
         if job != self._jobs[job.id]:
             self._jobs[job.id] = self._changed[job.id] = job

@@ -1,15 +1,16 @@
-"""One client of the job server without I/O, and the server: login, lines in, lines out.
+"""The job server and its clients without I/O: login, lines in, lines out.
 
     phase   event                              next phase
-            a client connects                  LOGIN; it is asked for the password
+            a client connects                  LOGIN; the server asks for the password
             the server connects by itself      OPEN; nothing is sent
     LOGIN   the right password                 OPEN; welcome and list of commands are sent
             another line                       CLOSED
     OPEN    a line                             OPEN; it is carried out; CLOSED after `quit`
     all     a line that is too long; the end   CLOSED
 
-Nothing is carried out before the password, which only a client that connects must give. A reply
-goes to its client; the changes that follow from it go to all clients after that, in one order.
+Only a client that connects must give the password; before that, no command of it is carried out. A
+reply goes to the client that sent the command. After the reply, the changes that the command caused
+go to all clients, in the same order.
 """
 from __future__ import annotations
 
@@ -70,7 +71,7 @@ class ClientSession:
             self.close()
 
     def _check_unread(self) -> None:
-        """Ends the session of a client that asks for more than it reads."""
+        """Ends the session of a client that does not read its replies."""
         if len(self.output) > MOST_UNREAD:
             self.output.clear()
             self.close()
@@ -86,15 +87,15 @@ class ClientSession:
             self.close()
 
     def close(self) -> None:
-        """Ends the session; what is queued is still sent."""
+        """Ends the session; queued bytes are still sent."""
         self.phase = ClientPhase.CLOSED
         self._server.forget(self)
 
 
 class JobServer:
-    """All clients, and what they are told.
+    """All clients; carries out their commands, and sends them changes.
 
-    on_changes -- is called with the changes that all clients were told
+    on_changes -- called with changes after they were sent to all clients
     """
 
     def __init__(self, commands: JobCommands, password: bytes) -> None:
@@ -127,7 +128,7 @@ class JobServer:
             session.close()
 
     def announce(self, changes: Iterable[SegmentChange]) -> None:
-        """Tells changes to all clients that are logged in."""
+        """Sends changes to all clients that are logged in."""
         told = tuple(changes)
         if not told:
             return
@@ -138,12 +139,12 @@ class JobServer:
         self.on_changes(told)
 
     def shut_down(self) -> None:
-        """Says farewell to all clients, and ends their sessions."""
+        """Sends a farewell to all clients, and ends their sessions."""
         for session in list(self.sessions):
             session.send([words.SHUTTING_DOWN])
             session.close()
 
 
 def written(lines: Iterable[str]) -> bytes:
-    """Returns lines as they are sent."""
+    """Returns the bytes of lines, as they are sent."""
     return b''.join(line.encode('utf-8', 'replace') + b'\r\n' for line in lines)

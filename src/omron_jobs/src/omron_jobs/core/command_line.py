@@ -52,7 +52,7 @@ class CommandLine(NamedTuple):
     def text(self, index: int, what: str) -> str:
         """Returns an argument that is an id, an echo or a reason. Raises JobRefused.
 
-        what -- it is, for people
+        what -- the kind of text, for the error message
         """
         word = self.word(index)
         if len(word) > LONGEST or ' ' in word or '"' in word:
@@ -62,6 +62,6 @@ class CommandLine(NamedTuple):
 
 
 def read_line(line: str) -> CommandLine:
-    """Returns a line in its parts. It has a word."""
+    """Returns the parts of a line that has at least one word."""
     name, _, rest = line.strip().partition(' ')
     return CommandLine(line.strip(), name, rest.strip())

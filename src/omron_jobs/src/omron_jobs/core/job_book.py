@@ -1,13 +1,13 @@
 """All jobs: accepts, changes and cancels them, and follows their missions.
 
-A job is stored before its client is told that it is queued. Its request is repeated, with the same
-id and stamp, until the fleet manager has shown its mission. The fleet manager knows repeats by id
-and stamp. So no loss of messages, and no restart of either side, loses a job or does it twice.
-The wish to cancel a job is stored and repeated in the same way, until its mission ends. So is a
-wish for another priority or goal, until the mission shows it, or refuses the goal.
-
-What a mission shows is told to clients at once, and stored later. If it cannot be stored, it
-follows again from the mission.
+A job is stored before its client gets the reply that it is queued. Its request is repeated, with
+the same id and stamp, until the fleet manager has shown its mission. The fleet manager recognises
+repeats by id and stamp. So neither a lost message nor a restart of either side loses a job, or
+makes it run twice.
+A cancellation is stored and repeated in the same way, until the mission ends. A change of priority
+or goal is stored and repeated until the mission shows it, or refuses the goal.
+The status of a mission is sent to clients at once, and stored later. If it cannot be stored, it can
+be derived from the mission again.
 """
 from __future__ import annotations
 
@@ -50,20 +50,20 @@ from omron_jobs.core.posted_records import PostedRecord
 
 REPEAT = 2.0        # s between two messages about one job to the fleet manager
 SILENCE = 10.0      # s without news of a mission after which the fleet manager is asked
-QUESTIONS = 10      # about silent missions in a second: a thousand may wait without news for hours
+QUESTIONS = 10      # about silent missions in a second, at most: a thousand may be silent
 MOST_OPEN = 2000    # jobs
 MOST_ENDED = 100    # jobs that are kept after their end; OMRON's MaxNumberOfCompletedItems
-KEEP_ENDED = 60     # min for which they are kept; OMRON's DeleteCompletedItemsMinutes
+KEEP_ENDED = 60     # min for which ended jobs are kept; OMRON's DeleteCompletedItemsMinutes
 
 
 class JobRefused(Exception):
-    """A command that is not carried out. The text completes a sentence that begins with a name."""
+    """A command is not carried out. The text is the rest of a sentence after the command's name."""
 
 
 class JobCounters(NamedTuple):
-    """Numbers of all jobs that ever were.
+    """Counters over all jobs since the file was made.
 
-    number -- of the next segment
+    number -- the number of the next segment
     """
 
     number: int = 1
@@ -76,10 +76,10 @@ class JobStore(Protocol):
 
     def write(self, jobs: Sequence[QueuedJob], forgotten: Sequence[int], counters: JobCounters,
               posted: Optional[PostedRecord] = None) -> None:
-        """Stores jobs in the place of those with their missions. All or nothing; raises OSError.
+        """Stores jobs; each replaces the job with its mission. Stores all or none; raises OSError.
 
         forgotten -- missions of jobs to be removed
-        posted    -- the record of REST that has changed the jobs
+        posted    -- the REST record that has changed the jobs
         """
 
 
@@ -93,18 +93,18 @@ class JobGoal(NamedTuple):
 
 
 class FleetAct(Enum):
-    """What the fleet manager is to be told about a job."""
+    """The kind of a message to the fleet manager about a job."""
 
     REQUEST = 'request'
     CANCEL = 'cancel'
-    CHANGE = 'change'   # to the priority of its first segment, and its stops from `first` on
-    ASK = 'ask'         # for the stored state of its mission
+    CHANGE = 'change'   # priority (of the first segment), and stops from `first` on
+    ASK = 'ask'         # queries the stored state of its mission
 
 
 class FleetMessage(NamedTuple):
     """A message to the fleet manager about the mission of a job.
 
-    first -- number, from 1, of the first stop to be changed; 0: none is
+    first -- number, from 1, of the first stop to be changed; 0: no stop is
     """
 
     act: FleetAct
@@ -115,10 +115,10 @@ class FleetMessage(NamedTuple):
 class JobBook:
     """The jobs of one fleet.
 
-    It has many attributes because the messages about one mission have times of their own: what it
-    showed last, when it was heard, and what was sent.
+    It has many attributes because it keeps several things for each mission: its last status, when
+    this came, and when a message about it was sent.
 
-    jobs, counters -- as stored
+    jobs, counters -- as they were stored
     shelf -- all jobs that are kept
     clock -- returns ms since 1970
     new_mission -- returns a random id for a request
@@ -135,10 +135,10 @@ class JobBook:
         self._heard: Dict[int, float] = {}
         self._unstored: Set[int] = set()
         self._restless: Set[int] = {job.mission for job in self.shelf.open}
-        self._silent_from = -math.inf   # nothing is silent before this moment
-        self._asked = -math.inf         # until when the allowed questions about silence are used up
+        self._silent_from = -math.inf   # no mission is silent before this moment
+        self._asked = -math.inf         # the questions allowed up to this moment are used
 
-    # -- what clients ask ------------------------------------------------------------------------
+    # -- queries of clients ----------------------------------------------------------------------
 
     @property
     def jobs(self) -> Sequence[QueuedJob]:
@@ -151,11 +151,12 @@ class JobBook:
         return [job for job in (self.shelf.open if only_open else self.shelf.all)
                 if any(matches(job, segment) for segment in job.segments)]
 
-    # -- what clients want -----------------------------------------------------------------------
+    # -- commands of clients ---------------------------------------------------------------------
 
     def swap_at(self, vertex: int) -> Optional[QueuedJob]:
-        """Returns the oldest job whose robot, when it has dropped off at a vertex,
-        has no other job yet.
+        """Returns the oldest job whose robot drops off at a vertex next, and has no other job then.
+
+        Returns None if there is no such job.
         """
         running = self.shelf.open
         taken = {'', *(job.robot for job in running)}
@@ -165,8 +166,8 @@ class JobBook:
               origin: Optional[JobOrigin] = None, swap: Optional[QueuedJob] = None) -> QueuedJob:
         """Accepts a job. Raises JobRefused, and OSError if it cannot be stored.
 
-        id     -- given by the client; empty: the job gets that of OMRON
-        robot  -- must serve it; empty: any
+        id     -- given by the client; empty: the job gets an id `JOB...`, as at OMRON
+        robot  -- the robot that must serve it; empty: any robot
         origin -- its record of the REST interface
         swap   -- the job whose robot must serve it
         """
@@ -201,9 +202,9 @@ class JobBook:
 
     def cancel(self, jobs: Sequence[QueuedJob], reason: str,
                posted: Optional[PostedRecord] = None) -> List[SegmentChange]:
-        """Cancels jobs that have not ended. Raises OSError if that cannot be stored.
+        """Cancels jobs that have not ended. Raises OSError if the cancellation cannot be stored.
 
-        posted -- here and below: the record of REST that asks for it; it is stored too
+        posted -- here and below: the REST record that requests the change; both are stored together
         """
         wanted = [replace(job, cancel=reason) for job in jobs if job.cancel is None]
         self._keep(wanted, posted)
@@ -220,14 +221,14 @@ class JobBook:
 
     def set_priority(self, job: QueuedJob, segment: JobSegment, priority: int,
                      posted: Optional[PostedRecord] = None) -> List[SegmentChange]:
-        """Changes the priority of a segment. Raises OSError if that cannot be stored."""
+        """Changes the priority of a segment. Raises OSError if the change cannot be stored."""
         changed, changes = with_priority(job, segment.number, priority)
         self._keep([changed], posted)
         return changes
 
     def set_goal(self, job: QueuedJob, segment: JobSegment, place: Place,
                  posted: Optional[PostedRecord] = None) -> List[SegmentChange]:
-        """Changes the goal of a segment, unless its mission shows in time that it cannot be done.
+        """Changes the goal of a segment, unless its mission already shows that it is too late.
 
         Raises JobRefused, and OSError if it cannot be stored.
         """
@@ -248,7 +249,7 @@ class JobBook:
     # -- the fleet manager -----------------------------------------------------------------------
 
     def due(self, now: float) -> List[FleetMessage]:
-        """Returns what the fleet manager must be told now; it listens. `now`: s, monotonic."""
+        """Returns messages to send now, while the fleet manager listens. `now`: s, monotonic."""
         found = []
         for id in sorted(self._restless):
             job = self.shelf[id]
@@ -278,7 +279,7 @@ class JobBook:
         return FleetAct.CHANGE if is_other else None
 
     def silent(self, now: float) -> List[FleetMessage]:
-        """Returns questions for missions without news: a status may be lost. `now`: as in `due`."""
+        """Returns questions about silent missions: a status may be lost. `now`: as in `due`."""
         most = int(min(now - self._asked, SILENCE) * QUESTIONS)
         if most < 1 or now < self._silent_from:
             return []
@@ -293,7 +294,7 @@ class JobBook:
                 else:
                     self._silent_from = min(self._silent_from, last + SILENCE)
         self._asked = max(self._asked, now - SILENCE) + min(len(silent), most) / QUESTIONS
-        if len(silent) > most:  # those that are served first, then those not asked for longest
+        if len(silent) > most:  # missions that are served first, then by time since the last news
             silent.sort(key=lambda one: one[:2])
             self._silent_from = now
         for _, _, job in silent[:most]:
@@ -312,15 +313,16 @@ class JobBook:
         return changes
 
     def hear_drives(self, drives: Mapping[int, JobDrive]) -> List[SegmentChange]:
-        """Handles the drives of all robots, by the mission that each one serves."""
+        """Handles the drives of all robots. `drives`: by the mission that the robot serves."""
         before, self._drives = self._drives, drives
         return [change for mission, drive in drives.items()
                 if mission in self.shelf and before.get(mission) != drive
                 for change in self._show_again(self.shelf[mission])]
 
     def hear_unknown(self, mission: int, stamp: int, asked: float) -> List[SegmentChange]:
-        """Notes that the fleet manager, asked at `asked`, does not know a mission
-        that it had accepted.
+        """Notes that the fleet manager does not know a mission that it had accepted.
+
+        asked -- s, monotonic: when the question was sent; a later status refutes the answer
         """
         job = self.shelf.get(mission)
         if job is None or job.queued != stamp or not job.is_open or not job.is_known or (
@@ -349,7 +351,7 @@ class JobBook:
     # -- the disk --------------------------------------------------------------------------------
 
     def store_news(self) -> None:
-        """Stores what missions have shown, and forgets old jobs. Raises OSError; call it again."""
+        """Stores the news of missions, and forgets old jobs. Raises OSError: then call it again."""
         forgotten = self.shelf.too_old(self._clock() - KEEP_ENDED * 60_000, MOST_ENDED)
         changed = [self.shelf[id] for id in sorted(self._unstored) if id not in forgotten]
         if changed or forgotten:

@@ -1,7 +1,7 @@
 """Carries out the commands of clients: the part of OMRON's Fleet Manager that concerns jobs.
 
-A command has replies, which its client alone gets, and changes of segments, which all clients are
-told after that. A wrong argument has OMRON's pair of error lines.
+A command has replies for its own client, and changes of segments, which are sent to all clients
+after the replies. The replies to a wrong argument are OMRON's two error lines.
 """
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from omron_jobs.core.jobs import JobSegment, Place, QueuedJob, SegmentChange
 from omron_jobs.core.robots import RobotNews, faults_of
 
 MOST_GOALS = 50         # of one job
-SHOWN_ENDED = 11        # segments that have ended in the list of queueShow
+SHOWN_ENDED = 11        # at most so many ended segments are in the list of queueShow
 VERSION = '1.1.0'
 PICKUP_PRIORITY, DROPOFF_PRIORITY = 10, 20
 _LONGEST_NAME = 16      # characters of an unknown command that are repeated
@@ -43,7 +43,7 @@ class JobSite:
         self.robots: Mapping[str, RobotNews] = {}
 
     def vertex_of(self, name: str) -> Optional[int]:
-        """Returns the vertex of a goal, which its id names as well. Raises JobRefused."""
+        """Returns the vertex of the goal with this name or id, or None. Raises JobRefused."""
         if self.goals is None:
             raise JobRefused('knows no goals yet: is the fleet manager running?')
         if name in self.goals or not (name.isascii() and name.isdecimal()):
@@ -52,12 +52,12 @@ class JobSite:
 
 
 class JobReply(NamedTuple):
-    """What follows from a command.
+    """The result of a command.
 
     lines   -- for its client
-    changes -- to be told to all clients after that
-    echo    -- whether lines of its client are sent back from now on; None: as before
-    ends    -- the connection of its client ends
+    changes -- to be sent to all clients after the lines
+    echo    -- whether lines of its client are sent back from now on; None: no change
+    ends    -- whether the connection of its client ends
     """
 
     lines: Tuple[str, ...]
@@ -67,9 +67,9 @@ class JobReply(NamedTuple):
 
 
 class JobCommands:
-    """Carries out command lines. `local_time`: returns the clock on the wall.
+    """Carries out command lines. `local_time`: returns the local time.
 
-    It has a method for each command, which the table of commands names.
+    It has one method for each command in `_ROWS`.
     """
 
     def __init__(self, book: JobBook, site: JobSite,
@@ -106,7 +106,9 @@ class JobCommands:
                         changes_of(job))
 
     def queue_pickup_dropoff(self, command: CommandLine) -> JobReply:
-        """Queues a pickup and the drop-off after it: for the robot that drops off there before."""
+        """Queues a pickup and the drop-off after it. A robot that drops off at the pickup's goal
+        next serves both (a swap).
+        """
         pickup = self._goal(command, SegmentKind.PICKUP, 0, 2)
         swap = self._book.swap_at(pickup.vertex)
         job = self._book.queue([pickup, self._goal(command, SegmentKind.DROPOFF, 1, 3)],
@@ -138,7 +140,7 @@ class JobCommands:
         return JobReply((*lines, words.END_OF_MULTI), changes_of(job))
 
     def _goal(self, command: CommandLine, kind: SegmentKind, name: int, priority: int) -> JobGoal:
-        """Returns the goal at this argument. `priority`: the argument that is its priority."""
+        """Returns a goal. `name`, `priority`: the indices of these two arguments."""
         return JobGoal(kind, *self._place(command.words[name]),
                        command.number(priority, DEFAULT_PRIORITIES[kind]))
 
@@ -149,7 +151,7 @@ class JobCommands:
         return Place(goal, vertex)
 
     def queue_cancel(self, command: CommandLine) -> JobReply:
-        """Cancels the jobs that match. The rest of a job ends with the segment that is named."""
+        """Cancels the jobs that match, even if only one of their segments is named."""
         kind, value = command.words[0].lower(), command.words[1]
         echo, reason = command.text(2, 'echo'), command.text(3, 'reason')
         if kind == 'status':
@@ -163,7 +165,7 @@ class JobCommands:
             tuple(changes))
 
     def queue_modify(self, command: CommandLine) -> JobReply:
-        """Changes the priority of a segment that waits, or the goal of one until it is reached."""
+        """Changes a segment: its priority while it waits, or its goal until this is reached."""
         id, what = command.words[0], command.words[1].lower()
         if what == 'priority':
             priority = command.number(2, 0)
@@ -180,13 +182,13 @@ class JobCommands:
                         tuple(changes))
 
     def of_a_robot(self, command: CommandLine) -> JobReply:
-        """Refuses a command that OMRON's robots take, and its Fleet Manager does not."""
+        """Refuses a command that OMRON's robots accept, but its Fleet Manager does not."""
         raise JobRefused('is a command of a robot; the fleet manager does not take it')
 
     # -- lists -----------------------------------------------------------------------------------
 
     def queue_query(self, command: CommandLine) -> JobReply:
-        """Lists the segments that match, those with a higher priority first."""
+        """Lists the segments that match, by descending priority."""
         kind, value = command.words[0].lower(), command.words[1]
         echo = command.text(2, 'echo')
         if kind == 'status':
@@ -241,12 +243,12 @@ class JobCommands:
         return JobReply((*map(words.GOAL.format, self._site.goals or ()), words.END_OF_GOALS))
 
     def get_date_time(self, command: CommandLine) -> JobReply:
-        """Shows the clock on the wall."""
+        """Shows the local date and time."""
         now = time.strftime(words.DATE, self._local_time())
         return JobReply((words.DATE_TIME.format(now),))
 
     def query_faults(self, command: CommandLine) -> JobReply:
-        """Lists why robots serve no jobs: one robot, or all."""
+        """Lists the faults because of which robots serve no jobs: those of one robot, or of all."""
         only, echo = self._robot(command), command.text(1, 'echo')
         return JobReply((*(
             words.ROBOT_FAULT.format(
@@ -268,7 +270,7 @@ class JobCommands:
         return JobReply((words.SECTION.format(QUEUING_MANAGER), words.END_OF_SECTIONS))
 
     def get_config_section_values(self, command: CommandLine) -> JobReply:
-        """Shows the values of a section. Its name has blanks, and no quotation marks."""
+        """Shows the values of a section. Its name may contain blanks without quotation marks."""
         if command.rest.strip('"').lower() != QUEUING_MANAGER.lower():
             raise JobRefused(f'No section of name "{command.rest}"')
         return JobReply((*(words.SECTION_VALUE.format(name, value) for name, value in _SETTINGS),
@@ -306,7 +308,7 @@ class JobCommands:
                               else row.description) for row in _ROWS), words.END_OF_COMMANDS))
 
     def set_echo(self, command: CommandLine) -> JobReply:
-        """Begins or ends to send lines back."""
+        """Switches the sending back of lines on or off."""
         word = command.words[0].lower()
         if word not in ('on', 'off'):
             raise JobRefused(f'needs "on" or "off" in the place of "{word}"')
@@ -344,9 +346,9 @@ _Matches = Callable[[QueuedJob, JobSegment], bool]
 
 
 def matching(kind: str, value: str, only_current: bool = False) -> _Matches:
-    """Returns which segments a type and a value of a command mean. Raises JobRefused.
+    """Returns a test of whether a command's type and value name a segment. Raises JobRefused.
 
-    only_current -- of a robot and a status, only the segment of a job that is served, or comes next
+    only_current -- whether a robot or a status names only the segment that is served or comes next
     """
     wanted = value.lower()
 
@@ -380,7 +382,7 @@ def _kind(command: CommandLine, index: int) -> SegmentKind:
 
 
 def changes_of(job: QueuedJob) -> Tuple[SegmentChange, ...]:
-    """Returns all segments of a new job, to be told to all clients."""
+    """Returns all segments of a job, to be sent to all clients."""
     return tuple(SegmentChange(job.id, job.queued, one) for one in job.segments)
 
 
@@ -389,7 +391,7 @@ def _list(form: str, found: Iterable[SegmentChange], echo: str, end: str) -> Job
 
 
 def update_line(change: SegmentChange) -> str:
-    """Returns the line that tells a change to all clients."""
+    """Returns the line that informs clients of a change."""
     return _written(words.UPDATE, change, '')
 
 
@@ -409,7 +411,7 @@ _SETTINGS: Tuple[Tuple[str, object], ...] = (
 
 
 class _Row(NamedTuple):
-    """A command. `required`: number of its arguments."""
+    """A command. `required`: the least number of arguments."""
 
     name: str
     shortcut: str
@@ -465,6 +467,6 @@ _OF_ROBOTS = tuple(
         ('queueDropoff', 'qd'), ('queueCancelLocal', 'qcl'), ('queueModifyLocal', 'qmodl'),
         ('queueQueryLocal', 'qql'), ('queueShowRobotLocal', 'qsrl'), ('pauseTaskCancel', ''),
         ('waitTaskCancel', ''), ('modeUnlock', '')))
-"""Commands that clients send to the wrong server: they are refused in words, and not listed."""
+"""Commands of robots, which clients may send here by mistake: refused, and not in the help."""
 _TABLE: Dict[str, _Row] = {key.lower(): row for row in (*_ROWS, *_OF_ROBOTS)
                            for key in (row.name, row.shortcut) if key}

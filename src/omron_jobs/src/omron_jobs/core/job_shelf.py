@@ -1,7 +1,7 @@
-"""All jobs that are kept, in the orders in which they are asked for.
+"""All jobs that are kept, in several orders, for quick queries.
 
-Each order is kept as jobs change, because a server has a thousand jobs, and a status of one of them
-must not cost a look at all others.
+Each order is updated when a job changes: a server has a thousand jobs, and a status of one job must
+not cost a search through all.
 """
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ from omron_jobs.core.jobs import QueuedJob
 class JobShelf:
     """The jobs, by their missions.
 
-    on_change -- is called with the mission of each job that is new, has changed or was forgotten
+    on_change -- called with the mission of each job that is new, has changed or was forgotten
     """
 
     def __init__(self, jobs: Iterable[QueuedJob]) -> None:
         self.on_change: Callable[[int], None] = lambda mission: None
         self._jobs: Dict[int, QueuedJob] = {}
         self._open: Dict[int, str] = {}     # the id of each open job in lower case, by its mission
-        self._ids: Set[str] = set()         # those ids
+        self._ids: Set[str] = set()         # the ids in _open
         self._ended: Dict[int, int] = {}    # when each ended job ended, the oldest first
         for job in sorted(jobs, key=lambda job: job.segments[0].number):
             self.put(job)
@@ -35,7 +35,7 @@ class JobShelf:
         return self._jobs[mission]
 
     def get(self, mission: int) -> Optional[QueuedJob]:
-        """Returns the job with a mission."""
+        """Returns the job with a mission; None: there is none."""
         return self._jobs.get(mission)
 
     @property
@@ -54,7 +54,7 @@ class JobShelf:
         return self._ids
 
     def put(self, job: QueuedJob) -> None:
-        """Adds a job, or puts it in the place of the one with its mission."""
+        """Adds a job, or replaces the job with the same mission."""
         mission = job.mission
         self._jobs[mission] = job
         if job.is_open:
@@ -69,9 +69,9 @@ class JobShelf:
         self.on_change(mission)
 
     def too_old(self, since: int, most: int) -> List[int]:
-        """Returns the missions of jobs that ended before `since`, or before the `most` last ones.
+        """Returns the missions of ended jobs to forget: all but the `most` newest, and old ones.
 
-        since -- ms since 1970
+        since -- ms since 1970; a job that ended before this is old
         """
         left = len(self._ended) - most
         found: List[int] = []

@@ -1,8 +1,8 @@
 """The words and lines of OMRON's Fleet Manager, in one table.
 
-Sources: docs/explanation/sources.md. Programs of warehouses split the lines at blanks, and read
-words by their number. So every blank and quotation mark counts. This table belongs to the server
-alone: simulator and drivers have their own, so that a wrong belief in one shows in another.
+Sources: docs/explanation/sources.md. Warehouse programs split the lines at blanks, and read words
+by their position. So every blank and quotation mark counts. Only the server uses this table: the
+simulator and the drivers have tables of their own. So a mistake in one table shows as a difference.
 """
 from __future__ import annotations
 
@@ -36,13 +36,13 @@ CANCELLING = 'queuecancel cancelling "{}" "{}" "{}" "{}" from queue'
 MODIFYING_PRIORITY = 'queuemodify modifying id {} priority {}'
 MODIFYING_GOAL = 'queuemodify modifying id {} goal "{}"'
 
-# The blank at the end makes 15 words, which a known client demands of each of these lines.
+# The blank at the end makes 15 fields; a known client requires 15 of each such line.
 UPDATE = 'QueueUpdate: {segment} {job} {priority} {state} Goal "{goal}" {robot} {dates} {fails} '
 LISTED = ': {segment} {job} {priority} {state} Goal "{goal}" {robot} {dates} {echo} {fails}'
 SHOW, QUERY = 'QueueShow' + LISTED, 'QueueQuery' + LISTED
 ROBOT = 'QueueRobot: "{}" {} {} {}'
-# Name of the robot as above, then the fields of a robot's own list: type, name, short and long
-# text, whether it keeps the robot from driving, is critical, is of an application. Then the echo.
+# The robot's name; the fields of a robot's own list: type, name, short and long text, whether the
+# fault keeps the robot from driving, is critical, is that of an application; then the echo.
 ROBOT_FAULT = 'RobotFaultQuery: "{}" {} {} "{}" "{}" true false {} {}'
 END_OF_FAULTS = 'EndQueryFaults'
 END_OF_SHOW, END_OF_SHOW_COMPLETED = 'EndQueueShow', 'EndQueueShowCompleted'
@@ -69,10 +69,10 @@ class SegmentKind(Enum):
 
 
 class SegmentStatus(Enum):
-    """The status of a segment. A known client fails at any other word, so there is no other.
+    """The status of a segment. There are no other words, because a known client fails at them.
 
-    Nothing stays BEFORE_MODIFY, INTERRUPTED_BY_MODIFY or AFTER_MODIFY: they are told around a
-    change.
+    BEFORE_MODIFY, INTERRUPTED_BY_MODIFY and AFTER_MODIFY do not last: they are only sent around
+    a change.
     """
 
     PENDING = 'Pending'
@@ -112,10 +112,10 @@ class RobotStatus(Enum):
 
 
 def date(milliseconds: int) -> str:
-    """Returns a moment (ms since 1970) in local time; 0: it has not come."""
+    """Returns a moment (ms since 1970) in local time; NO_DATE for 0."""
     return time.strftime(DATE, time.localtime(milliseconds / 1000.0)) if milliseconds else NO_DATE
 
 
 def printed(text: str) -> str:
-    """Returns a text of a client as it may be repeated to it: characters that print, no others."""
+    """Returns a client's text with `?` for characters that do not print, so it may be sent back."""
     return ''.join(one if one.isprintable() else '?' for one in text)

@@ -1,23 +1,24 @@
-"""A job, its segments, and what the state of its mission says about them.
+"""A job, its segments, and their status, which follows from the state of its mission.
 
-A job is a mission of the fleet manager, each segment one of its stops. A job has no state of its
-own: `news_of` derives the status of each segment from the last status of the mission. A segment
-keeps what was last told of it, because clients hear each change once, and in OMRON's order:
+A job is a mission of the fleet manager; each segment is one stop of the mission. A job has no state
+of its own: `news_of` derives the status of each segment from the last status of the mission. A
+segment keeps the status that was last sent to clients, because they get each change once, in
+OMRON's order:
 
-    change                              told on the way
+    change                              sent before it
     Pending -> InProgress Allocated     InProgress UnAllocated
     Pending -> InProgress Driving       InProgress UnAllocated, InProgress Allocated
-    InProgress -> InProgress After...   as to InProgress Driving, if that was not told
+    InProgress -> InProgress After...   as for InProgress Driving, if this was not sent
     InProgress -> Cancelled             Cancelling, Interrupted
     InProgress -> Pending               Interrupted; another robot gets it
     Interrupted -> InProgress           InProgress UnAllocated, InProgress Allocated
-    anything -> Completed               as to InProgress Driving, if that was not told
-    another priority or goal            BeforeModify, AfterModify, and the status again
-    another goal, InProgress            BeforeModify, InterruptedByModify, AfterModify, Pending
+    anything -> Completed               as for InProgress Driving, if this was not sent
+    another priority or goal            BeforeModify, AfterModify; then the status again
+    another goal, InProgress            BeforeModify, InterruptedByModify, AfterModify; then
+                                        Pending
 
-A job owns the priority and the places of its mission. Whenever the mission shows others, it is to
-be changed. So a change is repeated until the mission shows it, and what crosses it does not matter.
-
+The job determines the priority and the places of its mission. A change is sent whenever the mission
+shows other values. So it is repeated until the mission shows the values, whatever crosses it.
 Invariants: a final status never changes; a segment is Completed only if the mission counts its stop
 as reached; segments are completed in their order.
 """
@@ -68,10 +69,10 @@ _ENDED = frozenset((JobMissionState.SUCCEEDED, JobMissionState.FAILED, JobMissio
 
 
 class DriveAct(Enum):
-    """What a robot was seen to do. The order is that in which it is told."""
+    """What a robot was seen to do. Clients are informed in the order of these values."""
 
     DRIVES = 'drives'
-    WAITS = 'waits'     # in front of its goal, for the end of steps before it enters
+    WAITS = 'waits'     # in front of its goal, while steps run before it may enter
     WORKS = 'works'     # at its goal
 
 
@@ -84,14 +85,14 @@ class JobDrive(NamedTuple):
 
 
 class JobMission(NamedTuple):
-    """What the fleet manager says of the mission of a job.
+    """The mission of a job, as the fleet manager reports it.
 
-    robot      -- that serves it; empty: none does
+    robot      -- the robot that serves it; empty: no robot does
     reached    -- number of its stops that are done
-    priority   -- in force
-    places     -- vertices of its stops, in force; empty: it is not known
-    is_refusal -- it says that a change was not done
-    drive      -- of its robot; None: it was not seen
+    priority   -- the priority in force
+    places     -- the vertices of its stops, in force; empty: they are not known
+    is_refusal -- whether the report says that a change was not done
+    drive      -- what its robot does; None: this is not known
     """
 
     state: JobMissionState
@@ -104,7 +105,7 @@ class JobMission(NamedTuple):
 
 
 class Told(NamedTuple):
-    """What clients were told of a segment. An empty robot is OMRON's None."""
+    """The status of a segment that was sent to clients. An empty robot is OMRON's None."""
 
     status: SegmentStatus
     substatus: str = NONE
@@ -122,9 +123,9 @@ class Place(NamedTuple):
 class JobSegment:
     """One goal of a job.
 
-    number -- no other segment has it, neither a pickup nor a drop-off
+    number -- unique among all segments, pickups and drop-offs
     ended  -- ms since 1970; 0: it has not ended
-    other  -- the place that its mission may still have; None: the mission has shown this one
+    other  -- the former place, if its mission may still have it; None: it has the new place
     """
 
     number: int
@@ -144,7 +145,7 @@ class JobSegment:
 
 @dataclass(frozen=True)
 class JobOrigin:
-    """The record of the REST interface by which a job was asked for.
+    """The record of the REST interface that requested a job.
 
     kind   -- type of the record
     key    -- its key; empty: the client gave none
@@ -161,14 +162,14 @@ class JobOrigin:
 class QueuedJob:
     """One job.
 
-    id       -- its job id: that of the client, or JOB and the number of its first segment
+    id       -- the client's job id, or JOB and the number of its first segment
     queued   -- ms since 1970; also the stamp of the request of its mission
     mission  -- id of the request
-    is_known -- the fleet manager has the mission
-    cancel   -- why it is to be cancelled; None: it is not. Empty: no reason was given
-    robot    -- the one that must serve it, as its client said or because of a swap; empty: any
+    is_known -- whether the fleet manager has the mission
+    cancel   -- why it is to be cancelled (empty: no reason was given); None: it is not
+    robot    -- the robot that must serve it, by its client's wish or because of a swap; empty: any
     origin   -- its record of the REST interface; None: it came over ARCL
-    swap     -- number of the first segment of the job whose robot serves it, too; 0: no swap
+    swap     -- number of the first segment of the job whose robot must serve this job; 0: no swap
     """
 
     id: str
@@ -194,7 +195,7 @@ class QueuedJob:
 
 @dataclass(frozen=True)
 class SegmentChange:
-    """A change of a segment that all clients are told."""
+    """A change of a segment; it is sent to all clients."""
 
     job: str
     queued: int
@@ -204,16 +205,16 @@ class SegmentChange:
 def queued_segments(segments: Tuple[JobSegment, ...], robot: str = '') -> Tuple[JobSegment, ...]:
     """Returns the segments of a new job: each waits for the one before it.
 
-    robot -- the one that must serve the job; it is told from the beginning
+    robot -- the robot that must serve the job; clients see it from the beginning
     """
     return tuple(replace(one, told=_waiting(segments, k)._replace(robot=robot))
                  for k, one in enumerate(segments))
 
 
 def carrier_to(job: QueuedJob, vertex: int) -> str:
-    """Returns the robot that only has to drop off at a vertex to end a job; empty: there is none.
+    """Returns the robot whose next drop-off, at a vertex, ends a job; empty: there is none.
 
-    Such a robot carries the load of the job, so that no other one can get the job.
+    Such a robot carries the load of the job, so no other robot can get the job.
     """
     segment = job.current
     if segment is None or segment is not job.segments[-1] or job.cancel is not None:
@@ -232,7 +233,7 @@ def _waiting(segments: Tuple[JobSegment, ...], index: int) -> Told:
 
 def news_of(job: QueuedJob, mission: JobMission, now: int
             ) -> Tuple[QueuedJob, List[SegmentChange]]:
-    """Returns a job as its mission shows it, and the changes to be told, in order.
+    """Returns a job as its mission shows it, and the changes to send, in order.
 
     now -- ms since 1970
     """
@@ -253,8 +254,8 @@ def news_of(job: QueuedJob, mission: JobMission, now: int
 
 def _as_placed(job: QueuedJob, segment: JobSegment, index: int, mission: JobMission
                ) -> Tuple[JobSegment, List[SegmentChange]]:
-    """Returns a segment whose change of goal has been done, or goes back
-    because it cannot be done.
+    """Returns a segment after its change of goal was done, or with the former goal if the change
+    cannot be done; in this case also returns the changes to send.
     """
     other = segment.other
     if other is None or index >= len(mission.places):
@@ -276,7 +277,7 @@ def _replaced(segment: JobSegment, place: Place) -> JobSegment:
 
 def _target(job: QueuedJob, segments: Tuple[JobSegment, ...], index: int, mission: JobMission
             ) -> Told:
-    """Returns what a segment that has not ended is to be shown as."""
+    """Returns the status to show for a segment that has not ended."""
     before = segments[index].told
     if index < mission.reached or mission.state is JobMissionState.SUCCEEDED:
         return Told(SegmentStatus.COMPLETED, NONE, mission.robot or before.robot)
@@ -288,7 +289,7 @@ def _target(job: QueuedJob, segments: Tuple[JobSegment, ...], index: int, missio
 
 
 def _unfinished(job: QueuedJob, before: Told, state: JobMissionState) -> Told:
-    """Returns what a segment is shown as that was not completed when its mission ended."""
+    """Returns the status of a segment that was not completed when its mission ended."""
     if state is JobMissionState.FAILED:
         return Told(SegmentStatus.FAILED, NONE, before.robot)
     is_refused = state is not JobMissionState.CANCELLED
@@ -298,7 +299,7 @@ def _unfinished(job: QueuedJob, before: Told, state: JobMissionState) -> Told:
 
 def _present(job: QueuedJob, segments: Tuple[JobSegment, ...], index: int, mission: JobMission
              ) -> Told:
-    """Returns what the segment is shown as to which an open mission goes now."""
+    """Returns the status of the segment that an open mission serves now."""
     before, state = segments[index].told, mission.state
     robot = mission.robot or before.robot
     if state is JobMissionState.CANCELLING or job.cancel is not None:
@@ -314,7 +315,7 @@ def _present(job: QueuedJob, segments: Tuple[JobSegment, ...], index: int, missi
 
 
 def _served(segment: JobSegment, robot: str, drive: Optional[JobDrive]) -> Told:
-    """Returns what a segment that a robot serves is shown as: never as less than before."""
+    """Returns the status of a segment that a robot serves. It never goes back."""
     course = _course_with(robot, segment.kind)
     seen = 1
     if drive is not None and (drive.robot, drive.vertex) == (robot, segment.vertex):
@@ -329,9 +330,9 @@ def _course_with(robot: str, kind: SegmentKind) -> List[Told]:
 
 
 def _course(before: Told, target: Told, kind: SegmentKind) -> List[Told]:
-    """Returns what is told, one after the other, until the target is shown.
+    """Returns the statuses to send, one after the other, up to the target.
 
-    Nothing if it is already.
+    Returns nothing if the target was already sent.
     """
     if before == target:
         return []
@@ -362,14 +363,14 @@ def done(job: QueuedJob) -> int:
 
 
 def lost(job: QueuedJob) -> JobMission:
-    """Returns what to show of a job whose mission the fleet manager does not know any more."""
+    """Returns the mission to show if the fleet manager does not know a job's mission any more."""
     return JobMission(JobMissionState.FAILED, '', done(job))
 
 
 def first_misplaced(job: QueuedJob, mission: JobMission) -> Optional[int]:
-    """Returns the first segment to come that the mission has at another place; None: there is none.
+    """Returns the first segment ahead that has another place in the mission; None: there is none.
 
-    A mission with another number of stops was changed by a person: it is left alone.
+    A mission with another number of stops was changed by a person: it is not changed back.
     """
     if len(mission.places) != len(job.segments):
         return None
@@ -379,12 +380,12 @@ def first_misplaced(job: QueuedJob, mission: JobMission) -> Optional[int]:
 
 def with_priority(job: QueuedJob, number: int, priority: int
                   ) -> Tuple[QueuedJob, List[SegmentChange]]:
-    """Returns a job in which a segment has another priority, and the changes to be told."""
+    """Returns a job with another priority of a segment, and the changes to send."""
     return _modified(job, number, lambda old: replace(old, priority=priority))
 
 
 def with_goal(job: QueuedJob, number: int, place: Place) -> Tuple[QueuedJob, List[SegmentChange]]:
-    """Returns a job in which a segment has another goal, and the changes to be told."""
+    """Returns a job with another goal of a segment, and the changes to send."""
     def modified(old: JobSegment) -> JobSegment:
         new = _replaced(old, place)
         is_served = old.told.status is SegmentStatus.IN_PROGRESS
@@ -404,7 +405,7 @@ def _modified(job: QueuedJob, number: int, change: Callable[[JobSegment], JobSeg
 
 
 def _modification(job: QueuedJob, old: JobSegment, new: JobSegment) -> List[SegmentChange]:
-    """Returns what is told of a segment that is modified."""
+    """Returns the changes to send when a segment is modified."""
     robot = old.told.robot
     told = [replace(old, told=old.told._replace(status=SegmentStatus.BEFORE_MODIFY))]
     if new.told.status is not old.told.status:

@@ -1,24 +1,24 @@
-"""What REST clients have posted and the server has carried out: cancellations, modifications.
+"""Cancellations and modifications that REST clients have posted and the server has carried out.
 
-Such a record is stored together with what it changes. So after a restart its client can still ask
-whether it was carried out, and its key does not count twice.
+Such a record is stored together with the jobs that it changes. So after a restart its client can
+still query whether it was carried out, and a second record with its key is refused.
 """
 from __future__ import annotations
 
 from dataclasses import dataclass
 from typing import Any, Mapping
 
-MOST_POSTED = 1000  # of each type that are kept: the last ones
+MOST_POSTED = 1000  # the newest records of each type are kept
 
 
 @dataclass(frozen=True)
 class PostedRecord:
-    """One such record.
+    """One posted record.
 
-    kind   -- its type, as its paths name it
-    number -- grows by one with each record of its type, over restarts too
+    kind   -- the name of its type in paths
+    number -- grows by one with each record of its type, also across restarts
     at     -- ms since 1970
-    record -- what clients see of it, without its times
+    record -- its fields as clients see them, without its times
     """
 
     kind: str

@@ -1,7 +1,7 @@
-"""Answers requests of REST clients: the part of FLOW Core's Integration Toolkit about jobs. No I/O.
+"""Answers requests of REST clients: the part about jobs of FLOW Core's Integration Toolkit; no I/O.
 
-A request is answered with a status and JSON. An error record says what is wrong with a request,
-also with bytes that are no JSON. Only an answer 201 makes or changes a job.
+The answer to a request is a status and JSON. For a wrong request, even one that is no JSON, it is
+an error record that names the error. A job is made or changed only if the answer is 201.
 """
 from __future__ import annotations
 
@@ -77,7 +77,7 @@ def stream_of(path: str) -> Optional[RestType]:
 
 
 class RestApi:
-    """Answers requests. `announce`: tells changes to all clients of both interfaces."""
+    """Answers requests. `announce`: sends changes to all clients of both interfaces."""
 
     def __init__(self, book: JobBook, site: JobSite, records: RestRecords, announce: Announce
                  ) -> None:
@@ -145,7 +145,7 @@ class RestApi:
         item = name.partition(':')[0]
         return [one for one in self._records.of(RestType.STORE_VALUE) if one['namekey'] == item]
 
-    # -- asking for something --------------------------------------------------------------------
+    # -- posting ---------------------------------------------------------------------------------
 
     def _post(self, kind: RestType, found: Dict[str, Any]) -> Record:
         if kind in REQUESTS:
@@ -280,7 +280,7 @@ class RestApi:
 
 
 def _written(value: object) -> str:
-    """Returns a value of a field as it stands in a path, in lower case."""
+    """Returns the text of a field's value in a path, in lower case."""
     return '' if value is None else str(value).lower()
 
 

@@ -8,7 +8,7 @@ from omron_jobs.core.command_line import LONGEST
 
 
 class WrongRequest(Exception):
-    """A request that is not carried out. The text is a sentence. `status`: of the answer."""
+    """A request that is not carried out. The text is a sentence. `status`: HTTP status."""
 
     def __init__(self, text: str, status: int = 400) -> None:
         super().__init__(text)
@@ -31,7 +31,7 @@ def _refuse_constant(name: str) -> None:
 
 
 class Fields:
-    """The fields of an object. A field that is null was left out.
+    """The fields of an object. A field that is null counts as left out.
 
     known -- the names that it may have
     """
@@ -58,7 +58,7 @@ class Fields:
         return value
 
     def word(self, name: str) -> str:
-        """Returns an id, which lines of ARCL can contain; empty: left out. Raises WrongRequest."""
+        """Returns an id that fits into a line of ARCL; empty: left out. Raises WrongRequest."""
         value = self.text(name)
         if '"' in value or len(value.split()) > 1 or value != value.strip():
             raise WrongRequest(f'{name} must have no blanks and no quotation marks.')
@@ -72,7 +72,7 @@ class Fields:
         return value
 
     def reason(self, name: str) -> str:
-        """Returns a reason: its blanks become underscores, for the lines of ARCL."""
+        """Returns a reason, with underscores for blanks, as the lines of ARCL need it."""
         value = '_'.join(self.text(name).split())
         if '"' in value:
             raise WrongRequest(f'{name} must have no quotation marks.')

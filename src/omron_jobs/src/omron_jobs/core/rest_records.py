@@ -1,9 +1,9 @@
 """The records of the REST server, derived from the job book and the site: no I/O.
 
-The records have no truth of their own: each follows from a job, a robot or a goal. What is kept
-beside them is when each one changed last, and what it was before (`History`). After a restart each
-record of an open job counts as changed, so that no client misses a change; the history begins anew.
-Cancellations and modifications follow from no job. They are stored as they were posted.
+Each record is derived from a job, a robot or a goal. This module also keeps the time of the last
+change of each record, and its former versions (`History`). After a restart each record of an open
+job counts as changed, so that no client misses a change; the history begins anew. Cancellations and
+modifications are not derived: they are stored as they were posted.
 """
 from __future__ import annotations
 
@@ -38,12 +38,12 @@ _REFUSED = (SegmentStatus.CANCELLED, SegmentStatus.CANCELLING)
 
 
 def moment(milliseconds: int) -> Optional[Dict[str, int]]:
-    """Returns a moment (ms since 1970) as records have it; 0: it has not come."""
+    """Returns a moment (ms since 1970) in the form of the records; None for 0."""
     return {'millis': milliseconds} if milliseconds else None
 
 
 def job_key(job: QueuedJob) -> str:
-    """Returns the namekey of a job. No other one ever has it; a job id may be used again."""
+    """Returns the namekey of a job. It is unique for ever, while a job id may be used again."""
     return _key(job.segments[0].number)
 
 
@@ -52,13 +52,13 @@ def _key(number: int) -> str:
 
 
 def request_key(job: QueuedJob) -> str:
-    """Returns the namekey of the request that a job was made of."""
+    """Returns the namekey of the request for a job."""
     key = job.origin.key if job.origin is not None else ''
     return key or f'~{job.segments[0].number}'
 
 
 def status_of(job: QueuedJob) -> JobStatus:
-    """Returns the status of a job: that of its segments together."""
+    """Returns the status of a job, which follows from those of its segments."""
     statuses = [one.told.status for one in job.segments]
     if any(one in BEING_MODIFIED for one in statuses):
         return JobStatus.MODIFYING
@@ -149,11 +149,10 @@ def updated(kind: RestType, record: Mapping[str, Any]) -> int:
 class RestRecords:
     """All records, each with the time of its last change.
 
-    Its attributes are the records by type, and what each type needs to number and date them.
-
+    Its attributes are the records by type, and the numbers and times of each type.
     clock -- returns ms since 1970
-    posted -- as stored
-    listeners -- are told each record that is new or has changed
+    posted -- the stored records of cancellations and modifications
+    listeners -- called with each record that is new or has changed
     """
 
     def __init__(self, book: JobBook, site: JobSite, clock: Callable[[], int],
@@ -168,11 +167,11 @@ class RestRecords:
         self._by_segment: Dict[int, int] = {}
         self._robots: Mapping[str, RobotNews] = {}
         self._goals: Optional[Mapping[str, int]] = None
-        self._numbers: Dict[RestType, int] = {}     # of the last cancellation and modification
+        self._numbers: Dict[RestType, int] = {}     # of the newest posted record
         self._last = 0
         for one in posted:
             self.post(one)
-        for job in book.jobs:  # what has ended did not change when this program started
+        for job in book.jobs:  # the start of this program changes no job that has ended
             if job.is_open:
                 self._changed[job.mission] = None
             else:
@@ -180,7 +179,7 @@ class RestRecords:
         book.shelf.on_change = self._note
         self.refresh()
 
-    # -- what is asked ---------------------------------------------------------------------------
+    # -- queries ---------------------------------------------------------------------------------
 
     def of(self, kind: RestType) -> Sequence[Record]:
         """Returns all records of a type, the oldest first."""
@@ -194,10 +193,10 @@ class RestRecords:
         """Returns all kept versions of all records of a type, in order."""
         return list(self._history[kind])
 
-    # -- what changes ----------------------------------------------------------------------------
+    # -- changes ---------------------------------------------------------------------------------
 
     def to_post(self, kind: RestType, key: str, record: Record) -> PostedRecord:
-        """Returns a cancellation or modification, to be stored with what it changes.
+        """Returns a cancellation or modification, to be stored with the jobs that it changes.
 
         key -- empty: the client gave none
         """
@@ -215,7 +214,7 @@ class RestRecords:
         return self._put(kind, dict(posted.record), posted.at)
 
     def put_values(self, groups: Mapping[str, Mapping[str, object]]) -> None:
-        """Takes the values of the data store, by group and item."""
+        """Updates the values of the data store, by group and item."""
         for group, items in groups.items():
             for item, value in items.items():
                 self._put(RestType.STORE_ITEM, {
@@ -223,7 +222,7 @@ class RestRecords:
                 self._put(RestType.STORE_VALUE, {'namekey': item, 'value': str(value)})
 
     def announce(self, changes: Iterable[SegmentChange]) -> None:
-        """Follows changes of segments in their order, then what else has changed."""
+        """Updates the records: first for these changes of segments, in order, then `refresh`."""
         self._find_new_jobs()
         for change in changes:
             job = self._shown.get(self._by_segment.get(change.segment.number, 0))
@@ -243,7 +242,7 @@ class RestRecords:
                 self._show_job(job)
 
     def refresh(self) -> None:
-        """Follows jobs, robots and goals."""
+        """Updates the records of jobs, robots and goals."""
         changed, self._changed = self._changed, {}
         for mission in changed:
             job, shown = self._book.shelf.get(mission), self._shown.get(mission)
@@ -297,11 +296,11 @@ class RestRecords:
                 self._put(RestType.ROBOT_FAULT, {**ended, 'active': False})
 
     def _now(self) -> int:
-        """Returns a time of change; these never go back, or `UpdatedSince` would miss some."""
+        """Returns the time of a change. It never goes back, so `UpdatedSince` misses no change."""
         return max(self._last, self._clock())
 
     def _put(self, kind: RestType, content: Record, at: int = 0) -> Record:
-        """Keeps a record if it has changed. `at`: when; 0: now."""
+        """Keeps a record if it has changed. `at`: time of the change; 0: now."""
         table, key = self._tables[kind], content['namekey']
         before = table.get(key)
         if before is not None and all(before[name] == value for name, value in content.items()):

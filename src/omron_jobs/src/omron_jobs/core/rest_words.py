@@ -1,7 +1,7 @@
 """The names and words of FLOW Core's Integration Toolkit (REST), in one table.
 
-Sources: docs/explanation/sources.md. This table belongs to the REST server alone; it shares no word
-with the one of ARCL (`job_words`), so that a wrong belief in one shows in the other.
+Sources: docs/explanation/sources.md. Only the REST server uses this table. It shares no word with
+the table of ARCL (`job_words`), so that a mistake in one table shows as a difference.
 """
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ SINCE, KEY = 'sinceTime', 'namekey'
 
 
 class RestType(Enum):
-    """A type of records. The value begins its paths."""
+    """A type of records. The value is the first part of its paths."""
 
     JOB_REQUEST = 'JobRequest'
     PICKUP = 'Pickup'
@@ -35,9 +35,9 @@ class RestType(Enum):
 
 LATEST = 'DataStoreValueLatest'
 REQUESTS = (RestType.JOB_REQUEST, RestType.PICKUP, RestType.DROPOFF, RestType.PICKUP_DROPOFF)
-"""Types of records that ask for a job."""
+"""Types of records that request a job."""
 AUDITED = (*REQUESTS, RestType.JOB_CANCEL, RestType.JOB_SEGMENT_MODIFY)
-"""Types of records that clients post. They have `audit`, the others `upd`."""
+"""Types of records that clients post. They have the field `audit`; the other types have `upd`."""
 WITH_HISTORY = (RestType.JOB, RestType.JOB_SEGMENT, RestType.ROBOT, RestType.ROBOT_FAULT)
 
 _OF_REQUESTS = ('jobId', 'status', 'assignedJobId')
@@ -56,7 +56,7 @@ FILTERS: Dict[RestType, Tuple[str, ...]] = {
     RestType.STORE_ITEM: ('groupName', 'itemName'),
     RestType.STORE_VALUE: (),
 }
-"""The fields by which records are asked for: `/X/By<Field>/{value}`."""
+"""The fields by which records can be queried: `/X/By<Field>/{value}`."""
 
 NOT_OFFERED: Mapping[str, str] = {
     'WaitTaskCancel': 'robots of this fleet wait in the steps of missions: use a step of an '
@@ -64,7 +64,7 @@ NOT_OFFERED: Mapping[str, str] = {
     'WaitTaskState': 'robots of this fleet wait in the steps of missions: see "mission list"',
     'SubscriptionConfig': 'there is no database and no message queue whose content it would choose',
 }
-"""Types that FLOW Core has and this server has not, and why."""
+"""Types of FLOW Core that this server does not have, and why."""
 
 
 class JobStatus(Enum):
@@ -93,7 +93,7 @@ SEGMENT_STATUS: Mapping[SegmentStatus, str] = {
 BEING_MODIFIED = (SegmentStatus.BEFORE_MODIFY, SegmentStatus.INTERRUPTED_BY_MODIFY,
                   SegmentStatus.AFTER_MODIFY)
 FAILED = 'Failed'
-"""The reason of a job that has failed: jobs have no such status."""
+"""The cancelReason of a job that has failed, because jobs have no such status."""
 DONE = 'Completed'
 """The status of a cancellation or modification that was carried out."""
 SEGMENT_TYPE: Mapping[SegmentKind, str] = {SegmentKind.PICKUP: 'Pickup',
@@ -123,4 +123,4 @@ class CancelType(Enum):
 SHORT_CANCELS: Mapping[str, CancelType] = {
     'robot': CancelType.ROBOT_NAME, 'jobNamekey': CancelType.JOB_NAMEKEY,
     'jobId': CancelType.JOB_ID}
-"""The fields in which clients name what is to be cancelled, without a type."""
+"""Fields that name the jobs to cancel without a cancelType, and the type that each stands for."""

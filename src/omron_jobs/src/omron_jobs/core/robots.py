@@ -1,4 +1,4 @@
-"""What clients see of robots: their states, and why a robot serves no jobs."""
+"""Robots as clients see them: their states, and why a robot serves no jobs."""
 from __future__ import annotations
 
 from typing import List, Mapping, NamedTuple
@@ -7,18 +7,17 @@ from omron_jobs.core.job_words import APPLICATION_FAULT, RobotStatus
 
 
 class RobotNews(NamedTuple):
-    """What is shown of a robot."""
+    """The state of a robot, as it is shown."""
 
     status: RobotStatus
     substatus: str
 
 
 class RobotFault(NamedTuple):
-    """Why a robot serves no jobs. The robot does not drive to jobs meanwhile.
+    """A reason for which a robot serves no jobs. Meanwhile the robot does not drive to jobs.
 
-    It is never called critical: the fleet manager does not tell which faults a person must clear.
-
-    is_application -- the substatus of the robot names it as a fault of its application
+    It is never critical: the fleet manager does not report which faults a person must clear.
+    is_application -- whether the substatus of the robot says that it is a fault of its application
     """
 
     robot: str

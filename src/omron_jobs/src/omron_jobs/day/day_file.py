@@ -35,9 +35,9 @@ _OWN_ID = re.compile(r'JOB\d+\Z', re.ASCII | re.IGNORECASE)
 class DayLine(NamedTuple):
     """One line of a day.
 
-    number -- in the file, from 1
-    at     -- s after midnight
-    name   -- of the command
+    number -- number of the line in the file, from 1
+    at     -- its time, s after midnight
+    name   -- name of the command
     words  -- its arguments, without quotation marks
     """
 
@@ -52,7 +52,7 @@ class DayLine(NamedTuple):
         return self.name in _QUEUING
 
     def command(self, segment_of: Callable[[str, int], str]) -> str:
-        """Returns the line for the job server. `segment_of`: id of a segment of a job."""
+        """Returns the line for the job server. `segment_of` returns the id of a job's segment."""
         words = []
         for word in self.words:
             named = _SEGMENT.match(word)
@@ -62,14 +62,14 @@ class DayLine(NamedTuple):
 
 
 class _WrongLine(ValueError):
-    """A line that cannot be used. The text is a clause that says why and what to do."""
+    """A line that cannot be used. The text is a clause with the reason and the remedy."""
 
 
 class _Reader:
-    """The lines so far.
+    """Reads lines; it keeps the facts about the lines so far that later lines need.
 
     goals -- names of the goals
-    jobs  -- number of segments of each job with an id of its own
+    jobs  -- number of segments of each job to which a line gives an id
     """
 
     def __init__(self, goals: Collection[str]) -> None:

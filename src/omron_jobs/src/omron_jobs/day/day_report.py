@@ -12,18 +12,18 @@ from node_program.inert_text import cell
 from omron_jobs.day.day_run import PlayedDay
 from omron_jobs.day.judge import WatchedJob
 
-SHOWN = 10          # late jobs, refused commands and broken promises that are told one by one
+SHOWN = 10          # late jobs, refused commands and broken promises that are listed, of each
 _COLUMNS = ('job', 'line', 'queued', 'robot', 'wait_s', 'lead_s', 'state')
 _GOOD = 'No job was lost, and none was done twice. All lines that were told are true.'
 
 
 def wait_of(job: WatchedJob) -> float:
-    """Returns the s until a robot drove to the first goal; NaN: none did."""
+    """Returns how long (s) it took until a robot drove to the first goal; NaN: no robot did."""
     return job.segments[0].drove - job.queued
 
 
 def lead_of(job: WatchedJob) -> float:
-    """Returns the s until the job was completed; NaN: it was not."""
+    """Returns how long (s) it took until the job was completed; NaN: it was not."""
     return job.ended - job.queued if job.state == 'Completed' else math.nan
 
 
@@ -82,7 +82,7 @@ def _time(seconds: float) -> str:
 
 
 def clock(seconds: float) -> str:
-    """Returns s after midnight as a time of the day."""
+    """Returns a time (s after midnight) as a time of day."""
     whole = round(seconds)
     return f'{whole // 3600 % 24:02d}:{whole // 60 % 60:02d}:{whole % 60:02d}'
 

@@ -1,8 +1,8 @@
 """Plays a day of jobs in virtual time: a program, the job server, and the fleet.
 
-The job server is that of the node: `JobServer`, `JobCommands` and `JobBook`, with a disk in memory.
-The program is logged in, sends each line at its time, and hears all that is told. The day is over
-when all jobs have ended, or `LONGEST_REST` after its last line.
+The job server is the one of the node: `JobServer`, `JobCommands` and `JobBook`, with a disk in
+memory. The program is logged in, sends each line at its time, and reads all lines of the server.
+The day is over when all jobs have ended, or `LONGEST_REST` after its last line.
 """
 from __future__ import annotations
 
@@ -21,14 +21,14 @@ from omron_jobs.day.fleet_desk import FleetDesk
 from omron_jobs.day.judge import GoalPlace, Judge, WatchedJob
 from omron_jobs.fleet.missions import goals_of
 
-TICK = 0.5              # s between two looks at the robots, and at what is due
+TICK = 0.5              # s between two checks of the robots, and of the messages due
 LONGEST_REST = 7200.0   # s after the last line
 _UPDATE = 'QueueUpdate: '
 _MINUTE = 60.0
 
 
 class DayError(NamedTuple):
-    """A command that was refused. `reply`: what its program read."""
+    """A command that was refused. `reply`: the line that its program got."""
 
     line: DayLine
     reply: str
@@ -38,8 +38,8 @@ class PlayedDay(NamedTuple):
     """A day that was played. Times of jobs are in s of the virtual clock.
 
     begin  -- s after midnight at which the virtual clock began
-    hours  -- from the first line to the end
-    wrong  -- what broke a promise, in sentences; empty: nothing did
+    hours  -- time from the first line to the end
+    wrong  -- the broken promises, in sentences
     """
 
     begin: float
@@ -51,17 +51,20 @@ class PlayedDay(NamedTuple):
 
 
 class MemoryDisk:
-    """Keeps the jobs over restarts of the job server. It also knows those that were forgotten."""
+    """Keeps the jobs across restarts of the job server.
+
+    `missions` also contains the jobs that the job server has forgotten.
+    """
 
     def __init__(self) -> None:
         self.jobs: Dict[int, QueuedJob] = {}
         self.counters = JobCounters()
         self.missions: Dict[str, int] = {}
-        """Mission of each job, by the id of its first segment."""
+        """The mission of each job, by the id of its first segment."""
 
     def write(self, jobs: Sequence[QueuedJob], forgotten: Sequence[int], counters: JobCounters,
               posted: Optional[PostedRecord] = None) -> None:
-        """Stores jobs and counters. `posted`: a day has no clients of REST."""
+        """Stores jobs and counters. `posted` is always None, because a day has no REST clients."""
         for job in jobs:
             self.jobs[job.mission] = job
             self.missions[job.segments[0].id] = job.mission
@@ -73,7 +76,7 @@ class MemoryDisk:
 class DayRun:
     """One day on a site. Each run with the same seed is the same.
 
-    Its attributes are the parts that one moment of the day joins: jobs, fleet, program and judge.
+    It has many attributes because it joins job server, fleet, program and judge.
     """
 
     def __init__(self, site: StudiedSite, robots: int, seed: int, lines: Sequence[DayLine]) -> None:
@@ -95,7 +98,7 @@ class DayRun:
         self._start_job_server()
 
     def _named_goals(self) -> Dict[str, int]:
-        """Returns the goals by their names, and by their ids, which commands may have as well."""
+        """Returns the goals by their names and by their ids; commands may contain either."""
         goals = dict(self._site.goals or {})
         return {**{str(vertex): vertex for vertex in goals.values()}, **goals}
 
@@ -135,7 +138,7 @@ class DayRun:
                          wrong)
 
     def _work(self) -> None:
-        """Does what the node does again and again, and lets the judge see the robots."""
+        """Does the periodic work of the node, and lets the judge see the robots."""
         world = self._world
         for name, robot in world.agvs.items():
             self._judge.sees(name, *robot.position, world.now)
@@ -152,7 +155,7 @@ class DayRun:
         self._listen()
 
     def _send(self, line: DayLine) -> None:
-        """Does what a line says."""
+        """Sends the command of a line, or does its restart."""
         if line.name == RESTART:
             self._restart(line.words[0])
             return
@@ -170,7 +173,7 @@ class DayRun:
             self._start_job_server()
 
     def _listen(self, line: Optional[DayLine] = None) -> None:
-        """Lets the program read. `line`: it has just sent the command of this line."""
+        """Lets the program read. `line`: the line whose command it has just sent, or None."""
         told = self._program.output.decode().split('\r\n')[:-1]
         self._program.output.clear()
         replies = [one for one in told if not one.startswith(_UPDATE)]

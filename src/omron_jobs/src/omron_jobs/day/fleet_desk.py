@@ -1,10 +1,9 @@
-"""The fleet manager and its robots in virtual time, as the job server deals with them.
+"""The fleet manager and its robots in virtual time, as the job server uses them.
 
-It does for a `Supervisor` what the node path_supervisor does for messages, and what `job_server`
-does for its `JobBook`.
-
-A person comes to each robot that needs one. The person answers `done` to a step that asks, and else
-unloads the robot: its mission was cancelled or failed, or was a pickup only.
+It calls the `Supervisor` as the node path_supervisor does for messages, and makes the values that
+the node `job_server` gives to its `JobBook`.
+A person comes to each robot that needs help. If a step asks, the person answers `done`. If not, the
+person unloads the robot: its mission was cancelled, has failed, or was only a pickup.
 """
 from __future__ import annotations
 
@@ -37,7 +36,7 @@ PERSON_COMES = 120.0    # s until a person does what a mission needs
 
 
 class ToldMission(NamedTuple):
-    """What the job server is told of a mission. `shown`: None: it is unknown."""
+    """News of a mission for the job server. `shown` is None if the mission is unknown."""
 
     mission: int
     stamp: int
@@ -45,11 +44,11 @@ class ToldMission(NamedTuple):
 
 
 class FleetDesk:
-    """Watches the virtual fleet, and carries out what the job server tells the fleet manager.
+    """Watches the virtual fleet, and carries out the job server's messages to the fleet manager.
 
     news    -- statuses that the job server has not heard yet
-    last    -- last status of each mission, by the id of its request
-    serials -- numbers of all missions that were accepted under the id of a request
+    last    -- the last status of each mission, by the id of its request
+    serials -- the numbers of all missions that were accepted for a request, by its id
     """
 
     def __init__(self, fleet: StudiedFleet, work: SiteWork) -> None:
@@ -59,16 +58,16 @@ class FleetDesk:
         self.serials: Dict[int, Set[int]] = defaultdict(set)
         self._fleet, self._work = fleet, work
         self._persons: Dict[str, float] = {}
-        """By robot that needs a person: when the person comes."""
+        """When a person comes to each robot that needs help (s)."""
         self.world.watcher = self
 
     # -- the virtual world -------------------------------------------------------------------------
 
     def sends(self, order: SendRoute) -> None:
-        """Ignores that the supervisor sends an order."""
+        """Does nothing when the supervisor sends an order."""
 
     def restarted(self) -> None:
-        """Ignores that the supervisor has restarted: the job server asks."""
+        """Does nothing when the supervisor has restarted: the job server asks for its missions."""
 
     def publishes(self, status: Status) -> None:
         """Records a status, for the job server and the judge."""
@@ -78,7 +77,7 @@ class FleetDesk:
         self.news.append(_news_of(status))
 
     def stepped(self) -> None:
-        """Does what is due after one time step."""
+        """Does the work that is due after a time step."""
         self._fleet.stepped()
         for name in self.world.agvs:
             if not self._needs_person(name):
@@ -93,7 +92,7 @@ class FleetDesk:
                 else self.world.supervisor.desk.load(name).state is not LoadState.EMPTY)
 
     def _help(self, name: str) -> None:
-        """Does as a person what a robot needs."""
+        """Helps a robot as a person would."""
         world = self.world
         mission = world.supervisor.book.of_robot(name)
         if mission is not None and mission.asks:
@@ -129,7 +128,7 @@ class FleetDesk:
                        stamp=job.queued / 1000.0, requested_by='job_server', stops=stops)
 
     def drives(self) -> Dict[int, JobDrive]:
-        """Returns what robots do on their missions, by the mission that each one serves."""
+        """Returns what robots do on their missions, by the id of the mission's request."""
         found = {}
         for view in robot_views(self.world.supervisor, self.world.now):
             act = act_of(view.state is RobotState.BUSY, view.waits_for.code,

@@ -1,14 +1,14 @@
-"""Judges what a program was told of its jobs: by OMRON's order, and by what the robots did.
+"""Judges the lines that a program got about its jobs: by OMRON's order, and by the robots' drives.
 
-It reads the lines of the job server, with a table of its own, and knows the true positions of the
-robots. It knows nothing of the job server's book. What it finds wrong is a sentence.
+It reads the lines of the job server with a separate table, and has the true positions of the
+robots. It does not use the job server's book. Each error that it finds is a sentence. It checks:
 
-    ORDER   a segment is told of in the order of OMRON's states; nothing follows a final one
+    ORDER   a segment passes states in OMRON's order; nothing is sent after a final state
     CHAIN   a segment begins only after the one before it is completed
     LOST    each job that was queued has ended at the end of the day
     TWICE   a job is one mission of the fleet manager
     TRUE    a segment is completed only if its robot was at its goal after the segment began; a job
-            ends as its mission has ended, and is cancelled only if a program wanted that
+            ends in the state of its mission, and is cancelled only if a program cancelled it
 """
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from typing import Dict, FrozenSet, List, Mapping, NamedTuple, Sequence, Set, Tu
 
 from fleet_core.supervision.missions import MissionState, Status
 
-NEAR = 0.5          # m from a vertex at which a robot is at it
+NEAR = 0.5          # m; a robot nearer than this to a vertex is at it
 _REPLY = re.compile(
     r'\bids? (?P<first>[A-Z]+\d+)(?: and (?P<second>[A-Z]+\d+))?(?: and)? job_id (?P<job>\S+) '
     'success')
@@ -46,7 +46,7 @@ _ORDER: Mapping[str, FrozenSet[str]] = {
     'AfterModify': frozenset(('Pending', 'UnAllocated', 'Allocated', 'Driving', 'Before')),
     **dict.fromkeys(_FINAL, frozenset()),
 }
-"""What may be told of a segment after each state; BeforePickup and the like are Before."""
+"""The states that may follow each state of a segment; BeforePickup and BeforeDropoff are Before."""
 _OF_MISSION = {MissionState.SUCCEEDED: 'Completed', MissionState.FAILED: 'Failed',
                MissionState.CANCELLED: 'Cancelled', MissionState.REFUSED: 'Cancelled',
                MissionState.EXPIRED: 'Cancelled'}
@@ -62,11 +62,11 @@ class GoalPlace(NamedTuple):
 
 @dataclass
 class WatchedSegment:
-    """A segment, as a program was told of it last.
+    """A segment, as the program knows it.
 
-    state -- word of `_ORDER`
-    began -- s, when the segments before it were completed
-    drove -- s, when it was told first that a robot drives to it; NaN: it was not
+    state -- a state of `_ORDER`
+    began -- when the segments before it were completed (s)
+    drove -- when the program first got `Driving` for it (s); NaN: never
     """
 
     id: str
@@ -80,8 +80,8 @@ class WatchedSegment:
 class WatchedJob:
     """A job that was `successfully queued`. Times in s of the virtual clock.
 
-    line  -- number in the file
-    ended -- s; NaN: it is open
+    line  -- the number of its line in the file
+    ended -- when it ended (s); NaN: it is open
     """
 
     id: str
@@ -92,16 +92,16 @@ class WatchedJob:
 
     @property
     def state(self) -> str:
-        """What was told last of its last segment."""
+        """The newest state of its last segment."""
         return self.segments[-1].state
 
 
 class Judge:
-    """Hears all lines of the job server, and sees all robots.
+    """Checks all lines of the job server, and the places of all robots.
 
     goals -- places by the name of the goal
-    jobs  -- that were queued, in their order
-    wrong -- what was found, in sentences
+    jobs  -- the jobs that were queued, in their order
+    wrong -- the errors that were found, in sentences
     """
 
     def __init__(self, goals: Mapping[str, GoalPlace]) -> None:
@@ -115,11 +115,11 @@ class Judge:
                     self._cells[round(place.x) + x, round(place.y) + y].append(place)
         self._segments: Dict[str, Tuple[WatchedJob, int]] = {}
         self._visits: Dict[Tuple[str, int], float] = {}
-        """By robot and vertex: s, when the robot was there last."""
+        """When each robot was at each vertex last (s), by robot and vertex."""
         self._cancels: Set[Tuple[str, str]] = set()
         """Types and values of the cancellations that were accepted, in lower case."""
 
-    # -- what is seen ------------------------------------------------------------------------------
+    # -- places of robots --------------------------------------------------------------------------
 
     def sees(self, robot: str, x: float, y: float, now: float) -> None:
         """Records where a robot is, in m."""
@@ -127,7 +127,7 @@ class Judge:
             if math.hypot(place.x - x, place.y - y) <= NEAR:
                 self._visits[robot, place.vertex] = now
 
-    # -- what is heard -----------------------------------------------------------------------------
+    # -- lines of the job server -------------------------------------------------------------------
 
     def hears_reply(self, line: int, replies: Sequence[str], now: float) -> None:
         """Records the replies to the command in a line of the file."""
@@ -150,7 +150,7 @@ class Judge:
         job.segments.append(WatchedSegment(id, began=math.nan if job.segments else now))
 
     def hears(self, update: str, now: float) -> None:
-        """Judges a line that all programs are told."""
+        """Judges a line that is sent to all programs."""
         told = _UPDATE.match(update)
         if told is None or told['segment'] not in self._segments:
             self.wrong.append(f'This line is about no job: {update.strip()}')
@@ -186,8 +186,8 @@ class Judge:
     def ends(self, job: WatchedJob, last: Status, serials: Set[int]) -> None:
         """Judges a job at the end of the day.
 
-        last    -- status of its mission
-        serials -- numbers of the missions that the fleet manager made of it
+        last    -- the last status of its mission
+        serials -- the numbers of the missions that the fleet manager made for it
         """
         if len(serials) > 1:
             self.wrong.append(f'Job {job.id} (line {job.line}) became {len(serials)} missions.')
@@ -206,7 +206,7 @@ class Judge:
             self.wrong.append(f'Job {job.id} (line {job.line}) was cancelled by no program.')
 
     def lost(self, job: WatchedJob) -> None:
-        """Judges a job of which the fleet manager never heard."""
+        """Judges a job that never became a mission."""
         self.wrong.append(f'Job {job.id} (line {job.line}) never became a mission.')
 
     def _may_be_cancelled(self, job: WatchedJob) -> bool:
@@ -216,7 +216,7 @@ class Judge:
 
 
 def _state(status: str, substatus: str) -> str:
-    """Returns the word of `_ORDER` for what is told."""
+    """Returns the state of `_ORDER` for a status and substatus."""
     if status != 'InProgress':
         return status
     return next((word for word in ('Before', 'After') if substatus.startswith(word)), substatus)

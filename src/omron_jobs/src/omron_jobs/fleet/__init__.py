@@ -1,1 +1,1 @@
-"""What jobs are to the fleet manager's core, in its own values: no ROS, no I/O, no clock."""
+"""Translates jobs to values of the fleet manager's core: no ROS, no I/O, no clock."""

@@ -1,4 +1,4 @@
-"""The missions of jobs: their stops and goals, and what their robots do."""
+"""The missions of jobs: their stops, their goals and the acts of their robots."""
 from __future__ import annotations
 
 import math
@@ -23,10 +23,10 @@ def stops_of(job: QueuedJob, work: SiteWork) -> Tuple[WorkStop, ...]:
 
 
 def act_of(is_busy: bool, waits_for: int, to_destination: float) -> Optional[DriveAct]:
-    """Returns what a robot does; None: it cannot be told, or is nothing that concerns a segment.
+    """Returns what a robot does; None: this is not known, or does not concern a segment.
 
     waits_for      -- number of a WaitCode, which may be unknown
-    to_destination -- s
+    to_destination -- s left until the robot is there; NaN: not known
     """
     if not is_busy:
         return None
@@ -38,10 +38,10 @@ def act_of(is_busy: bool, waits_for: int, to_destination: float) -> Optional[Dri
 
 
 def goals_of(vertices: Collection[Vertex]) -> Dict[str, int]:
-    """Returns the goals among these vertices: each by its label, or by its id.
+    """Returns the goals among these vertices, each by its label or its id.
 
-    A label names no goal if it is empty, is that of another vertex too, or looks like an id, or if
-    a line could not contain it. Docks are no goals.
+    A goal is named by its id if its label is empty, is also the label of another vertex, looks like
+    an id, or does not fit into a line. Docks are no goals.
     """
     labels = Counter(vertex.label for vertex in vertices)
     return {vertex.label if is_name(vertex.label) and labels[vertex.label] == 1

@@ -1,8 +1,8 @@
-"""Hands jobs to an OMRON Fleet Manager over a link: the jobs' machine below, the socket beside.
+"""Hands jobs to an OMRON Fleet Manager: connects the state machine `JobClient` to an ARCL link.
 
-Connection, login and password are those of `omron_arcl`. The link is reset when it closes, also
-when the process dies: the kernel drops what it has not delivered, so no command of an old link
-arrives after the question on the next one.
+`omron_arcl` does connection and login. When the link closes, even because the process ends, it is
+reset: the kernel drops bytes that were not delivered. So no command of an old link arrives after
+the first query of the next link.
 """
 from __future__ import annotations
 
@@ -25,10 +25,9 @@ _SIGN_OF_LIFE = 'getDateTime'
 class JobHandover:
     """Serves `jobs` over one link, from `start` to `close`.
 
-    on_change -- is called with each job that has changed, by any thread, with the lock held
-    lock      -- guards the jobs; a caller that holds it sees no change meanwhile
-
-    Half of its methods are those of the user of a link: only the link's thread calls them.
+    on_change -- called with each job that has changed, in any thread, with the lock held
+    lock      -- guards the jobs: they do not change while a caller holds it
+    The methods `hear_...` and `next_to_send` are for the link: only its thread calls them.
     """
 
     def __init__(self, jobs: JobClient, host: str, port: int, password: bytes,
@@ -65,7 +64,7 @@ class JobHandover:
             return self._jobs.jobs
 
     def request(self, stops: Tuple[HandedStop, ...], request: str) -> HandedJob:
-        """Stores a job, and hands it over as soon as it can. Raises as `JobClient.request`."""
+        """Stores a job, and hands it over as soon as possible. Raises like `JobClient.request`."""
         with self._lock:
             job = self._jobs.request(stops, request)
             self._report_changes()
@@ -73,7 +72,7 @@ class JobHandover:
         return job
 
     def modify(self, request: str, stops: Tuple[HandedStop, ...]) -> HandedJob:
-        """Gives a job other goals or priorities. Raises as `JobClient.modify`."""
+        """Gives a job other goals or priorities. Raises like `JobClient.modify`."""
         with self._lock:
             job = self._jobs.modify(request, stops)
             self._report_changes()
@@ -96,19 +95,19 @@ class JobHandover:
             self._jobs.hear_login()
 
     def hear_loss(self, cause: LinkError) -> None:
-        """Ends a link; what was not sent is asked for again on the next one."""
+        """Ends a link. Lines that were not sent are dropped; the next link queries their jobs."""
         self._to_send.clear()
         with self._lock:
             self._jobs.hear_loss()
 
     def hear_line(self, line: Received, now: float) -> None:
-        """Reads a line of the Fleet Manager, and tells what has changed."""
+        """Reads a line of the Fleet Manager, and reports the changed jobs."""
         with self._lock:
             self._jobs.hear_line(line.text, now)
             self._report_changes()
 
     def next_to_send(self, now: float) -> Optional[bytes]:
-        """Returns what is to be sent next; before that, stores what was heard."""
+        """Returns the next line to send; before that, stores the changes of jobs."""
         if not self._to_send:
             self._to_send.extend(self._due(now))
         if not self._to_send and now - self._beat >= BEAT:

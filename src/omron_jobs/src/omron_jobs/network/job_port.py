@@ -1,7 +1,7 @@
-"""The TCP port of the job server, in one asyncio loop: its clients, and what they may send.
+"""The TCP port of the job server and its clients, in one asyncio loop.
 
-A connection of another address than the peers is ended before a byte of it is read. A client that
-does not read what it is sent, or does not log in, loses its own connection only.
+A connection from an address that is no peer is ended before a byte of it is read. If a client does
+not read its lines, or does not log in, its connection is ended; other clients are not affected.
 """
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _log = logging.getLogger(__name__)
 
 
 class WrongPeer(ValueError):
-    """A text that is no address and no network. The text is a clause that says so."""
+    """A word is neither an address nor a network. The text is a clause that says so."""
 
 
 def read_peers(text: str) -> Tuple[Network, ...]:
@@ -42,7 +42,7 @@ def is_peer(address: str, peers: Sequence[Network]) -> bool:
 
 
 class JobPort:
-    """Listens, and lets clients talk to a server, in the loop in which `open` was called.
+    """Listens, and connects clients to a server, in the loop in which `open` was called.
 
     on_input -- called after each input of a client was handled, in the loop
     """
@@ -60,23 +60,23 @@ class JobPort:
         return int(self._listening.sockets[0].getsockname()[1])
 
     def dialled(self, ended: asyncio.Future[None]) -> DialledClient:
-        """Returns the protocol of a connection that this server opens. `ended`: set at its end."""
+        """Returns the protocol for a connection that this server opens; sets `ended` at its end."""
         return DialledClient(self, ended)
 
     def flush(self) -> None:
-        """Sends what the sessions have for their clients."""
+        """Sends the queued bytes of all sessions."""
         for client in list(self._clients):
             client.flush()
 
     def close(self) -> None:
-        """Says farewell to all clients, and ends their connections and the port."""
+        """Sends a farewell to all clients, and ends their connections and the port."""
         if self._listening is not None:
             self._listening.close()
         self.server.shut_down()
         self.flush()
 
     def joins(self, client: _Client, address: str) -> bool:
-        """Lets a new connection join, or not."""
+        """Adds a new connection. Returns False if it is refused."""
         if not is_peer(address, self.peers):
             _log.warning('A connection from %s is refused: it is none of the peers.', address)
             return False
@@ -138,7 +138,7 @@ class _Client(asyncio.Protocol):
             self._session.close()
 
     def flush(self) -> None:
-        """Sends what the session has, unless too much is unread."""
+        """Sends the queued bytes of the session; ends it if too many bytes are unread."""
         session, transport = self._session, self._transport
         if session is None or transport is None or transport.is_closing():
             return

@@ -2,13 +2,13 @@
 
     state      event                          next state
     LOST       RETRY s are over               DIALLING
-    DIALLING   the program accepts            LINKED; it is a client that need not log in
-    DIALLING   it does not, in DIAL_TIME      LOST
+    DIALLING   the program accepts            LINKED; the program need not log in
+    DIALLING   it does not within DIAL_TIME   LOST
     LINKED     the connection ends            LOST
     all        `close`                        CLOSED
 
-OMRON's outgoing connections have no password, and no welcome. So the program at the address may
-send commands. A program that is silently gone counts as lost after about SILENCE s.
+OMRON's outgoing connections have no password and no welcome. So the program at the address may send
+commands without a login. If it disappears silently, it counts as lost after about SILENCE s.
 """
 from __future__ import annotations
 
@@ -21,15 +21,15 @@ from omron_jobs.network.job_port import JobPort
 
 RETRY = 2.0         # s from a loss to the next attempt
 DIAL_TIME = 10.0    # s in which the program must accept
-SILENCE = 20        # s without an answer of the other computer after which the connection ends
-_PROBE = 5          # s between two questions of TCP whether the other computer is there
+SILENCE = 20        # s without an answer of the other computer until the connection ends
+_PROBE = 5          # s between two keepalive probes of TCP
 _log = logging.getLogger(__name__)
 
 
 class DialledAddress(NamedTuple):
-    """Where the server connects, and what it sends there by itself.
+    """The address to which the server connects, and the commands that it repeats for that program.
 
-    commands -- carried out every `seconds`, as if the program had sent them; 0: never
+    commands -- carried out every `seconds` (0: never), as if the program had sent them
     """
 
     host: str
@@ -39,7 +39,7 @@ class DialledAddress(NamedTuple):
 
 
 class DialledLink:
-    """Keeps one connection to a program. `trouble`: why there is none; empty: there is one."""
+    """Keeps one connection to a program. `trouble`: why it is not connected; empty: it is."""
 
     def __init__(self, port: JobPort, address: DialledAddress) -> None:
         self.trouble = 'it is opened'
@@ -51,7 +51,7 @@ class DialledLink:
         self._task = asyncio.get_running_loop().create_task(self._keep())
 
     def close(self) -> None:
-        """Dials no more. The port ends the connection."""
+        """Ends the dialling. The port ends the connection."""
         if self._task is not None:
             self._task.cancel()
 
@@ -87,7 +87,7 @@ class DialledLink:
 
 
 def find_out_loss(connection: socket.socket) -> None:
-    """Lets TCP ask whether the other computer is there, and end the connection if it is not."""
+    """Makes TCP check whether the other computer is there, and end the connection if not."""
     connection.setsockopt(socket.SOL_SOCKET, socket.SO_KEEPALIVE, 1)
     for option, value in ((socket.TCP_KEEPIDLE, _PROBE), (socket.TCP_KEEPINTVL, _PROBE),
                           (socket.TCP_KEEPCNT, SILENCE // _PROBE - 1),

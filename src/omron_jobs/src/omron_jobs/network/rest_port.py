@@ -1,8 +1,8 @@
-"""The HTTP port of the REST server, in one asyncio loop: its clients, and what they may cost.
+"""The HTTP port of the REST server, its clients and their limits, in one asyncio loop.
 
-A connection of another address than the peers is ended before a request is read. Nothing is
-answered without the password. A client that sends too slowly, or does not read its stream, loses
-its own connection only.
+A connection from an address that is no peer is ended before a request is read. No request is
+answered without the password. If a client sends too slowly, or does not read its stream, its
+connection is ended; other clients are not affected.
 """
 from __future__ import annotations
 
@@ -27,15 +27,15 @@ LARGEST_REQUEST = 65_536    # bytes
 MOST_CLIENTS = 100
 MOST_STREAMS = 50
 MOST_UNREAD = 2 ** 21       # bytes that may wait for a stream
-REQUEST_TIME = 30.0         # s in which a request must be there
-SIGN_OF_LIFE = 10.0         # s between two comments on a stream on which nothing happens
+REQUEST_TIME = 30.0         # s within which a request must be complete
+SIGN_OF_LIFE = 10.0         # s between two comments on a stream without events
 STALLED = 30.0              # s after which a client that reads nothing is disconnected
-HELD_BACK = 1.0             # s until a wrong password is answered
+HELD_BACK = 1.0             # s of delay before the answer to a wrong password
 _log = logging.getLogger(__name__)
 
 
 class RestPort:
-    """Listens, and lets clients talk to the REST server, in the loop in which `open` was called.
+    """Listens, and connects clients to the REST server, in the loop in which `open` was called.
 
     on_input -- called after each request that may have changed jobs, in the loop
     """
@@ -72,7 +72,7 @@ class RestPort:
     # -- connections -----------------------------------------------------------------------------
 
     def joins(self, connection: _Connection, address: str) -> bool:
-        """Lets a new connection join, or not."""
+        """Adds a new connection. Returns False if it is refused."""
         if not is_peer(address, self.peers):
             _log.warning('A connection from %s is refused: it is none of the peers.', address)
             return False
@@ -92,7 +92,7 @@ class RestPort:
     async def _answer(self, request: web.Request) -> web.StreamResponse:
         connection = self._connections.get(request.protocol)
         if connection is None:
-            raise asyncio.CancelledError  # it ended before its request was read
+            raise asyncio.CancelledError  # the connection ended before its request was read
         if is_from_browser(request.headers):
             return _response(error(403, 'Web browsers are refused.'))
         if not self._is_known(request.headers.get('Authorization', '')):
@@ -167,7 +167,7 @@ class _TooSlow(Exception):
 
 
 class _Stream:
-    """What waits for one stream."""
+    """The events that wait to be sent on one stream."""
 
     def __init__(self, kind: RestType) -> None:
         self.kind = kind
@@ -177,14 +177,14 @@ class _Stream:
         self._has_data.set()
 
     def put(self, data: bytes) -> None:
-        """Queues an event. What is too much is not kept: then the stream ends."""
+        """Queues an event. If too many bytes wait, the event is dropped, and the stream ends."""
         self._size += len(data)
         if self._size <= MOST_UNREAD:
             self._waiting.append(data)
         self._has_data.set()
 
     async def next(self) -> bytes:
-        """Waits for data, or returns a sign of life. Raises _TooSlow."""
+        """Waits for events and returns them; returns a comment if none comes. Raises _TooSlow."""
         try:
             await asyncio.wait_for(self._has_data.wait(), SIGN_OF_LIFE)
         except asyncio.TimeoutError:
@@ -198,7 +198,7 @@ class _Stream:
 
 
 class _Connection(asyncio.Protocol):
-    """One connection: passes the bytes to aiohttp's protocol, and ends it if they do not come."""
+    """One connection: passes its bytes to aiohttp's protocol; ends if no request comes in time."""
 
     def __init__(self, port: RestPort, inner: Any) -> None:
         self.inner = inner
@@ -244,12 +244,12 @@ class _Connection(asyncio.Protocol):
         self.inner.resume_writing()
 
     def set_deadline(self) -> None:
-        """Ends the connection unless the next request comes in time."""
+        """Starts the time limit for the next request; after it the connection ends."""
         self.pause_deadline()
         self._deadline = asyncio.get_event_loop().call_later(REQUEST_TIME, self.end)
 
     def pause_deadline(self) -> None:
-        """Notes that a request is there."""
+        """Stops the time limit, because a request is there."""
         if self._deadline is not None:
             self._deadline.cancel()
             self._deadline = None

@@ -1,4 +1,4 @@
-"""What the messages of the fleet manager say about missions and robots."""
+"""Translates the messages of the fleet manager about missions and robots."""
 from __future__ import annotations
 
 from typing import Callable, Dict, Mapping, Optional
@@ -17,15 +17,15 @@ _UNAVAILABLE: Mapping[int, str] = {
     _ROBOT.OUT_OF_SERVICE: 'NotUsingEnterpriseManager', _ROBOT.ABSENT: 'NotUsingEnterpriseManager'}
 
 SubstatusOf = Callable[[int], Optional[str]]
-"""Returns the substatus of the segment that a mission serves; None: it is no job."""
+"""Returns the substatus of the segment that a mission serves; None: the mission is no job."""
 
 
 class WrongStatus(ValueError):
-    """A status of a mission that means nothing. The text is a clause."""
+    """A status of a mission that has no meaning. The text is a clause."""
 
 
 def mission_of(status: msg.MissionStatus) -> JobMission:
-    """Returns what a status says. Raises WrongStatus."""
+    """Returns the mission of a status. Raises WrongStatus."""
     try:
         state = JobMissionState(status.state)
     except ValueError:
@@ -38,19 +38,17 @@ def mission_of(status: msg.MissionStatus) -> JobMission:
 
 
 def stamp_of(status: msg.MissionStatus) -> int:
-    """Returns the stamp of the request of a mission, in ms: the fleet manager rounds less than
-    that.
-    """
+    """Returns the stamp of the request of a mission, in ms; the fleet manager rounds by less."""
     return round(status.request_stamp.to_nsec() / 1e6)
 
 
 def robots_of(state: msg.FleetState, substatus_of: SubstatusOf) -> Dict[str, RobotNews]:
-    """Returns what is shown of each robot."""
+    """Returns the state to show for each robot."""
     return {robot.name: _robot_of(robot, substatus_of) for robot in state.robots}
 
 
 def drives_of(state: msg.FleetState) -> Dict[int, JobDrive]:
-    """Returns what robots do on their missions, by the mission that each one serves."""
+    """Returns what robots do on their missions, by the id of the mission's request."""
     found = {}
     for robot in state.robots:
         act = act_of(robot.state == _ROBOT.BUSY, robot.waits_for_code, robot.to_destination)

@@ -1,4 +1,4 @@
-"""The file that keeps the jobs of `job_client` over a restart and a power cut."""
+"""The file that keeps the jobs of `job_client` across a restart or a power cut."""
 from __future__ import annotations
 
 import json
@@ -22,7 +22,7 @@ class HandedJobsFile:
         hold(self._path, parameter)
 
     def read(self) -> List[HandedJob]:
-        """Returns what was stored. Raises ConfigurationError: without it, jobs would be doubled."""
+        """Returns the stored jobs. Raises ConfigurationError: a node without them doubles jobs."""
         try:
             with open(self._path, encoding='utf-8') as file:
                 return [from_json(HandedJob, record) for record in json.load(file)]

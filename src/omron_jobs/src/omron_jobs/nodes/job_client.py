@@ -1,9 +1,9 @@
 """job_client: hands jobs of this workspace to an OMRON Fleet Manager, over ARCL.
 
 Actions
-    ~queue_job (omron_ld90_msgs/QueueJob): a job, or other goals or priorities for one; to its end
+    ~queue_job (omron_ld90_msgs/QueueJob): queues or modifies a job; ends with the job
 Publishes
-    ~job_status (omron_ld90_msgs/JobStatus): each change of a job; those of all open jobs at a start
+    ~job_status (omron_ld90_msgs/JobStatus): at each change of a job; at the start for each open job
     /diagnostics
 Parameters
     ~fleet_manager_ip  string  (required)  address or name of the Fleet Manager
@@ -45,7 +45,7 @@ _KINDS = {JobStop.PICKUP: HandedStopKind.PICKUP, JobStop.DROPOFF: HandedStopKind
 
 
 class JobClientNode:
-    """The node: see the module's text. One lock guards the jobs and the goals that wait."""
+    """The node that the module describes. One lock guards the jobs and the action goals."""
 
     def __init__(self) -> None:
         host, port = parameter('~fleet_manager_ip'), parameter('~port', 7171, int)

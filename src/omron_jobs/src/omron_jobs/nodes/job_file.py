@@ -1,4 +1,4 @@
-"""The SQLite file that keeps the jobs over a restart and a power cut."""
+"""The SQLite file that keeps the jobs across a restart or a power cut."""
 from __future__ import annotations
 
 import json
@@ -20,7 +20,7 @@ CREATE TABLE job (mission INTEGER PRIMARY KEY, record TEXT NOT NULL);
 CREATE TABLE counters (one INTEGER PRIMARY KEY CHECK (one = 1), record TEXT NOT NULL);
 PRAGMA user_version = 1;
 '''
-# Older files do not have it, and older programs leave it alone: both have the same version.
+# Older files do not have this table, and older programs ignore it. So the version stays the same.
 _POSTED = '''
 CREATE TABLE IF NOT EXISTS posted (kind TEXT, number INTEGER, record TEXT NOT NULL,
                                    PRIMARY KEY (kind, number))
@@ -31,7 +31,7 @@ class JobFile:
     """Keeps jobs and counters; a relative path begins in ROS_HOME."""
 
     def __init__(self, path: str, parameter: str) -> None:
-        """Raises ConfigurationError if the file cannot be used, or another process uses it."""
+        """Raises ConfigurationError if the file is not usable, or another process uses it."""
         self._path, self._parameter = in_ros_home(path), parameter
         hold(self._path, parameter)
         try:
@@ -55,7 +55,7 @@ class JobFile:
             f'another one with {self._parameter}. With another file it does not know its jobs.')
 
     def read(self) -> Tuple[List[QueuedJob], JobCounters]:
-        """Returns what was stored. Raises ConfigurationError: without it, jobs would be lost."""
+        """Returns the stored jobs and counters. Raises ConfigurationError: jobs would be lost."""
         try:
             jobs = [from_json(QueuedJob, json.loads(record), _ADDED) for record, in
                     self._database.execute('SELECT record FROM job')]

@@ -1,7 +1,7 @@
-"""job_server: takes jobs of warehouse programs as OMRON's Fleet Manager does.
+"""job_server: accepts jobs from warehouse programs, as OMRON's Fleet Manager does.
 
-They come over ARCL, or over REST as to FLOW Core's Integration Toolkit. Each job is a mission of
-the fleet manager.
+The jobs come over ARCL, or over REST as in FLOW Core's Integration Toolkit. Each job is a mission
+of the fleet manager.
 
 Subscribes
     /graph (itrci_nav_msgs/Graph), /fleet_state (itrci_nav_msgs/FleetState): latched
@@ -22,14 +22,14 @@ Parameters
                                         ROS_HOME
     ~outgoing_host  string  ''          a program to which this node connects by itself; empty: none
     ~outgoing_port  int     7179
-    ~outgoing_commands string  ''       commands carried out for it again and again, separated by |
-    ~outgoing_seconds float  0.0        s between two times; 0: never
+    ~outgoing_commands string  ''       commands that are repeated for that program, separated by |
+    ~outgoing_seconds float  0.0        s between two repetitions; 0: never
     ~robot_type     string  ''          robots that serve jobs; empty: all
     ~work_file      string  ''          work file (YAML), for the steps at the goals of jobs
-    ~rest_port      int     0           of the REST interface; 0: there is none
-    ~rest_host      string  127.0.0.1   the address on which its clients may connect
-    ~rest_password_file  string  ''     contains the password of its clients, and nothing else
-    ~rest_certificate, ~rest_key  string  ''  PEM files: it is served by TLS
+    ~rest_port      int     0           port of the REST interface; 0: there is no such interface
+    ~rest_host      string  127.0.0.1   the address on which REST clients may connect
+    ~rest_password_file  string  ''     contains the password of REST clients, and nothing else
+    ~rest_certificate, ~rest_key  string  ''  PEM files; with them the REST interface uses TLS
 """
 from __future__ import annotations
 
@@ -91,9 +91,9 @@ _NAME = 'job_server'
 
 
 class JobServerNode:
-    """The node: see the module's text. One thread owns the jobs and the clients.
+    """The node that the module describes. One thread owns the jobs and the clients.
 
-    Its attributes are the topics, ports, files and records that one thread serves together.
+    It has many attributes because one thread serves its topics, ports, files and records.
     """
 
     def __init__(self) -> None:
@@ -124,7 +124,7 @@ class JobServerNode:
             if rest is not None:
                 self._rest_port = self._open_rest(rest)
         except ConfigurationError:
-            self._port.close()  # no client waits for a node that does not work
+            self._port.close()  # clients must not wait for a node that does not work
             raise
         self._requests, self._commands = Sender(MissionRequest), Sender(MissionCommand)
         publish_diagnostics('none', {'jobs': self._show})
@@ -189,7 +189,7 @@ class JobServerNode:
             self._loop.call_soon_threadsafe(call)
 
     def _ask(self) -> None:
-        """Asks the fleet manager for missions without news, one after the other."""
+        """Asks the fleet manager for the status of silent missions, one after the other."""
         while True:
             job, asked = self._questions.get()
             self._put(partial(self._hear_answer, job, asked,
@@ -227,7 +227,7 @@ class JobServerNode:
 
     def _hear_answer(self, job: QueuedJob, asked: float, answer: Any) -> None:
         self._asked.discard(job.mission)
-        if answer is None:  # the fleet manager restarts: it is asked again
+        if answer is None:  # the fleet manager restarts: the question is repeated
             return
         if answer.found:
             self._hear(answer.status)
@@ -236,13 +236,13 @@ class JobServerNode:
             self._work_soon()
 
     def _work_soon(self) -> None:
-        """Works when all that has come is handled: many statuses come at once."""
+        """Schedules `_work` after all inputs that have come: many statuses come at once."""
         if not self._works_soon:
             self._works_soon = True
             self._loop.call_soon(self._work)
 
     def _work(self) -> None:
-        """Sends what is due to fleet manager and clients, and brings the records up to date."""
+        """Sends lines to clients and messages to the fleet manager, and updates the records."""
         self._works_soon = False
         self._port.flush()
         if self._requests.is_heard and self._commands.is_heard:
@@ -253,7 +253,7 @@ class JobServerNode:
     def _send(self, message: FleetMessage) -> None:
         act, job, first = message
         if act in (FleetAct.REQUEST, FleetAct.CHANGE) and self._site_work is None:
-            return  # what is to be done at its stops is not known yet: it is due again
+            return  # the steps at its stops are not known yet: the message comes again
         stops = stop_messages(stops_of(job, self._site_work or SiteWork()))
         if act is FleetAct.REQUEST:
             request = mission_request((), request_id=job.mission, stops=stops,
@@ -304,7 +304,7 @@ class JobServerNode:
 
 
 def stamp(job: QueuedJob) -> genpy.Time:
-    """Returns the stamp of the request of a job's mission: it tells requests with one id apart."""
+    """Returns the stamp of a request for a job's mission; with it the same id can be used again."""
     return genpy.Time(job.queued // 1000, job.queued % 1000 * 1_000_000)
 
 
@@ -317,7 +317,10 @@ def peers() -> Any:
 
 
 def outgoing_link(port: JobPort) -> Optional[DialledLink]:
-    """Returns the outgoing connection; None: it is not wanted. Raises ConfigurationError."""
+    """Returns the outgoing connection, or None if there is to be none.
+
+    Raises ConfigurationError.
+    """
     host, number_of_port = parameter('~outgoing_host', ''), parameter('~outgoing_port', 7179, int)
     commands = parameter('~outgoing_commands', '').split('|')
     seconds = number('~outgoing_seconds', 0.0, 0.0, 86_400.0)
@@ -334,7 +337,7 @@ def outgoing_link(port: JobPort) -> Optional[DialledLink]:
 
 
 class RestSettings(NamedTuple):
-    """What the REST interface needs. certificates: None: it is served without TLS."""
+    """The settings of the REST interface. `certificates` is None without TLS."""
 
     host: str
     port: int

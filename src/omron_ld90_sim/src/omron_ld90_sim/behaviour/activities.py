@@ -68,7 +68,7 @@ def park(robot: SimRobot, goal: MapObject) -> ScriptedActivity:
 
 
 def pass_goal(robot: SimRobot, goal: MapObject) -> Script:
-    """Drives to a goal on the way; only the extended status shows it."""
+    """Drives to an intermediate goal; only the extended status shows this drive."""
     robot.extended = f'Going to {goal.name}'
     yield from _reach(robot, goal.name, *_place(goal))
 
@@ -114,7 +114,7 @@ def drive(robot: SimRobot, x: float, y: float, heading: Optional[float], failed:
 
 def _until_there(robot: SimRobot, x: float, y: float, heading: Optional[float],
                  set_off: Callable[[], None], failed: str) -> Script:
-    """Sets off for a place until the robot is there; waits for obstacles for a limited time."""
+    """Sets off repeatedly until the robot is at a place; waits for obstacles a limited time."""
     waited, nearest = 0.0, robot.true_pose.distance_to(x, y)
     while True:
         if not robot.navigation.can_set_course:
@@ -135,7 +135,7 @@ def _until_there(robot: SimRobot, x: float, y: float, heading: Optional[float],
                 waited, nearest = 0.0, left
         if waited >= BLOCKED_TIMEOUT:
             raise ActivityFailure('Failed going to goal', failed)
-        pause = robot.random.uniform(0.5, 1.5) * RETRY      # random: two robots must not be in step
+        pause = robot.random.uniform(0.5, 1.5) * RETRY      # random: robots must not retry together
         yield pause
         waited += pause
 
@@ -158,7 +158,10 @@ def come_to_rest(robot: SimRobot) -> Script:
 
 
 def leave_dock(robot: SimRobot, wavering: Sequence[ChargeState] = _WAVERING_ON_GOTO) -> Script:
-    """Backs out of the dock if the robot is in it, with the charge states seen in transcripts."""
+    """Backs out of the dock if the robot is in it.
+
+    wavering -- the charge states that the robot announces meanwhile, as transcripts show
+    """
     if robot.docking.state is DockingPhase.UNDOCKED:
         return
     yield from come_to_rest(robot)
@@ -181,8 +184,8 @@ def leave_dock(robot: SimRobot, wavering: Sequence[ChargeState] = _WAVERING_ON_G
 def dock(robot: SimRobot, station: MapObject) -> ScriptedActivity:
     """Carries out `dock`: drives to the dock's pose, then into the station, and charges.
 
-    If the robot misses the charger, it backs out and tries again. That is still one `dock`, with
-    Undocking and Undocked in between (ARCL manual I617-E-02 p. 71).
+    If the robot misses the charger, it backs out and tries again. All attempts are one `dock`, with
+    the states Undocking and Undocked between them (ARCL manual I617-E-02 p. 71).
     """
     failed = f'Failed going to dock at {station.name}'
 
@@ -218,7 +221,8 @@ def dock(robot: SimRobot, station: MapObject) -> ScriptedActivity:
 def undock(robot: SimRobot) -> ScriptedActivity:
     """Carries out `undock`: backs out.
 
-    If the robot is not docked, it only sends the last three lines.
+    A robot that is not docked only sends the three lines that end each undocking: its docking
+    state, `Stopping` and `Stopped`.
     """
     def script() -> Script:
         if robot.docking.state is DockingPhase.UNDOCKED:

@@ -25,7 +25,7 @@ CHARGE_CHECK = 1.0          # s between two checks of the charger's phase
 
 
 class Docking:
-    """Docking state, charger and battery of one robot; calls `changed` for every new line."""
+    """Docking state, charger and battery of one robot; calls `changed` to announce `line`."""
 
     def __init__(self, clock: SimClock, base: Base, percent: float,
                  changed: Callable[[], None]) -> None:

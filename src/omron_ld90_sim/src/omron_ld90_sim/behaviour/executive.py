@@ -6,12 +6,12 @@ wait, or `STANDING` to wait until the base stands.
     event                             no activity       an activity runs
     `run`                             it begins         the base brakes, and the new one begins
     the wait is over; the base stands -                 the script goes on
-    the script ends                   -                 there is none
-    the script fails                  -                 there is none; the base brakes
-    `drop`                            -                 there is none; the base goes on
+    the script ends                   -                 no activity is left
+    the script fails                  -                 no activity is left; the base brakes
+    `drop`                            -                 no activity is left; the base goes on
 
-Invariants: there is one script at most, and one wait of it. A script does not end itself from the
-inside: `outside` waits for its next pause.
+Invariants: there is one script at most, and it waits for one event at most. A script does not end
+itself from the inside: `outside` runs such an action at the next pause of the script.
 """
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ from omron_ld90_sim.motion.track import Manoeuvre
 class Executive:
     """Runs the activity of one robot on the clock.
 
-    Its attributes are the running script and what it waits for.
+    Its attributes are the running script and the event for which the script waits.
     """
 
     def __init__(self, clock: SimClock, navigation: Navigation, stepping: Callable[[], None],
@@ -62,8 +62,8 @@ class Executive:
             activity.script.close()
 
     def outside(self, action: Callable[[], None]) -> None:
-        """Runs an action that may end the activity: at once, or at the next pause of the script
-        if the script itself requests it."""
+        """Runs an action that may end the activity: at once if it comes from outside the script,
+        otherwise at the next pause of the script."""
         if self._in_script:
             self._afterwards.append(action)
         else:
@@ -100,7 +100,7 @@ class Executive:
               then: Optional[Callable[[], None]] = None, at_least: float = 0.0) -> None:
         """Brings the base to rest, like `Base.brake`, and calls `then` when it stands.
 
-        at_least -- s that this takes even if the base stands already
+        at_least -- s until `then` is called if the base stands already
         """
         self._base.brake(deceleration)
         if self._base.still and then is not None and at_least:

@@ -1,6 +1,6 @@
 """Instant tasks: they end at once, during any activity (`doTaskInstant`, routes, macros).
 
-Which tasks are instant, and their arguments, is taken from real robots' maps (`TaskInfo:`).
+The maps of real robots (`TaskInfo:`) show which tasks are instant, and their arguments.
 """
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def set_fault(robot: SimRobot, fault: ApplicationFault) -> None:
 
 
 def clear_fault(robot: SimRobot, name: str) -> bool:
-    """Clears a fault of an application; False if there is none of that name.
+    """Clears a fault of an application. Returns False if no fault has that name.
 
     A robot that may drive again sends a single `Stopping` (ARCL manual I617-E-02 p. 57).
     """
@@ -55,7 +55,7 @@ def localize(robot: SimRobot, pose: SimPose, xy_spread: float, angle_spread: flo
 # -- the tasks -------------------------------------------------------------------------------
 
 def _without_a_word(robot: SimRobot, task: RobotTask) -> None:
-    """Carries out a task whose effect is only noticed at the robot itself (I617-E-02 p. 32, 74)."""
+    """Carries out a task that only a person at the robot notices (I617-E-02 p. 32, 74)."""
 
 
 def _send_text(robot: SimRobot, task: RobotTask) -> None:
@@ -96,9 +96,9 @@ def _localize_at_goal(robot: SimRobot, task: RobotTask) -> None:
 
 
 def _limit_speed(robot: SimRobot, task: RobotTask, lasting: bool) -> None:
-    """Limits the speed: `<importance> <forward mm/s>...` for the present activity, or lasting.
+    """Limits the speed: carries out `<importance> <forward mm/s>...`; 0 mm/s removes the limit.
 
-    0: the robot's own.
+    lasting -- whether the limit holds for later activities, too, not only for the present one
     """
     speed = task.number(1)
     robot.navigation.speed_limit = speed if speed > 0 else None

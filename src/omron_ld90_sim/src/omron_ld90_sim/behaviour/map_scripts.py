@@ -1,7 +1,7 @@
 """Routes and macros from the map's `RouteInfo:` and `MacroInfo:` lines.
 
-`Route "<name>"` or `Macro "<name>"`, followed by its lines `Goal "<goal>"` and
-`Task "<task>" <arguments>`.
+A line `Route "<name>"` or `Macro "<name>"` begins a route or a macro. Its lines `Goal "<goal>"` and
+`Task "<task>" <arguments>` follow.
 """
 from __future__ import annotations
 
@@ -68,7 +68,7 @@ def macros(document: MapDocument) -> Dict[str, List[RobotTask]]:
 
 
 def patrol(robot: SimRobot, route: MapRoute, once: bool, first: int = 0) -> ScriptedActivity:
-    """Carries out `patrol` without end, or `patrolOnce` from the goal with index `first`.
+    """Carries out `patrol` (without end) or `patrolOnce`, from the goal with index `first`.
 
     The goals on the way are not announced (ARCL manual I617-E-02 p. 161-166).
     """

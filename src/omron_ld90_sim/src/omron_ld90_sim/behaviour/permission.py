@@ -8,7 +8,7 @@ from omron_ld90_sim.behaviour.states import MotorState
 
 
 class PermissionChange(Enum):
-    """What has changed; `DrivePermission` tells it after the change."""
+    """A change of the permission; `DrivePermission` reports it after it has made the change."""
 
     BLOCKED = 'there is one more reason not to drive'
     UNBLOCKED = 'there is one reason less'
@@ -18,7 +18,7 @@ class PermissionChange(Enum):
 
 
 class DrivePermission:
-    """The state of the motors, and what forbids driving: (kind, name) of each reason."""
+    """The state of the motors, and the reasons that forbid driving, each as (kind, name)."""
 
     def __init__(self, changed: Callable[[PermissionChange], None]) -> None:
         self.motors = MotorState.ENABLED
@@ -37,7 +37,7 @@ class DrivePermission:
         self._changed(PermissionChange.BLOCKED)
 
     def unblock(self, kind: str, name: str) -> bool:
-        """Removes a reason that forbids driving; False if it did not exist."""
+        """Removes a reason that forbids driving. Returns False if it did not exist."""
         known = (kind, name) in self.blocked_by
         if known:
             self.blocked_by.remove((kind, name))
@@ -45,11 +45,11 @@ class DrivePermission:
         return known
 
     def press_estop(self) -> None:
-        """Presses the emergency stop button: motors off, the activity has ended."""
+        """Presses the emergency stop button: the motors are off, and the activity ends."""
         self.cut_motors(MotorState.ESTOP)
 
     def cut_motors(self, motors: MotorState = MotorState.DISABLED) -> None:
-        """Motors off: the activity has ended, and nothing is resumed."""
+        """Switches the motors off: the activity ends, and is not resumed."""
         self.motors = motors
         self._changed(PermissionChange.MOTORS_CUT)
 
@@ -60,7 +60,7 @@ class DrivePermission:
             self._changed(PermissionChange.BUTTON_RELEASED)
 
     def enable_motors(self) -> bool:
-        """Switches the motors on; False while the button is pressed."""
+        """Switches the motors on. Returns False if the emergency stop button is pressed."""
         if self.motors is MotorState.ESTOP:
             return False
         if self.motors is not MotorState.ENABLED:

@@ -58,9 +58,9 @@ class Quirks:
 
     arrival_error -- the largest error (mm, deg) with which it stops at a goal
     failing_goals -- goals that it fails to reach, in lower case
-    failing_docks -- number of next drives into a dock that fail
-    stops_to_replace -- whether it says `Stopping` to replace a drive
-    speed_limit -- mm/s, of every drive
+    failing_docks -- how many of the next drives into a dock fail
+    stops_to_replace -- whether it sends `Stopping` when an activity is replaced
+    speed_limit -- mm/s, for every drive
     """
 
     arrival_error: Tuple[float, float] = (0.0, 0.0)
@@ -73,10 +73,11 @@ class Quirks:
 
 @dataclass
 class TaskState:
-    """What the robot knows of its tasks.
+    """The state of the robot's tasks.
 
     last_goal -- the goal of its last drive
-    waiting, pausing -- status text of a running wait task; whether a pause task runs
+    waiting -- status text of the running wait task; empty: no wait task runs
+    pausing -- whether a pause task runs
     patrol_places -- by route in lower case: the index of the present goal
     """
 
@@ -89,7 +90,7 @@ class TaskState:
 class SimRobot:
     """One simulated LD-90 without its interface; lengths in mm, angles in degrees.
 
-    It has many attributes because it puts the parts of a robot together: each is one part.
+    It has many attributes because it puts the parts of a robot together: each attribute is a part.
     """
 
     def __init__(self, clock: SimClock, document: MapDocument, floor: SimFloor,
@@ -122,7 +123,7 @@ class SimRobot:
         self.navigation.change_floor(floor)
 
     def _dock_at_start(self) -> None:
-        """Sets up a robot that starts in a dock: it is charged, or charges."""
+        """Sets the docking state of a robot that starts in a dock."""
         here = self.base.pose
         for dock in self.document.docks:
             inside = docked_pose(self.navigation.floor, dock)
@@ -154,7 +155,7 @@ class SimRobot:
         self.announce(self.docking.line)
 
     def _note_state(self) -> None:
-        """Updates the state whose times the data store counts."""
+        """Updates the working state. The data store shows how long the robot was in each state."""
         if self.permission.motors in (MotorState.ESTOP, MotorState.RELIEVED):
             state: Optional[WorkState] = WorkState.IN_ESTOP
         elif any(kind == 'fault' for kind, _ in self.permission.blocked_by):
@@ -180,7 +181,7 @@ class SimRobot:
         self.executive.run(activity)
 
     def _interrupt(self) -> bool:
-        """Ends the activity; False if there is none."""
+        """Ends the activity. Returns False if there was none."""
         interrupted = self.activity is not None
         if self.activity is not None:
             line = self.activity.interrupted(self.quirks.interrupted_words)
@@ -219,7 +220,10 @@ class SimRobot:
         self.announce_stopping()
 
     def announce_stopping(self, at_least: float = 0.0) -> None:
-        """Brakes; announces `Stopping`, and `Stopped` when the robot stands, after `at_least` s."""
+        """Brakes and announces `Stopping`, then `Stopped` when the robot stands.
+
+        at_least -- s until `Stopped` if the robot stands already
+        """
         self.status = self.extended = 'Stopping'
         self.announce('Stopping')
 
@@ -239,7 +243,7 @@ class SimRobot:
 
     @property
     def can_drive(self) -> bool:
-        """Motors on, localized and not blocked."""
+        """Whether the motors are on, and the robot is localized and not blocked."""
         return self.permission.granted and not self.localization.lost
 
     def _permission_changed(self, change: PermissionChange) -> None:

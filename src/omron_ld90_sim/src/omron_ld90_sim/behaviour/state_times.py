@@ -1,4 +1,4 @@
-"""Time and distance that the robot spent in each of the states that its data store counts."""
+"""Time and distance of the robot in each of the states that its data store counts."""
 from __future__ import annotations
 
 from enum import Enum
@@ -11,7 +11,7 @@ Sum = Tuple[float, float]       # seconds, mm
 
 
 class WorkState(Enum):
-    """A state of a robot without a fleet manager, with its name in the data store."""
+    """A state of a robot without a fleet manager; the value is its name in the data store."""
 
     DOCKING = 'Docking'
     DOCKED = 'Docked'
@@ -20,7 +20,7 @@ class WorkState(Enum):
 
 
 class StateTimes:
-    """Sums since the start and since the last trip reset; at most one state is active."""
+    """Times and distances since the start and the last trip reset; at most one state is active."""
 
     def __init__(self, clock: SimClock, base: Base) -> None:
         self._clock, self._base = clock, base
@@ -33,7 +33,7 @@ class StateTimes:
         return self._clock.now, self._base.driven
 
     def enter(self, state: Optional[WorkState]) -> None:
-        """Enters `state`, or None for a state that is not counted."""
+        """Enters `state`; None is any state that is not counted."""
         now = self._now()
         if self._state is not None:
             self._sums[self._state] = _plus(self._sums[self._state], _minus(now, self._since))

@@ -56,10 +56,10 @@ class ScriptedActivity:
     extended: str
     script: Script
     point: Optional[Tuple[float, float]] = None     # mm, its destination
-    goal: bool = False                              # whether that is a goal, named in `status`
+    goal: bool = False                              # whether `point` is a goal; `status` names it
 
     def interrupted(self, words: InterruptedWords) -> Optional[str]:
-        """Returns the line about its early end, or None; a point has only coordinates, no name."""
+        """Returns the line that announces its early end, or None; a point has no name."""
         if words is InterruptedWords.NOTHING:
             return None
         if self.point is None or (self.goal and words is InterruptedWords.NAME):

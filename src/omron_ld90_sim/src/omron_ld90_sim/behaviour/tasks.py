@@ -24,13 +24,13 @@ SOUND = 2.0                 # s, length of every sound file
 
 
 class Arguments(NamedTuple):
-    """The number of words that a task needs, and the positions of numbers."""
+    """The number of words that a task needs, and the positions of its numeric arguments."""
 
     required: int
     numbers: range = range(0)
 
 
-ARGUMENTS: Dict[str, Arguments] = {     # of tasks that need any; checked before they begin
+ARGUMENTS: Dict[str, Arguments] = {     # checked before a task begins
     'move': Arguments(0, range(5)), 'deltaheading': Arguments(1, range(2)),
     'setheading': Arguments(1, range(1)), 'gotopoint': Arguments(2, range(3)),
     'goto': Arguments(1), 'wait': Arguments(1, range(1)), 'say': Arguments(1),
@@ -45,7 +45,7 @@ ARGUMENTS: Dict[str, Arguments] = {     # of tasks that need any; checked before
 
 
 def parse(text: str) -> RobotTask:
-    """Returns the task in `<task> <arguments>`; raises BadTask if there is none of that name."""
+    """Returns the task in `<task> <arguments>`; raises BadTask for a wrong name or argument."""
     name, _, rest = text.strip().partition(' ')
     task = RobotTask(name, rest.strip())
     if name.lower() not in SCRIPTS and name.lower() not in INSTANT:
@@ -95,9 +95,9 @@ def _move(robot: SimRobot, task: RobotTask) -> Script:
 
 
 def _free_leg(robot: SimRobot, distance: float, clearance: float) -> float:
-    """Returns the part of `distance` (mm, back when negative) that can be driven straight on.
+    """Returns the part of `distance` (mm, negative: backwards) that can be driven straight on.
 
-    All of it, or up to `clearance` before the first obstacle.
+    It ends `clearance` mm before the first obstacle, and is at most LONGEST_LEG long.
     """
     here, obstacles = robot.true_pose, robot.navigation.obstacles()
     wanted = math.copysign(min(abs(distance), LONGEST_LEG), distance)
@@ -125,7 +125,7 @@ def _turn(robot: SimRobot, turn: Callable[[], Turn]) -> Script:
 
 
 def _delta_heading(robot: SimRobot, task: RobotTask) -> Script:
-    """Carries out `<deg, left positive> <deg/s>`; may be more than a whole turn."""
+    """Carries out `<deg, left positive> <deg/s>`; the angle may exceed a whole turn."""
     limits, angle = robot.base.limits, task.number(0)
     wanted = abs(task.number(1, limits.goal_rotation))
     rate = min(max(wanted, MINIMUM_ROTATION), limits.path_rotation)
@@ -217,7 +217,7 @@ def macro(robot: SimRobot, name: str, tasks: List[RobotTask]) -> ScriptedActivit
             for task in tasks:
                 yield from script(robot, task)
         except ActivityFailure as failure:
-            # the status of a failed macro is the line of the event
+            # after a failed macro the status is the same text as the announced line
             raise ActivityFailure(str(failure), f'Error: {failure}') from failure
         robot.status = robot.extended = f'Completed macro {name}'
         robot.announce(robot.status)

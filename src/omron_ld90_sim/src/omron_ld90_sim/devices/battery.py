@@ -3,8 +3,8 @@ from __future__ import annotations
 
 from enum import Enum
 
-DRAIN_STANDING = 4.0 / 3600     # percent per second; not in the sources: about a day of standing
-DRAIN_DRIVING = 8.0 / 3600      # about twelve hours of driving
+DRAIN_STANDING = 4.0 / 3600     # percent per second; assumed: the battery lasts for about a day
+DRAIN_DRIVING = 8.0 / 3600      # the battery lasts for about twelve hours
 CHARGE = 25.0 / 3600            # four hours from empty to full
 BULK_TIME = 5.0                 # s, minimum time of Bulk before Overcharge
 OVERCHARGE_TIME = 15.0          # s after docking before Float
@@ -22,7 +22,7 @@ class ChargeState(Enum):
 
 
 class SimBattery:
-    """State of charge over time."""
+    """The state of charge, which changes with time."""
 
     def __init__(self, percent: float) -> None:
         self.percent = percent

@@ -10,13 +10,13 @@ SLOTS = 4       # payload slots of a robot with the default configuration (I617-
 
 
 def find_name(names: Iterable[str], wanted: str) -> Optional[str]:
-    """Returns the one of `names` that equals `wanted` with case ignored; None if there is none."""
+    """Returns the name in `names` that equals `wanted`, ignoring case; None: there is none."""
     return next((name for name in names if name.lower() == wanted.lower()), None)
 
 
 @dataclass(frozen=True)
 class ApplicationFault:
-    """A fault raised by an application; its text are the fields of a `Fault:` line."""
+    """A fault raised by an application; `str` returns the fields of its `Fault:` line."""
 
     name: str
     short: str
@@ -62,14 +62,14 @@ def _switches(name: str) -> Dict[str, bool]:
 
 @dataclass
 class Equipment:
-    """Four digital inputs and outputs, one analog input; names of real robots are not known."""
+    """Four digital inputs and outputs, one analog input; real robots' names are not known."""
 
     inputs: Dict[str, bool] = field(default_factory=lambda: _switches('Input'))
     outputs: Dict[str, bool] = field(default_factory=lambda: _switches('Output'))
     analog_inputs: Dict[str, AnalogInput] = field(
         default_factory=lambda: {'Analog_1': AnalogInput(voltage=2.5)})
     faults: Dict[str, ApplicationFault] = field(default_factory=dict)
-    infos: Dict[str, Tuple[int, str]] = field(default_factory=dict)  # name -> longest value, value
+    infos: Dict[str, Tuple[int, str]] = field(default_factory=dict)  # name -> maximum length, value
     io_sets: Dict[str, IoSet] = field(default_factory=dict)     # external I/O
     slots: Dict[int, Optional[Load]] = field(
         default_factory=lambda: dict.fromkeys(range(1, SLOTS + 1)))

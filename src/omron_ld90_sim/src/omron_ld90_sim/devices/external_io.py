@@ -1,7 +1,7 @@
 """External I/O: named banks of inputs and outputs that another device keeps up to date.
 
-Positions of bits and bytes count from 1. Values are printed in hexadecimal, with a quarter as many
-digits as there are bits, rounded down, and more if needed. All examples of ARCL manual I617-E-02
+Positions of bits and bytes count from 1. Values are printed in hexadecimal: one digit for four
+bits, rounded down, and more digits if the value needs them. All examples of ARCL manual I617-E-02
 p. 82-101 follow these rules.
 """
 from __future__ import annotations
@@ -9,7 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 MAXIMUM_BITS = 4096         # of one bank
-DECIMAL_BITS = 32           # a decimal value does not set the bits above
+DECIMAL_BITS = 32           # a decimal value sets only this many bits
 
 
 @dataclass
@@ -29,11 +29,11 @@ class Bank:
         self.value = value & ((1 << self.count) - 1)
 
     def set_bit(self, position: int, on: bool) -> None:
-        """Sets one bit; ValueError if the bank has no such position."""
+        """Sets one bit. Raises ValueError if the bank has no such position."""
         self._set(position, 1, int(on))
 
     def set_byte(self, position: int, value: int) -> None:
-        """Sets eight bits, or as many as the bank has there; ValueError beyond the bank."""
+        """Sets eight bits, as far as the bank has them. Raises ValueError if it has none."""
         self._set(position, 8, value)
 
     def _set(self, position: int, width: int, value: int) -> None:
@@ -58,7 +58,7 @@ class IoSet:
 
 
 def parse_value(text: str) -> int:
-    """Reads `0x...` completely, a decimal number up to its 32 bits; else ValueError."""
+    """Returns a value `0x...`, or the lowest 32 bits of a decimal number; or raises ValueError."""
     value = int(text, 16) if text.lower().startswith('0x') else int(text)
     if value < 0:
         raise ValueError(f"'{text}' is negative")

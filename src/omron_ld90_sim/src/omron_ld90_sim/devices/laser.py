@@ -22,7 +22,7 @@ _ANGLES = np.radians(np.linspace(-FIELD_OF_VIEW / 2, FIELD_OF_VIEW / 2, RAYS))
 
 
 def scan(floor: SimFloor, pose: SimPose, others: Sequence[np.ndarray] = ()) -> np.ndarray:
-    """Ranges (mm) of the 455 rays from right to left; inf if there is no hit within 15 m.
+    """Returns the ranges (mm) of the 455 rays from right to left; inf: no hit within 15 m.
 
     `others`: outlines of further obstacles, as arrays (K, N, 2) of K obstacles with N corners each,
     counter-clockwise.
@@ -38,7 +38,7 @@ def scan(floor: SimFloor, pose: SimPose, others: Sequence[np.ndarray] = ()) -> n
 
 
 def points(pose: SimPose, ranges: np.ndarray) -> np.ndarray:
-    """Hits (N, 2) in mm, map frame, for ranges measured at `pose`."""
+    """Returns the hits (N, 2) in mm, map frame, for ranges measured at `pose`."""
     hit = np.isfinite(ranges)
     angles = _ANGLES[hit] + np.radians(pose.theta)
     return np.array([pose.x, pose.y]) + ranges[hit, None] * np.column_stack([np.cos(angles),
@@ -75,9 +75,9 @@ def _march(floor: SimFloor, origin: np.ndarray, direction: np.ndarray) -> np.nda
 
 
 def _edges(start: np.ndarray, along: np.ndarray, direction: np.ndarray) -> np.ndarray:
-    """Ranges to the nearest of the edges (E, 2) seen from the origin; inf for rays without a hit.
+    """Returns the range at which each ray from the origin hits an edge first; inf: it hits none.
 
-    Only edges whose outer side faces the origin count.
+    Only those of the edges (E, 2) count whose outer side faces the origin.
     """
     beside = start[:, 0] * along[:, 1] - start[:, 1] * along[:, 0]
     seen = beside < 0

@@ -7,7 +7,7 @@ from omron_ld90_sim.clock import SimClock
 from omron_ld90_sim.motion.kinematics import SimPose, normalise
 from omron_ld90_sim.motion.noise import noise
 
-FOUND_WITHIN = (1000.0, 30.0)   # mm, deg: largest error of a search's start that still succeeds
+FOUND_WITHIN = (1000.0, 30.0)   # mm, deg: a search that begins within this error succeeds
 SCORE_FOUND, SCORE_LOST = 0.87, 0.06
 SCORE_NOISE = 0.012             # standard deviation
 
@@ -15,7 +15,7 @@ _NO_ERROR = SimPose(0.0, 0.0, 0.0)
 
 
 class Localization:
-    """The believed pose of one robot: the true pose, or wrong by `error` while it is lost."""
+    """The believed pose of a robot: the true pose plus `error`, which is 0 if it is not lost."""
 
     def __init__(self, clock: SimClock, seed: int) -> None:
         self.error = _NO_ERROR

@@ -17,7 +17,7 @@ _BOUNDS = {WHOLE: ('-2147483648', '2147483647'), REAL: ('-inf', 'inf')}
 
 @dataclass
 class ConfigParameter:
-    """One value and its description for `getConfigSectionInfo`; a bound of None is open."""
+    """One value, and its description for `getConfigSectionInfo`; a bound may be None: no bound."""
 
     name: str
     type: str
@@ -30,7 +30,7 @@ class ConfigParameter:
 
     @property
     def info(self) -> str:
-        """Its description in `getConfigSectionInfo`, with the empty delimiter field."""
+        """The description in `getConfigSectionInfo`; its last field, the delimiter, is empty."""
         unbounded = _BOUNDS.get(self.type, ('None', 'None'))
         minimum, maximum = (other if bound is None else f'{bound:.15g}' for bound, other
                             in zip((self.minimum, self.maximum), unbounded))
@@ -90,7 +90,7 @@ class RobotConfiguration:
         return self.text(section, name).lower() == 'true'
 
     def set(self, section: str, name: str, value: object) -> None:
-        """Changes one value; ValueError with a sentence if it does not exist or does not fit."""
+        """Changes one value. Raises ValueError, with a sentence, if this is not possible."""
         parameter = self.sections[section].find(name) if section in self.sections else None
         if parameter is None:
             raise ValueError(f"there is no parameter '{name}' in section '{section}'")
@@ -113,7 +113,7 @@ class RobotConfiguration:
     def finish_import(self) -> Optional[Tuple[List[Change], List[str]]]:
         """Carries out `configParse`: returns the changes and the errors.
 
-        None if no import was started.
+        Returns None if no import was started.
         """
         if self._import is None:
             return None

@@ -1,9 +1,9 @@
 """The sections of an LD robot's configuration, and the parameters that the simulator has in them.
 
-Sections and their order, and names, types, priorities and ranges of parameters are those that the
-maps of real robots have in common; these maps contain the whole configuration. If they differ from
-I617-E-02, the maps are used. Included are the parameters that change the simulator's behaviour, and
-those that clients query of every robot.
+The maps of real robots contain their whole configuration. The table has the sections, in their
+order, and the names, types, priorities and ranges that these maps have in common. If they differ
+from I617-E-02, the maps are right. Only parameters that change the simulator's behaviour, or that
+clients query of every robot, are in the table.
 """
 from __future__ import annotations
 
@@ -93,7 +93,7 @@ def _known() -> Dict[str, ConfigSection]:
 
 
 def _command_lists() -> List[ConfigParameter]:
-    """Texts and priorities as in I617-E-02 p. 105."""
+    """Returns the parameters of the lists, with the texts and priorities of I617-E-02 p. 105."""
     advanced = partial(ConfigParameter, priority='Advanced')
     lists = [advanced('LogOutgoingCommands', FLAG, 'false',
                       'Log the commands sent on the Outgoing ARCL connection.')]

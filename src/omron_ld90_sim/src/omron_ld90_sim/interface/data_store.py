@@ -2,9 +2,10 @@
 
 Names and forms are those of ARCL manual I617-E-02 p. 110-119 and 244, of the guide to the vendor's
 Python library (groups and fields of a real robot) and of public client programs (`RobotX`,
-`TransVel`, `ModeStatus`, `BatteryStateOfCharge` ...). A fleet manager's sums over its robots begin
-with `Agg`; a robot's own values have the name without it (`ParkingTime`). Only values that the
-simulator knows are here: a real robot has about forty groups. Distances are assumed to be in m.
+`TransVel`, `ModeStatus`, `BatteryStateOfCharge` ...). The names of a fleet manager's sums over its
+robots begin with `Agg`; a robot's own values have the names without `Agg` (`ParkingTime`). A real
+robot has about forty groups; the simulator has only the values that it knows. Distances are
+assumed to be in m.
 """
 from __future__ import annotations
 
@@ -27,7 +28,7 @@ CHARGE_NUMBERS = {state: number for number, state in enumerate(ChargeState)}
 JOB_COUNTS = ('CompletedJobs', 'CompletedJobSegments', 'CancelledJobs', 'CancelledJobSegments',
               'ModifiedJobSegments')
 SEGMENT_COUNTS = ('CancelledInProgressJobSegments', 'FailedJobSegments', 'InterruptedJobSegments')
-# the states of the manual's list in its order, and whether their distance is also counted
+# the states in the order of the manual's list, and whether their distance is counted, too
 STATES = (('DropOffDriving', True), ('PickupDriving', True), ('Parking', True), ('Docking', True),
           ('ForceDocking', True), ('Docked', False), ('ForceDocked', False), ('InFault', False),
           ('InEstop', False), ('After', False), ('Parked', False), ('Buffered', False))
@@ -80,7 +81,7 @@ class DataStore:
         return self.robot.state_times
 
     def reset_trip(self) -> List[StoredValue]:
-        """Restarts the trip's fields and returns them; dates are not counters."""
+        """Begins a new trip. Returns its counters; dates are no counters."""
         self.times.reset_trip()
         self.trip_start = self.wall_time()
         return [field for group in GROUPS.values() for field in group.fields
@@ -101,14 +102,14 @@ class DataStore:
 
 
 def _counts(names: Tuple[str, ...], trip: str = '') -> Tuple[StoredValue, ...]:
-    """Counters of jobs; they stay 0, because a robot without a fleet manager gets no jobs."""
+    """Returns counters of jobs; they stay 0: a robot without a fleet manager gets no jobs."""
     return tuple(StoredValue(f'{trip}{name}', LONG, f'{name}, of the fleet manager\'s jobs',
                              lambda _: 0) for name in names)
 
 
 def _state_fields(trip: str, spent: Callable[[DataStore, WorkState], Sum]
                   ) -> Tuple[StoredValue, ...]:
-    """Hours, and metres if they are counted, of every state of the manual's list."""
+    """Returns the fields of the states of the manual's list: hours, and for some metres."""
     counted: Dict[str, WorkState] = {state.value: state for state in WorkState}
 
     def hours(name: str) -> Callable[[DataStore], object]:

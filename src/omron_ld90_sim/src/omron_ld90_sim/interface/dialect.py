@@ -1,7 +1,7 @@
-"""The dialect of a robot: that of an LD-90, and ways in which other robots differ.
+"""The dialect of a robot: the words of an LD-90, and ways in which other robots differ from it.
 
-The default follows the sources (docs/explanation/sources.md). Everything else is for developers
-whose software must work with robots that are less exact; the fault `dialect` switches it on.
+The default follows the sources (docs/explanation/sources.md). The fault `dialect` switches the
+other settings on. They are for developers whose software must work with less exact robots.
 """
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ WELCOME = ('Welcome to the server.',
 
 
 class HelpLayout(Enum):
-    """The layout of the help list, as format of name and description."""
+    """The layout of the help list, as a format string for name and description."""
 
     RIGHT = '{0:>15}          {1}'      # the LD-90's: name right-aligned, ten blanks
     LEFT = '{0:<28}{1}'                 # a long name touches its description

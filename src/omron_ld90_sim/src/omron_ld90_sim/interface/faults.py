@@ -1,4 +1,4 @@
-"""Faults on demand: each is one line of words, the same in all interfaces.
+"""Faults on demand: each is one line of words; the words are the same in all interfaces.
 
 They come from `--fault`, from a script file (`[SECONDS] FAULT` per line, `#` comments), from the
 control socket and from `Simulator.inject`. Without a request there are no faults.
@@ -29,11 +29,11 @@ class NoSuchFault(ValueError):
 
 
 class Faults:
-    """Applies faults to one robot; each public method is the fault with its name.
+    """Applies faults to one robot. Each public method is the fault of that name.
 
     The first line of a method's docstring is its usage, the rest its meaning (`--help-faults`).
 
-    It has one method for each fault.
+    The class has many methods because there is one for each fault.
     """
 
     def __init__(self, server: ArclServer) -> None:
@@ -56,7 +56,7 @@ class Faults:
                 f"'{words}' is no fault, expected: {_usage(method)}{reason}") from error
 
     def schedule(self, line: str) -> None:
-        """Applies `[SECONDS] FAULT`, at that time of the simulated clock or at once."""
+        """Applies `[SECONDS] FAULT` at that time of the simulated clock; without one, at once."""
         first, _, rest = line.strip().partition(' ')
         try:
             float(first)
@@ -267,7 +267,7 @@ class Faults:
 
 
 def run_script(lines: Iterable[str], schedule: Callable[[str], None]) -> None:
-    """Schedules every line of a script; `NoSuchFault` names a line without a fault."""
+    """Schedules every line of a script. Raises `NoSuchFault`, with the number of the wrong line."""
     for count, line in enumerate(lines, 1):
         line = line.partition('#')[0].strip()
         if line:
@@ -301,7 +301,7 @@ def _usage(method: Callable[..., None]) -> str:
 
 
 def help_text() -> str:
-    """The faults, one line each."""
+    """Returns the usage and meaning of all faults, one line each."""
     paragraphs = []
     for _, method in sorted(_methods().items()):
         usage, *meaning = (inspect.getdoc(method) or '').splitlines()

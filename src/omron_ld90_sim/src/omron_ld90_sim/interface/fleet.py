@@ -4,8 +4,8 @@
     - {name: r1, port: 7171, outgoing: "127.0.0.1:7179", start: [1.0, 2.0, 90]}
     - {name: r2, port: 7181}
 
-`outgoing` and `start` (metres, metres, degrees) are optional; a robot without a start takes the
-next free dock, goal or place.
+`outgoing` and `start` (metres, metres, degrees) are optional. A robot without `start` begins at
+the next free dock, goal or place.
 """
 from __future__ import annotations
 

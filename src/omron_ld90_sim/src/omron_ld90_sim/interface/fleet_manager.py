@@ -1,7 +1,7 @@
-"""A simulated OMRON Fleet Manager: it takes jobs over ARCL on its own port, for the robots of this
-simulation. Words and lines: see `job_queue`.
+"""A simulated OMRON Fleet Manager: it accepts jobs over ARCL on its own port, for the robots of
+this simulation. `job_queue` describes the words and lines.
 
-Its table of commands is its own: neither the driver nor `omron_jobs` shares a line with it.
+Its table of commands is separate: it shares no code with the driver or with `omron_jobs`.
 """
 from __future__ import annotations
 
@@ -37,13 +37,13 @@ _QUERIED = (*_CANCELLED, 'completed', 'cancelled', 'failed')
 
 
 class BadJob(ValueError):
-    """What a client wants is wrong; the text is that of CommandErrorDescription."""
+    """A wrong command of a client; the text is sent as CommandErrorDescription."""
 
 
 class SimFleetManager:
-    """The Fleet Manager without I/O. `goals`: what robots can drive to.
+    """The Fleet Manager without I/O. `goals` are the names of the goals on the robots' map.
 
-    It has many attributes because a port needs a server and a session needs a host.
+    It has many attributes because it is the server of a port and the host of sessions.
     """
 
     def __init__(self, clock: SimClock, robots: Sequence[QueueRobot],
@@ -114,7 +114,7 @@ class SimFleetManager:
 
     def add(self, wanted: Sequence[NewSegment], job: str,
             swap: Optional[QueueSegment] = None) -> List[QueueSegment]:
-        """Queues a job, after a drop-off if it is a swap. Raises BadJob."""
+        """Queues a job; a swap waits for the drop-off `swap`. Raises BadJob."""
         try:
             return self.queue.add(wanted, job, swap)
         except DoubleJob as problem:
@@ -135,7 +135,7 @@ class SimFleetManager:
 
 
 class QueuedUnit:
-    """A simulated robot in the hands of the Fleet Manager."""
+    """A simulated robot to which the Fleet Manager gives jobs."""
 
     def __init__(self, name: str, robot: SimRobot) -> None:
         self.name, self._robot = name, robot

@@ -11,11 +11,11 @@
                                                           AfterModify, Pending
 
 A pickup at the goal where a running job drops off is a swap: it waits for that drop-off, and the
-same robot serves it, in the same second. The two are parted if the drop-off ends otherwise, or if
-one of them gets another goal.
+same robot serves it, in the same second. The pickup no longer waits if the drop-off is not
+completed, or if one of the two gets another goal.
 
-Invariants: a robot serves one job at a time, but for a swap; the segments of a job are served in
-their order, by one robot. Words, ids and lines: OMRON's manual I617-E-01 p. 44-49 and 188-236.
+Invariants: a robot serves one job at a time, except for a swap; one robot serves the segments of a
+job, in their order. Words, ids and lines: OMRON's manual I617-E-01 p. 44-49 and 188-236.
 """
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ class QueueRobot(Protocol):
         """Whether it may get a job."""
 
     def drive(self, goal: str, ended: Callable[[bool], None]) -> None:
-        """Drives to a goal, and says once whether it has reached it, but not at once."""
+        """Drives to a goal. Later calls `ended` once: True if the robot has reached the goal."""
 
     def stop(self) -> None:
         """Ends the drive."""
@@ -44,14 +44,14 @@ class QueueRobot(Protocol):
 
 @dataclass
 class QueueSegment:
-    """A segment of a job. Its attributes are the fields of the lines about it, and two counters."""
+    """A segment of a job. Its attributes are the fields of its lines, and two counters."""
 
     id: str
     job: str
     goal: str
     priority: int
     queued: str
-    after: str = ''         # the segment that must be completed before
+    after: str = ''         # the segment that must be completed before this one
     status: str = 'Pending'
     substatus: str = 'None'
     robot: str = NO_ROBOT
@@ -75,16 +75,16 @@ class NewSegment:
 
 
 class NotModifiable(ValueError):
-    """A segment that has ended, or ends."""
+    """The id of a segment that does not exist, has ended, or is ending."""
 
 
 class DoubleJob(ValueError):
-    """The id of an active job."""
+    """A new job has the id of an active job."""
 
 
 @dataclass
 class JobQueue:
-    """All segments, the oldest first. `tell` is called after each change of a segment."""
+    """All segments, the oldest first; calls `tell` after each change of a segment."""
 
     robots: Sequence[QueueRobot]
     date: Callable[[], str]
@@ -93,7 +93,7 @@ class JobQueue:
     _count: int = 0
 
     def swap_at(self, goal: str) -> Optional[QueueSegment]:
-        """Returns the drop-off of a running job at that goal after which no job is linked yet."""
+        """Returns the drop-off of a running job at that goal to which no job is linked yet."""
         taken = {one.after for one in self.segments if one.is_open}
         running = {one.job for one in self.segments if one.status == 'InProgress'}
         return next((one for one in self.segments if one.is_open and one.job in running
@@ -102,7 +102,7 @@ class JobQueue:
 
     def add(self, wanted: Sequence[NewSegment], job: str,
             swap: Optional[QueueSegment] = None) -> List[QueueSegment]:
-        """Queues a job; its changes are told from the next `advance` on. Raises DoubleJob."""
+        """Queues a job and returns its segments; calls no `tell`. Raises DoubleJob."""
         if any(one.is_open and one.job.lower() == job.lower() for one in self.segments):
             raise DoubleJob(f'job id "{job}" is that of an active job')
         added: List[QueueSegment] = []
@@ -130,7 +130,7 @@ class JobQueue:
         return found
 
     def modify(self, segment: QueueSegment, goal: str, priority: int) -> None:
-        """Gives a segment that is modifiable another goal or priority; a drive begins anew."""
+        """Gives a modifiable segment another goal or priority; its drive, if any, begins anew."""
         was_driven, waited = segment.status == 'InProgress', segment.substatus
         self._enter(segment, 'BeforeModify', 'Driving' if was_driven else 'None')
         if was_driven:
@@ -148,7 +148,7 @@ class JobQueue:
                     self._part(following)
 
     def announce(self, added: Sequence[QueueSegment]) -> None:
-        """Tells segments that were added, after their client has its reply."""
+        """Calls `tell` for added segments; for use after the client has got its reply."""
         for one in added:
             self.tell(one)
 
@@ -159,7 +159,7 @@ class JobQueue:
                 if getattr(one, fields[kind.lower()]).lower() == value.lower()]
 
     def cancel(self, found: Sequence[QueueSegment], reason: str) -> None:
-        """Cancels segments and what follows them in their jobs."""
+        """Cancels the jobs of these segments: all their segments that have not ended."""
         jobs = {one.job for one in found if one.is_open}
         for one in self.segments:
             if one.is_open and one.job in jobs:
@@ -174,7 +174,7 @@ class JobQueue:
                 self._part(one)
 
     def advance(self) -> None:
-        """Gives free robots what is due."""
+        """Begins the segment that is due for each free robot."""
         busy = {one.robot for one in self.segments if one.is_open and one.status != 'Pending'}
         for robot in self.robots:
             if robot.is_free and robot.name not in busy:
@@ -189,17 +189,17 @@ class JobQueue:
         return max(waiting, key=lambda one: one.priority) if waiting else None
 
     def _owner(self, segment: QueueSegment) -> str:
-        """Returns the robot that has served the segment before, which serves this one, too."""
+        """Returns the robot that must serve this segment, because it served the one before."""
         return next((one.robot for one in self.segments if one.id == segment.after), NO_ROBOT)
 
     def _linked(self, job: str) -> List[QueueSegment]:
-        """Returns the open segments of the job that is linked to this one."""
+        """Returns the open segments of jobs that are linked to a job."""
         ids = {one.id for one in self.segments if one.job == job and one.is_open}
         jobs = {one.job for one in self.segments if one.after in ids and one.job != job}
         return [one for one in self.segments if one.is_open and one.job in jobs]
 
     def _part(self, segment: QueueSegment) -> None:
-        """Ends a swap: the job waits for a robot as any other."""
+        """Ends a swap: the job waits for any robot, like other jobs."""
         before = next((one for one in self.segments if one.id == segment.after), None)
         if segment.is_open and before is not None and before.job != segment.job:
             segment.after, segment.substatus = '', 'None'
@@ -250,7 +250,7 @@ class JobQueue:
 
 
 def line_of(word: str, segment: QueueSegment, echo: Optional[str] = None) -> str:
-    """Returns a line about a segment. `echo` None: a QueueUpdate, which has none."""
+    """Returns a line about a segment; `echo` is None for a QueueUpdate, which has no echo."""
     robot = f'"{segment.robot}"'
     parts: Tuple[str, ...] = (
         f'{word}:', segment.id, segment.job, str(segment.priority), segment.status,

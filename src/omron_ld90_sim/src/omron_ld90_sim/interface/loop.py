@@ -1,10 +1,10 @@
 """Runs the simulation with one thread, one selector and one simulated clock.
 
 The loop sleeps until a socket is ready or the clock's next callback is due. Simulated time is wall
-time times the speed factor. Input takes effect at the robot's next cycle, and the clock advances
-there at once. So no client waits, and a client that answers within a cycle sees the same times in
-every run. Inputs that take long, such as the planning of many robots at once, take turns with the
-clock.
+time multiplied by the speed factor. Input takes effect at the robot's next cycle; the clock
+advances to this cycle at once. So no client waits, and a client that answers within a cycle sees
+the same times in every run. Inputs that take long, such as the planning of many robots, alternate
+with the clock.
 """
 from __future__ import annotations
 
@@ -18,8 +18,8 @@ from typing import Callable, Deque, List, Tuple
 
 from omron_ld90_sim.clock import SimClock
 
-INPUT_CYCLE = 0.02      # s of wall time within which inputs count as simultaneous, at most
-LONGEST_INPUT_CYCLE = 0.1   # s of the robot's clock, the same limit
+INPUT_CYCLE = 0.02      # s of wall time; inputs within such a cycle take effect together
+LONGEST_INPUT_CYCLE = 0.1   # s of the robot's clock; this limits the cycle, too
 LONGEST_ROUND = 0.1     # s of wall time for inputs, after which the clock has its turn
 LONGEST_SLEEP = 3600.0  # s; a selector does not accept much longer times
 
@@ -39,7 +39,7 @@ class Loop:
         self.after_step: List[Callable[[], None]] = []
 
     def set_speed(self, speed: float) -> None:
-        """Sets the speed of the clock as a factor of ours, from now on; not from another thread."""
+        """Sets the clock's speed as a factor of real time; not safe from another thread."""
         self.speed = speed
         self._cycle = min(INPUT_CYCLE * speed, LONGEST_INPUT_CYCLE)
         self._start = time.monotonic() - self.clock.now / speed
@@ -64,7 +64,7 @@ class Loop:
                 callback()
 
     def _serve(self, ready: List[Tuple[selectors.SelectorKey, int]]) -> None:
-        """Handles the inputs that are ready. Those that would come late are ready again."""
+        """Handles the inputs that are ready, for LONGEST_ROUND at most; the rest stays ready."""
         until = time.monotonic() + LONGEST_ROUND
         for key, mask in ready:
             key.data(mask)
@@ -78,11 +78,11 @@ class Loop:
 
     def _woken(self, mask: int) -> None:
         self._wake_read.recv(4096)
-        for _ in range(len(self._calls)):   # calls that these add wait for the next round
+        for _ in range(len(self._calls)):   # calls that these calls add wait for the next round
             self._calls.popleft()()
 
     def stop(self) -> None:
-        """Ends `run`; safe from any thread and signal handler, before `run`, and twice."""
+        """Ends `run`; safe from any thread or signal handler, before `run`, and if repeated."""
         self._stopped = True
         with contextlib.suppress(OSError):      # the loop may have ended and closed already
             self._wake_write.send(b'.')

@@ -19,7 +19,7 @@ _WITH_HEADING = 'WithHeading'
 
 @dataclass(frozen=True)
 class ObjectType:
-    """A type of map objects; an undeclared one has no label and no description."""
+    """A type of map objects; a type that is not declared has no label and no description."""
 
     name: str
     meta: str

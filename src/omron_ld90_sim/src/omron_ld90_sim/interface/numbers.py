@@ -12,7 +12,7 @@ LONGEST = 1e6               # s, for times
 
 
 def number(text: object, minimum: float, maximum: float) -> float:
-    """Returns a number within the limits; ValueError, with a sentence, for any other text."""
+    """Returns a number within the limits. Raises ValueError, with a sentence, for another text."""
     try:
         value = float(str(text))
     except ValueError:
@@ -43,7 +43,7 @@ def percent(text: object) -> float:
 
 
 def speed_factor(text: object) -> float:
-    """Returns the speed of the simulated clock, as a factor of ours."""
+    """Returns the speed of the simulated clock, as a factor of real time."""
     return number(text, 0.1, 20.0)
 
 

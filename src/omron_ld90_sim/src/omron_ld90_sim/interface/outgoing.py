@@ -1,6 +1,6 @@
 """The robot's outgoing connection: the lines that it sends by itself, and their times.
 
-The times are multiples of each interval on the robot's clock, so there is no drift.
+The times are multiples of the interval, counted on the robot's clock. So they do not drift.
 """
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from omron_ld90_sim.interface.server import ArclServer
 from omron_ld90_sim.interface.session import SimSession
 
 MINIMUM_STATUS_INTERVAL = 0.1   # s, lower limit of SendStatusInterval
-MINIMUM_LIST_INTERVAL = 0.01    # s, not in the sources; leaves time for everything else
+MINIMUM_LIST_INTERVAL = 0.01    # s, not from the sources; leaves time for other work
 MINIMUM_TIMEOUT = 5.0           # s, lower limit of OutgoingSocketTimeoutInMins
 
 

@@ -1,6 +1,6 @@
 """Session logs: `--log` writes them, `--replay` plays them back.
 
-docs/reference/session_log.md describes the format; the controller's `~session_log` has the same.
+docs/reference/session_log.md describes the format; the controller's `~session_log` uses it, too.
 """
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def unescape(text: str) -> bytes:
                        else b'\\', text.encode('ascii', 'replace'))
 
 
-OVERLAP = 0.5  # s for which an answer waits for a command that precedes it in the log
+OVERLAP = 0.5  # s for which a recorded line waits for the client's command before it in the log
 
 
 class LogError(ValueError):
@@ -44,7 +44,7 @@ class Transfer:
 
     time: float
     direction: str      # 'C' from the client, 'S' from the robot
-    connection: int     # 1, 2, ... in the order of connecting; 0: the outgoing one
+    connection: int     # 1, 2, ... in the order of their begin; 0: the outgoing one
     text: str           # escaped: printable ASCII
 
     def __str__(self) -> str:
@@ -53,7 +53,7 @@ class Transfer:
 
 
 def read_log(lines: List[str]) -> List[Transfer]:
-    """Returns the transfers of a log; LogError names an invalid line."""
+    """Returns the transfers of a log. Raises LogError, with the number of an invalid line."""
     transfers = []
     for number, line in enumerate(lines, 1):
         if not line.strip():
@@ -74,7 +74,7 @@ class SessionRecording:
         self._clock, self._file = clock, file
 
     def __call__(self, connection: int, direction: str, line: bytes) -> None:
-        """Writes one line; connections with numbers below 0 are internal and not written."""
+        """Writes one line, unless its connection is internal, with a number below 0."""
         if connection >= 0:
             transfer = Transfer(self._clock.now, direction, connection, escape(line))
             self._file.write(f'{transfer}\n')
@@ -84,7 +84,7 @@ class SessionRecording:
 class ReplaySession:
     """One connection that is played back from a recording.
 
-    Its attributes are the state of one connection, and the place in the log.
+    Its attributes are the state of the connection, and the place in the recording.
     """
 
     def __init__(self, server: ReplayServer, number: int, script: List[Transfer]) -> None:
@@ -110,7 +110,7 @@ class ReplaySession:
         self._send_due_lines()
 
     def _send_due_lines(self) -> None:
-        """Sends the due lines up to the next line for which a command of the client is needed."""
+        """Sends the due lines, up to the next line that waits for a command of the client."""
         clock = self.server.clock
         while self._script and not self.closed:
             head = self._script[0]
@@ -129,11 +129,11 @@ class ReplaySession:
             elif due + OVERLAP > clock.now:
                 clock.at(due + OVERLAP, self._send_due_lines)
                 return
-            else:  # recorded before the answer to the last command, and not given this time
+            else:  # this client did not send that command
                 self._script.popleft()
 
     def _answer(self, line: bytes) -> None:
-        """Continues after the recorded `line`; a line that was not recorded is unknown."""
+        """Continues after the recorded `line`, or answers that a line not recorded is unknown."""
         for skipped, transfer in enumerate(self._script):
             recorded = unescape(transfer.text)
             if transfer.direction == 'C' and recorded.lower() in (line.lower(), HIDDEN):
@@ -151,7 +151,10 @@ class ReplaySession:
 
 
 class ReplayServer:
-    """Plays back a recording instead of a robot; further connections get the first one's script."""
+    """Plays back a recording instead of a robot.
+
+    A client without a recorded connection of its own gets the first recorded connection.
+    """
 
     def __init__(self, clock: SimClock, transfers: List[Transfer],
                  configuration: Optional[RobotConfiguration] = None) -> None:

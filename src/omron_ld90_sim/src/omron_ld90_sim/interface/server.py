@@ -1,4 +1,4 @@
-"""The ARCL server without I/O: it knows the connected clients and the lines for each of them.
+"""The ARCL server without I/O: it has the connected clients and the lines for each of them.
 
 Replies go to the session that asked. `broadcast` goes to every session that is logged in, including
 the outgoing one. The interpreter (`commands`) executes command lines.
@@ -46,7 +46,7 @@ class ArclServer:
         self.online = True              # False: no listener and no outgoing connection
         self.accepting = True           # False: new connections are refused
         self.outgoing_wanted = True     # False: there is no outgoing connection
-        self.outgoing_asked: Callable[[], None] = lambda: None   # tells its next success
+        self.outgoing_asked: Callable[[], None] = lambda: None   # called at the next connection
         self.log: Callable[[int, str, bytes], None] = lambda number, direction, line: None
         self.outgoing_begins: Callable[[SimSession], object] = lambda session: None
         self.wall_time = time.localtime
@@ -111,7 +111,7 @@ class ArclServer:
         self.drop_all()
 
     def restart(self, seconds: float, abort: bool = False) -> None:
-        """Ends the robot's software for `seconds`, with a farewell or without (`abort`)."""
+        """Ends the robot's software for `seconds`; sends a farewell unless `abort`."""
         if abort:
             self.online = False
             self.drop_all(abort)
@@ -143,7 +143,7 @@ class ArclServer:
         self._interpreter(self, session, line)
 
     def switch_map(self, name: str) -> None:
-        """Loads another map from the map folder; ValueError with a sentence if it cannot."""
+        """Loads another map from the map folder. Raises ValueError, with a sentence, on failure."""
         if self.map_folder is None or Path(name).name != name:
             raise ValueError(f"The file given did not exist: '{name}'")
         try:

@@ -10,8 +10,8 @@ characters drops the client.
     OPEN    a line                                   OPEN; it is carried out
     all     a line that is too long; the end         CLOSED
 
-Invariants: lines are sent in the order in which they were queued, late or not. Nothing is carried
-out before the password.
+Invariants: lines are sent in the order in which they were queued, even if some are delayed. No
+command is carried out before the right password.
 """
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ from omron_ld90_sim.interface.dialect import Dialect, HelpLayout
 MAX_COMMAND = 5000
 CYCLE = 0.1                 # s between two checks of the server for input of its clients
 HIDDEN = b'********'        # replaces the password in a log
-BLANK = b' \t\0'           # removed around a line; telnet sends a NUL after a CR
+BLANK = b' \t\0'           # removed at both ends of a line; telnet sends a NUL after a CR
 _TELNET = re.compile(rb'^(?:\xff[\xfb-\xfe].|[\x80-\xff])+', re.DOTALL)
 
 
@@ -51,7 +51,7 @@ class Impairment:
 
     delay: float = 0.0                  # s by which every line is late
     silent_until: float = 0.0           # time before which nothing is sent
-    half_line: Optional[float] = None   # s: the next line is cut, its rest comes this much later
+    half_line: Optional[float] = None   # s by which the second half of the next line is late
 
 
 class SessionHost(Protocol):
@@ -63,7 +63,7 @@ class SessionHost(Protocol):
     dialect: Dialect
 
     def log(self, number: int, direction: str, line: bytes) -> None:
-        """Logs a line: its side (`C` or `S`) and its connection."""
+        """Logs a line with its connection and its sender: `C` (client) or `S` (server)."""
 
     def execute(self, session: SimSession, line: str) -> None:
         """Executes a command line."""
@@ -75,7 +75,7 @@ class SessionHost(Protocol):
 class SimSession:
     """One connection of a client, or the robot's own outgoing one.
 
-    Its attributes are the state of one connection.
+    Its attributes are the state of this connection.
     """
 
     def __init__(self, server: SessionHost, number: int, outgoing: bool = False) -> None:
@@ -87,7 +87,7 @@ class SimSession:
         self.phase = LoginPhase.OPEN if outgoing else LoginPhase.LOGIN
         self.last_received = server.clock.now
         self._input = b''               # an incomplete line
-        self._echoed = 0                # number of its bytes that were echoed
+        self._echoed = 0                # number of bytes of _input that were echoed
         self._held: Deque[Tuple[float, bytes]] = deque()
         if not outgoing:
             self.server.log(number, 'S', server.dialect.prompt.rstrip(b'\r\n'))
@@ -133,7 +133,7 @@ class SimSession:
             self.output += self._held.popleft()[1]
 
     def close(self, abort: bool = False) -> None:
-        """Ends the session: after sending the queue, or at once (`abort`)."""
+        """Ends the session after the queue has been sent; with `abort`, at once."""
         self.aborted = abort
         if abort:
             self.output.clear()
@@ -142,7 +142,7 @@ class SimSession:
         self.server.forget(self)
 
     def receive(self, data: bytes) -> None:
-        """Takes bytes from the client, in pieces of any size."""
+        """Receives bytes from the client, in pieces of any size."""
         self.last_received = self.server.clock.now
         *lines, self._input = (self._input + data.replace(b'\r', b'\n')).split(b'\n')
         for line in lines:
@@ -155,7 +155,7 @@ class SimSession:
             self.server.clock.after(CYCLE, self._echo_typed)
 
     def _accepts(self, line: bytes) -> bool:
-        """Returns whether to process a line; a client that sends a longer one is dropped."""
+        """Returns whether to process a line; drops a client whose line is too long."""
         if len(line) > MAX_COMMAND:
             self.send('String too long')
             self.close()

@@ -62,7 +62,7 @@ def settings_for(map_name: str, outgoing: Optional[Tuple[str, int]], lists: Comm
                  changes: Sequence[Tuple[str, str, str]] = ()) -> RobotConfiguration:
     """Returns a robot's configuration.
 
-    ValueError if a change (section, name, value) does not fit.
+    Raises ValueError if a change (section, name, value) does not fit.
     """
     settings = default_configuration()
     settings.set(FILES, 'Map', map_name)
@@ -87,7 +87,7 @@ class Simulator:
                  settings: Sequence[Tuple[str, str, str]] = (), battery: float = 100.0,
                  robots: Optional[Sequence[RobotSpec]] = None,
                  arrival_error: Tuple[float, float] = ARRIVAL_ERROR) -> None:
-        """`start` is in mm, mm, degrees; `speed` is a factor on the robots' whole clock.
+        """`start` is in mm, mm, degrees; `speed` is the speed of the robots' clock as a factor.
 
         `arrival_error` (mm, degrees) is the largest distance from a goal at which a robot may
         stop; docks are always reached exactly.
@@ -141,7 +141,10 @@ class Simulator:
         return SimControlServer(self.loop, port, self._inject_here, self.where).port
 
     def manage_on(self, port: int, password: str) -> int:
-        """Opens the port of a Fleet Manager with these robots; returns it. Raises PortTaken."""
+        """Opens the port of a Fleet Manager with these robots, and returns it.
+
+        Raises PortTaken.
+        """
         robots = [QueuedUnit(unit.name, unit.robot) for unit in self.units]
         manager = SimFleetManager(
             self.loop.clock, robots,
@@ -150,9 +153,10 @@ class Simulator:
         return self._manager.port
 
     def where(self) -> Dict[str, object]:
-        """Returns the simulated time (s), and by name the true pose of every robot (m, m, degrees).
+        """Returns the simulated time (s), and the true pose (m, m, degrees) of each robot by name.
 
-        Also the distance (m) that it has driven since the start, the sum of both directions.
+        With the pose it returns the distance (m) that the robot has driven since the start, in both
+        directions together.
         """
         robots = {unit.name: unit.robot for unit in self.units}
         return {'time': self.loop.clock.now, 'robots': {
@@ -161,14 +165,14 @@ class Simulator:
             for name, robot in robots.items()}}
 
     def inject(self, fault: str) -> None:
-        """Applies a fault, e.g. `estop press`; `@NAME fault` in a fleet.
+        """Applies a fault, e.g. `estop press`, or in a fleet `@NAME estop press`.
 
-        Safe from any thread; raises UnknownFault.
+        Safe from any thread. Raises NoSuchFault.
         """
         self._in_loop(lambda: self._inject_here(fault))
 
     def set_speed(self, speed: float) -> None:
-        """Sets the factor on the robots' clock; safe from any thread.
+        """Sets the speed of the robots' clock, as a factor of real time; safe from any thread.
 
         Raises ValueError unless it is from 0.1 to 20.
         """
@@ -188,7 +192,7 @@ class Simulator:
                 function()
             except NoSuchFault as error:
                 errors.append(error)
-            self.loop.call(done.set)    # in the next round, after ports and connections
+            self.loop.call(done.set)    # in the next round, when ports and connections have changed
 
         self.loop.call(call)
         if not done.wait(ANSWER_TIMEOUT):

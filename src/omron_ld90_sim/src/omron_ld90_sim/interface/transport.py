@@ -36,7 +36,7 @@ class ConnectedSession(Protocol):
         """Whether it is closed and everything has been sent."""
 
     def receive(self, data: bytes) -> None:
-        """Takes bytes from the other side."""
+        """Receives bytes from the other side."""
 
     def close(self) -> None:
         """Ends the session after the other side has gone."""
@@ -116,7 +116,7 @@ class ClientConnection:
 
 
 class TcpServer:
-    """One robot's listening port and outgoing connection, in the state that its server demands."""
+    """One robot's port and outgoing connection; the server says which of them are open."""
 
     def __init__(self, loop: Loop, server: Server, host: str, port: int) -> None:
         self.loop, self.server = loop, server
@@ -160,7 +160,7 @@ class TcpServer:
         try:
             sock, _ = self._listener.accept()
         except OSError as error:
-            if error.errno in (errno.EMFILE, errno.ENFILE):     # else it would stay ready for ever
+            if error.errno in (errno.EMFILE, errno.ENFILE):     # without descriptors it stays ready
                 self._close_listener()
                 self._listen_later()
             return
@@ -224,7 +224,7 @@ class TcpServer:
     # -- upkeep --------------------------------------------------------------------------------
 
     def _maintain(self) -> None:
-        """Brings port, outgoing connection and queued bytes into the demanded state."""
+        """Opens or closes port and outgoing connection as the server demands; sends bytes."""
         open_port = self.server.online and self.server.accepting and not self._closing
         if open_port and self._listener is None and self.loop.clock.now >= self._next_listen:
             try:

@@ -10,7 +10,7 @@ from omron_ld90_sim.motion.track import Manoeuvre, SmoothTrack, Turn
 
 STEP = 0.05             # s between two steps while moving
 BISECTIONS = 10
-CLOSE = 0.05            # mm and deg from an end within which it is reached
+CLOSE = 0.05            # mm and deg; nearer than this to its end, a manoeuvre is done
 CREEP = 5.0             # mm/s and deg/s, slowest motion towards an end
 
 
@@ -53,15 +53,15 @@ class Base:
         return self._braking is not None
 
     def follow(self, manoeuvres: List[Manoeuvre]) -> None:
-        """Replaces the remaining manoeuvres; the first one must continue a present motion."""
+        """Replaces the remaining manoeuvres; the first new one must continue the present motion."""
         self._queue = deque(manoeuvres)
         self._place = 0.0
         self._braking = None
 
     def brake(self, deceleration: Optional[float] = None) -> None:
-        """Comes to a stop and drops the other manoeuvres; an emergency brake stays one.
+        """Brakes to a stop and drops the other manoeuvres; never brakes less than before.
 
-        Brakes with `deceleration` (mm/s2), or less in a bend because of the limit of the rotation.
+        `deceleration` is in mm/s2. In a bend it is less, because the rotation has a limit, too.
         """
         if self._queue:
             self._queue = deque([self._queue[0]])
@@ -103,7 +103,7 @@ class Base:
         if self._braking is not None:
             wanted = 0.0
         else:
-            # the fastest rate from which the remaining angle is enough to stop
+            # the highest rate from which the robot can stop within the remaining angle
             wanted = math.sqrt(change * change / 4 + 2 * self.limits.rotation_acceleration
                                * max(abs(left) - now * dt / 2, 0.0)) - change / 2
             wanted = min(max(wanted, CREEP), turn.rate)
@@ -138,9 +138,7 @@ class Base:
 
     def _allowed(self, track: SmoothTrack, slowest: float, fastest: float, now: float,
                  dt: float) -> float:
-        """Returns the highest speed after this step that the track allows at the end of the
-        step.
-        """
+        """Returns the highest speed that the track allows at the end of this step."""
         def fits(speed: float) -> bool:
             return speed <= track.speed_at(self._place + (now + speed) / 2 * dt)
 

@@ -1,9 +1,10 @@
 """The floor of the robot: the distance of each place from walls and forbidden areas.
 
 There are two fields on a grid with the map's own pitch: `clearance`, the distance to anything that
-the robot may not touch, and `sight`, the distance to anything that its laser sees. The cells are
-centred on multiples of the pitch, where the scan points lie, so these are exact. A floor never
-changes; all robots on a map share it. Fields that only some robots use are computed on first use.
+the robot may not touch, and `sight`, the distance to anything that its laser sees. The centres of
+the cells are multiples of the pitch, like the scan points, so that scan points are not rounded. A
+floor never changes; all robots on a map share it. Fields that only some robots need are computed on
+first use.
 """
 from __future__ import annotations
 
@@ -20,7 +21,7 @@ from omron_map import MapDocument
 DEFAULT_RESOLUTION = 20
 MAX_CELLS = 6_000_000
 MARGIN = 1000           # mm of floor around a goal or dock outside the walls
-EXACT_DISTANCE = 750    # mm around lines and areas with exact values; the planner needs no more
+EXACT_DISTANCE = 750    # mm around lines and areas in which clearance is exact; enough to plan
 PLANNING_PITCH = 60     # mm, cell size of the planner's grid
 
 
@@ -49,7 +50,7 @@ class SimFloor:
 
     @cached_property
     def sight(self) -> np.ndarray:
-        """Distance (mm) from every cell to the nearest one that the laser sees (points, lines)."""
+        """Distance (mm) from every cell to the nearest point or line that the laser sees."""
         seen = np.zeros(self.shape, bool)
         self._mark(seen, self._points)
         for x1, y1, x2, y2 in self._segments:
@@ -60,7 +61,7 @@ class SimFloor:
 
     @cached_property
     def regions(self) -> np.ndarray:
-        """Planning cells with room to turn, numbered from 1 by connected region; others are 0."""
+        """The number (from 1) of the connected region of each planning cell; 0: no room to turn."""
         room = self.planning_clearance >= self.body.half_diagonal
         return ndimage.label(room, structure=np.ones((3, 3)))[0]
 
@@ -146,10 +147,10 @@ class SimFloor:
         return bool(self.origin[0] <= x <= self.end[0] and self.origin[1] <= y <= self.end[1])
 
     def clearance_at(self, xy: np.ndarray) -> np.ndarray:
-        """Returns the distance (mm) from each point (N, 2) to the nearest obstacle; 0 outside the
-        map.
+        """Returns the distance (mm) from each point (N, 2) to an obstacle; 0 outside the map.
 
-        Interpolated between cells: within a few mm of the true distance, too small on ridges.
+        It is interpolated between cells: within a few mm of the truth, but too small midway between
+        obstacles.
         """
         position = (np.asarray(xy, float).reshape(-1, 2) - self.origin) / self.resolution
         column, row = position[:, 0], position[:, 1]
@@ -166,7 +167,7 @@ class SimFloor:
 
     def planning_cell(self, x: float, y: float) -> Tuple[int, int]:
         """Returns the row and column of the planner's grid nearest to a point."""
-        # int: before numpy 1.19 round() of its floats returns floats
+        # int(): before numpy 1.19, round() of a numpy float returns a float
         column = int(round((x - self.origin[0]) / self.planning_pitch))
         row = int(round((y - self.origin[1]) / self.planning_pitch))
         rows, columns = self.planning_clearance.shape

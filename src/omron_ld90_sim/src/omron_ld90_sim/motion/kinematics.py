@@ -1,6 +1,6 @@
 """The LD-90's body and its limits, from its data sheet and from real robots' configurations.
 
-Millimetres, degrees and seconds, as in ARCL and in the robot's own configuration.
+The units are millimetres, degrees and seconds, as in ARCL and the robot's own configuration.
 """
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ class Body:
 
     @property
     def half_length(self) -> float:
-        """From the turning centre to the front."""
+        """The distance from the turning centre to the front."""
         return self.length / 2
 
     @property
@@ -76,8 +76,8 @@ class Body:
                          y + ahead * np.sin(angle) + left * np.cos(angle)], axis=-1)
 
     def distances(self, poses: Sequence[SimPose], points: Points) -> np.ndarray:
-        """Returns the distances from the body at each of M poses to each of N points (mm),
-        0 inside: (M, N).
+        """Returns the distances (M, N) in mm from the body at each of M poses to each of N points;
+        0: the point is inside the body.
         """
         at = np.array([(pose.x, pose.y, math.radians(pose.theta)) for pose in poses])
         x, y = (np.asarray(points, float).T[:, None, :] - at[:, :2].T[:, :, None])

@@ -1,7 +1,7 @@
 """Turns a path into motion: turns, and tracks with rounded corners.
 
-A corner is a quintic Bezier curve whose curvature is zero at both ends, so that the rotation of the
-robot has no jump.
+A corner is a quintic Bezier curve. Its curvature is zero at both ends, so that the rotation of the
+robot does not jump.
 """
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ CORNER_STEP = 15.0                                      # mm between samples
 CORNER_REACHES = (1200.0, 900.0, 650.0, 450.0, 300.0)   # mm from the vertex to the tangent points
 SHORTEST_REACH = 60.0
 REACH_PER_DEGREE = 2.0                                  # mm, minimum reach per degree of turn
-SHARPEST_CORNER = 120.0                                 # deg; beyond it the robot stops and turns
+SHARPEST_CORNER = 120.0                                 # deg; at a sharper corner the robot stops
 NEGLIGIBLE = 0.5                                        # mm
 
 
@@ -27,9 +27,9 @@ def manoeuvres(way: PlannedWay, planner: Planner, limits: Limits = LD90_LIMITS,
                lead_in: Optional[np.ndarray] = None, entry_speed: float = 0.0) -> List[Manoeuvre]:
     """Returns the manoeuvres with which the robot follows `way`.
 
-    `lead_in`: samples that end at the start of `way`, straight at their end. The robot moves at
-    `entry_speed` at their first sample. It drives them first, and rounds the corner at their end if
-    possible.
+    lead_in -- samples before `way`: they end at its start, and are straight there. The robot drives
+    them first, and rounds the corner at their end if possible
+    entry_speed -- mm/s at the first sample of `lead_in`
     """
     points = _without_repeats(way.vertices)
     clearance = planner.turn_clearance
@@ -43,7 +43,7 @@ def manoeuvres(way: PlannedWay, planner: Planner, limits: Limits = LD90_LIMITS,
             if first.entry_fits:
                 return [first, *_stretches(joined[1:], limits, float(joined[0][-1, 2]), way)]
     begin: List[Manoeuvre] = []
-    if lead_in is not None:     # the corner cannot be rounded at this speed: stop in front of it
+    if lead_in is not None:     # the corner cannot be rounded: stop at it
         begin.append(SmoothTrack(lead_in, limits, final=False, entry_speed=entry_speed))
     if way.escape:
         begin.append(straight_track(way.start, way.escape, limits))
@@ -53,9 +53,7 @@ def manoeuvres(way: PlannedWay, planner: Planner, limits: Limits = LD90_LIMITS,
 
 def _stretches(tracks: List[np.ndarray], limits: Limits, direction: float,
                way: PlannedWay) -> List[Manoeuvre]:
-    """Returns the tracks, each begun from standing, with turns before them
-    and at the end of `way`.
-    """
+    """Returns a turn and a track from standing for each of `tracks`, and the last turn of `way`."""
     result: List[Manoeuvre] = []
     for number, samples in enumerate(tracks):
         result += _turn(direction, float(samples[0, 2]), limits.path_rotation)
@@ -127,7 +125,7 @@ def _corner(a: np.ndarray, v: np.ndarray, b: np.ndarray, at: np.ndarray, space: 
             clearance: float) -> Optional[np.ndarray]:
     """Returns samples around the corner a-v-b, beginning at `at`.
 
-    None if the robot must stop to turn.
+    Returns None if the robot must stop to turn.
     """
     inward, outward = v - a, b - v
     turn = abs(math.degrees(math.remainder(math.atan2(*outward[::-1]) - math.atan2(*inward[::-1]),

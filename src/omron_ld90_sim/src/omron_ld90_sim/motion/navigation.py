@@ -16,11 +16,11 @@ from omron_ld90_sim.motion.track import SmoothTrack
 
 LOOK_AHEAD = 600.0          # mm beyond the stopping distance that must be free of obstacles
 FARTHEST_STOP = 3000.0      # mm that another robot needs to stop, plus its size
-SHORTEST_LEAD = 5.0         # mm left on a track that are enough to begin a new course
+SHORTEST_LEAD = 5.0         # mm left on a track with which a new course can still begin
 JOIN_AHEAD = 300.0          # mm beyond the stopping distance at which a new course begins
 PLAN_AROUND = 8000.0        # mm within which paths avoid other robots
 LOOK_STEP = 200.0           # mm between the examined places
-STOP_STEP = 600.0           # mm; discs of the half diagonal at such steps cover the way
+STOP_STEP = 600.0           # mm between the discs that stand for a robot on its way to rest
 _ANGLES = np.radians(np.arange(0, 360, 30))
 RING = np.column_stack([np.cos(_ANGLES), np.sin(_ANGLES)])      # a circle for the laser
 
@@ -40,19 +40,16 @@ class Navigation:
         self.floor, self.planner = floor, planner_for(floor)
 
     def obstacles(self, within: float = PLAN_AROUND) -> List[Disc]:
-        """Returns all obstacles that are not on the map, with the other robots within this distance
-        in mm.
+        """Returns the obstacles that are not on the map, and the other robots within `within` mm.
 
-        A moving robot is present where it is, where it could come to rest, and between.
+        A moving robot blocks its place, the place where it could come to rest, and those between.
         """
         radius = self.floor.body.half_diagonal
         return [*self.blocks,
                 *(Disc(place.x, place.y, radius) for place in self._stops(within))]
 
     def _stops(self, within: float) -> List[SimPose]:
-        """Returns places of the robots within this distance in mm, and
-        where they could come to rest.
-        """
+        """Returns places of the robots within `within` mm, from here to where they can stop."""
         stops = []
         for other in self._near(within):
             base, track = other.base, other.base.track
@@ -70,9 +67,7 @@ class Navigation:
                 if abs(other.base.pose.x - x) < within and abs(other.base.pose.y - y) < within]
 
     def outlines(self, within: float) -> List[np.ndarray]:
-        """Returns the obstacles for the laser: corners (K, N, 2) of the robots,
-        and of the others.
-        """
+        """Returns the obstacles for the laser: the corners (K, N, 2) of robots and of blocks."""
         robots, rest = [other.base.pose for other in self._near(within)], self.blocks
         outlines = [self.floor.body.outlines(robots)] if robots else []
         if rest:
@@ -82,7 +77,7 @@ class Navigation:
     def set_course(self, x: float, y: float, heading: Optional[float]) -> None:
         """Sends the base to a place, from standing or while it drives forwards.
 
-        Raises `NoWay`, or `Blocked` if it is useful to wait.
+        Raises `Blocked` if temporary obstacles bar all paths, and `NoWay` if there is no path.
         """
         base, limits, track = self.base, self.base.limits, self.base.track
         if self.speed_limit is not None:
@@ -108,15 +103,13 @@ class Navigation:
 
     @property
     def can_set_course(self) -> bool:
-        """Whether the base stands or drives forwards: not turning, backing up or just arriving."""
+        """Whether the base stands or drives forwards, and does not turn, back up or just arrive."""
         base, track = self.base, self.base.track
         return base.still or (track is not None and not track.reverse
                               and track.length - base.place > SHORTEST_LEAD)
 
     def _join(self, track: SmoothTrack) -> float:
-        """Returns where on the present track a new one can begin: with room to turn,
-        and to brake.
-        """
+        """Returns the arc length at which a new track can begin: with room to turn and to brake."""
         first = self.base.place + self.base.stopping_distance() + JOIN_AHEAD
         for s in map(float, np.arange(first, track.length, LOOK_STEP)):
             pose = track.pose_at(s)
@@ -126,11 +119,10 @@ class Navigation:
         return track.length
 
     def blocked_ahead(self) -> bool:
-        """Returns whether the body would come too near to an obstacle if the base went on for a
-        while.
+        """Returns whether the body would soon come too near to an obstacle if it did not brake.
 
-        Robots that stop as soon as this is true for one of them never touch each other. Each leaves
-        the other enough room to turn, wherever it comes to rest.
+        If each robot brakes as soon as this is true for it, robots never touch each other, and each
+        has room to turn where it comes to rest.
         """
         base, track = self.base, self.base.track
         if base.still or base.braking or not (self.blocks or self.neighbours):
@@ -139,19 +131,19 @@ class Navigation:
         obstacles = self.obstacles(within=reach + FARTHEST_STOP)
         if not obstacles:
             return False
-        if track is None:       # turning: others may be near, but not inside the turning circle
+        if track is None:       # turning: only obstacles inside the turning circle count
             return self._circle_taken()
         end = min(base.place + reach, track.length)
         count = int((end - base.place) / LOOK_STEP) + 2
         gaps = self._gaps([track.pose_at(s) for s in np.linspace(base.place, end, count)],
                           obstacles)
-        # the robot may leave an obstacle that is already too near, but not come nearer to it
+        # the robot may drive away from an obstacle that is already too near, but not nearer to it
         return float(gaps[1:].min()) < min(float(gaps[0]), 0.0) - 1.0
 
     def _gaps(self, poses: Sequence[SimPose], obstacles: Sequence[Disc]) -> np.ndarray:
         """Returns the distances from the body at each pose to the nearest obstacle (mm).
 
-        Negative inside.
+        A distance is negative if the obstacle overlaps the body.
         """
         discs = np.array([(disc.x, disc.y, disc.radius) for disc in obstacles])
         return (self.floor.body.distances(poses, discs[:, :2]) - discs[:, 2]).min(axis=1)

@@ -1,4 +1,4 @@
-"""Sensor noise as a function of seed and time, so the number of queries has no effect."""
+"""Sensor noise: it depends only on seed and time, not on the number of queries."""
 from __future__ import annotations
 
 import numpy as np

@@ -17,8 +17,8 @@ START_DISTANCE = 1000.0     # mm between the start places of two robots
 
 
 def docked_pose(floor: SimFloor, dock: MapObject) -> SimPose:
-    """Returns the pose of a robot that charges at `dock`: as far in as there is room,
-    up to 250 mm.
+    """Returns the pose of a robot that charges at `dock`: up to 250 mm ahead of the dock's pose,
+    if there is room.
     """
     pose = SimPose(dock.x, dock.y, dock.theta)
     steps = np.arange(0.0, DRIVE_IN + 1.0, 10.0)
@@ -32,10 +32,10 @@ def docked_pose(floor: SimFloor, dock: MapObject) -> SimPose:
 def start_places(document: MapDocument, floor: SimFloor,
                  wanted: Sequence[Optional[Tuple[float, float, float]]], seed: int = 0
                  ) -> List[SimPose]:
-    """Returns the start poses: as wanted (mm, mm, degrees), and the others one after another.
+    """Returns the start poses: each as wanted (mm, mm, degrees), or if None the next free place.
 
-    In the docks, at RobotHome, at goals with heading, at other goals, and then at random free
-    places. Each robot keeps clear of the ones before it.
+    The free places are, in this order: docks, RobotHome, goals with a heading, other goals, and
+    random places. Each is at a distance from the places that are taken.
     """
     chance = random.Random(seed)
     taken = [SimPose(*place) for place in wanted if place is not None]

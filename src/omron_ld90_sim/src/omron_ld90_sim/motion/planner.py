@@ -24,13 +24,13 @@ TURN_MARGIN = 5.0       # mm added to the half diagonal
 COMFORT = 700.0         # mm of clearance above which more is not worth a detour
 NARROW_COST = 8.0       # cost factor of places where the robot cannot turn
 CLOSED = -1.0           # cost of a cell that no path may use
-ESCAPE = 3000.0         # mm straight ahead or back in which room to turn is sought
+ESCAPE = 3000.0         # mm straight ahead or back within which room to turn is searched
 ATTEMPTS = 6
-SEARCH_AROUND = 4000.0  # mm around robot and goal in which a path is sought first
-TURN_NEAR = 300.0       # mm around the ends of a narrow place in which places to turn are sought
+SEARCH_AROUND = 4000.0  # mm around robot and goal within which a path is searched first
+TURN_NEAR = 300.0       # mm around the ends of a narrow place to search for places to turn
 TURN_PLACES = 80        # largest number of these places
 COARSELY = 5            # every fifth point of many straights is examined first
-DETOUR = 2.5            # largest cost of such a path, in units of a straight line in the open
+DETOUR = 2.5            # largest cost of the path found first; a straight in the open: 1
 
 
 class NoWay(Exception):
@@ -43,7 +43,7 @@ class Blocked(NoWay):
 
 @dataclass(frozen=True)
 class PlannedWay:
-    """A path: optionally straight out of a narrow place first, then along `vertices`."""
+    """A path along `vertices`; before it, if necessary, straight out of a narrow place."""
 
     start: SimPose
     escape: float               # mm straight ahead first; negative: backwards; 0: turn on the spot
@@ -73,9 +73,9 @@ class Planner:
 
     def plan(self, start: SimPose, goal_x: float, goal_y: float, heading: Optional[float] = None,
              obstacles: Sequence[Disc] = ()) -> PlannedWay:
-        """Returns the path from `start` to a point, turned to `heading` (deg) at its end.
+        """Returns the path from `start` to a point, with a turn to `heading` (deg) at its end.
 
-        Or `NoWay`.
+        Raises NoWay.
         """
         space = Space(self.floor, obstacles)
         escape = self._escape(space, start)
@@ -127,7 +127,7 @@ class Planner:
         return cost
 
     def _escape(self, space: Space, start: SimPose) -> float:
-        """Returns the distance to drive straight before there is room to turn."""
+        """Returns how far to drive straight until there is room to turn (negative: backwards)."""
         here = space.clearance_of(start.x, start.y)
         if here >= self.turn_clearance:
             return 0.0
@@ -146,9 +146,7 @@ class Planner:
         return float(min(found, key=abs))
 
     def _approach(self, space: Space, goal: np.ndarray, heading: Optional[float]) -> np.ndarray:
-        """Returns the point at which to turn for the last straight: the goal itself
-        if there is room.
-        """
+        """Returns the point at which to turn for the last straight: the goal if it has room."""
         here = space.clearance_of(*goal)
         if here >= self.turn_clearance:
             return goal
@@ -188,9 +186,9 @@ class Planner:
 
     def _search_near(self, cost: np.ndarray, first: np.ndarray, last: np.ndarray
                      ) -> Optional[np.ndarray]:
-        """Returns the cheapest cells near both ends, which is faster.
+        """Returns the cheapest cells if only cells near both ends are searched, which is faster.
 
-        None if it might be a detour.
+        Returns None if a path elsewhere might be shorter.
         """
         margin = int(SEARCH_AROUND / self.floor.planning_pitch)
         low = np.maximum(np.minimum(first, last) - margin, 0)
@@ -204,16 +202,16 @@ class Planner:
 
     def _straighten(self, space: Space, raw: np.ndarray
                     ) -> Tuple[np.ndarray, Optional[np.ndarray]]:
-        """Returns long straights between turnable points of `raw`.
+        """Returns the vertices of long straights between turnable points of `raw`, and None.
 
-        Or the cells that it could not pass.
+        If a place cannot be passed, returns the vertices before it and the cells there.
         """
         clear = space.clearance_at(raw)
         last = len(raw) - 1
         turnable = clear >= self.turn_clearance
         turnable[-1] = True
         i, vertices = 0, [raw[0]]
-        spare: Set[int] = set()     # vertices beside a narrow place that may not be needed
+        spare: Set[int] = set()     # indices of vertices beside a narrow place, perhaps needless
         while i < last:
             candidates = i + 1 + np.flatnonzero(turnable[i + 1:])
             j = self._farthest(space, raw, clear, i, candidates)
@@ -230,7 +228,7 @@ class Planner:
         return self._without(spare, vertices, space), None
 
     def _without(self, spare: Set[int], vertices: Sequence[np.ndarray], space: Space) -> np.ndarray:
-        """Returns the vertices without those of `spare` that a straight can bypass."""
+        """Returns the vertices without those of the indices `spare` that a straight can bypass."""
         kept = [vertices[0]]
         for k in range(1, len(vertices)):
             if k not in spare or k + 1 == len(vertices) or not space.straight_is_free(
@@ -239,16 +237,16 @@ class Planner:
         return np.array(kept)
 
     def _through(self, space: Space, a: np.ndarray, b: np.ndarray) -> Optional[List[np.ndarray]]:
-        """Returns the points to turn at before and behind a narrow place, so as to drive through
-        straight.
+        """Returns the points before and behind a narrow place at which to turn, so as to drive
+        straight through it; None: there are none.
 
-        Takes the turnable points near `a` and near `b` with the most room between them, because the
-        planner's grid is too coarse for a gap hardly wider than the body.
+        These are the turnable points near `a` and `b` whose straight has the most room: the
+        planner's grid is too coarse for a gap that is hardly wider than the body.
         """
         before, behind = self._turnable_near(space, a, b), self._turnable_near(space, b, a)
         first, second = (index.ravel() for index in np.indices((len(before), len(behind))))
         fractions = np.linspace(0.0, 1.0, int(np.hypot(*(b - a)) / LOOK_STEP) + 2)
-        for looked_at in (fractions[::COARSELY], fractions):    # a coarse check excludes most
+        for looked_at in (fractions[::COARSELY], fractions):    # coarse, then fine
             room = space.clearance_along(before[first], behind[second], looked_at)
             free = room >= self.drive_clearance
             first, second, room = first[free], second[free], room[free]
@@ -259,8 +257,9 @@ class Planner:
                 if not np.array_equal(place, end)]
 
     def _turnable_near(self, space: Space, end: np.ndarray, other: np.ndarray) -> np.ndarray:
-        """Returns (N, 2): `end`, then places to turn that a straight reaches,
-        those nearest to `other`.
+        """Returns points (N, 2): `end`, then places to turn that a straight from `end` reaches.
+
+        Of many places, those nearest to `other` are returned.
         """
         if space.clearance_of(*end) < self.turn_clearance:
             return end[None]
@@ -290,7 +289,7 @@ class Planner:
 
 def _cheapest(cost: np.ndarray, first: Tuple[int, int], last: Tuple[int, int]
               ) -> Tuple[Optional[np.ndarray], float]:
-    """Cells (N, 2) of the cheapest chain over a grid, or None; and its cost."""
+    """Returns the cells (N, 2) of the cheapest chain over a grid, or None; and its cost."""
     search = MCP_Geometric(cost)
     totals, _ = search.find_costs([first], [last])
     total = float(totals[last])

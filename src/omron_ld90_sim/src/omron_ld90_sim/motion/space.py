@@ -46,15 +46,13 @@ class Space:
         """Returns the least clearance (N,) at these fractions of each straight from starts to ends
         (N, 2).
 
-        A single start or end is used for all.
+        A single start or end is used for all straights.
         """
         points = starts[:, None] + fractions[:, None] * (ends - starts)[:, None]
         return self.clearance_at(points).reshape(points.shape[:2]).min(axis=1)
 
     def straight_is_free(self, a: np.ndarray, b: np.ndarray, clearance: float) -> bool:
-        """Returns whether the clearance is at least `clearance` all along the straight
-        from a to b.
-        """
+        """Returns whether the straight from a to b has at least `clearance` everywhere."""
         count = int(np.hypot(*(b - a)) / LOOK_STEP) + 2
         return bool(self.clearance_along(a[None], b[None], np.linspace(0.0, 1.0, count))[0]
                     >= clearance)

@@ -52,7 +52,7 @@ class SmoothTrack:
 
     def _profile(self, limits: Limits, s: np.ndarray, final: bool, top_speed: float,
                  entry_speed: float) -> List[float]:
-        """Squares of the highest speeds at the samples."""
+        """Returns the squares of the highest speeds at the samples."""
         curvature = np.abs(self.samples[:, 3])
         bend = np.abs(np.gradient(self.samples[:, 3], s)) if len(s) > 2 else np.zeros(len(s))
         spin = math.radians(limits.rotation_acceleration)

@@ -32,7 +32,7 @@ IMMEDIATE = {
         "CommandErrorDescription: Task 'say' is not an instant task"]],
 }
 
-# commands that take a while: the lines up to the last one
+# commands that take a while, with all lines up to their last line
 LASTING = {
     'goto': [['goto west'], ['Going to West', 'Arrived at West']],
     'gotoPoint': [['gotoPoint -2000 500 90'], ['Going to point', 'Arrived at point']],

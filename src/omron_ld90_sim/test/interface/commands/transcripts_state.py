@@ -1,6 +1,7 @@
 """Transcripts: the connection itself, status, infos and range devices.
 
-Each has command lines, then the immediate answer; a line in slashes is a regular expression.
+Each transcript has command lines, then the immediate answer. A line in slashes is a regular
+expression.
 """
 from __future__ import annotations
 

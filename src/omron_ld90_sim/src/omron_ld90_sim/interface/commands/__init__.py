@@ -1,4 +1,4 @@
-"""The ARCL commands, one module per group; `execute` carries out a line of them.
+"""The ARCL commands, one module per group; `execute` carries out one command line.
 
 Importing this package fills `TABLE`.
 

@@ -39,7 +39,7 @@ def application_fault_query(call: CommandCall) -> None:
 
 @command('faultsGet', 'Gets the list of any faults currently triggered', shortcut='fg')
 def faults_get(call: CommandCall) -> None:
-    """Lists all faults; the simulated robot only has those of applications."""
+    """Lists all faults; the simulated robot has only application faults."""
     for fault in call.robot.equipment.faults.values():
         call.reply(f'FaultList: {fault}')
     call.reply('End of FaultList')

@@ -53,7 +53,7 @@ def _section(call: CommandCall) -> ConfigSection:
 
 
 def _own_section(call: CommandCall, name: str) -> ConfigSection:
-    """Returns the section called `name`, added if there is none."""
+    """Returns the section called `name`; adds it if there is none."""
     return call.server.configuration.sections.setdefault(name, ConfigSection('', flags=ADDED))
 
 
@@ -69,7 +69,9 @@ def section_list(call: CommandCall) -> None:
 @command('getConfigSectionValues', 'Gets the values in a section of the config', '<section>', 1)
 @_gated
 def section_values(call: CommandCall) -> None:
-    """Lists the values of one section; an empty one keeps the blank at which clients split."""
+    """Lists the values of one section. The line of an empty value ends with the blank that
+    separates it from the name, because clients split there.
+    """
     for parameter in _section(call).parameters:
         call.reply(f'GetConfigSectionValue: {parameter.name} {parameter.value}')
     call.reply('EndOfGetConfigSectionValues')

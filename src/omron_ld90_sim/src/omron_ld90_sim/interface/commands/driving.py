@@ -68,7 +68,7 @@ def stop(call: CommandCall) -> None:
 @command('scanStop', 'Stops a scan')
 @command('scanAddGoal', 'Adds a goal to a scan')
 def known_by_name(call: CommandCall) -> None:
-    """Answers a command in the help lists of real robots whose answer no source describes."""
+    """Refuses a command that real robots list in their help, but that no source describes."""
     raise CommandFailed(f'{call.line.split()[0]} is not simulated: no source describes its answer')
 
 
@@ -122,7 +122,7 @@ def localize_to_point(call: CommandCall) -> None:
 
 @command('localizeAtGoal', 'Localizes at a goal', '<goal> [xySpread angleSpread]', 1)
 def localize_at_goal(call: CommandCall) -> None:
-    """Searches for the robot around a goal, with its heading or the present one."""
+    """Searches for the robot around a goal, with the goal's heading or, without it, its own."""
     goal = find_goal(call, call.arguments[0])
     heading = goal.theta if goal.has_heading else call.robot.true_pose.theta
     _localize(call, SimPose(goal.x, goal.y, heading), call.number(1, -1.0), call.number(2, -1.0),

@@ -1,7 +1,7 @@
 """External inputs and outputs: commands that add and remove sets and update their values.
 
 An update is sent to all clients, because one of them may be the device that drives the outputs.
-All other answers go to the asker.
+All other answers go to the client that asked.
 """
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from omron_ld90_sim.devices.equipment import find_name
 from omron_ld90_sim.devices.external_io import MAXIMUM_BITS, Bank, IoSet, parse_value
 from omron_ld90_sim.interface.commands.table import CommandCall, CommandFailed, command
 
-RESTART = 5.0       # s for which the robot's software is gone after a set was removed
+RESTART = 5.0       # s for which the robot's software restarts after a set was removed
 
 
 def _find(call: CommandCall) -> IoSet:
@@ -60,7 +60,7 @@ def dump(call: CommandCall) -> None:
 
 @command('extIODumpLocal', "Dumps this robot's external IO sets", shortcut='eddl')
 def dump_local(call: CommandCall) -> None:
-    """Lists every set with its values; a robot without a fleet knows no others."""
+    """Lists every set with its values; a robot without a fleet has no other sets."""
     _dump(call, 'ExtIODumpLocal')
 
 

@@ -11,7 +11,7 @@ ANALOG_HELP = (     # ARCL manual I617-E-02 p. 54
     'The data returned by analogInputQueryRaw is an int called <rawValue>',
     "To get <rawValue> to voltage do '<minV> + (<maxV> - <minV>) * <rawValue> / <maxRaw>'",
 )
-SOUNDS = ('.wav', '.mp3', '.ogg')       # from real robots' maps, about the task `play`
+SOUNDS = ('.wav', '.mp3', '.ogg')       # the suffixes that real robots' maps name for `play`
 NO_SOUND = 'There was nothing given to replay.'
 
 

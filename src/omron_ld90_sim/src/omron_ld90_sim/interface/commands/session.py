@@ -41,7 +41,7 @@ def send_text(call: CommandCall) -> None:
 @command('connectOutgoing', '(re)connects a socket to the given outside server',
          '<hostname> <port>', 2)
 def connect_outgoing(call: CommandCall) -> None:
-    """Moves the outgoing connection to another address; answers when it stands."""
+    """Moves the outgoing connection to another address; answers when it is open."""
     host, port = call.arguments[0], call.arguments[1]
     if not port.isdigit() or not 0 < int(port) < 65536:
         raise CommandFailed(f"Bad port '{port}'")

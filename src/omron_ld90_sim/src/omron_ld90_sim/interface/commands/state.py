@@ -11,8 +11,8 @@ LASER = 'Laser_1'
 TEMPERATURE = 36        # deg C
 EMPTY, FULL = 22.0, 28.0    # V, of an empty and of a full battery
 
-# A robot's own infos: those of I617-E-02 p. 124 and 126, and those that clients of real robots ask
-# for and read numbers from. Infos that are not simulated have plausible constant values.
+# A robot's own infos: those of I617-E-02 p. 124 and 126, and those that clients of real robots
+# query and read as numbers. Infos that are not simulated have plausible constant values.
 INFOS: Dict[str, Callable[[SimRobot], object]] = {
     'WirelessLink': lambda robot: 100,
     'WirelessQuality': lambda robot: 70,
@@ -157,7 +157,7 @@ def get_info(call: CommandCall) -> None:
 
 @command('createInfo', 'creates a piece of information', '<infoName> <maxLen> <infoValue>', 3)
 def create_info(call: CommandCall) -> None:
-    """Creates an info; only the first word of an unquoted value is kept, up to the length."""
+    """Creates an info. Only the first word of an unquoted value counts; it is cut to `<maxLen>`."""
     name, length = call.arguments[0], int(call.number(1))
     if name in INFOS:
         raise CommandFailed(f"Info '{name}' is the robot's own")

@@ -13,7 +13,7 @@ from omron_ld90_sim.interface.session import SimSession
 
 
 class CommandFailed(Exception):
-    """The argument of a command is bad: answered with CommandError and CommandErrorDescription."""
+    """A command cannot be done: it is answered with CommandError and CommandErrorDescription."""
 
 
 class NotReady(Exception):
@@ -48,13 +48,13 @@ class CommandCall:
         return text
 
     def reply(self, line: str) -> None:
-        """Answers only the asker."""
+        """Sends a line to the client that gave the command, to no other client."""
         self.session.send(line)
 
     def named(self, names: Iterable[str], what: str) -> str:
-        """Returns the one of `names` that equals the first argument with case ignored.
+        """Returns the name in `names` that equals the first argument, ignoring case.
 
-        Raises CommandFailed; `what`: the kind of thing that is named, for its text.
+        Raises CommandFailed if there is none; `what` is the kind of thing, for the error's text.
         """
         name = find_name(names, self.arguments[0])
         if name is None:
@@ -86,7 +86,7 @@ class CommandRow:
     name: str
     description: str
     usage: str
-    required: int          # number of arguments; with fewer ones the usage is answered
+    required: int          # the least number of arguments
     shortcut: str
     handler: Handler
 
