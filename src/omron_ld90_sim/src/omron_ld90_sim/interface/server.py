@@ -31,11 +31,11 @@ class ArclServer:
     def __init__(self, clock: SimClock, robot: SimRobot, password: str, interpreter: Interpreter,
                  configuration: Optional[RobotConfiguration] = None,
                  map_folder: Optional[Path] = None) -> None:
-        self._jobs = 0
         """`interpreter` executes command lines: `commands.execute`.
 
         `map_folder`: folder of the maps that `configAdd Map` may name.
         """
+        self._jobs = 0
         self.clock, self.robot, self.password = clock, robot, password
         self._interpreter = interpreter
         self.configuration = configuration or default_configuration()
