@@ -1,7 +1,7 @@
 """The floor of a site: the free space around each place. Metres, map frame.
 
 The floor is a grid of *clearances*. A clearance is the distance from a cell's centre to the nearest
-obstacle; between centres it is interpolated. If only the cells of obstacles are known, its error is
+obstacle; between centres it is interpolated. If only the cells of obstacles are known, the error is
 up to 0.71 of a cell, which equals the margin of a lane. If the positions of obstacles are known,
 the error is a few mm.
 """

@@ -32,7 +32,7 @@ def tidy(net: LaneNet, keep: Collection[int] = (), turning: float = 0.0) -> None
 
 
 def prune_tails(net: LaneNet, coverage: Coverage, turning: float) -> None:
-    """Removes dead ends that serve hardly any floor alone, the least useful first.
+    """Removes dead ends, the least useful first, if other lanes serve nearly all their floor.
 
     A lane stays if the remaining dead end would end at a place without space to turn.
     """
