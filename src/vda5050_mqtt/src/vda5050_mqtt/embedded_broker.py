@@ -35,7 +35,7 @@ def find_mosquitto() -> str:
 
 
 def configuration_in_memory(port: int) -> int:
-    """Returns a descriptor of mosquitto.conf. The file has no name: no other user can prepare it."""
+    """Returns a descriptor of mosquitto.conf, a file without a name: no other user can make it."""
     descriptor = os.memfd_create('mosquitto.conf', 0)  # programs that this process runs inherit it
     os.write(descriptor, configuration(port).encode())
     return descriptor

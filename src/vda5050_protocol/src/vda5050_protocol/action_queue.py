@@ -158,7 +158,7 @@ class ActionQueue:
             if not entry.triggered and not entry.status.has_ended))
 
     def with_triggered(self, *action_ids: str) -> ActionQueue:
-        """Returns the queue with these actions triggered; they start when earlier ones permit it."""
+        """Returns the queue with these actions triggered; they start when earlier ones permit."""
         if not action_ids:
             return self
         now = {name: replace(self[name], triggered=True) for name in action_ids}
