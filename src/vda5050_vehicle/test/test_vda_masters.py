@@ -95,7 +95,7 @@ def test_opentcs_drives_step_by_step_and_charges_at_the_end():
 
 
 def test_isaac_sends_routes_from_where_the_robot_is_and_leaves_the_header_empty():
-    """Isaac has its own node names. Each node has a heading and a deviation; the first no map."""
+    """Isaac has its own node names. Nodes have a heading and a deviation; the first has no map."""
     master = MASTERS['Isaac Mission Dispatch']
     vehicle = master.vehicle()
     names = [f'mission-n0-s{2 * number}' for number in range(ALL)]

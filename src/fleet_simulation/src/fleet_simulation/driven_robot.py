@@ -93,7 +93,7 @@ class DrivenRobot:
         self._mechanics, self._random = mechanics, random
         self._kinds = tuple(still for still in (delays.stall, delays.people) if still.every > 0.0)
         self._stops = [self._driving_until(still) for still in self._kinds]
-        """For each kind of random stop: the s of driving until the next stop."""
+        """For each kind of random stop: seconds of driving until the next stop."""
         self._slower = delays.slower
         self._edge: Tuple[Optional[int], int] = (None, -1)
 
@@ -161,7 +161,7 @@ class DrivenRobot:
                     self._stand(still.seconds * self._random.uniform(0.5, 1.5))
 
     def _driving_until(self, still: RandomStops) -> float:
-        """Draws the s of driving until the next stop of this kind."""
+        """Draws the seconds of driving until the next stop of this kind."""
         return self._random.expovariate(1.0 / still.every)
 
     def _begin_edge(self) -> None:
@@ -197,15 +197,15 @@ class DrivenRobot:
                 if isinstance(message, RouteRefusal)]
 
     def seconds_left(self, ahead: float) -> float:
-        """Returns the s until only `ahead` m of its route are left.
+        """Returns the seconds until only `ahead` m of its route are left.
 
-        Infinite: it is so already, or the robot stops before.
+        Infinite: no more than that is left now, or the robot stops before.
         """
         distance = self.vehicle.left - ahead
         return self._seconds_until(distance) if distance > 0.0 else math.inf
 
     def seconds_past(self, number: int, fraction: float, distance: float) -> float:
-        """Returns the s until it is `distance` m past the point at `fraction` of an edge.
+        """Returns the seconds until it is `distance` m past the point at `fraction` of an edge.
 
         number -- of the edge in its route record
         0: it is already there. Infinite: it stops before.
@@ -227,7 +227,7 @@ class DrivenRobot:
 
     @property
     def news(self) -> object:
-        """The values of which each change is reported at once."""
+        """The values whose changes are reported at once."""
         return self.vehicle.news
 
     def __str__(self) -> str:

@@ -21,7 +21,7 @@ from fleet_core.supervision.supervisor import Supervisor
 from trajectory_graph import Graph
 
 WAITED = 0.5        # s, longest time between two reports of a robot for which another waits
-_AGAIN = 0.2        # s, the same if the robot has already left the place that the other needs
+_AGAIN = 0.2        # s, the same if the robot has left the place for which the other one waits
 _BEHIND = 0.001     # m that a robot drives past a point, so that rounding cannot put it before
 _TOGETHER = 1e-6    # s; events with a smaller time difference happen at the same time
 
@@ -53,16 +53,16 @@ class ReportingRobot(Protocol):
 
     @property
     def news(self) -> object:
-        """The values of which each change is reported at once."""
+        """The values whose changes are reported at once."""
 
     def seconds_left(self, ahead: float) -> float:
-        """Returns the s until only `ahead` m of its route are left.
+        """Returns the seconds until only `ahead` m of its route are left.
 
-        Infinite: it is so already, or this time is unknown.
+        Infinite: no more than that is left now, or this time is unknown.
         """
 
     def seconds_past(self, number: int, fraction: float, distance: float) -> float:
-        """Returns the s until it is `distance` m past the point at `fraction` of an edge.
+        """Returns the seconds until it is `distance` m past the point at `fraction` of an edge.
 
         number -- of the edge in its route record
         0: it is already there. Infinite: it stops before, or this time is unknown.

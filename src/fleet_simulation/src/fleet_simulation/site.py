@@ -92,7 +92,7 @@ class StudiedSite:
         return made
 
     def settings_of(self, robots: Dict[str, Robot]) -> Dict[str, RobotSettings]:
-        """Returns settings by robot name. Added robots have those of the first of their type."""
+        """Returns settings by robot name. An added robot has those of the first one of its type."""
         by_type: Dict[str, RobotSettings] = {}
         for robot in self.fleet.robots:
             by_type.setdefault(robot.type.name, self.settings[robot.name])

@@ -131,7 +131,7 @@ def waiting_by_cause(size: SizeResults,
 
 
 def bottlenecks_of(size: SizeResults) -> List[Bottleneck]:
-    """Returns the stations, devices and chargers, the one for which robots wait longest first."""
+    """Returns stations, devices and chargers, beginning with the longest waiting time."""
     return list(bottlenecks(summed(*(run.resources for run in size.runs)),
                             sum(run.seconds for run in size.runs)))
 

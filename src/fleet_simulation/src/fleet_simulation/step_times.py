@@ -47,5 +47,5 @@ class WorkTimes:
         return None
 
     def of_device(self, name: str) -> float:
-        """Returns the s that a device takes to open or to close."""
+        """Returns the seconds that a device takes to open or to close."""
         return self.devices.get(name, DEVICE_SECONDS)

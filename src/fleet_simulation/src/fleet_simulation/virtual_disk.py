@@ -27,7 +27,7 @@ class VirtualDisk:
     """Holds the journal of the supervisor that runs now, in a folder that ends with the world.
 
     clock    -- returns the right time, s since 1970
-    hang     -- lets so many s pass, for a write that takes long
+    hang     -- lets this number of seconds pass, for a write that takes long
     set_back -- s by which the clock of the supervisor's computer is behind
     seconds  -- s that the next write takes; those after it take no time
     """

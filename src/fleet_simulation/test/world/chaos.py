@@ -134,7 +134,7 @@ class Chaos:
     # -- missions ---------------------------------------------------------------------------------
 
     def request(self, robot: str, number: int) -> None:
-        """Requests a mission; every fourth is for this robot, some have dwells, ids are reused."""
+        """Requests a mission. Every fourth one is for this robot, some have dwells; ids recur."""
         vertices = [VERTICES[(number * k + k) % len(VERTICES)] for k in range(1, 2 + number % 3)]
         dwell = (None, None, 0.0, 2.0, -1.0)[number % 5]
         request = Request(

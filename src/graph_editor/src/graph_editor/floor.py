@@ -92,7 +92,7 @@ class Floor:
         return np.isin(parts, sorted(labels)) if labels else np.zeros_like(open_cells)
 
     def part_near(self, parts: np.ndarray, place: Tuple[float, float], reach: float = 1.0) -> int:
-        """Returns the label in `parts` that is nearest to a place, within `reach` m; else 0.
+        """Returns the label in `parts` that is nearest to a place, within `reach` m; 0: none.
 
         parts -- (rows, columns): the label of each cell; 0: none
         """

@@ -86,7 +86,7 @@ class AgvMotion:
                    for distance, limit in self._ahead(path, index, arc, self._braking_distance()))
 
     def follow(self, path: Sequence[int], index: int, arc: float) -> None:
-        """Replaces the path. It is `arc` m along edge `index` of the new path, or at the end."""
+        """Replaces the path. The vehicle is `arc` m along its edge `index`, or at its end."""
         goes_on = not self.at_end and index < len(path) and path[index] == self.edge
         self.path, self.index, self.arc = tuple(path), index, arc
         self._cause = None
@@ -109,7 +109,7 @@ class AgvMotion:
         return seconds - max(left, 0.0)
 
     def next_event(self, hold: bool = False, emergency: bool = False) -> float:
-        """Returns the s until it ends a turn, passes a vertex or stops. Infinite: it stands."""
+        """Returns the seconds until it ends a turn, passes a vertex or stops; inf: it stands."""
         if not self._wants_to_move(hold):
             return math.inf
         self._compute(hold, emergency)
@@ -119,7 +119,7 @@ class AgvMotion:
         return max(end, 2.0 * _TOGETHER)
 
     def seconds_until(self, distance: float) -> float:
-        """Returns the s until it has driven this distance (m) in its present motion.
+        """Returns the seconds until it has driven this distance (m) in its present motion.
 
         Infinite: it stops before that, or has to turn first.
         """
@@ -160,7 +160,7 @@ class AgvMotion:
                                         braking)
 
     def _pass(self, seconds: float, hold: bool, emergency: bool) -> float:
-        """Simulates `seconds`, but at most the rest of the phase. Returns the s simulated."""
+        """Simulates `seconds`, but at most the rest of the phase. Returns the time simulated."""
         self._compute(hold, emergency)
         turns = self._turns
         if not self._phases:

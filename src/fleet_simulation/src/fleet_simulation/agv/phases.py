@@ -31,7 +31,7 @@ class DrivePhase(NamedTuple):
         return (self.speed + 0.5 * self.gain * seconds) * seconds
 
     def seconds_for(self, distance: float) -> float:
-        """Returns the s until `distance` (m) of the phase is driven; the phase is long enough."""
+        """Returns the seconds until `distance` (m), a part of the phase, is driven."""
         if distance <= 0.0:
             return 0.0
         root = math.sqrt(max(self.speed * self.speed + 2.0 * self.gain * distance, 0.0))
@@ -75,7 +75,7 @@ def turn(angle: float, rate: float, top: float, gain: float) -> List[DrivePhase]
 
 
 def seconds_until(phases: Iterable[DrivePhase], distance: float) -> float:
-    """Returns the s until this distance (m) is driven. Infinite: the vehicle stops before that."""
+    """Returns the seconds until this distance (m) is driven. Infinite: it stops before that."""
     passed = 0.0
     for phase in phases:
         whole = phase.distance_after(phase.seconds)

@@ -17,7 +17,7 @@ LONGEST = 1e6   # s
 
 @dataclass
 class _Running:
-    """A step that is being carried out: its type, the s that are left, and how it will end."""
+    """A step that is being carried out: its type, the seconds left, and how it will end."""
 
     type: str
     left: float
@@ -36,7 +36,7 @@ class SimulatedSteps:
     """Carries out the steps of one AGV.
 
     draw    -- returns the number of a new run, at each start of the AGV's driver
-    seconds -- returns the s that the step of a command takes
+    seconds -- returns the seconds that the step of a command takes
     """
 
     def __init__(self, draw: Callable[[], int],
@@ -50,7 +50,7 @@ class SimulatedSteps:
 
     @property
     def news(self) -> object:
-        """The values of which each change is reported at once."""
+        """The values whose changes are reported at once."""
         return self._state.run, self._state.last, self._state.steps
 
     @property

@@ -137,7 +137,7 @@ class AgvVehicle:
 
     @property
     def news(self) -> Tuple[VehicleState, Motion, ReasonCode]:
-        """The values of which each change is reported at once."""
+        """The values whose changes are reported at once."""
         return self.state, self.motion, self._unready
 
     def handle(self, order: RouteOrder) -> None:
@@ -213,7 +213,7 @@ class AgvVehicle:
 
     @property
     def next_event(self) -> float:
-        """The s until its report may change by itself; until then only its place changes.
+        """The seconds until its report may change by itself; until then only its place changes.
 
         0: this time is unknown.
         """
@@ -381,7 +381,7 @@ class AgvVehicle:
         self._driven_by_hand = False
 
     def _begin_epoch(self, cause: EpochCause, reason: Reason = NO_REASON) -> None:
-        """Lets a running route fail; orders that are on their way are not obeyed any more."""
+        """Lets a running route fail; the AGV obeys no order that is still under way to it."""
         self._lose_route(reason)
         self._intake.begin_epoch(cause, NO_REASON, self._time)
 

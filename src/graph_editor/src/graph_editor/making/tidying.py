@@ -154,7 +154,7 @@ def _merge(net: LaneNet, a: int, b: int, keep: set, turning: float) -> bool:
 
 
 def _merge_in_corner(net: LaneNet, a: int, b: int, turning: float) -> bool:
-    """Replaces two bends by one, at the point at which the lanes to them meet.
+    """Replaces two bends by one bend, at the point where the two outer lanes would meet.
 
     The clearance of the lanes may then be as low as that of the lane between the bends.
     """

@@ -1,4 +1,4 @@
-"""Moves the ends of dead ends to places to turn, because robots must come back from there."""
+"""Moves the tips of dead ends to places where robots can turn, so that robots can come back."""
 from __future__ import annotations
 
 from typing import Collection, Optional, Sequence, Tuple

@@ -43,9 +43,9 @@ class Gap(NamedTuple):
     clearance: float
     """The clearance there, m."""
     length: float
-    """The length of the lanes behind it, m."""
+    """The length of the lanes behind the gap, m."""
     places: Tuple[NamedPlace, ...]
-    """The places behind it."""
+    """The places behind the gap."""
 
     def note(self, found: Collection[NamedPlace]) -> str:
         """Returns a note for people; `found`: places to which other lanes lead."""

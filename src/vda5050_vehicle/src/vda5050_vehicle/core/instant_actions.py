@@ -170,7 +170,7 @@ class InstantActionHandler:
     def _with_blocking_type(self, action: VdaAction) -> VdaAction:
         """Returns the action with a blocking type that its table entry allows.
 
-        In 3.0 an instant action always has the blocking type NONE. The table has the true one.
+        In 3.0 an instant action always has the blocking type NONE. The table has the true type.
         """
         spec = self._context.table.specs.get(action.action_type)
         if not self._context.codec.is_3 or spec is None or action.blocking_type in spec.blocking:

@@ -1,7 +1,7 @@
 """The steps of a fleet's mission, carried out with the table of actions.
 
 VDA 5050 and the fleet (`route_protocol.steps`) use the same table. Actions that move the robot, or
-that the robot treats as a drive, are refused: with them the fleet would lose the robot. A step
+that the robot treats as a drive, are refused, because the fleet would lose track of it. A step
 `wait` needs no action: this module measures its time, and the fleet lets the robot stand meanwhile.
 
 A step that was begun and did not succeed is UNKNOWN: the ROS action does not say whether it had an
@@ -53,7 +53,7 @@ class TableSteps:
 
     @property
     def news(self) -> object:
-        """The values of which each change is reported at once."""
+        """The values whose changes are reported at once."""
         return self._state.last, self._state.steps
 
     def report(self) -> StepReport:

@@ -41,7 +41,7 @@ class Leg:
 
     @property
     def stands(self) -> bool:
-        """Whether the robot stands at both of its nodes. Drivers never get such a leg."""
+        """Whether both of its nodes are at the same place. Drivers never get such a leg."""
         return self.length == 0.0
 
 
@@ -69,7 +69,7 @@ class DriveProgress:
     def at_rest(self) -> bool:
         """Whether the robot does not drive for this driver.
 
-        It was sent nothing, has driven the route, has obeyed the stop, or has failed.
+        The robot was sent nothing, has driven the route, has obeyed the stop, or has failed.
         """
         raise NotImplementedError
 
@@ -176,4 +176,4 @@ class Driver(ABC, Generic[D]):
 
     @abstractmethod
     def restart(self, now: float) -> None:
-        """Continues after a restart with the state from before it."""
+        """Continues after a restart with the stored state."""

@@ -73,7 +73,7 @@ class RobotSnapshot:
 
 
 def has_moved(before: RobotPose, now: RobotPose) -> bool:
-    """Returns whether two poses differ by more than those of a standing robot within REST."""
+    """Returns whether two poses differ by more than a standing robot may move within REST."""
     turned = math.remainder(now.theta - before.theta, math.tau)
     return (math.hypot(now.x - before.x, now.y - before.y) > STANDING_SPEED * REST
             or abs(turned) > STANDING_ROTATION * REST)
