@@ -6,7 +6,7 @@ checker checks each state that the vehicle sends (`Lab.do`). In addition:
 
 * no edge that was not released was ever in a route;
 * a rejected order, or a copy of an accepted order, changes nothing except the errors;
-* every action is started at most once; if the vehicle must stand for it, it is at its node;
+* every action is started at most once, and at its node if the vehicle must stand for it;
 * an ended action keeps its result, and an action that ran when the adapter was killed has ended.
 """
 from __future__ import annotations

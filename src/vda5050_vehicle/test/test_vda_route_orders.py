@@ -102,7 +102,7 @@ class IgnoresUnknownOrders(RouteDriver):
 
 
 class DoesNotLookForLostJournals(RouteDriver):
-    """A faulty driver that takes a report for wrong if it shows an order that the journal lacks."""
+    """A faulty driver that treats a report as wrong if it shows an order that the journal lacks."""
 
     def on_report(self, said, now):
         if max(said.order, said.refused) > self.drive_state.protocol.number:

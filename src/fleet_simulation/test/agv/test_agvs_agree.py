@@ -63,7 +63,7 @@ class Pair:
         return f'{act.__name__} {what or ""}'
 
     def order(self) -> str:
-        """Sends a route: one that fits, or a wrong one."""
+        """Sends a route that fits, or a wrong route."""
         state, random = self.one.state, self.random
         edges, first = random.choice((
             (state.edges + self._walk(state.edges[-1:]), state.first),

@@ -705,7 +705,7 @@ class RandomWork(SupervisedFleet):
         self._stood.clear()
         agv.be_carried(edge, SITE.curve(edge).length)
         agv.visited.append(end.id)
-        self._say(name, agv.report(self.now), self.now)  # else the movement is unknown
+        self._say(name, agv.report(self.now), self.now)  # otherwise the movement is unknown
 
     def _any(self) -> str:
         return self.draw.choice(sorted(self.agvs))
@@ -768,7 +768,7 @@ class RandomWork(SupervisedFleet):
     # -- the choice of events ---------------------------------------------------------------------
 
     def live(self, steps: int) -> None:
-        """Lets so many steps happen, and then waits until all missions have ended."""
+        """Lets this number of steps happen, and then waits until all missions have ended."""
         while self.count < steps:
             self._happen(EVENTS)
         if not (self.reckless or self.load):

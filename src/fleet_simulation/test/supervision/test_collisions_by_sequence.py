@@ -1,4 +1,4 @@
-"""Exact sequences of events after which robots were once too near to each other, no rare timing.
+"""Sequences of events after which robots were once too near to each other, without rare timing.
 
 The virtual world checks the distances of all discs in each step, and fails if two are too near.
 """
@@ -251,9 +251,9 @@ def start_with(copy, fleet):
 
 
 def with_an_older_journal(restarts, drives):
-    """A fleet with an older journal, in which c is elsewhere. In fact c is in the way of a, silent.
+    """A fleet with an older journal that has another place of c. The silent c is in the way of a.
 
-    restarts -- number of restarts after the copy; after 0 only reports show that it is old
+    restarts -- number of restarts after the copy; 0: only reports show that the copy is old
     drives   -- whether a has a route when the supervisor ends
     """
     fleet = SupervisedFleet(ladder(6), {'a': (AGV, 1), 'b': (AGV, 101), 'c': (AGV, 106)},

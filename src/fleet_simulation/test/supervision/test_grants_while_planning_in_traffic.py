@@ -39,7 +39,7 @@ class Traffic(SupervisedFleet):
         self._ids = itertools.count(1)
 
     def drive(self, seconds: float) -> None:
-        """Simulates so many s. Robots without a mission get one."""
+        """Simulates this number of seconds. Robots without a mission get one."""
         end = self.now + seconds
         while self.now < end:
             busy = self.supervisor.book.serving

@@ -297,7 +297,7 @@ AHEAD = RobotSettings(release_ahead=8.0)
 
 
 def driving(to: int = 8, **others: int) -> SupervisedFleet:
-    """A fleet in which `a` drives from 1 on, as mission 1."""
+    """A fleet in which robot `a` drives from vertex 1 and serves mission 1."""
     robots = {'a': (AGV, 1), **{name: (AGV, vertex) for name, vertex in others.items()}}
     fleet = SupervisedFleet(corridor(8), robots, settings=AHEAD)
     fleet.request(1, to, robot='a')

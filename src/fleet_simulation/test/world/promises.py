@@ -28,7 +28,7 @@ _STANDS = 1.5       # s after which a robot that is heard again is known to stan
 
 @dataclass
 class Word:
-    """A command of a person. A crash of the supervisor before it is stored may lose it.
+    """A command of a person. It may be lost if the supervisor crashes before storing the command.
 
     since -- virtual time of the command, in s
     """

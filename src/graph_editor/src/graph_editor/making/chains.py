@@ -53,7 +53,7 @@ class Chain:
 class ChainGraph:
     """Nodes with positions (m), and the chains between them.
 
-    The steps that make a graph share its methods: one for each query, and one for each edit.
+    The steps of making a graph share the methods: one for each query, and one for each edit.
     """
 
     def __init__(self, floor: Floor) -> None:
