@@ -1,13 +1,13 @@
-"""Chaos in virtual time: random lives of a fleet, drawn from seeds; a tenth of the plans is wrong.
+"""Chaos in virtual time: random runs of a fleet, called lives; a tenth of the plans is wrong.
 
 With all guards of the interlocking, the promises hold. Without one of these guards, they break.
 Normally the supervisor hides a missing guard: it does not ask for edges that most guards would
 refuse, it refuses most wrong plans, and it stops robots that are too near. Therefore the supervisor
 is reckless in lives without a guard: it does none of this and asks for random edges.
 
-In 200 such lives no promise broke without `robot is clear of others` or `last order is settled`.
-The second one follows from the rules `standing`, `moved`, `older` and `command` of the model of the
-route protocol, which finds the state that is unsafe without each of them.
+In 200 such lives, no promise broke without `robot is clear of others` or `last order is settled`.
+The second of these guards follows from the rules `standing`, `moved`, `older` and `command` of the
+model of the route protocol. Without any of these rules, the model finds an unsafe state.
 """
 from __future__ import annotations
 
@@ -66,7 +66,7 @@ class CorruptedFleet(SupervisedFleet):
 
 
 class FleetWithResources(CorruptedFleet):
-    """Such a fleet in a yard with a door, a zone and a station, each somewhere."""
+    """A fleet with wrong plans, and with a door, a zone and a station at random places."""
 
     def __init__(self, *given: Any, seed: int, **more: Any) -> None:
         draw, edges = random.Random(f'resources {seed}'), sorted(YARD.edges)
@@ -78,9 +78,9 @@ class FleetWithResources(CorruptedFleet):
 
 
 class MovedFleet(CorruptedFleet):
-    """A fleet whose robots people push and put down near others, and stray; its journal gets old.
+    """A fleet with wrong plans and rare events, whose robots have play.
 
-    The robots have play.
+    People push robots or put them down near others, robots stray, and old journals are restored.
     """
 
     robots = replace(AGV, play=0.1)
@@ -89,8 +89,9 @@ class MovedFleet(CorruptedFleet):
 
 
 class RecklessFleet(CorruptedFleet):
-    """A fleet whose supervisor also asks the interlocking for grants without any check of its own:
-    for any robot, at any time, for any edge."""
+    """A fleet whose supervisor also asks the interlocking for grants without checks of its own.
+
+    It asks for any robot, at any time, for any edge."""
 
     haste = 0.05
     """Probability of such a request per time step."""
@@ -124,7 +125,7 @@ class RecklessFleet(CorruptedFleet):
 
 
 def live(seed: int, world: Type[CorruptedFleet] = CorruptedFleet) -> None:
-    """Simulates one life; raises AssertionError if a promise is broken."""
+    """Simulates one random run; raises AssertionError if a promise is broken."""
     draw = random.Random(f'life {seed}')
     fleet = world(
         YARD, {name: (world.robots, 21 + k) for k, name in enumerate(ROBOTS)}, seed=seed,
@@ -173,7 +174,7 @@ def test_an_older_journal_that_is_believed_is_found(monkeypatch: pytest.MonkeyPa
 FOUND = (2336, 50429, 51297, 51327, 60171, 61151, 62182)
 FOUND_MOVED = (90917, 90850, 90915, 90924, 12)
 SOME = None if WHOLE else 1
-"""How many of these lives run. A change of the fleet makes another life of a seed."""
+"""Number of these lives that run; None: all. If the fleet changes, a seed gives another life."""
 
 
 @pytest.mark.parametrize('seed', FOUND[:SOME])

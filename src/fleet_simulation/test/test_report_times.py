@@ -25,7 +25,7 @@ SITES = {'edges must be granted in time': (LINE, {'a': (1, 7)}),
 
 
 def run(name: str, rhythm: Rhythm) -> Tuple[float, int]:
-    """Returns the s until all missions are done, and the number of reports."""
+    """Returns the seconds until all missions are done, and the number of reports."""
     graph, drives = SITES[name]
     random, reports = Random(1), []
 

@@ -143,7 +143,7 @@ def test_no_file_of_the_user_is_overwritten_by_a_report(files: Files, tmp_path: 
     assert main(arguments(files(SATURATED), tmp_path / 'mine', *few)) == 1
     assert 'name a new or empty folder' in capsys.readouterr().err
     assert (tmp_path / 'mine' / 'runs.csv').read_text() == 'my own runs'
-    for _ in range(2):  # a report of before is replaced
+    for _ in range(2):  # an earlier report is replaced
         assert main(arguments(files(SATURATED), tmp_path / 'report', *few)) == 0
 
 

@@ -183,7 +183,7 @@ def test_a_run_begins_on_the_day_and_at_the_time_that_are_asked_for(
                  '--hours=0.05', '--seeds=1', '--begin', 'sun 00:10',
                  f'--output={report}']) == 0
     missions = {name: int(row['missions']) for name, row in timetables(report).items()}
-    assert missions == {'pallet': 0, 'late': 0, 'other_day': 2}  # the first one does not count
+    assert missions == {'pallet': 0, 'late': 0, 'other_day': 2}  # the first mission does not count
 
 
 @pytest.mark.parametrize('begin', ['06:00', 'mo 06:00', 'mon 24:00', 'mon'])

@@ -1,4 +1,4 @@
-"""The time to go that people are shown, against the time that robots then really need."""
+"""The time to go that people see, compared with the time that robots really need."""
 from __future__ import annotations
 
 import math
@@ -20,9 +20,9 @@ from trajectory_graph import load_graph, split_edges
 
 LAB = Path(__file__).parents[3] / 'maps' / 'lab_graph.yaml'
 PLACES = (6, 18, 27, 39, 52)
-DRIVES = 3      # missions after which the time is right
+DRIVES = 3      # missions that the robot serves before the time is right
 MORE = 5 if is_whole(__file__) else 2
-RIGHT = 0.2     # part of the true time by which it may differ
+RIGHT = 0.2     # fraction of the true time by which the shown time may differ
 TYPES = {
     'ld90': (RobotType('omron_ld90', 0.43, 1.35, play=0.25, obeys_edge_speed=False), LD90),
     'agv': (RobotType('agv', 0.4, 1.0), AGV)}
@@ -56,7 +56,7 @@ class Driving:
         return robot_views(self.fleet.supervisor, self.fleet.now)[0].to_go
 
     def serve(self, stay: float):
-        """Serves one mission. Returns what was shown at its begin, and the true times."""
+        """Serves one mission. Returns the times shown when it began, and the true times."""
         places = self._random.sample([place for place in PLACES if place != self._at], 2)
         self._count, self._at = self._count + 1, places[-1]
         fleet, book = self.fleet, self.fleet.supervisor.book

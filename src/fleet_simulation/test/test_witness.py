@@ -232,7 +232,7 @@ def test_growth_is_what_comes_after_the_first_quarter(
 # -- the witness and the other judges observe from outside -----------------------------------------
 
 WORLD = sorted((Path(__file__).parent / 'world').glob('*.py'))
-OWN = {'_replace', '_fields', '_asdict'}  # the public methods of a NamedTuple begin with a line
+OWN = {'_replace', '_fields', '_asdict'}  # these members of a NamedTuple are public
 SELF = ast.Name('self', ast.Load())
 
 

@@ -1,4 +1,4 @@
-"""Floor plans for tests: rooms with doors, halls, clutter; as sites, without any file."""
+"""Floor plans for tests (rooms with doors, halls, clutter) as sites that need no file."""
 from __future__ import annotations
 
 from dataclasses import dataclass
@@ -57,7 +57,7 @@ def corner() -> Plan:
 
 @st.composite
 def floor_plans(draw: st.DrawFn) -> Plan:
-    """A corridor between two rows of rooms with doors, a hall at its end, clutter anywhere."""
+    """A corridor between two rows of rooms with doors, a hall at the end, clutter anywhere."""
     passage = draw(st.sampled_from((1.3, 1.8, 2.6)))
     depths = draw(st.integers(28, 60)) / 10.0, draw(st.integers(28, 60)) / 10.0
     widths = draw(st.lists(st.integers(26, 60).map(lambda cm: cm / 10.0), min_size=1, max_size=3))

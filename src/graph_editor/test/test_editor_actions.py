@@ -1,4 +1,4 @@
-"""The menus are one table; RViz gets it with ids that refer back to it."""
+"""The menus are one table. RViz gets its rows with ids that refer back to the table."""
 from __future__ import annotations
 
 import pytest

@@ -1,4 +1,4 @@
-"""Floors: clearance, reachable area, inside."""
+"""Floors: their clearance, their reachable area, and which cells are inside."""
 from __future__ import annotations
 
 import math

@@ -1,4 +1,4 @@
-"""The effects of clicks, drags, menus and fields on a graph file; all can be undone."""
+"""The effects of clicks, drags, menus and fields on a graph file; each effect can be undone."""
 from __future__ import annotations
 
 import math

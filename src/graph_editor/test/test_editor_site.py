@@ -142,7 +142,7 @@ FREE, OCCUPIED, UNKNOWN = 0, 100, -1
 
 
 def pixels_of(tmp_path, name: str, mode: str, *colours: object) -> list:
-    """The cells of a row of pixels, and beyond them a wall, as load_ros_map reads the image."""
+    """The cells that load_ros_map reads from an image with one row of pixels."""
     image = Image.new(mode, (len(colours), 1))
     for x, colour in enumerate(colours):
         image.putpixel((x, 0), colour)
@@ -152,7 +152,7 @@ def pixels_of(tmp_path, name: str, mode: str, *colours: object) -> list:
 
 
 @pytest.mark.parametrize('name, mode, told', [
-    # what map_server's image_loader.cpp makes of them: the mean of all channels, alpha included
+    # as in map_server's image_loader.cpp: the mean of all channels, alpha included
     ('a.png', 'RGB', {(255, 255, 255): FREE, (255, 255, 0): UNKNOWN, (0, 255, 0): OCCUPIED,
                       (254, 254, 254): FREE, (205, 205, 205): UNKNOWN, (0, 0, 0): OCCUPIED}),
     ('a.png', 'RGBA', {(255, 255, 255, 255): FREE, (255, 255, 255, 0): UNKNOWN,

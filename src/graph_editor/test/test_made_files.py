@@ -1,4 +1,4 @@
-"""Files of made graphs may be replaced only if they were not edited."""
+"""make_graph replaces an earlier file of its own only if nobody edited the file."""
 from __future__ import annotations
 
 import pytest

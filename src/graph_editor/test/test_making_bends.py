@@ -1,4 +1,4 @@
-"""Bends of lanes: round if there is room; before and behind a narrow door, never in it."""
+"""Bends of lanes are round if there is room. They are never in a narrow door."""
 from __future__ import annotations
 
 from typing import List, Sequence, Tuple
@@ -14,7 +14,7 @@ from trajectory_graph.curves import cubic_bezier
 
 OPTIONS = MakingOptions()
 CORNERS = ((4.2, 1.0), (4.2, 5.0), (5.8, 5.0), (5.8, 9.0))
-"""m: up, through a wall at x = 5, up again."""
+"""In m: the lane leads up, right through a wall at x = 5, and up again."""
 
 
 def pieces(door: float, corners: Sequence[Tuple[float, float]] = CORNERS) -> List[Piece]:

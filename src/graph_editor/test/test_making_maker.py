@@ -33,7 +33,7 @@ OPTIONS = MakingOptions()
 def floor_of_robot(site: MappedSite) -> np.ndarray:
     """The floor where a robot can turn, or pass straight, from its start places.
 
-    The margin is larger than the smallest one of the maker, so that the maker must reach all of it.
+    The margin is larger than the smallest margin of the maker, so the maker must reach all of it.
     """
     floor, turning = site.floor, OPTIONS.turning
     parts, count = ndimage.label(floor.clearance >= turning, np.ones((3, 3)))
@@ -55,7 +55,7 @@ def floor_of_robot(site: MappedSite) -> np.ndarray:
 
 def straight_between(floor: Floor, starts: np.ndarray, ends: np.ndarray,
                      near: coo_matrix) -> bool:
-    """True if a straight with room to pass leads from one of `starts` to a near one of `ends`."""
+    """Whether a straight line with room to pass leads from a point in `starts` to one in `ends`."""
     first, last = starts[near.row], ends[near.col]
     room = np.full(len(first), np.inf)
     for fraction in np.linspace(0.0, 1.0, 31):
@@ -64,17 +64,17 @@ def straight_between(floor: Floor, starts: np.ndarray, ends: np.ndarray,
 
 
 def share_served(site: MappedSite, graph: Graph, reach: float) -> float:
-    """The share of the robot's floor whose driving distance to an edge is at most `reach` m."""
+    """The fraction of the robot's floor with a driving distance of at most `reach` m to an edge."""
     return float(served_or_not(site, graph, reach).mean())
 
 
 def floor_left(site: MappedSite, graph: Graph, reach: float) -> float:
-    """The rest of that floor, in m2."""
+    """The area (m2) of the robot's floor that is farther from all edges."""
     return np.count_nonzero(~served_or_not(site, graph, reach)) * PITCH ** 2
 
 
 def served_or_not(site: MappedSite, graph: Graph, reach: float) -> np.ndarray:
-    """True or False for each cell of the robot's floor; paths also lead straight through gaps."""
+    """Whether each cell of the robot's floor is within `reach` m; paths may lead through gaps."""
     coverage = Coverage(site.floor, site.floor.clearance >= OPTIONS.tight, reach)
     its_floor = Coverage(site.floor, floor_of_robot(site), reach).mask
     served = np.zeros(coverage.mask.size, bool)
@@ -91,13 +91,13 @@ def least_clearance(site: MappedSite, graph: Graph) -> float:
 
 
 def turns_without_room(site: MappedSite, graph: Graph) -> List[str]:
-    """The findings of check_graph about places where robots must turn and cannot."""
+    """The findings of check_graph about places where robots must turn but cannot."""
     findings = Checker(CheckRules(), site).all(Draft.of(graph))
     return [str(finding) for finding in findings if 'must turn' in finding.text]
 
 
 def crookedness(graph: Graph) -> float:
-    """The share of the graph's length that is neither horizontal nor vertical."""
+    """The fraction of the graph's length that is neither horizontal nor vertical."""
     lengths = {True: 0.0, False: 0.0}
     for id in graph.edges:
         curve = graph.curve(id)
@@ -161,7 +161,7 @@ def test_among_things_lanes_bend_only_where_robots_have_room_to_turn(things):
 
 
 def room_behind_a_corner(width: float) -> Plan:
-    """Two rooms, and between them a passage with a right angle."""
+    """Two rooms that a passage with a right angle connects."""
     return Plan(9.0, 7.0 + width, (
         (0.0, 3.0, 5.0, 4.0), (5.0 + width, 3.0, 9.0, 4.0 + width),
         (3.0, 4.0 + width, 9.0, 7.0 + width)), (2.0, 1.5))
@@ -187,7 +187,7 @@ def test_of_two_parts_the_one_stays_in_which_robots_start_not_one_behind_the_wal
 
 
 def two_doors(*boxes: Box) -> Plan:
-    """Two rooms and two doors of 0.6 m between them; in the upper room a goal on each side."""
+    """Two rooms with two doors of 0.6 m between them. The upper room has a goal on each side."""
     return Plan(6.4, 5.1, (
         (0.0, 2.35, 1.75, 2.45), (2.35, 2.35, 4.9, 2.45), (5.5, 2.35, 6.4, 2.45), *boxes),
         (3.2, 0.7), (NamedPlace(PlaceKind.GOAL, 'right', 3.9, 3.6),

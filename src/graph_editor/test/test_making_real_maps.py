@@ -37,7 +37,7 @@ def made(request):
 
 @lru_cache(maxsize=None)
 def made_of(path: Path):
-    """A site and the graph that is made from it, once for all tests."""
+    """A site and the graph that is made from it; the graph is made once for all tests."""
     site = load_site(str(path), SiteOptions())
     return site, make_graph(site, OPTIONS).graph
 

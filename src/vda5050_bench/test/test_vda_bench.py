@@ -1,4 +1,4 @@
-"""The bench: a correct vehicle passes, each defect is found by its rule, no defect ends the run."""
+"""The bench: a correct vehicle passes. A rule finds each defect, and no defect ends the run."""
 from __future__ import annotations
 
 import json
@@ -28,7 +28,7 @@ def verdicts_of(*defects: str, version: str = '2.1.0') -> List[Verdict]:
 
 
 def found(verdicts: List[Verdict], *outcomes: RuleOutcome) -> Dict[str, str]:
-    """The sentences with one of these outcomes, and the observations."""
+    """By sentence of a rule with one of these outcomes: the observation."""
     return {verdict.rule.sentence: verdict.text for verdict in verdicts
             if verdict.outcome in outcomes}
 
@@ -87,7 +87,10 @@ def test_advice_that_is_not_followed_is_no_broken_rule():
 
 
 def test_a_vehicle_of_3_0_that_wants_the_ends_of_edges_is_found():
-    """3.0 has no startNodeId, endNodeId; such a vehicle refuses every order of the standard."""
+    """VDA 5050 3.0 has no startNodeId and no endNodeId.
+
+    A vehicle that requires them refuses every order of the standard.
+    """
     verdicts = verdicts_of('wants the ends of edges', version='3.0.0')
     assert 'a new order is accepted: the state has its orderId, nodes and edges' in found(
         verdicts, RuleOutcome.BROKEN), scorecard(verdicts)
@@ -165,13 +168,13 @@ def test_a_slow_action_is_read_with_its_parameters():
 
 # --- the bench's own messages ---------------------------------------------------------------------
 
-# Rules that send orders which a schema refuses, because a vehicle must refuse them too.
+# Rules that send orders which do not fit the schema, because a vehicle must refuse them.
 MALFORMED = ('an order that cannot be read brings the warning validationError',
              'an order with wrong JSON data types brings validationError',
              'the error of an erroneous order tells its orderId where that can be read',
              'the warning is reported until the vehicle accepts a new order')
 
-# Where text and schema differ, the text is right. In 2.0.0 the schemas spell two names otherwise.
+# Where text and schema differ, the text is right: in 2.0.0 two names differ in spelling.
 OTHER_IN_THE_TEXT = {
     "'actionName' is a required property",
     'actions.actionType: the schema of 2.0.0 has no such key',
@@ -180,7 +183,7 @@ OTHER_IN_THE_TEXT = {
 
 @pytest.mark.parametrize('version', ['2.0.0', '2.1.0', '3.0.0'])
 def test_what_the_bench_sends_is_as_the_official_schemas_have_it(version):
-    """A bench whose messages share its author's misreading proves nothing."""
+    """The author may misread the standard; then wrong messages of the bench would prove nothing."""
     vehicle = ToyVehicle(version=version)
     trial = Trial(DirectMaster(vehicle), LINE, 30.0, None, BLINK)
     run, sent, wrong = tried(trial, version), 0, {}

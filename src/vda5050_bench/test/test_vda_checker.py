@@ -1,4 +1,4 @@
-"""The bench counts a vehicle's messages, and knows what is lost when a broker dies."""
+"""The checker counts a vehicle's messages, and allows for losses when a broker was killed."""
 from __future__ import annotations
 
 from typing import Sequence

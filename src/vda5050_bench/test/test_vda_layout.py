@@ -1,4 +1,4 @@
-"""Orders and layouts that are made from a graph."""
+"""Orders and layouts made from a graph."""
 from __future__ import annotations
 
 import json

@@ -1,6 +1,6 @@
-"""A small vehicle that is independent of the adapter, for the bench; defects on request.
+"""A small vehicle for tests of the bench; it can have defects.
 
-Without defects it obeys the standard. It drives on a straight line, in its own time, and shares no
+Without defects it obeys the standard. It drives on a straight line in simulated time. It shares no
 code with the adapter.
 """
 from __future__ import annotations
@@ -35,7 +35,7 @@ class Refused(Exception):
 
 
 class ToyVehicle:
-    """The vehicle; `send` gets its messages. `defects` are the names that `wrong` accepts."""
+    """The vehicle. It calls `send` with each message. `defects` names its defects; see `wrong`."""
 
     def __init__(self, *defects: str, version: str = '2.1.0') -> None:
         self.defects = set(defects)
@@ -61,13 +61,13 @@ class ToyVehicle:
         self._told_at = 0.0
 
     def wrong(self, defect: str) -> bool:
-        """True if it has this defect."""
+        """Whether the vehicle has this defect."""
         return defect in self.defects
 
     # --- messages of the vehicle ------------------------------------------------------------------
 
     def publish(self, topic: str, body: Json) -> None:
-        """Publishes with a header of its own."""
+        """Publishes a message with the next header of its topic."""
         if self.wrong('silent') and self.now > 60.0 or self.is_dead:
             return
         number = self._headers.get(topic, 0)
@@ -126,7 +126,7 @@ class ToyVehicle:
 
     @property
     def is_dead(self) -> bool:
-        """True between its death and its new start."""
+        """Whether it has crashed and has not started again yet."""
         return self.now < self._revives_at
 
     def publish_will(self) -> None:
@@ -216,7 +216,7 @@ class ToyVehicle:
 
     @property
     def _knows_no_ends(self) -> bool:
-        """True if edges have no ids of their ends: 3.0, 7.3."""
+        """Whether edges have no ids of their end nodes, as in VDA 5050 3.0, 7.3."""
         return self.is_3 and not self.wrong('wants the ends of edges')
 
     def _can(self, key: str, node: Json) -> bool:
@@ -230,7 +230,7 @@ class ToyVehicle:
 
     @property
     def is_busy(self) -> bool:
-        """True if the answer to question 3 of figure 8 is yes."""
+        """Whether the answer to question 3 of figure 8 is yes."""
         actions = dict(self.actions) if self.is_3 else {**self.actions, **self.instant}
         if self.wrong('accepts beside actions'):
             actions = {}
@@ -384,7 +384,7 @@ class ToyVehicle:
 
 
 class DirectMaster(BenchMaster):
-    """A master beside the vehicle, without a broker, in the vehicle's time."""
+    """A master that is connected to the vehicle without a broker, and uses the vehicle's time."""
 
     def __init__(self, vehicle: ToyVehicle) -> None:
         self.vehicle: Optional[ToyVehicle] = vehicle

@@ -29,13 +29,13 @@ def free_port() -> int:
 
 
 class Mosquitto:
-    """A broker of a test; `lines` come before those of the embedded one, or replace them."""
+    """A broker for a test; `lines` replace the configuration of the embedded broker."""
 
     def __init__(self, folder, lines='') -> None:
         self.port = free_port()
         folder.chmod(0o755)
         self._file = folder / 'mosquitto.conf'
-        # If started as root, it would change to another user, which cannot read the test's folder.
+        # As root, mosquitto would change to another user, who cannot read the test's folder.
         text = (lines or configuration(0)).replace('listener 0', 'listener PORT')
         self._file.write_text(f'user {getpass.getuser()}\n'
                               + text.replace('PORT', str(self.port)))
@@ -70,7 +70,7 @@ def start_broker(tmp_path):
 
 
 class Ends:
-    """A link, and the events of the link and of a listener."""
+    """A link, the changes of its connection, and the messages that it received."""
 
     def __init__(self, broker: Broker) -> None:
         self.changes: queue.Queue = queue.Queue()
@@ -85,7 +85,7 @@ class Ends:
 
 
 def listen(port, topic, name='listener'):
-    """A queue of (payload, retained) on a topic, once it is subscribed."""
+    """A queue of the messages (payload, retained) of a subscribed topic, and the client."""
     heard: queue.Queue = queue.Queue()
     subscribed: queue.Queue = queue.Queue()
     client = make_client(name)
@@ -198,7 +198,7 @@ def test_the_embedded_broker_is_for_this_computer_only():
 
 
 def test_the_configuration_of_the_broker_is_no_file(tmp_path):
-    """Another user cannot prepare a file that the broker would read, as it has no name."""
+    """The broker reads no named file, so another user cannot prepare such a file."""
     port = free_port()
     broker = subprocess.Popen(
         [sys.executable, '-c', 'from vda5050_mqtt.embedded_broker import main; main()',

@@ -39,7 +39,7 @@ def expected(is_new, busy, near, update, start, cancelled):
 def expected_in_3(is_new, busy, near, update, start, cancelled):
     """The result in the figure of 3.0.0.
 
-    It asks for orderUpdateId 0, and for a cancellation before a copy.
+    This figure also demands orderUpdateId 0, and checks for a cancellation before a copy.
     """
     if is_new and not busy and update != 0:
         return 'INVALID_ORDER'

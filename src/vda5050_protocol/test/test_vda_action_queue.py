@@ -1,4 +1,4 @@
-"""Which actions run at the same time, and for which the vehicle stands (figure 17)."""
+"""The actions that run at the same time, and those for which the vehicle stands (figure 17)."""
 from __future__ import annotations
 
 import pytest

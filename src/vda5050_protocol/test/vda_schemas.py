@@ -1,7 +1,7 @@
 """The official JSON schemas of the standard, for the tests.
 
 scripts/test.sh provides them (`provide_vda5050_schemas`). VDA5050_SCHEMAS names a folder with
-others: one folder per version, with the files of the standard's folder json_schemas.
+other schemas: one folder per version, with the files of the standard's folder json_schemas.
 """
 from __future__ import annotations
 

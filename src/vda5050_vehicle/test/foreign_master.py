@@ -1,7 +1,7 @@
-"""The master of vda5050-sdk, for test_vda_foreign_master.py: a program of its own environment.
+"""Runs the master of vda5050-sdk for test_vda_foreign_master.py, in its own environment.
 
-It reads a line of JSON for each act or message, and answers with the messages that the master
-sends, as the master wrote them, and with what it found wrong.
+The program reads one line of JSON for each act or message. It answers with the messages that the
+master sends, unchanged, and with the errors that the master found.
 """
 import asyncio
 import json
@@ -21,7 +21,7 @@ TARGET = 'OMRON/lab'
 class Master:
     def __init__(self):
         self.transport = MemoryTransport()
-        # Its monitor takes the horizon, which the standard wants in a state, for a fault.
+        # The monitor treats the horizon in a state as a fault, though the standard requires it.
         config = MasterConfig(progress_monitor=False)
         self.client = MasterClient(config, transport=self.transport)
         self.wrong = []
@@ -44,7 +44,7 @@ class Master:
         await self.accepted(self.client.dispatch(builder.build(), TARGET))
 
     async def extend(self, places):
-        """Releases further places, of which the first is the last one that was released."""
+        """Releases further places; `places` begins with the last place that was released."""
         nodes = [Node(node_id=name, sequence_id=0, released=True,
                       node_position=NodePosition(x=x, y=y, map_id='map'))
                  for name, x, y in places[1:]]

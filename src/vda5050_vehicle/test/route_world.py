@@ -1,10 +1,10 @@
-"""All that can happen between the route driver and a robot, as states that a search visits.
+"""A model of the route driver and a robot; a search visits all states that they can reach.
 
-Both ends are the real ones: `RouteDriver`, and `route_protocol.vehicle` with a robot on a line.
-What is between them is as bad as it can be: each order and each report that was ever sent may
-arrive at any time, any number of times, or never. Both sides may restart at any time, with their
-memory, without it, and the adapter with an older one. Other givers, other masters, refusals and
-failures may come at any time.
+Both ends are real code: `RouteDriver`, and `route_protocol.vehicle` with a robot on a line. The
+network between them is as bad as possible: each order and each report that was ever sent may arrive
+at any time, any number of times, or never. Both sides may restart at any time, with or without
+their memory; the adapter may also restart with an older journal. Other givers, other masters,
+refusals and failures may come at any time.
 
     places  0 --1-- 1 --2-- 2 --3-- 3 --4-- 4      edges 1 to 4 lead from one vertex to the next
 
@@ -55,10 +55,10 @@ def line() -> Graph:
 
 
 class Robot(NamedTuple):
-    """The robot: its end of the protocol, and where it is.
+    """The robot: its end of the protocol, and its place.
 
-    place  -- 2 k: at vertex k; 2 k + 1: on the edge that leads there from vertex k
-    rolls  -- edges along which it may still roll, from the one under way on
+    place  -- 2 k: at vertex k; 2 k + 1: on the edge from vertex k to vertex k + 1
+    rolls  -- edges along which the robot may still roll, beginning with the edge under way
     moved  -- another giver moves it
     """
 
@@ -69,7 +69,7 @@ class Robot(NamedTuple):
 
     @property
     def motion(self) -> Motion:
-        """What it does."""
+        """The motion that it reports."""
         if self.state.is_running:
             return Motion.ON_ROUTE
         if self.moved:
@@ -78,12 +78,12 @@ class Robot(NamedTuple):
 
     @property
     def is_ours(self) -> bool:
-        """True if it drives for the adapter."""
+        """Whether it drives for the adapter."""
         return self.state.is_running and self.state.master == ME
 
     @property
     def pose(self) -> SymbolicPose:
-        """Its place on the graph; at a vertex the end of the edge before it."""
+        """Its place on the graph; for a vertex, the end of the edge that leads there."""
         if self.place % 2:
             return SymbolicPose(self.place // 2 + 1, 50.0)
         return SymbolicPose(self.place // 2, 100.0) if self.place else SymbolicPose(1, 0.0)
@@ -92,10 +92,10 @@ class Robot(NamedTuple):
 class Desk(NamedTuple):
     """The VDA order under way, as the adapter knows it.
 
-    name     -- its number; 0: none yet
+    name     -- number of the order; 0: no order yet
     start    -- the vertex before its first edge
-    released -- number of its edges that are released
-    passed   -- number of its edges that are driven
+    released -- number of its released edges
+    passed   -- number of its driven edges
     """
 
     name: int = 0
@@ -108,11 +108,11 @@ class Desk(NamedTuple):
 
     @property
     def is_busy(self) -> bool:
-        """True if there is anything left to do."""
+        """Whether anything is left to do."""
         return self.passed < self.released or self.cancels
 
     def leg(self, number: int) -> Optional[Leg]:
-        """See `Memory`."""
+        """The leg of this number if it is released and not driven, as in `DriverMemory`."""
         if not self.passed <= number < self.released:
             return None
         edge = self.start + number + 1
@@ -122,15 +122,15 @@ class Desk(NamedTuple):
 class World(NamedTuple):
     """One state.
 
-    drive, desk  -- the adapter's memory; `heard`: the robot has reported since its start
-    older        -- an older journal that may come back
-    orders       -- all that were sent: each may arrive at any time. With the name of the VDA order
-    reports      -- the same
-    drawn        -- the highest number of an order, an epoch and a report
+    drive, desk  -- the adapter's memory; `heard`: the robot has reported since it began
+    older        -- an older journal with which the adapter may restart
+    orders       -- all orders that were sent, each with its VDA order; each may arrive at any time
+    reports      -- all reports that were sent; each may arrive at any time
+    drawn        -- the highest number of an order, of an epoch and of a report
     over         -- names of VDA orders whose cancellation is FINISHED
-    overruled    -- another one stopped or drove the robot during an order of the adapter, and the
-                    VDA master has not decided yet
-    left         -- how often each thing may still happen
+    overruled    -- during an order of the adapter, a person or another program stopped or drove the
+                    robot, and the VDA master has not decided yet
+    left         -- how often each event may still happen
     """
 
     drive: RouteDrive
@@ -146,11 +146,11 @@ class World(NamedTuple):
     left: Tuple[Tuple[str, int], ...]
 
     def may(self, what: str) -> bool:
-        """True if it may still happen."""
+        """Whether this event may still happen."""
         return dict(self.left).get(what, 0) > 0
 
     def less(self, what: str) -> World:
-        """The state after it has happened once more."""
+        """The state in which this event may happen once less."""
         return self._replace(left=tuple((name, number - (name == what))
                                         for name, number in self.left))
 
@@ -167,7 +167,7 @@ class _Memory:
         self.desk = Desk()
 
     def leg(self, number: int) -> Optional[Leg]:
-        """See `Memory`."""
+        """The leg of this number if it is released and not driven, as in `DriverMemory`."""
         return self.desk.leg(number)
 
 
@@ -196,7 +196,7 @@ class RouteWorld:
         self._sent: Tuple[Order, ...] = ()
 
     def first(self, bounds: Dict[str, int], is_new: bool = False) -> World:
-        """The first state: the robot counts the orders of the adapter, or both ends are new."""
+        """The first state: the robot has taken a stop of the adapter, or both ends are new."""
         drive = self._new_memory(1)
         left = tuple(sorted(bounds.items()))
         world = World(drive, Desk(), False, (drive, Desk()), Robot(VehicleState(1)), frozenset(),
@@ -404,7 +404,7 @@ class RouteWorld:
         return world._replace(robot=robot._replace(place=2 * abs(edge) - 1))
 
     def _check_entry(self, world: World, edge: int) -> None:
-        """The robot is about to enter an edge by an order of the adapter."""
+        """Raises Flaw if the robot must not enter this edge for the order that it drives."""
         number = world.robot.state.order
         name = next(name for order, name in world.orders if order.number == number)
         if name in world.over:
@@ -453,7 +453,7 @@ class RouteWorld:
                most: int = 10 ** 7) -> Found:
         """Visits all states within the bounds, until a property does not hold.
 
-        live -- from each state the robot can be brought to a new node
+        live -- checks also that from each state the robot can be brought to rest and to a new node
         """
         first = self.first(bounds, is_new)
         before: Dict[World, Tuple[Optional[World], str]] = {first: (None, '')}
@@ -474,7 +474,7 @@ class RouteWorld:
         return Found(len(before))
 
     def bring_to_rest(self, world: World) -> None:
-        """A network that works: a robot that must not drive on gets a stop, unless it stands."""
+        """Checks that a robot that must not drive on gets a stop when the network works."""
         for _ in range(3):
             if not (world.desk.held or world.desk.cancels):
                 return
@@ -483,7 +483,7 @@ class RouteWorld:
             raise Flaw('the robot does not get the stop')
 
     def bring_to_a_new_node(self, world: World) -> None:
-        """A network that works, a robot that obeys, and a master that sets things right."""
+        """Checks that the robot drives a new order when network, robot and master work."""
         names = {world.desk.name, *world.over, *(name for _, name in world.orders)}
         for _ in range(12):
             world = self._benign_round(world)

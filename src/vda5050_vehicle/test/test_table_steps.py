@@ -1,4 +1,4 @@
-"""Steps of a fleet's missions by the table of actions of the LD-90."""
+"""Steps of missions that the table of actions of the LD-90 defines."""
 from __future__ import annotations
 
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""Messages on the wire: both ways, against the official schemas, and against hostile input."""
+"""Reading and writing of messages: the official schemas, and hostile input."""
 from __future__ import annotations
 
 import json
@@ -65,9 +65,9 @@ def test_what_the_vehicle_sends_is_valid(version):
         assert not found, f'{topic}: {found}'
 
 
-# The ends of the names of fields for people only.
+# Endings of the names of fields that only people read.
 FOR_PEOPLE = ('description', 'descriptor')
-# It says what follows the loss of a release, and orders with `releaseRequired` are refused.
+# It concerns the loss of a release, but orders with `releaseRequired` are refused.
 MEANINGLESS = ('edges.corridor.releaseLossBehavior',)
 
 
@@ -85,7 +85,7 @@ HEADER_KEYS = ('headerId', 'timestamp', 'version', 'manufacturer', 'serialNumber
 
 
 def is_read(record, path):
-    """Whether a path of JSON keys leads to a field of the record; a free value has all below."""
+    """Whether a path of JSON keys leads to a field of the record. A free value ends each path."""
     kind = record
     for key in path.split('.'):
         kind = getattr(kind, 'kind', kind) if isinstance(kind, ListOf) else kind
@@ -332,7 +332,7 @@ def supported(version):
 @pytest.mark.parametrize('version', sorted(CODECS))
 def test_the_factsheet_names_fields_as_its_version_does(version):
     known = {f'{topic}.{path}' for topic in ('order', 'state') for path in paths(version, topic)}
-    if version == '2.0.0':  # the text is right, and the schema spells it otherwise
+    if version == '2.0.0':  # the text of the standard, which is right, spells it in this way
         known.add('order.nodes.nodePosition.allowedDeviationXY')
     assert set(supported(version)) <= known
 

@@ -21,7 +21,7 @@ def driven(lab, order):
 
 
 def there_and_back():
-    """Two orders were driven, so that the vehicle stands where the first one begins."""
+    """A vehicle that has driven two orders and stands where the first order begins."""
     lab = Lab(at=8)
     first = driven(lab, way(8, 10).order('there', actions={'8': [say('a')]}))
     driven(lab, way(10, 8).order('back'))
@@ -69,7 +69,7 @@ def test_a_copy_of_an_instant_action_is_not_done_again(kind, parameters):
     lab.receive_instant_actions(message)
     if lab.started:
         lab.end_action('i')
-    lab.order(way(8, 10).order('o'))  # the instant action is forgotten with it
+    lab.order(way(8, 10).order('o'))  # with it, the vehicle forgets the instant action
     lab.act('startPause')
     lab.settle()
     started = list(lab.started)

@@ -1,4 +1,4 @@
-"""A stop does not wait behind other messages: what comes together is processed together."""
+"""A stop does not wait behind other messages: messages that wait are processed together."""
 from __future__ import annotations
 
 import pytest
@@ -14,7 +14,7 @@ MANY = 300
 
 
 def messages(kind, number, **parameters):
-    """Messages with one instant action each, and one with a stop behind them."""
+    """Messages with one instant action each, followed by a message with a stop."""
     found = [payload({'actions': [action(kind, f'a{i}', **parameters)]}, 100 + i)
              for i in range(number)]
     return [('instantActions', message) for message in (
@@ -74,5 +74,5 @@ def test_a_message_of_very_many_actions_leaves_a_state_of_limited_size():
     lab = Lab()
     lab.receive_instant_actions(payload({'actions': [
         action('say', f'a{number}', **SAY) for number in range(1000)]}, 1))
-    # the last one ends after the oldest ended ones were dropped
+    # the last action ends after the oldest ended actions were dropped
     assert len(lab.state['actionStates']) <= MAX_INSTANT_ACTIONS + MAX_ENDED_INSTANT_ACTIONS + 1

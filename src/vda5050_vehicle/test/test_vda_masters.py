@@ -55,7 +55,7 @@ NULLS_OF_AN_EDGE = dict.fromkeys((
 
 def elements(names: Sequence[str], first: int, released: int, node: Dict[str, Any],
              edge: Dict[str, Any]) -> Dict[str, Any]:
-    """Elements from vertex number `first` on; `node` and `edge` are keys of all nodes and edges."""
+    """Nodes and edges from vertex number `first` on; each gets the keys of `node` or `edge`."""
     places = [lab().vertex(vertex).position for vertex in VERTICES]
     return {
         'nodes': [{'nodeId': names[i], 'sequenceId': 2 * i, 'released': i < released, 'actions': [],
@@ -70,7 +70,7 @@ def elements(names: Sequence[str], first: int, released: int, node: Dict[str, An
 def test_opentcs_drives_step_by_step_and_charges_at_the_end():
     """openTCS uses its own names of points and SOFT charging.
 
-    Each order message has one step more in its base, all with maxSpeed.
+    Each order message has one more step in its base. All edges have maxSpeed.
     """
     master = MASTERS['openTCS']
     vehicle = master.vehicle()
@@ -95,7 +95,7 @@ def test_opentcs_drives_step_by_step_and_charges_at_the_end():
 
 
 def test_isaac_sends_routes_from_where_the_robot_is_and_leaves_the_header_empty():
-    """It uses its own names of nodes, each with a heading and a deviation; the first has no map."""
+    """Isaac has its own node names. Nodes have a heading and a deviation; the first has no map."""
     master = MASTERS['Isaac Mission Dispatch']
     vehicle = master.vehicle()
     names = [f'mission-n0-s{2 * number}' for number in range(ALL)]
@@ -145,7 +145,7 @@ def test_an_order_of_a_library_with_the_vertices_as_nodes(name):
 
 
 def test_vda_5050_lib_finds_its_rejected_order_by_the_references():
-    """The references are topic, both ids, and no actionId; the version is that of its start."""
+    """The references have topic and ids, but no actionId. The version is the configured one."""
     master = MASTERS['vda-5050-lib']
     vehicle = master.vehicle()
     vehicle.receive_order(master.message(1, {'orderId': 'o', 'orderUpdateId': 3, **elements(

@@ -2,11 +2,11 @@
 
 The vehicle of the laboratory gets orders, updates, cancels, pauses, duplicates, reordered messages
 and lost messages. Its robot drives, fails, is stopped, and the adapter is killed. The strict
-checker checks each state that it sends (`Lab.do`). At the end:
+checker checks each state that the vehicle sends (`Lab.do`). In addition:
 
 * no edge that was not released was ever in a route;
-* a rejected order changes nothing except the errors, and neither does a copy of an accepted one;
-* every action is started once at most, and at its node if the vehicle must stand for it;
+* a rejected order, or a copy of an accepted order, changes nothing except the errors;
+* every action is started at most once, and at its node if the vehicle must stand for it;
 * an ended action keeps its result, and an action that ran when the adapter was killed has ended.
 """
 from __future__ import annotations
@@ -75,7 +75,7 @@ class RandomMaster(RuleBasedStateMachine):
         assert self.lab.order_record == before
 
     def here(self):
-        """The node at which the vehicle is, or will be, in the master's view."""
+        """The last node that the vehicle has passed, in the master's view."""
         return int(self.lab.vehicle.state.order.last_node[0] or 8)
 
     @rule(data=st.data(), number=st.integers(0, 3), update=st.sampled_from([0, 5]))
@@ -115,7 +115,7 @@ class RandomMaster(RuleBasedStateMachine):
     @precondition(lambda self: self.sent)
     @rule(data=st.data())
     def an_order_is_sent_anew(self, data):
-        """Its master wants it driven once more, so its actions have new ids."""
+        """The master wants to repeat the order, so the actions have new ids."""
         order = json.loads(json.dumps(data.draw(st.sampled_from(self.sent))[0]))
         for action in (found for element in (*order['nodes'], *order['edges'])
                        for found in element['actions']):
@@ -219,8 +219,9 @@ class RandomMaster(RuleBasedStateMachine):
 
     @invariant()
     def nothing_unreleased_is_driven(self):
-        """Only to the first node of an order the robot may drive back over an edge that it drove:
-        the order's deviation reaches from that node to the robot.
+        """One exception: the robot may drive back to the first node of an order over a driven edge.
+
+        The order's deviation then reaches from this node to the robot.
         """
         if not hasattr(self, 'lab'):
             return
@@ -276,7 +277,7 @@ class RandomMaster(RuleBasedStateMachine):
 
     @invariant()
     def what_runs_was_started(self):
-        """Started by this adapter, not by one that was killed."""
+        """This adapter started each running action, not an adapter that was killed."""
         if hasattr(self, 'lab'):
             for entry in self.lab.vehicle.state.actions:
                 if entry.is_active and entry.action.action_type == 'say':

@@ -49,7 +49,7 @@ def test_a_resumption_with_a_known_id_that_is_refused_now_is_reported_as_failed(
     lab.act('stopPause', 'resume')
     assert lab.status('resume') == 'FINISHED'
     lab.see(e_stop=EmergencyStop.MANUAL)
-    lab.checker = VehicleChecker('OMRON', 'lab')  # to it, an action that has ended never changes
+    lab.checker = VehicleChecker('OMRON', 'lab')  # the old one lets no ended action change
     lab.act('stopPause', 'resume')
     assert lab.status('resume') == 'FAILED'
 
@@ -83,7 +83,7 @@ def test_an_instant_action_with_the_id_of_an_action_of_the_order_is_refused(kind
 # --- masters that repeat themselves ---------------------------------------------------------------
 
 def repeated(lab, send, seconds=10.0):
-    """Sends at each state, and 100 times a second; returns the number of states."""
+    """Sends a message 100 times a second; returns the number of new states."""
     before = len(lab.states)
     for _ in range(round(seconds * 100)):
         send()
@@ -141,7 +141,7 @@ KINDS = {'say': SAY, 'cancelOrder': {}, 'startPause': {}, 'stopPause': {}, 'stat
 @pytest.mark.parametrize('first', KINDS)
 @pytest.mark.parametrize('drives', [False, True])
 def test_no_instant_action_with_a_known_id_is_dropped_in_silence(first, second, drives):
-    """It is executed, it is the known one, or an error names it."""
+    """The second action is executed, or it is the known action, or an error names it."""
     lab = under_way() if drives else Lab()
     lab.act(first, 'a', **KINDS[first])
     lab.checker = VehicleChecker('OMRON', 'lab')

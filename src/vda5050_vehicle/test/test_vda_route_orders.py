@@ -1,15 +1,15 @@
-"""The route driver and the real vehicle's end of the route protocol, in all states they reach.
+"""The route driver and the vehicle's end of the route protocol, in all states that they reach.
 
-Orders and reports are lost, come late, again, and in another sequence; both ends restart, with
-their memory, without it, and with an older one; others drive, stop and command the robot; it
-refuses, fails and rolls on. In each state within the bounds:
+Orders and reports are lost, come late or twice, and overtake each other. Both ends restart with
+their memory, without it, or with an older one. People and other programs drive, stop and command
+the robot, which refuses orders, fails and rolls on. In each state within the bounds:
 
-* the robot enters no edge that is not released, none for an order whose cancellation is FINISHED,
-  and none after another one has stopped or driven it, before the VDA master decides;
+* the robot enters only released edges, and none for an order whose cancellation is FINISHED;
+* after a person or another program stopped or drove it, it waits until the VDA master decides;
 * no number is drawn twice;
 * a held or cancelled robot gets the stop, and can then be brought to a new node.
 
-Then faults are planted in the driver, and each is found.
+Further tests plant faults in the driver, and the search finds each fault.
 """
 from __future__ import annotations
 
@@ -57,21 +57,21 @@ def test_nothing_is_driven_that_is_not_ordered_and_every_robot_can_be_used_again
 # --- planted faults -------------------------------------------------------------------------------
 
 class DrawsAgain(RouteDriver):
-    """It draws a number again after it has lost its journal."""
+    """A faulty driver that draws a number again after it has lost its journal."""
 
     def _next_number(self):
         return self.drive_state.protocol.number + 1
 
 
 class IgnoresEpoch(RouteDriver):
-    """It does not notice that a new epoch has begun."""
+    """A faulty driver that does not notice that a new epoch has begun."""
 
     def on_report(self, said, now):
         super().on_report(replace(said, epoch=self.drive_state.protocol.epoch or said.epoch), now)
 
 
 class KeepsOpenOrders(RouteDriver):
-    """It drops no open order."""
+    """A faulty driver that drops no open order."""
 
     def on_report(self, said, now):
         before = self.drive_state.protocol.open
@@ -81,28 +81,28 @@ class KeepsOpenOrders(RouteDriver):
 
 
 class IgnoresCause(RouteDriver):
-    """It drives on in a new epoch, whoever began it."""
+    """A faulty driver that drives on in a new epoch, whoever began the epoch."""
 
     def _judge_orders(self, before, said, news, now):
         super()._judge_orders(before, said, replace(news, cause=None), now)
 
 
 class NeverFails(RouteDriver):
-    """It drives on after each failure."""
+    """A faulty driver that drives on after each failure."""
 
     def _fail(self, reason):
         pass
 
 
 class IgnoresUnknownOrders(RouteDriver):
-    """It does not stop a robot that follows an order of a lost journal."""
+    """A faulty driver that does not stop a robot that follows an order of a lost journal."""
 
     def _judge_orders(self, before, said, news, now):
         super()._judge_orders(before, said, replace(news, is_older=False), now)
 
 
 class DoesNotLookForLostJournals(RouteDriver):
-    """It takes each order that its journal lacks for a wrong report."""
+    """A faulty driver that treats a report as wrong if it shows an order that the journal lacks."""
 
     def on_report(self, said, now):
         if max(said.order, said.refused) > self.drive_state.protocol.number:
@@ -111,14 +111,14 @@ class DoesNotLookForLostJournals(RouteDriver):
 
 
 class DoesNotHalt(RouteDriver):
-    """It lets the robot drive on while the vehicle is held."""
+    """A faulty driver that lets the robot drive on while the vehicle is held."""
 
     def halt(self, now):
         pass
 
 
 class SendsOldStop(RouteDriver):
-    """It sends a stop that is on its way again, instead of a newer one."""
+    """A faulty driver that repeats a stop that is under way instead of sending a newer stop."""
 
     def stop(self, now):
         if self.drive_state.protocol.is_stopping:
@@ -128,7 +128,7 @@ class SendsOldStop(RouteDriver):
 
 
 class NeverRepeats(RouteDriver):
-    """It sends each order once."""
+    """A faulty driver that sends each order only once."""
 
     def tick(self, now):
         pass

@@ -1,4 +1,4 @@
-"""Further nodes at the place of the last one, by which a master adds actions where a robot stands.
+"""Second nodes at the place of the last node: a master adds actions for a robot that stands there.
 
 VDA 5050 3.0.0, 6.1.2, figure 7: the update repeats the decision point, and adds a node with
 sequenceId + 2 at the same place.
@@ -73,7 +73,7 @@ def test_the_robot_drives_on_after_the_action_at_the_second_node(version):
 
 
 def doubled(*vertices: int) -> Track:
-    """A track over the vertices; a vertex twice is a second node at its place."""
+    """A track over the vertices. A repeated vertex is a second node at the same place."""
     parts = [way(start, end) if start != end else second(start)
              for start, end in zip(vertices, vertices[1:])]
     return Track((parts[0].stops[0], *(part.stops[-1] for part in parts)),
@@ -162,12 +162,12 @@ def goals(lab: Any) -> Any:
 # --- the longest order ----------------------------------------------------------------------------
 
 def back_and_forth(edges: int) -> Sequence[int]:
-    """So many edges between two vertices."""
+    """The vertices of a track with this number of edges, back and forth between two vertices."""
     return [(8, 10)[number % 2] for number in range(edges + 1)]
 
 
 def long_way(edges: int) -> Track:
-    """A track of so many edges."""
+    """A track with this number of edges."""
     there, back = way(8, 10), way(10, 8)
     vertices = back_and_forth(edges)
     return Track(tuple(there.stops[(8, 10).index(vertex)] for vertex in vertices),
@@ -192,9 +192,9 @@ def test_a_long_horizon_does_not_count():
 
 
 def test_an_order_that_grows_by_updates_is_refused_in_time_and_never_fails_under_way():
-    """The route of an order has all its edges from its start on: the receiver takes 1,000.
+    """The route of an order has all edges since its start, and the robot takes at most 1,000.
 
-    Here it takes fewer, so that the test is short.
+    Here the limit is lower, so that the test is short.
     """
     lab = Lab()
     lab.driver.longest, first, rest, more = 20, 12, 8, 2

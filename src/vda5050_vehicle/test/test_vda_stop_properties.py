@@ -1,14 +1,14 @@
 """Random stops, with a robot that misbehaves and an adapter that is killed at any step.
 
 The robot refuses, hides its velocity, loses its link, brakes late, and obeys people. Some robots
-have a signal that says if they stand (see vehicle.yaml). The robot's end of the route protocol is
-the real one. These properties always hold:
+report whether they stand (a signal in vehicle.yaml). The robot's end of the route protocol is the
+real code. These properties always hold:
 
 * no route is sent after cancelOrder without another order;
 * cancelOrder and startPause are FINISHED only while the robot stands;
 * after a person's stop no route is begun before the master's stopPause or another order;
 * during a pause no drive begins before stopPause;
-* no number is that of two orders, and no order to drive lacks the epoch of a report.
+* no two orders have the same number, and each order to drive has an epoch.
 """
 from __future__ import annotations
 
@@ -49,19 +49,19 @@ class UnrulyRobot(RobotSide):
 
     @property
     def motion(self):
-        """What it says that it does."""
+        """The motion that it reports."""
         if self.by_hand:
             return Motion.MOVED
         return Motion.COMING_TO_REST if self.braking > 0.0 else super().motion
 
     @property
     def moves(self):
-        """True if it really moves."""
+        """Whether it really moves."""
         return self.drives or self.braking > 0.0 or self.by_hand
 
 
 class UnrulyLab(Lab):
-    """The laboratory with this robot; the adapter can be killed between two effects."""
+    """The laboratory with an unruly robot; the adapter can be killed between two effects."""
 
     hides = tells_standing = False
     effects_left = None
@@ -108,7 +108,7 @@ class RandomStops(RuleBasedStateMachine):
         self.cancelled_at = None  # number of commands sent when the cancel was accepted
         self.paused_at = None
         self.overruled = None  # the epochs since a person's act
-        self.moved_at = None  # the same number at a person's act while the robot waited
+        self.moved_at = None  # number of commands sent when a person moved the waiting robot
         self.known = {}  # status of each stop
         self.stops = []
         self.order(data, base, False)
@@ -228,7 +228,7 @@ class RandomStops(RuleBasedStateMachine):
     @precondition(lambda self: self.lab.robot.drives)
     @rule(drives_on=st.booleans())
     def a_person_stops_it_while_the_base_grows(self, drives_on):
-        """The longer route was ordered before the adapter knew of it."""
+        """The longer route was ordered before the adapter knew of the stop."""
         self.a_person_stops_it(drives_on)
         self.update()
         self.wait(1)
@@ -236,7 +236,7 @@ class RandomStops(RuleBasedStateMachine):
     @precondition(lambda self: self.lab.robot.answers and not self.lab.vehicle.state.busy)
     @rule(data=st.data())
     def a_person_moves_it_between_two_drives(self, data):
-        """During an action of a node; the action ends after that."""
+        """A person moves the robot during an action of a node; the action ends afterwards."""
         self.lab.robot.refuses = None
         self.order(data, 4, True)
         self.wait(5)

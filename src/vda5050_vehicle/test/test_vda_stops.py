@@ -37,7 +37,7 @@ def refuse_extension(lab, reason):
     lab.robot.refuses = None
 
 
-# --- B3: unknown motion does not count as standing ------------------------------------------------
+# --- unknown motion does not count as standing ----------------------------------------------------
 
 @pytest.mark.parametrize('kind', ['cancelOrder', 'startPause'])
 def test_a_robot_that_hides_its_velocity_stands_when_its_side_says_so(kind):
@@ -57,7 +57,7 @@ def test_a_robot_that_hides_its_velocity_stands_when_its_side_says_so(kind):
 def test_a_velocity_from_before_the_stop_tells_nothing(kind):
     lab = Lab()
     lab.order(HALL.order('o'))
-    lab.is_seen = False  # its last report: it stands
+    lab.is_seen = False  # in its last report, it stands
     lab.robot.rolls = True
     stop = lab.act(kind)
     lab.wait(2.0)
@@ -90,7 +90,7 @@ def test_a_stop_that_the_robot_owes_is_not_finished(kind):
     assert lab.status(stop) == 'FINISHED'
 
 
-# --- B4: every cancel and pause reaches the robot -------------------------------------------------
+# --- every cancel and pause reaches the robot -----------------------------------------------------
 
 @pytest.mark.parametrize('kind', ['cancelOrder', 'startPause'])
 def test_it_is_stopped_though_an_extension_of_its_route_was_refused(kind):
@@ -136,7 +136,7 @@ def test_a_paused_vehicle_leaves_a_person_who_drives_it_alone():
     assert len(lab.robot.routes) == routes
 
 
-# --- B1: also after a crash -----------------------------------------------------------------------
+# --- every cancel and pause survives a crash ------------------------------------------------------
 
 @pytest.mark.parametrize('kind', ['cancelOrder', 'startPause'])
 @pytest.mark.parametrize('answers', [True, False])
@@ -157,7 +157,7 @@ def test_a_cancel_survives_a_crash(kind, answers):
     assert not [command for command in lab.robot.routes if command.edges]
 
 
-# --- B11: an actionId that is already known -------------------------------------------------------
+# --- stops with an actionId that is already known -------------------------------------------------
 
 @pytest.mark.parametrize('kind', ['cancelOrder', 'startPause'])
 @pytest.mark.parametrize('codec', [VERSION_2_1, VERSION_3_0])
@@ -201,7 +201,7 @@ def test_a_cancel_that_comes_twice_is_done_once():
     assert (lab.status('x'), lab.errors, len(lab.robot.routes)) == ('FINISHED', [], stops)
 
 
-# --- B9: nothing is driven after a person's stop --------------------------------------------------
+# --- nothing is driven after a person's stop ------------------------------------------------------
 
 @pytest.mark.parametrize('code', [
     ReasonCode.TAKEN_OVER, ReasonCode.OVERRULED, ReasonCode.WRONG_CHANGE, ReasonCode.OTHER])
@@ -304,7 +304,7 @@ def test_a_robot_that_tells_of_its_motion_stands_where_nothing_says_otherwise(
     assert (lab.status(stop) == 'FINISHED') is ended
 
 
-# --- B12: the cost of an event --------------------------------------------------------------------
+# --- the cost of an event -------------------------------------------------------------------------
 
 def test_an_event_in_an_order_of_a_thousand_nodes_costs_under_two_milliseconds():
     lab = Lab()

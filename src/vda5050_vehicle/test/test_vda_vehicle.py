@@ -264,7 +264,7 @@ def test_a_direction_that_the_graph_forbids_is_refused():
 
 
 def test_an_order_may_begin_in_the_middle_of_an_edge():
-    """After a cancellation: at a node of its own, where the robot stands."""
+    """After a cancellation, the order may begin at a new node where the robot stands."""
     lab = Lab()
     lab.see(pose=RobotPose(-10.5, 0.0, 0.0))
     order = HALL.order('o')
@@ -497,7 +497,7 @@ def test_waiting_is_standing_whatever_blocking_it_comes_with():
 
 
 def test_an_order_waits_for_the_end_of_an_instant_action():
-    """Question 3 of figure 8 counts all action states."""
+    """In VDA 5050, question 3 of figure 8 counts all action states."""
     lab = Lab()
     lab.act('startCharging', 'a', 'HARD')
     lab.order(HALL.order('o'))

@@ -270,7 +270,7 @@ def test_stops_are_never_refused_for_a_parameter_too_many():
 # --- the standard's own orders --------------------------------------------------------------------
 
 def test_an_order_in_the_form_of_the_standard_is_driven(lab):
-    """The fields of 3.0.0, 7.3. The ends of an edge follow from its sequenceId."""
+    """The fields are those of 3.0.0, 7.3. The ends of an edge follow from its sequenceId."""
     (x_of_8, y_of_8), (x_of_10, y_of_10) = (laboratory().vertex(v).position for v in (8, 10))
     order = {
         'orderId': 'o', 'orderUpdateId': 0, 'orderDescription': 'for people',

@@ -52,7 +52,7 @@ IDENTITY = Identity('OMRON', 'lab', 'map', '1')
 STANDING, DRIVING = Velocity(0.0, 0.0, 0.0), Velocity(1.0, 0.0, 0.0)
 SAY = {'text': 'hello'}
 CLOCK = 1_700_000_000_000  # ms since 1970
-_EPOCHS, _REPORTS = count(1), count(1)  # they never repeat, over restarts too
+_EPOCHS, _REPORTS = count(1), count(1)  # numbers that never repeat, not even after restarts
 
 
 @lru_cache(maxsize=None)
@@ -92,19 +92,19 @@ def way(*vertices: int) -> Track:
 class RobotSide:
     """The receiver of orders: the real vehicle's end of the route protocol.
 
-    It takes what the protocol lets it take, drives when the test says so, and stops at once.
+    It takes each order that the protocol allows, drives when the test says so, and stops at once.
     """
 
     def __init__(self) -> None:
         self.vehicle = protocol.Vehicle(lambda: next(_EPOCHS), lambda: next(_REPORTS))
         self.percentage = 0.0
-        self.place: Optional[SymbolicPose] = None  # where it stands, if a test says it
+        self.place: Optional[SymbolicPose] = None  # where it stands, if a test sets it
         self.routes: List[Order] = []  # all orders that were sent to it, received or not
         self.answers = True
         self.refuses: Optional[Reason] = None
         self.owes_stop = ''
         self.rolls = False  # it has not come to rest yet
-        self._driven: Tuple[int, ...] = ()  # by the route before the edges of the last order
+        self._driven: Tuple[int, ...] = ()  # edges before those of the last order
 
     def arrive(self, order: Order) -> None:
         """An order arrives."""
@@ -136,14 +136,14 @@ class RobotSide:
 
     @property
     def motion(self) -> Motion:
-        """What it does."""
+        """The motion that it reports."""
         if self.drives:
             return Motion.ON_ROUTE
         return Motion.COMING_TO_REST if self.owes_stop or self.rolls else Motion.STANDING
 
     @property
     def pose(self) -> SymbolicPose:
-        """The edge of its route on which it is."""
+        """Its place on its route, or `place`."""
         if self.place is not None or not self.route:
             return self.place or SymbolicPose()
         edge = self.route[min(self.done, len(self.route) - 1)]
@@ -156,7 +156,7 @@ class RobotSide:
 
     @property
     def route(self) -> Tuple[int, ...]:
-        """All edges that it drives, or has driven, under this label."""
+        """All edges that it drives, or has driven, under the label of its route."""
         return self._driven + self.vehicle.state.edges
 
     @property
@@ -170,7 +170,7 @@ class RobotSide:
 
     @property
     def drives(self) -> bool:
-        """True if there is something left to drive."""
+        """Whether it has edges left to drive."""
         return self.vehicle.state.is_running
 
     def fail(self, text: str) -> None:
@@ -179,7 +179,7 @@ class RobotSide:
 
     def overruled(self, cause: EpochCause = EpochCause.OTHER_GIVER,
                   reason: Reason = TAKEN_OVER) -> None:
-        """Another giver drives or stops it, or nobody can."""
+        """A new epoch begins; by default, another giver drives or stops the robot."""
         self.vehicle.begin_epoch(cause, reason)
 
     def taken_by_another_master(self) -> None:
@@ -211,7 +211,7 @@ class Lab:
         self.cancelled: List[str] = []
         self.effects: List[fx.Effect] = []
         self.journal: List[str] = []
-        self.is_seen = True  # the robot reports its velocity all the time, if it reports it at all
+        self.is_seen = True  # the vehicle receives the robot's state all the time
         self.checker = VehicleChecker('OMRON', 'lab', codec.version)
         self.headers = Headers(codec.version, 'OMRON', 'lab', lambda: 1e9 + self.now)
         self.view = RobotSnapshot(velocity=STANDING, battery=BatteryState(80.0, False), lost='')

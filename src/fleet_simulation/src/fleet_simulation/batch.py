@@ -43,7 +43,7 @@ def run_all(sites: Sequence[StudiedSite], jobs: Sequence[Job], processes: int,
             tell: Callable[[int, int], None]) -> Tuple[List[Done], bool]:
     """Returns the completed runs in the order of the jobs, and whether Ctrl-C ended the batch.
 
-    processes -- most runs at the same time
+    processes -- largest number of runs at the same time
     tell      -- is called after each run with the number of completed runs and of all runs
     """
     done: List[Done] = []

@@ -192,7 +192,7 @@ def _try_proposals(site: StudiedSite, runs: Sequence[Figures],
                    options: argparse.Namespace) -> Tuple[List[Proposed], bool]:
     """Simulates changes of the graph, with the fleet size at the knee and the same seeds.
 
-    Returns them with the highest gain first, and whether Ctrl-C ended the batch.
+    Returns the changes, the highest gain first, and whether Ctrl-C ended the batch.
     """
     best = knee(sizes(runs))
     room = 2.0 * max(kind.reach for kind in site.fleet.types) + site.fleet.clearance

@@ -35,10 +35,10 @@ class Flow:
     sources      -- vertices; each mission first visits one of them, drawn evenly; may be empty
     targets      -- vertices; each mission then visits one of them, drawn evenly
     arrivals     -- shifts, in which missions come at random times (Poisson), or saturation
-    priority     -- of the missions; the higher is served first
+    priority     -- of the missions; missions of a higher priority are served first
     stay         -- mean dwell at each destination, in s
     scatter      -- 0..1; each dwell is drawn between (1 - scatter) and (1 + scatter) times `stay`
-    deadline     -- s from the request by which a mission is to be done; 0: there is none
+    deadline     -- s from the request of a mission to its deadline; 0: no deadline
     """
 
     name: str
@@ -70,9 +70,9 @@ class Flow:
 class WorkFlow:
     """Missions of a template of the work file.
 
-    arguments -- of the template, by parameter: each mission has one of these values, drawn evenly
+    arguments -- by parameter of the template: values; each mission gets one of them, drawn evenly
     visits    -- for each stop, the vertices to which it may lead
-    arrivals, priority, deadline -- as of a `Flow`
+    arrivals, priority, deadline -- as in `Flow`
     """
 
     name: str
@@ -163,7 +163,7 @@ class Demand:
 
 
 class RequestSource:
-    """The requests of one run: drawn ones at their times, and those that keep saturated flows open.
+    """The requests of one run: the drawn requests, and those of the saturated flows.
 
     drawn  -- requests, sorted by time
     random -- draws the missions of saturated flows

@@ -11,10 +11,10 @@
     devices: {gate_north: 5}
     csv: day.csv
 
-`template`, `steps` and `devices` belong to a work file: missions of its templates, how long steps
-take, and the s that its devices take to open or to close. `csv` names a file beside the demand
-file. Its columns are `time` (s from the beginning) and `destinations` (vertex ids, separated by
-blanks); `priority` and `stay` (s) are optional.
+`template`, `steps` and `devices` need a work file. A flow with `template` has missions of this
+template; `steps` says how long steps take, and `devices` how many s a device takes to open or to
+close. `csv` names a file beside the demand file. Its columns are `time` (s from the beginning) and
+`destinations` (vertex ids, separated by blanks); `priority` and `stay` (s) are optional.
 """
 from __future__ import annotations
 
@@ -55,8 +55,8 @@ class Wanted(NamedTuple):
     """The content of a demand file, and the lines that an error message names.
 
     places -- by vertex: the file and line that first name it
-    pairs  -- by two vertices that a mission visits one after the other: file and line likewise
-    work   -- what the site says about work
+    pairs  -- by two vertices that a mission visits one after the other: their file and line
+    work   -- the content of the work file
     times  -- how long steps and devices take
     """
 
@@ -165,7 +165,7 @@ def _work_flow(node: yaml.Node, number: int, groups: Groups, graph: Graph,
 
 
 def _values(one: Field, groups: Groups) -> Tuple[str, ...]:
-    """Returns the values of which each mission has one: the vertices of a group, or the word."""
+    """Returns the possible values of an argument: the vertices of a group, or the word itself."""
     word = strict_yaml.text(one)
     return tuple(map(str, groups[word])) if word in groups else (word,)
 

@@ -73,8 +73,8 @@ AGV = Mechanics(DriveLimits())
 class DrivenRobot:
     """One robot with a drive, a battery and its own random number generator.
 
-    Its motion is known in closed form until its next event: it passes a vertex, has turned, stands,
-    or begins or ends a stop. So the world need not drive it before `due`.
+    An event is that it passes a vertex, ends a turn, stands, or begins or ends a stop. Until the
+    next event its motion is known in closed form, so the world need not drive it before `due`.
 
     vertex -- id of the vertex on which it begins
     charge -- of the battery at the beginning, 0..1
@@ -93,7 +93,7 @@ class DrivenRobot:
         self._mechanics, self._random = mechanics, random
         self._kinds = tuple(still for still in (delays.stall, delays.people) if still.every > 0.0)
         self._stops = [self._driving_until(still) for still in self._kinds]
-        """s that it still drives until its next random stop of each kind."""
+        """For each kind of random stop: seconds of driving until the next stop."""
         self._slower = delays.slower
         self._edge: Tuple[Optional[int], int] = (None, -1)
 
@@ -135,11 +135,11 @@ class DrivenRobot:
 
     @property
     def _drives(self) -> bool:
-        """Whether its random stops come nearer."""
+        """Whether the time to its next random stop becomes shorter now."""
         return self.vehicle.running and not self.is_held
 
     def _plan(self) -> None:
-        """Computes when its next event is; the present time: that cannot be told."""
+        """Computes the time of its next event; the present time means that it is unknown."""
         known = self.vehicle.next_event
         if known > 0.0:
             known = max(min(known, *(self._stops if self._drives else ()), _EVER), _TOGETHER)
@@ -147,7 +147,7 @@ class DrivenRobot:
         self.due = self._event - _TOGETHER
 
     def _pass(self, seconds: float) -> None:
-        """Advances it by a time without an event, except at its end."""
+        """Advances it by a time that has no event before its end."""
         drives = self._drives
         self._now += seconds
         self.vehicle.advance(seconds, int(self._now * _NANO))
@@ -161,7 +161,7 @@ class DrivenRobot:
                     self._stand(still.seconds * self._random.uniform(0.5, 1.5))
 
     def _driving_until(self, still: RandomStops) -> float:
-        """Draws for how many s it drives until its next stop of this kind."""
+        """Draws the seconds of driving until the next stop of this kind."""
         return self._random.expovariate(1.0 / still.every)
 
     def _begin_edge(self) -> None:
@@ -185,7 +185,7 @@ class DrivenRobot:
             self.vehicle.stall(seconds)
 
     def receive(self, order: RouteOrder) -> Optional[RouteRefusal]:
-        """Gives the robot an order; returns None, `late_refusals` returns its refusal."""
+        """Gives the robot an order. Returns None, because `late_refusals` returns refusals."""
         self.vehicle.handle(order)
         self._begin_edge()
         self._plan()
@@ -197,15 +197,18 @@ class DrivenRobot:
                 if isinstance(message, RouteRefusal)]
 
     def seconds_left(self, ahead: float) -> float:
-        """Returns the s until no more than `ahead` m of its route are left; infinite: it is so."""
+        """Returns the seconds until only `ahead` m of its route are left.
+
+        Infinite: no more than that is left now, or the robot stops before.
+        """
         distance = self.vehicle.left - ahead
         return self._seconds_until(distance) if distance > 0.0 else math.inf
 
     def seconds_past(self, number: int, fraction: float, distance: float) -> float:
-        """Returns the s until it is so many m behind this fraction of an edge of its route.
+        """Returns the seconds until it is `distance` m past the point at `fraction` of an edge.
 
         number -- of the edge in its route record
-        0: it is so already. Infinite: it stops before.
+        0: it is already there. Infinite: it stops before.
         """
         return self._seconds_until(self.vehicle.distance_to(number, fraction) + distance)
 
@@ -224,7 +227,7 @@ class DrivenRobot:
 
     @property
     def news(self) -> object:
-        """The part of the report that is sent at once when it changes."""
+        """The values whose changes are reported at once."""
         return self.vehicle.news
 
     def __str__(self) -> str:

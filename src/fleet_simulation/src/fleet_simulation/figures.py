@@ -9,7 +9,7 @@ from fleet_simulation.hold_ups import ResourceUse
 
 
 class Use(Enum):
-    """What a robot does at one moment; the report sums the robot's time by these."""
+    """What a robot does at one moment; the report has the time of the robots for each value."""
 
     LOADED = 'driving with a mission'
     EMPTY = 'driving without a mission'
@@ -34,11 +34,11 @@ class WaitingCause(Enum):
 
 @dataclass
 class TimetableUse:
-    """What became of the missions of one timetable in one run. Times are virtual s.
+    """The results of the missions of one timetable in one run. Times are virtual s.
 
     requested, succeeded -- missions
     leads     -- of each mission: time from its request until it succeeds
-    deadlines, missed -- as of all `Figures`
+    deadlines, missed -- as in `Figures`
     """
 
     requested: int = 0
@@ -60,10 +60,10 @@ class TimetableUse:
 class Figures:
     """The figures of one run. Times are virtual s, except `planning` and `spent`.
 
-    It is the record from which the report is made, with a field for each of its figures.
+    The report is made from this record, which has a field for each figure of the report.
 
     seconds        -- measured time, after the warm-up
-    requested      -- missions that were requested in this time; `succeeded` likewise
+    requested, succeeded -- missions that were requested in this time, and that succeeded in it
     open_at_end    -- missions that are still open when the run ends
     failures       -- failed missions by reason
     waits          -- of each mission: time from its request until a robot starts it
@@ -71,11 +71,11 @@ class Figures:
     use            -- robot seconds by activity
     waiting        -- robot seconds of waiting, by the edge that the robot waits for and the cause
     resources      -- by name, how each station, device and charger was used
-    timetables     -- by name, what became of the missions of each timetable of the work file
+    timetables     -- by name, the results of each timetable of the work file
     deadlines      -- missions with a deadline that ended, or whose deadline passed
-    missed         -- those of them that were not done by their deadline
-    docks          -- most robots that charged at the same time
-    parked         -- most robots that stood idle without charging at the same time
+    missed         -- those of `deadlines` whose mission was not done in time
+    docks          -- largest number of robots that charged at the same time
+    parked         -- largest number of robots that were idle at the same time without charging
     travelled      -- m that all robots drove, warm-up included
     planning       -- s of processor time that each plan took
     spent          -- s of processor time of the whole run: world, supervisor, planner

@@ -1,4 +1,4 @@
-"""What stations, devices and chargers cost: which robots wait for which of them, and why."""
+"""How long robots wait for stations, devices and chargers, and why."""
 from __future__ import annotations
 
 from dataclasses import dataclass, field
@@ -25,7 +25,7 @@ class WaitFor(NamedTuple):
 
 
 def held_up(direct: Mapping[str, WaitFor], behind: Mapping[str, str]) -> Dict[str, WaitFor]:
-    """Returns the resource that keeps each robot waiting; others are left out.
+    """Returns the resource for which each robot waits; robots that wait for none are left out.
 
     direct -- robots that wait for a resource themselves
     behind -- by robot, the robot for which it waits; robots may wait for each other in a ring
@@ -57,7 +57,7 @@ class ResourceUse:
 
 @dataclass(frozen=True)
 class Bottleneck:
-    """A resource with what it costs, over several runs of one fleet.
+    """A resource, and how long robots wait for it, in several runs of one fleet.
 
     occupied -- share (0..1) of its capacity that robots claim
     waiting  -- robot minutes per hour for which robots wait for it, by reason
@@ -74,7 +74,7 @@ class Bottleneck:
 
 
 def bottlenecks(runs: Mapping[str, ResourceUse], seconds: float) -> Iterator[Bottleneck]:
-    """Yields the resources, the one for which robots wait longest first.
+    """Yields the resources by their waiting time, the longest first.
 
     runs    -- by name, the sums over all runs
     seconds -- length of all runs together

@@ -25,7 +25,7 @@ class OnTheWay(Generic[Thing]):
         return any(at <= now for at, _ in self._things)
 
     def arrived(self, now: float) -> Iterator[Thing]:
-        """Yields all that has arrived by now. What is sent meanwhile comes with the next call."""
+        """Yields the things that have arrived. Things sent meanwhile come with the next call."""
         things, self._things = self._things, []
         for at, thing in things:
             if at <= now:

@@ -1,7 +1,7 @@
-"""Proposes changes of the graph at the edges for which robots wait most.
+"""Proposes changes of the graph at the edges for which robots wait longest.
 
-Each proposal is a separate graph, to be simulated. If all docks were in use at the same time,
-another dock is proposed, too.
+Each proposal is a separate graph, to be simulated. If all docks were in use at the same time, an
+additional dock is also proposed.
 """
 from __future__ import annotations
 
@@ -37,9 +37,9 @@ def proposals(graph: Graph, edges: Sequence[int], room: float,
               docks_in_use: int = 0) -> List[Proposal]:
     """Returns the possible changes of the graph, in the order of `edges`.
 
-    edges        -- ids of the edges for which robots wait most, the most first
+    edges        -- ids of the edges for which robots wait longest, the longest wait first
     room         -- m that two robots need between their centres
-    docks_in_use -- most docks that were in use at the same time
+    docks_in_use -- the largest number of docks in use at the same time
     """
     found: List[Proposal] = []
     if docks_in_use and docks_in_use >= sum(one.dock for one in graph.vertices.values()):
@@ -66,7 +66,7 @@ def _valid(make: Make, graph: Graph, id: int, room: float) -> Iterator[Proposal]
 
 
 def _part(graph: Graph, id: int) -> str:
-    """Returns the name of an edge: `edge 7`, or of a section: `edge 7 at 38 %`, its middle."""
+    """Returns the name of an edge (`edge 7`), or of a section by its middle (`edge 7 at 38 %`)."""
     return place_name(graph, id, 0.5) if graph.edges[id].section_of else edge_name(graph, id)
 
 

@@ -199,7 +199,7 @@ def _throughput(study: Study, found: Sequence[SizeResults], best: SizeResults) -
 
 
 def _against(size: SizeResults, before: Optional[SizeResults]) -> str:
-    """Returns the change of the throughput from the next smaller fleet, if seeds decide it."""
+    """Returns the change of throughput from the next smaller fleet, and whether it is decided."""
     if before is None:
         return ''
     more = gain(before, size)

@@ -1,15 +1,15 @@
-"""When simulated robots report: at each change, when their place matters, and else periodically.
+"""When simulated robots report: at each change, when their place matters, and seldom otherwise.
 
-A real robot reports ten times a second. Most of these reports change nothing. Here a robot reports
-its place when a decision of the supervisor can depend on it:
+A real robot reports ten times a second, and few of these reports change anything. A simulated robot
+reports its place only when a decision of the supervisor can depend on this place:
 
-- no more of its route is left than the supervisor grants ahead,
-- it leaves a place for which another robot waits by the plan. That moment is computed.
-- Where it cannot be computed for what another robot waits, it reports every `WAITED` s.
-- A robot ends its route, or the status of a mission changes: a question to the planner tells how
-  far all robots have driven.
+- when the rest of its route is as short as the supervisor grants ahead,
+- when it leaves a place for which another robot waits according to the plan. This time is computed.
+  While it cannot be computed, the robot reports every `WAITED` s.
+- when any robot ends its route or the status of a mission changes: the supervisor may then ask the
+  planner, and the question contains the places of all robots.
 
-Else it reports seldom, so that it does not count as silent.
+In addition each robot reports every few seconds, so that it does not count as silent.
 """
 from __future__ import annotations
 
@@ -20,9 +20,9 @@ from fleet_core.fleet import RobotType
 from fleet_core.supervision.supervisor import Supervisor
 from trajectory_graph import Graph
 
-WAITED = 0.5        # s between two reports of a robot for which another waits, at most
-_AGAIN = 0.2        # s between two reports of a robot that has left such a place already
-_BEHIND = 0.001     # m behind a point, so that rounding does not put the robot before it
+WAITED = 0.5        # s, longest time between two reports of a robot for which another waits
+_AGAIN = 0.2        # s, the same if the robot has left the place for which the other one waits
+_BEHIND = 0.001     # m that a robot drives past a point, so that rounding cannot put it before
 _TOGETHER = 1e-6    # s; events with a smaller time difference happen at the same time
 
 
@@ -42,7 +42,7 @@ class Rhythm(NamedTuple):
 
 
 class ReportingRobot(Protocol):
-    """What a simulated robot says about its next reports."""
+    """A simulated robot, as far as the times of its reports depend on it."""
 
     graph: Graph
     kind: RobotType
@@ -53,19 +53,19 @@ class ReportingRobot(Protocol):
 
     @property
     def news(self) -> object:
-        """The part of the report that is sent at once when it changes."""
+        """The values whose changes are reported at once."""
 
     def seconds_left(self, ahead: float) -> float:
-        """Returns the s until no more than `ahead` m of its route are left.
+        """Returns the seconds until only `ahead` m of its route are left.
 
-        Infinite: it is so already, or this cannot be told.
+        Infinite: no more than that is left now, or this time is unknown.
         """
 
     def seconds_past(self, number: int, fraction: float, distance: float) -> float:
-        """Returns the s until it is so many m behind this fraction of an edge of its route.
+        """Returns the seconds until it is `distance` m past the point at `fraction` of an edge.
 
         number -- of the edge in its route record
-        0: it is so already. Infinite: it stops before, or this cannot be told.
+        0: it is already there. Infinite: it stops before, or this time is unknown.
         """
 
 
@@ -76,15 +76,15 @@ class ReportTimes:
         self._rhythm = rhythm
         self._told: Dict[str, Tuple[float, object]] = {}
         self._touched: Set[str] = set()
-        """Robots that were driven, or got an order, since they were asked for news."""
+        """Robots that were driven, or got an order, since `is_due` last compared their news."""
         self._moved: Set[str] = set()
-        """The same since the supervisor's last event."""
+        """Robots that were driven, or got an order, since the supervisor's last event."""
         self._granted: Dict[str, float] = {}
-        """By robot: when only what is granted ahead is left of its route."""
+        """By robot: when the rest of its route is as short as the supervisor grants ahead."""
         self._waited: Dict[str, float] = {}
         """By robot for which another one waits: when its place matters."""
         self._asked = -math.inf
-        """When the places of all driving robots mattered last."""
+        """The last time at which the places of all driving robots mattered."""
 
     def touch(self, name: str) -> None:
         """Notes that a robot was driven, or got an order."""
@@ -117,7 +117,7 @@ class ReportTimes:
                now: float) -> None:
         """Computes when places matter, after an event of the supervisor.
 
-        All robots have been driven as far as their motion has changed.
+        Precondition: each robot has been driven at least to the last change of its motion.
         """
         if not self._rhythm.driving:
             return
@@ -149,7 +149,7 @@ class ReportTimes:
 
 
 def _waited_for(supervisor: Supervisor) -> Dict[str, List[str]]:
-    """Returns, by robot, the robots that wait for it by the plan, or for what it claims."""
+    """Returns, by robot, the robots that wait for it in the plan, or for a resource it claims."""
     found: Dict[str, List[str]] = {}
     executor, claims = supervisor.plan_executor, supervisor.interlocking.claims
     for name, other in executor.waits_for.items():

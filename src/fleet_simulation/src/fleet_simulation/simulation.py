@@ -28,7 +28,7 @@ def simulate(site: StudiedSite, robots: int, seed: int, hours: float) -> Figures
 
 
 class Run:
-    """One fleet that works in virtual time. It watches the virtual world and counts.
+    """One run: observes a fleet in virtual time, and counts.
 
     Its attributes are the parts of the world, and the counters that one event may change together.
 
@@ -54,7 +54,7 @@ class Run:
         self._requested: Dict[int, float] = {}
         self._begun: Set[int] = set()
         self._deadlines: Dict[int, float] = {}
-        """Of open missions, s since 1970."""
+        """By open mission: its deadline in s since 1970."""
         self.world.watcher = self
 
     def run(self, hours: float) -> Figures:
@@ -246,7 +246,7 @@ class Run:
         return WaitingCause.PLANNER if executor.is_planning else WaitingCause.OWN
 
     def _wanted_edge(self, name: str, robot: ManagedRobot) -> int:
-        """Returns the id of the robot's next edge by plan, or of the edge on which it stands."""
+        """Returns the id of the robot's next edge in the plan, or of its present edge."""
         plan = self.world.supervisor.plan_executor.plan
         if plan is not None and name in plan.plans:
             ahead = plan.plans[name].behind(robot.record.end)

@@ -32,7 +32,7 @@ class OrderPolicy(Enum):
     """How the order in which robots use shared places changes while robots are late."""
 
     FIXED = 'fixed'
-    SWITCHING = 'switching'    # reverses the order in a corridor if the fleet finishes sooner
+    SWITCHING = 'switching'    # reverses the order in a corridor if the fleet then finishes sooner
     REPLANNING = 'replanning'  # makes all plans anew every 5 s
 
 
@@ -47,9 +47,9 @@ class StudiedSite:
     latency  -- virtual s until the planner answers
     rounds   -- rounds in which the planner improves each plan
     order    -- how the order on shared places changes while robots are late
-    work     -- what the site says about work. The supervisor runs its timetables
+    work     -- the content of the work file. The supervisor runs its timetables
     times    -- how long steps and devices take
-    begin    -- minutes from the beginning of a Monday to that of a run, as clocks on the wall show
+    begin    -- local time at which a run begins, in minutes since the beginning of Monday
     """
 
     graph: Graph
@@ -92,7 +92,7 @@ class StudiedSite:
         return made
 
     def settings_of(self, robots: Dict[str, Robot]) -> Dict[str, RobotSettings]:
-        """Returns settings by robot name; an added robot has those of the first of its type."""
+        """Returns settings by robot name. An added robot has those of the first one of its type."""
         by_type: Dict[str, RobotSettings] = {}
         for robot in self.fleet.robots:
             by_type.setdefault(robot.type.name, self.settings[robot.name])
@@ -164,7 +164,7 @@ def _origins(network: RoadNetwork, fleet: Fleet, target: int) -> FrozenSet[int]:
 
 
 def _starts(network: RoadNetwork, fleet: Fleet) -> Tuple[int, ...]:
-    """Returns the most vertices on which robots of all types may stand for ever, without docks."""
+    """Returns the largest set of vertices, no docks, on which any robots may stand for ever."""
     largest = max(fleet.types, key=lambda kind: kind.reach)
     kind = RobotType('any', largest.radius, largest.speed, largest.play, False)
     found = WellFormedSets(network, kind, fleet.clearance).largest()

@@ -44,7 +44,7 @@ class _Label(NamedTuple):
 
 
 class _Sheet:
-    """Where the points of the graph (m) lie in the picture (px)."""
+    """The transformation from points of the graph (m) to points of the picture (px)."""
 
     def __init__(self, points: np.ndarray) -> None:
         self._low, self._high = points.min(axis=0) - _AROUND, points.max(axis=0) + _AROUND
@@ -188,7 +188,7 @@ def _work_labels(graph: Graph, drawn: Mapping[int, np.ndarray], sheet: _Sheet,
 
 
 def _texts(labels: Sequence[_Label], lines: Sequence[np.ndarray]) -> Iterator[str]:
-    """Yields the texts at places where none covers another one, and few cover a line."""
+    """Yields the texts, placed so that no text covers another text, and few cover a line."""
     places = Places(cell=40.0)
     for line in lines:
         for start, end in zip(line, line[1:]):

@@ -33,7 +33,7 @@ class Band(NamedTuple):
 
 
 class Side(Enum):
-    """Where a confidence band lies, seen from a value; UNDECIDED: the value lies in the band."""
+    """Whether a confidence band lies above or below a value; UNDECIDED: the value is inside it."""
 
     BELOW = 'below'
     ABOVE = 'above'
@@ -85,7 +85,7 @@ def sizes(runs: Iterable[Figures]) -> List[SizeResults]:
 
 
 def knee(all_sizes: Sequence[SizeResults]) -> SizeResults:
-    """Returns the smallest fleet to which a further robot adds less than 5 %, else the largest."""
+    """Returns the smallest fleet to which a further robot adds less than 5 %, or the largest."""
     for size, following in zip(all_sizes, all_sizes[1:]):
         more = following.robots - size.robots
         gain = (following.per_hour.mean - size.per_hour.mean) / max(size.per_hour.mean, 1e-9)
@@ -101,7 +101,7 @@ def served_share(size: SizeResults) -> Band:
 
 
 def gain(size: SizeResults, larger: SizeResults) -> Band:
-    """Returns by which share the larger fleet has more throughput, compared seed by seed."""
+    """Returns the relative gain of throughput of the larger fleet, compared seed by seed."""
     before = {run.seed: run.per_hour for run in size.runs}
     return band([(run.per_hour - before[run.seed]) / max(size.per_hour.mean, 1e-9)
                  for run in larger.runs if run.seed in before])
@@ -114,7 +114,7 @@ def waiting_by_edge(size: SizeResults) -> Dict[int, float]:
 
 
 def waiting_by_drawn_edge(size: SizeResults, graph: Graph) -> Dict[int, float]:
-    """Returns the share (0..1) of all waiting by drawn edge, with that of all its sections."""
+    """Returns the share (0..1) of all waiting by drawn edge, the sum over its sections."""
     return _shares((graph.edges[edge].drawn_id if edge in graph.edges else edge, seconds)
                    for run in size.runs for (edge, _), seconds in run.waiting.items())
 
@@ -131,7 +131,7 @@ def waiting_by_cause(size: SizeResults,
 
 
 def bottlenecks_of(size: SizeResults) -> List[Bottleneck]:
-    """Returns the stations, devices and chargers, the one for which robots wait longest first."""
+    """Returns stations, devices and chargers, beginning with the longest waiting time."""
     return list(bottlenecks(summed(*(run.resources for run in size.runs)),
                             sum(run.seconds for run in size.runs)))
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 from random import Random
 from typing import Mapping, Optional, Tuple
 
-DEVICE_SECONDS = 2.0  # s that a device takes to open or close, unless the demand file says more
+DEVICE_SECONDS = 2.0  # s that a device takes to open or close if the demand file gives no time
 
 
 @dataclass(frozen=True)
@@ -40,12 +40,12 @@ class WorkTimes:
     devices: Mapping[str, float] = field(default_factory=dict)
 
     def of_step(self, type: str, station: str, vertex: int) -> Optional[Duration]:
-        """Returns the duration of a step at a place; the nearest entry counts. None: not given."""
+        """Returns the duration for the vertex, or the station, or everywhere; None: not given."""
         for at in (str(vertex), station, ''):
             if (type, at) in self.steps:
                 return self.steps[type, at]
         return None
 
     def of_device(self, name: str) -> float:
-        """Returns the s that a device takes to open or to close."""
+        """Returns the seconds that a device takes to open or to close."""
         return self.devices.get(name, DEVICE_SECONDS)

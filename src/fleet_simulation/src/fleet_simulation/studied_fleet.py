@@ -12,7 +12,7 @@ from fleet_simulation.site import OrderPolicy, StudiedSite
 from fleet_simulation.virtual_actors import VirtualActors
 from fleet_simulation.virtual_fleet import VirtualFleet
 
-MONDAY = datetime(2024, 1, 1)  # no clock is changed in the days after it
+MONDAY = datetime(2024, 1, 1)  # no daylight saving change in the days after it
 RHYTHM = Rhythm(driving=2.0, standing=2.0, supervisor=0.5, room=1.0)
 _BATTERY = 100      # steps between two battery reports
 _CHECK_EVERY = 100  # events of the supervisor between two checks against the model of allocations
@@ -26,7 +26,7 @@ class StudiedFleet:
     """A fleet of a given size. Its owner calls `begin` before the first step, and watches `world`.
 
     random -- draws the robots' charges and delays
-    make   -- makes the robots; None: they drive and are charged as those of a site
+    make   -- makes the robots; None: LD-90s and AGVs as the site describes them
     """
 
     def __init__(self, site: StudiedSite, robots: int, seed: int, random: Random,
@@ -51,7 +51,7 @@ class StudiedFleet:
                            Random(f'{name} {random.random()}'), random.uniform(0.5, 1.0))
 
     def begin(self) -> None:
-        """Reports the batteries for the first time."""
+        """Reports the charge of all batteries."""
         for name, robot in self.world.agvs.items():
             self.world.do(self.world.supervisor.battery(name, robot.charge, self.world.now))
 

@@ -1,4 +1,4 @@
-"""What a report tells: the simulated site, its input files, the runs and the proposals."""
+"""The content of a report: the simulated site, its input files, the runs and the proposals."""
 from __future__ import annotations
 
 from datetime import datetime

@@ -19,7 +19,7 @@ from route_protocol.steps import StepCommand
 
 
 class _Answer(NamedTuple):
-    """An answer that is due: that the step with this key of a mission is done."""
+    """The answer that a step of a mission is done, and the virtual time at which it is due."""
 
     at: float
     mission: int
@@ -44,7 +44,7 @@ class VirtualActors:
             device.seconds = times.of_device(name)
 
     def stepped(self) -> None:
-        """Follows the steps of persons and programs after one time step, and answers them."""
+        """Answers, after one time step, the steps of persons and programs that are done now."""
         now, running = self._world.now, set()
         due: List[_Answer] = []
         for mission, work, place, key in list(self._outside()):
@@ -80,7 +80,7 @@ class VirtualActors:
         return asked if place is None else self._seconds(mission, work, place, asked)
 
     def _seconds(self, mission: Mission, work: Work, place: StepPlace, usual: float) -> float:
-        """Draws the time of a step. It is the same one in each run with the same seed."""
+        """Draws the duration of a step, which is the same in each run with the same seed."""
         vertex = work.stops[place.stop].place
         time = self._times.of_step(work.step(place).type, self._stations.get(vertex, ''), vertex)
         if time is None:

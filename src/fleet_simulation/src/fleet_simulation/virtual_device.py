@@ -1,4 +1,4 @@
-"""A simulated device: a door or a light that opens while its newest request holds it."""
+"""A simulated device, such as a door or a light."""
 from __future__ import annotations
 
 from typing import Optional, Tuple
@@ -9,32 +9,32 @@ PERIOD = 1.0  # s between two reports if nothing changes
 
 
 class VirtualDevice:
-    """A device that opens while its request holds it, and closes otherwise.
+    """A device that opens while its newest request is OPEN, and closes otherwise.
 
-    name    -- its name, which is that of its resource
+    name    -- the name of the device and of its resource
     seconds -- s that it takes to open or to close
     """
 
     def __init__(self, name: str, seconds: float = 2.0) -> None:
         self.name, self.seconds = name, seconds
         self.request: Optional[DeviceRequest] = None
-        """The newest request that it has taken."""
+        """The newest request that it has received."""
         self.is_silent = False
         self._obeyed: Tuple[DeviceUse, ...] = ()
-        self._open = 0.0  # share of the way
+        self._open = 0.0  # share (0..1) of the way to open
         self._told: Tuple[DeviceMode, Tuple[DeviceUse, ...]] = DeviceMode.UNKNOWN, ()
         self._since = 0.0
         self._count = 0
 
     def receive(self, request: DeviceRequest) -> None:
-        """Handles a request. One that is not newer changes nothing."""
+        """Handles a request. A request that is not newer than the obeyed one changes nothing."""
         if all(request.number > use.number for use in self._obeyed):
             self.request = request
             self._obeyed = (DeviceUse(request.requester, request.mode, request.number, 0.0),)
 
     @property
     def is_held(self) -> bool:
-        """Whether it is to be open."""
+        """Whether its newest request is OPEN."""
         return self.request is not None and self.request.mode is DeviceMode.OPEN
 
     def advance(self, seconds: float) -> None:
@@ -44,20 +44,20 @@ class VirtualDevice:
         self._open = min(max(self._open + step, 0.0), 1.0)
 
     def restart(self) -> None:
-        """Restarts: it does not know then which request it obeys,
-        and stays as it is until the next.
+        """Restarts the device. It forgets which request it obeyed, and keeps moving as requested
+        until the next request.
         """
         self._obeyed = ()
 
     @property
     def mode(self) -> DeviceMode:
-        """What it does."""
+        """The mode in which the device is."""
         if self._open >= 1.0:
             return DeviceMode.OPEN
         return DeviceMode.MOVING if self._open > 0.0 else DeviceMode.CLOSED
 
     def reports(self, now: float) -> Tuple[DeviceReport, ...]:
-        """Returns what it reports now: at each change, and once in each period."""
+        """Returns the report that is due now: after each change, and once in each `PERIOD`."""
         news = self.mode, self._obeyed
         if self.is_silent or news == self._told and self._since < PERIOD:
             return ()

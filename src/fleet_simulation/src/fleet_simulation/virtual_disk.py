@@ -1,4 +1,4 @@
-"""The disk of a virtual supervisor: its journal outlives the supervisor, and may be full."""
+"""The disk of a virtual supervisor: it keeps the journal over restarts, and may be full."""
 from __future__ import annotations
 
 import os
@@ -27,8 +27,8 @@ class VirtualDisk:
     """Holds the journal of the supervisor that runs now, in a folder that ends with the world.
 
     clock    -- returns the right time, s since 1970
-    hang     -- lets so many s pass, for a write that takes long
-    set_back -- s by which the clock of the supervisor's computer was set back
+    hang     -- lets this number of seconds pass, for a write that takes long
+    set_back -- s by which the clock of the supervisor's computer is behind
     seconds  -- s that the next write takes; those after it take no time
     """
 
@@ -52,16 +52,16 @@ class VirtualDisk:
         self.journal._db.execute(f'PRAGMA query_only={int(fails)}')
 
     def reopen(self) -> None:
-        """Opens the journal again for the next supervisor. It can be written again, at once."""
+        """Opens the journal for the next supervisor. The disk is neither full nor slow any more."""
         self._commits_before = self.commits
         self.journal.close()
         self.journal = self._open()
         self.is_full, self.seconds = False, 0.0
 
     def replace_file(self, write: Callable[[str], None]) -> None:
-        """Puts the file that `write` makes at a path in the place of the journal.
+        """Replaces the journal by the file that `write` makes at a given path.
 
-        Nothing stays beside it. `reopen` is to be called next.
+        All other files in the folder are deleted. The caller then calls `reopen`.
         """
         self._commits_before = self.commits
         self.journal.close()
@@ -77,9 +77,9 @@ class VirtualDisk:
         return copy
 
     def put_back(self, copy: sqlite3.Connection) -> None:
-        """Puts a copy in the place of the journal.
+        """Replaces the content of the journal by a copy.
 
-        The file beside the journal stays. `reopen` is to be called next.
+        Other files in the folder stay. The caller then calls `reopen`.
         """
         self.fails(False)
         copy.backup(self.journal._db)

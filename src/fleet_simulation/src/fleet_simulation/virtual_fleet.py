@@ -83,7 +83,7 @@ class Watcher(Protocol):
 
 
 class VirtualRobot(ReportingRobot, Protocol):
-    """The interface that each simulated robot has for the world."""
+    """The interface of a simulated robot to the world."""
 
     due: float
     """Virtual time (s) until which its report does not change by itself, except for its place."""
@@ -106,7 +106,7 @@ class VirtualRobot(ReportingRobot, Protocol):
 
 
 class LinkedRobot(Protocol):
-    """The end of the network at the robot: the robot, or its computer without a link to it."""
+    """The receiver of orders for a robot: the robot, or its computer that lost the link to it."""
 
     def receive(self, order: RouteOrder) -> Optional[RouteRefusal]:
         """Gives an order; returns a refusal if it is refused at once."""
@@ -116,9 +116,9 @@ class LinkedRobot(Protocol):
 
 
 class Crash(NamedTuple):
-    """A death of the supervisor.
+    """A crash of the supervisor.
 
-    commit  -- number of the write to the journal at which it dies
+    commit  -- number of the write to the journal at which it crashes
     actions -- number of the actions after this write that are still performed
     """
 
@@ -141,8 +141,8 @@ _TOGETHER = 1e-6    # s; events with a smaller time difference happen at the sam
 class VirtualFleet(Generic[Body]):
     """A fleet on a graph, with its supervisor and planner.
 
-    It joins the parts of the world (network, planner, disk, robots and their clocks) and keeps what
-    happened, so that a test reads and disturbs each of them at one place.
+    It has all parts of the world (network, planner, disk, robots and their clocks) and records what
+    happens. So a test can read and disturb everything at one place.
 
     robots   -- by name: type, and id of the vertex on which the robot begins
     make     -- creates a robot from its name, type and vertex
@@ -153,9 +153,9 @@ class VirtualFleet(Generic[Body]):
     parking  -- ids of the vertices on which robots may be parked; None: all vertices
     switches -- whether the order of robots on shared places may change while robots are late
     check_every -- number of events from one check against the model of allocations to the next
-    resources -- zones and the like, besides the devices and stations of `work`; each device is
+    resources -- zones and other resources that `work` does not name; the devices among them are
                 simulated
-    work     -- what the site says about work; None: nothing
+    work     -- the content of the work file; None: there is no work file
     wall     -- s since 1970 at the beginning, by the computer's clock
     """
 
@@ -191,12 +191,12 @@ class VirtualFleet(Generic[Body]):
         self.ages: Dict[str, float] = {}
         """By robot: age of its last report on arrival, in s; negative if its clock is ahead."""
         self.lost: Dict[str, LinkedRobot] = {}
-        """By robot: its computer, if this has lost the link to the robot."""
+        """By robot: its computer, if the computer has lost the link to the robot."""
         self.loads: Dict[str, float] = {}
-        """By robot that carries a load: m, the radius of the disc around both."""
+        """By robot that carries a load: radius (m) of the disc around robot and load."""
         self.closed: Tuple[int, ...] = ()
         self.crash: Optional[Crash] = None
-        """The next death of the supervisor."""
+        """The next crash of the supervisor."""
         self.hangs = False
         """Whether the supervisor hangs. Messages to it wait until it continues."""
         self.watcher: Optional[Watcher] = None
@@ -250,7 +250,7 @@ class VirtualFleet(Generic[Body]):
         Delayed orders that are already under way still reach the robots. The disk can be written
         again, because no supervisor starts with a full disk.
 
-        graph -- another graph that is in force from now on; the robots keep theirs
+        graph -- a graph that replaces the old one from now on; the robots keep the old graph
         """
         if graph is not None:
             self.graph = graph
@@ -299,12 +299,12 @@ class VirtualFleet(Generic[Body]):
             self._supervising + self.planner.spent - before)
 
     def drive_all(self) -> None:
-        """Drives all robots until now: the places of all matter."""
+        """Drives all robots until now, because all places matter."""
         for name in self.agvs:
             self._drive(name, self.now)
 
     def _drive(self, name: str, until: float) -> None:
-        """Drives a robot until this time, unless it has been."""
+        """Drives a robot until this time, unless it has already been driven so far."""
         seconds = until - self._driven[name]
         if seconds < _TOGETHER:
             return
@@ -366,7 +366,7 @@ class VirtualFleet(Generic[Body]):
                     self.do(self.supervisor.device_steps(name, steps.report(), self.now))
 
     def _must_report(self, subject: str, steps: SimulatedSteps) -> bool:
-        """Returns whether a report is due; then it counts as made."""
+        """Returns whether a report is due. If it is due, notes that it is made now."""
         at, news = self._steps_told.get(subject, (-math.inf, None))
         if news == steps.news and self.now < at + 1.0 - _TOGETHER:
             return False
@@ -380,11 +380,11 @@ class VirtualFleet(Generic[Body]):
             self._refuse(order.robot, refusal)
 
     def _refuse(self, name: str, refusal: RouteRefusal) -> None:
-        """Counts a refusal. The supervisor learns of it by the next report."""
+        """Counts a refusal, which the supervisor sees in the next report."""
         self.refused[name] += 1
 
     def do(self, actions: Sequence[Action]) -> None:
-        """Performs the supervisor's actions, unless the supervisor is to die at this commit."""
+        """Performs the supervisor's actions; only the first ones if it is to crash now."""
         crash = self.crash
         if crash is not None and self.disk.commits >= crash.commit:
             self.crash = None

@@ -15,7 +15,7 @@ _PLANNERS_KEPT = 4  # one planner per set of closed edges and learned driving ti
 
 
 class VirtualPlanner:
-    """Answers the supervisor's questions. Rounds limit its work, not the speed of the computer.
+    """Answers the supervisor's questions. Its work is limited by rounds, not by computing time.
 
     latency -- virtual s until it answers
     parking -- ids of the vertices on which robots may be parked; None: all vertices
@@ -36,7 +36,7 @@ class VirtualPlanner:
         self._planners: Dict[Tuple[frozenset, frozenset], FleetPlanner] = {}
 
     def forget_graph(self) -> None:
-        """Forgets what was computed for a graph, because another one is in force."""
+        """Forgets the planners of a graph that is replaced."""
         self._planners.clear()
 
     def plan(self, question: AskPlanner, network: RoadNetwork) -> PlanningOutcome:

@@ -1,4 +1,4 @@
-"""Tells the results of a study in words; a difference within the noise of the seeds is not told."""
+"""Describes the results of a study in words, without differences that may be chance."""
 from __future__ import annotations
 
 import math
@@ -155,7 +155,7 @@ def _count(number: int, what: str) -> str:
 
 
 def time_in_words(seconds: float) -> str:
-    """Returns a time in s or minutes; a dash for one that is not known."""
+    """Returns a time in s or minutes; a dash for an unknown time."""
     if not math.isfinite(seconds):
         return '-'
     return f'{seconds:.0f} s' if seconds < 100.0 else f'{seconds / 60.0:.1f} minutes'

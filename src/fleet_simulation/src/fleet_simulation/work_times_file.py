@@ -1,7 +1,7 @@
 """Reads the parts `steps` and `devices` of a demand file: how long steps and devices take.
 
-A step that takes longer than its timeout would ask a person, and the simulation has none. So such a
-duration is wrong.
+A step that takes longer than its timeout would ask a person, but the simulation has no persons who
+answer. So a duration above the timeout is an error.
 """
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ def read_times(fields: Dict[str, yaml.Node], work: SiteWork, graph: Graph) -> Wo
 
 
 def _steps_of(work: SiteWork) -> Iterator[Tuple[str, WorkStep]]:
-    """Yields all steps of the templates, with the names of these."""
+    """Yields all steps of the templates, each with the name of its template."""
     for template in work.templates.values():
         for stop in template.stops:
             yield from ((template.name, step) for step in stop.steps)

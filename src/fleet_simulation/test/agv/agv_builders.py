@@ -23,7 +23,7 @@ def vehicle_at(vertex: int, graph: Graph = GRAPH, clock: Callable[[], int] = lam
 
 
 def numbers_of_epochs(seed: int = 1) -> Callable[[], int]:
-    """Draws the numbers of new epochs."""
+    """A function that draws the numbers of new epochs."""
     random = Random(seed)
     return lambda: random.getrandbits(63) or 1
 

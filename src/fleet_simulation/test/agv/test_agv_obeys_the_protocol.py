@@ -18,7 +18,7 @@ COMPLETE, FAILED = EdgeState.COMPLETE, EdgeState.FAILED
 
 
 class ObedientAgv(RuleBasedStateMachine):
-    """A fleet manager that sends right and wrong orders, and checks the AGV's reports, motion."""
+    """A fleet manager that sends right and wrong orders, and checks reports and motion."""
 
     @initialize(seed=st.integers(0, 2 ** 32), vertices=st.integers(2, 6))
     def build(self, seed: int, vertices: int) -> None:

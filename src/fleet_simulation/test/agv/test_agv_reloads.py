@@ -20,9 +20,9 @@ def with_speed(edge: int, speed: float) -> Graph:
 
 
 def without(edge: int) -> Graph:
-    """The graph without an edge and the vertices that only it reaches, or with that edge elsewhere.
+    """The graph without an edge, and without vertices that no other edge reaches.
 
-    The edge is moved if the graph cannot do without it.
+    Without edge 2 it also lacks edge 3, which would be a separate part.
     """
     kept = [one for one in GRAPH.edges.values() if one.id not in {edge, 3 if edge == 2 else edge}]
     used = {vertex for one in kept for vertex in (one.origin, one.destination)}

@@ -1,4 +1,4 @@
-"""The AGV of `agv_sim` and the plain one, which share no code, answer the same orders alike."""
+"""The AGV of `agv_sim` and the plain AGV, which share no code, answer orders in the same way."""
 from __future__ import annotations
 
 import math
@@ -25,13 +25,13 @@ from route_protocol.values import (
 from world.plain_agv import Agv
 
 MIDDLE = 2.0    # m, of each edge; there the AGV of `agv_sim` drives at full speed
-BRAKING = 1.0   # m that it needs from there
+BRAKING = 1.0   # m, its braking distance there
 FAULT = Reason(ReasonCode.OTHER, 'a broken belt')
 EVENTS = 30
 
 
 class Sent(NamedTuple):
-    """An order, and after which event the epoch that it names was in force."""
+    """An order, and the number of the event after which the epoch in the order was in force."""
 
     order: RouteOrder
     epoch: int
@@ -53,7 +53,7 @@ class Pair:
     # -- events -----------------------------------------------------------------------------------
 
     def happens(self) -> str:
-        """Lets a random event happen, and returns what it was."""
+        """Lets a random event happen, and returns a description of the event."""
         act = self.random.choice((
             self.order, self.order, self.order, self.order, self.repeat, self.to_middle,
             self.to_middle, self.to_middle, self.settle, self.stop, self.stop_past_master,
@@ -63,7 +63,7 @@ class Pair:
         return f'{act.__name__} {what or ""}'
 
     def order(self) -> str:
-        """Sends a route: one that fits, or a wrong one."""
+        """Sends a route that fits, or a wrong route."""
         state, random = self.one.state, self.random
         edges, first = random.choice((
             (state.edges + self._walk(state.edges[-1:]), state.first),
@@ -172,7 +172,7 @@ class Pair:
         return str(sent)
 
     def _walk(self, begin: Tuple[int, ...]) -> Tuple[int, ...]:
-        """Edges that go on from the last one of `begin`, or from where the AGVs are."""
+        """Edges that continue from the last edge of `begin`, or from the place of the AGVs."""
         drive = self.one.drive
         walk: List[int] = []
         if begin:
@@ -207,7 +207,7 @@ class Pair:
 
 
 def first_difference(seed: int, plain: Type[Agv] = Agv) -> Optional[str]:
-    """Lets random events happen until the AGVs differ; returns how, and what led to it."""
+    """Lets random events happen until the AGVs differ; returns the difference and the events."""
     pair, way = Pair(Random(seed), plain), []
     differs = pair.difference()
     for _ in range(EVENTS):
@@ -220,13 +220,13 @@ def first_difference(seed: int, plain: Type[Agv] = Agv) -> Optional[str]:
 
 
 @given(st.integers(0, 2 ** 32))
-@example(3123269011)  # a route that waits is displaced by one of another master
+@example(3123269011)  # a route that waits is displaced by a route of another master
 def test_both_take_refuse_and_drive_the_same_orders(seed: int) -> None:
     assert first_difference(seed) is None, first_difference(seed)
 
 
 class RepeatsNumbers(Agv):
-    """An AGV whose reports sometimes have the number of the one before."""
+    """An AGV whose reports sometimes have the number of the report before."""
 
     def told(self, stamp: int) -> RouteReport:
         said = super().told(stamp)
@@ -236,7 +236,7 @@ class RepeatsNumbers(Agv):
 
 
 class ObeysOlderOrders(Agv):
-    """An AGV that takes an order that is not newer than the one that it took."""
+    """An AGV that takes an order although it took a newer one before."""
 
     def receive(self, order: RouteOrder) -> Optional[RouteRefusal]:
         if order.order and order.order < self.knows['taken']:
@@ -245,7 +245,7 @@ class ObeysOlderOrders(Agv):
 
 
 class ForgetsRefusals(Agv):
-    """An AGV that takes an order that is not newer than the one that it refused."""
+    """An AGV that takes an order although it refused a newer one before."""
 
     def receive(self, order: RouteOrder) -> Optional[RouteRefusal]:
         if order.order:

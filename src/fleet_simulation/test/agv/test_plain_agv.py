@@ -1,4 +1,4 @@
-"""What the plain AGV of the virtual world says, and what its computer says without a link."""
+"""The reports of the plain AGV of the virtual world, and of its computer without a link."""
 from __future__ import annotations
 
 from typing import Optional, Tuple

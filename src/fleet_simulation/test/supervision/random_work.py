@@ -1,33 +1,33 @@
-"""A random machine over the work of a fleet: any order of events, and what must hold after each.
+"""A random test of the work of a fleet: events in any sequence, and the invariants after each.
 
 The fleet manager is the real supervisor with its journal. Three robots work at a press with a
-queue, at a group of shelves, and with a machine; a door and a zone are on their ways. The world
-keeps what nobody in it knows: which step is being carried out, how often each one was, what each
-robot carries, and where it is.
+queue, at a group of shelves, and with a machine; a door and a zone are on their paths. The world
+records the truth, which the fleet manager does not know: which step is being carried out, how often
+each step was done, what each robot carries, and where it is.
 
-A *step* of the machine is one event of the fleet manager: a message, a command of a person, a tick,
-or a start. Events are drawn by weights, so that work goes on more often than it is disturbed. Some
-disturbances wait for a moment that is rare, and come together (`RandomWork.combine`). Messages are
-lost, repeated and reordered; those to robots and devices may also come late.
+A *step* of the test is one event of the fleet manager: a message, a command of a person, a tick, or
+a start. Events have weights, so that work goes on more often than it is disturbed. Some
+disturbances wait for a rare moment, and then come together (`RandomWork.combine`). Messages are
+lost, repeated and reordered; messages to robots and devices may also be delayed.
 
 Persons look before they answer, so their answers are true.
 
 Invariants, after each step (letters as in the docstrings of `claims` and `work_model`):
 
-(a) (b) (c) (d) those of claims, by the conformance check; also by the true places of the robots:
-    where one needs a resource, it claims that by the journal, no more robots are there than the
-    capacity, and a door is open
-(e) a step is stored under its key before it is begun; it is begun once per key, and not a second
-    time if it has been done; an unknown outcome is asked
+(a) (b) (c) (d) the invariants of claims. The conformance check tests them. This module tests them
+    with the true places of the robots: the journal has the claim of a robot that is at a resource,
+    no more robots are there than its capacity, and a door is open
+(e) a step is stored under its key before it is begun; it is begun once per key, and not again after
+    it was done; a person is asked about an unknown outcome
 (f) a load counts as EMPTY or LOADED only if that is true; the mission of a load keeps its robot
-(g) a robot that is at work stands at its stop, and does not move while a step runs that is not
-    NONE; it is told to begin such a step only there, or in front of its stop
-(h) no two robots have one queue place
+(g) a robot that is at work stands at its stop, and does not move while a step runs whose blocking
+    is not NONE; it is told to begin such a step only at its stop, or in front of it
+(h) no two robots have the same queue place
 (i) a mission waits only for missions that were accepted before it
-(j) what has ended does not change any more
-(k) no robot is sent onto an edge that is closed to its load, or so near to another one that their
+(j) a mission or step that has ended does not change any more
+(k) no robot is sent onto an edge that is closed to its load, or so near to another robot that their
     loads could meet (`VirtualFleet` checks the true places)
-At the end, when all faults are over and people answer, each mission ends.
+At the end, when all faults have ended and people answer, each mission ends.
 """
 from __future__ import annotations
 
@@ -111,7 +111,7 @@ STARTS = {'a': 2, 'b': 12, 'c': 14}
 PARKING = (2, 3, 12, 13, 14, 15)
 GOALS = (2, 3, 12, 13, 14, 15, 16, 16, 18, 18, 18)
 PERIODS = (0.2, 0.4, 0.4, 0.8)  # s from one beat to the next
-UNSEEN = 0.1  # share of the times when the door opens for a robot, and fails before it is let in
+UNSEEN = 0.1  # share of the openings after which the door fails before the robot is let in
 FAULT = (1.0, 3.0, 8.0)         # s that a fault lasts
 MOST_OPEN = 4
 CALM = 900                      # beats within which all missions end when nothing is wrong
@@ -121,7 +121,7 @@ Message = Callable[[], None]
 
 
 class Kept(NamedTuple):
-    """A message that comes late. `subject`: the robot or machine whose steps it is about."""
+    """A delayed message. `subject`: the robot or machine whose steps the message is about."""
 
     send: Message
     subject: str = ''
@@ -157,18 +157,18 @@ class Hands(SimulatedSteps):
             word is Word.UNKNOWN and self._world.coin()))
 
     def restart(self) -> None:
-        """Restarts the driver. What it was carrying out has happened, or has not."""
+        """Restarts the driver. The steps that it was carrying out are done or not, at random."""
         for key in self._running:
             self._world.ends(self._name, key, self._world.coin())
         super().restart()
 
 
 class RandomWork(SupervisedFleet):
-    """One life of the fleet, drawn from its seed.
+    """One random run of the fleet, which its seed determines.
 
-    reckless -- the interlocking is also asked for edges by nobody's plan, so that its guards are
-                not hidden behind the planner; then missions need not end
-    load     -- what robots take, if it needs more than they do; then missions need not end either
+    reckless -- whether the interlocking is also asked for edges that are in no plan, so that its
+                conditions are tested without the planner; then missions need not end
+    load     -- the type of the loads, if loads restrict the robots; then missions need not end
 
     Its attributes are the parts of the world, and what its persons and devices are about to do.
     """
@@ -187,13 +187,13 @@ class RandomWork(SupervisedFleet):
         self.moved: Set[str] = set()
         """Robots that people have moved, until they are brought back."""
         self._unstored: Set[str] = set()
-        """Robots of which people have told the load, and read that it is not stored yet."""
+        """Robots whose load a person has declared, and has read that it is not stored yet."""
         self._forgotten: Set[str] = set()
-        """Robots of which a person has to tell the load again, as that was not stored."""
+        """Robots whose load a person has to declare again, because it was not stored."""
         self.lies = False
-        """Does the door report that it is open although it is not?"""
+        """Whether the door reports that it is open although it is not."""
         self._deceived: Set[str] = set()  # robots on their way into a door that is not open
-        self._failed = -math.inf          # when the door closed by itself, or ended its lies
+        self._failed = -math.inf          # when the door closed by itself, or stopped lying
         self._doors, self._disks = Random(f'doors {seed}'), Random(f'disks {seed}')
         self._is_slow = False             # the commit of the next tick takes long
         self._dead: Set[str] = set()      # machines that report nothing
@@ -214,7 +214,7 @@ class RandomWork(SupervisedFleet):
         self.step_devices = {name: Hands(self, name) for name in WORK.step_devices}
 
     def coin(self) -> bool:
-        """Something that happens as often as not."""
+        """True with the probability 0.5."""
         return self.draw.random() < 0.5
 
     def log(self, text: str) -> None:
@@ -224,7 +224,7 @@ class RandomWork(SupervisedFleet):
     # -- messages ---------------------------------------------------------------------------------
 
     def do(self, actions: Sequence[Action]) -> None:
-        """Performs what follows from one event, and checks what must hold."""
+        """Performs the actions after one event, and checks the invariants."""
         super().do(actions)
         self.count += 1
         if not self.supervisor.trouble:
@@ -263,7 +263,7 @@ class RandomWork(SupervisedFleet):
         self.draw.shuffle(messages)
         for send in messages:
             send()
-        if self._is_slow:  # nothing else is stored before the grant, most probably
+        if self._is_slow:  # most probably this commit stores the grant
             self._is_slow, self.disk.seconds = False, FRESH + 1.5
         self.do(self.supervisor.tick(self.now))
 
@@ -291,13 +291,13 @@ class RandomWork(SupervisedFleet):
             self._pass(min(PERIODS))
 
     def _late_messages(self) -> List[Message]:
-        """Those that come now: some come again later, so messages are repeated and reordered."""
+        """The delayed messages that come now. Some of them come again later."""
         late, self._late = self._late, []
         self._late = [message for message in late if self.draw.random() < 0.8]
         return [one.send for one in late if one not in self._late or self.draw.random() < 0.3]
 
     def _messages(self) -> List[Message]:
-        """All that is sent to the fleet manager now."""
+        """All messages that are sent to the fleet manager now."""
         found: List[Message] = []
         for name, agv in self.agvs.items():
             if not self.network.is_silent(name, self.now) and (
@@ -366,7 +366,7 @@ class RandomWork(SupervisedFleet):
         self.log(f'{by} begins {step.type} {command.key} of M{identity[0]}')
 
     def ends(self, by: str, key: int, has_happened: bool) -> None:
-        """A step is not carried out any more. It has happened, or it has not."""
+        """A step is not carried out any more. `has_happened`: it has been done."""
         identity = self._by_key.pop((by, key))
         self._stood.pop(identity, None)
         body = self.bodies[identity]
@@ -385,7 +385,7 @@ class RandomWork(SupervisedFleet):
     # -- missions ---------------------------------------------------------------------------------
 
     def request_mission(self) -> None:
-        """A mission is requested; perhaps one that was requested before."""
+        """A mission is requested, sometimes one that was requested before."""
         draw, book = self.draw, self.supervisor.book
         if self._requests and draw.random() < 0.1:
             again = draw.choice(self._requests)
@@ -413,7 +413,7 @@ class RandomWork(SupervisedFleet):
         self.do(self.supervisor.request(request, self.now))
 
     def _stops(self, count: int, takes: bool) -> Tuple[WorkStop, ...]:
-        """Random stops, at the first of which a load may be taken; others may give one."""
+        """Random stops. At the first one a load may be taken, at the others a load may be given."""
         draw = self.draw
         stops: List[WorkStop] = []
         for k in range(count):
@@ -465,13 +465,13 @@ class RandomWork(SupervisedFleet):
         self._command(CommandKind.RESUME)
 
     def change(self) -> None:
-        """A mission gets other stops, perhaps some that a load is brought to."""
+        """A mission gets other stops. A load may be brought to some of them."""
         stops = self._stops(self.draw.randint(1, 2), False)
         self._command(CommandKind.MODIFY, MissionChange(
             self.draw.choice((0, 5)), stops=stops, first_stop=self.draw.choice((0, 0, 0, 1, 2))))
 
     def answer(self) -> None:
-        """A person, or a program outside, looks at what is asked and says what is so."""
+        """A person, or a program outside, answers a question of the fleet manager truthfully."""
         asked = [(mission, work, work.answerable) for mission in
                  self.supervisor.book.serving.values()
                  for work in (self.supervisor.desk.work(mission.serial),)
@@ -505,7 +505,7 @@ class RandomWork(SupervisedFleet):
             self._unstored.add(mission.robot)
 
     def unload(self) -> None:
-        """A person looks what a robot carries, and says it; or takes it off."""
+        """A person looks what a robot carries, and declares it, or removes the load."""
         name = self.draw.choice(sorted(self.agvs))
         mission = self.supervisor.book.of_robot(name)
         if any(one.by and one.robot == name and one.step.load for one in self.bodies.values()):
@@ -568,10 +568,9 @@ class RandomWork(SupervisedFleet):
         self.later(self._door_works)
 
     def _fails_now(self) -> bool:
-        """Returns whether the door has opened for a robot that is not let in yet, and fails this
-        time.
+        """Returns whether the door has opened for a robot that is not let in yet, and is to fail.
 
-        This is drawn by itself, so all that was drawn before stays as it was.
+        It has its own random numbers, so that all other events of a seed stay the same.
         """
         claims = self.supervisor.interlocking.claims
         return self.devices['gate'].mode is DeviceMode.OPEN and any(
@@ -579,9 +578,9 @@ class RandomWork(SupervisedFleet):
                 self._doors.random() < UNSEEN)
 
     def _fail_unseen(self) -> None:
-        """The door reports that it is open, and fails. The robot waits for longer than that counts.
+        """The door reports that it is open, and then fails.
 
-        The robot waits because the disk is full, or slow.
+        The disk is full or slow, so the robot waits until this report is too old.
         """
         self.log('the door fails unseen')
         gate, self._failed = self.devices['gate'], self.now
@@ -609,7 +608,7 @@ class RandomWork(SupervisedFleet):
         self.later(self._door_is_honest)
 
     def _door_is_honest(self) -> None:
-        self.lies, self._failed = False, self.now  # what it has said may be on its way
+        self.lies, self._failed = False, self.now  # a false report may still be on its way
 
     def _is_on_way_into_door(self, name: str) -> bool:
         """Returns whether a robot is in the door, or was sent there.
@@ -625,7 +624,7 @@ class RandomWork(SupervisedFleet):
         return gate in map(abs, edges)
 
     def manager_restarts(self) -> None:
-        """The fleet manager dies, and starts again."""
+        """The fleet manager crashes, and starts again."""
         self.log('the fleet manager restarts')
         self.restart()
 
@@ -642,7 +641,7 @@ class RandomWork(SupervisedFleet):
             self.later(lambda: self.restart(SITE))
 
     def manager_dies(self) -> None:
-        """The fleet manager dies at one of its next commits, after some of its actions."""
+        """The fleet manager crashes at one of its next commits, after some of its actions."""
         self.crash = Crash(self.disk.commits + self.draw.randint(0, 3), self.draw.randint(0, 2))
 
     def disk_is_full(self) -> None:
@@ -706,7 +705,7 @@ class RandomWork(SupervisedFleet):
         self._stood.clear()
         agv.be_carried(edge, SITE.curve(edge).length)
         agv.visited.append(end.id)
-        self._say(name, agv.report(self.now), self.now)  # nobody can know of one that is not told
+        self._say(name, agv.report(self.now), self.now)  # otherwise the movement is unknown
 
     def _any(self) -> str:
         return self.draw.choice(sorted(self.agvs))
@@ -769,7 +768,7 @@ class RandomWork(SupervisedFleet):
     # -- the choice of events ---------------------------------------------------------------------
 
     def live(self, steps: int) -> None:
-        """Lets so many steps happen, and then waits until all missions have ended."""
+        """Lets this number of steps happen, and then waits until all missions have ended."""
         while self.count < steps:
             self._happen(EVENTS)
         if not (self.reckless or self.load):
@@ -825,7 +824,7 @@ class RandomWork(SupervisedFleet):
     # -- what must hold ---------------------------------------------------------------------------
 
     def check(self) -> None:
-        """Fails if what is known is not what is so, or if a rule is broken."""
+        """Fails if the fleet manager's knowledge is false, or if an invariant is broken."""
         book, desk = self.supervisor.book, self.supervisor.desk
         moving = {one.robot for one in self.bodies.values() if one.by and one.step.load}
         for name, carried in self.carried.items():
@@ -853,7 +852,7 @@ class RandomWork(SupervisedFleet):
         assert len(queued) == len(set(queued)), f'(h) the queue places: {queued}'
 
     def _check_load(self, load: LoadType) -> None:
-        """(k) No robot is sent onto an edge that is closed to what it carries."""
+        """(k) No robot is sent onto an edge that is closed to its load."""
         for name, carried in self.carried.items():
             ahead = set(map(abs, self.supervisor.robots[name].record.ahead))
             if carried and name not in self.moved | self._forgotten:
@@ -874,7 +873,7 @@ class RandomWork(SupervisedFleet):
             assert work.asking is None, f'(e) {step} begins while another one asks'
             self._check_stands(mission, step, work.stops[place.stop].place)
         assert mission.robot or not rules.is_at_work(work), f'(g) no robot is at work: {mission}'
-        if rules.is_at_work(work) and not self.reckless:  # while NONE steps run, it may be asked
+        if rules.is_at_work(work) and not self.reckless:  # which moves robots during NONE steps
             self._check_stands(mission, None, work.stops[work.current].place)
 
     def _check_sent(self, sent: SendStep) -> None:
@@ -914,7 +913,7 @@ class RandomWork(SupervisedFleet):
                 assert resource in claims.stored_of(name), f'(c) {name} does not claim {resource}'
             if not self._is_on_way_into_door(name):
                 self._deceived.discard(name)
-            elif self.now <= self._failed + FRESH + 1.0:  # it was sent there by a fresh report
+            elif self.now <= self._failed + FRESH + 1.0:  # its report was fresh enough
                 self._deceived.add(name)
             if 'gate' in needs and name not in self.moved | self._deceived and not self.lies:
                 gate = self.devices['gate']
@@ -930,7 +929,7 @@ class RandomWork(SupervisedFleet):
                     f'(g) {body.robot} moves during {body.step}')
 
     def _check_final(self, told: PublishStatus) -> None:
-        """(j) A mission that has ended stays so."""
+        """(j) A mission that has ended does not change its state."""
         status = told.status
         before = self._final.get(status.serial)
         assert before in (None, status.state), f'(j) mission {status.serial} was {before}: {status}'
@@ -949,7 +948,7 @@ EVENTS = {'beat': 60.0, 'request_mission': 6.0, 'answer': 8.0, 'repair': 4.0, 'c
           'robot_is_silent': 0.2, 'robot_stalls': 0.3, 'robot_refuses': 0.1, 'robot_fails': 0.1,
           'robot_forgets': 0.1, 'robot_is_taken_out': 0.1, 'robot_is_moved': 0.2,
           'disk_is_full': 0.1, 'fleet_is_stopped': 0.1, 'station_breaks': 0.1}
-"""All events with their weights: those that let work go on come more often than faults."""
+"""All events with their weights. Events with which work goes on come more often than faults."""
 QUIET = {name: EVENTS[name] for name in ('beat', 'request_mission', 'answer', 'repair', 'resume')}
 TROUBLE = {name: 1.0 for name in EVENTS if name not in (*QUIET, 'combine')}
 TROUBLE.update(manager_restarts=4.0, driver_restarts=3.0, cancel=2.0, change=2.0, answer=2.0,
@@ -975,12 +974,12 @@ def _asks(world: RandomWork) -> bool:
 
 
 def _is_under_way(world: RandomWork) -> bool:
-    """Returns whether a command for a step, or a report of steps, comes late."""
+    """Returns whether a command for a step, or a report of steps, is delayed now."""
     return any(one.subject for one in world._late)
 
 
 def _has_further_work(world: RandomWork) -> bool:
-    """Returns whether a robot works whose mission leads to the exit."""
+    """Returns whether a robot that carries out a step must drive to the exit later."""
     serials = {serial for (serial, _), one in world.bodies.items() if one.by}
     return any(one.serial in serials and 16 in one.left[1:] for one in world.supervisor.book.open)
 
@@ -1005,7 +1004,7 @@ def _ends(world: RandomWork) -> bool:
 Moment = Callable[[RandomWork], bool]
 MOMENTS: Sequence[Moment] = (_works, _moves_load, _asks, _is_under_way, _may_enter_door,
                              _is_in_queue, _is_loaded, _ends)
-"""Rare moments, at which a disturbance is worth more."""
+"""Rare moments, at which a disturbance finds errors more often."""
 COMBINATIONS: Sequence[Tuple[Moment, Tuple[str, ...]]] = (
     (_is_under_way, ('driver_restarts',)), (_is_under_way, ('driver_restarts', 'beat', 'answer')),
     (_is_under_way, ('driver_restarts', 'manager_restarts')),
@@ -1020,13 +1019,13 @@ COMBINATIONS: Sequence[Tuple[Moment, Tuple[str, ...]]] = (
     (_may_enter_door, ('door_fails', 'fleet_is_stopped')),
     (_may_enter_door, ('manager_restarts', 'door_restarts')),
     (_is_in_queue, ('cancel', 'manager_restarts')), (_ends, ('answer', 'manager_restarts')))
-"""What is handed out on purpose, because it seldom comes together by itself."""
+"""Moments and events that are combined on purpose, because they seldom come together by chance."""
 
 
 def lived(seed: int, steps: int, load: Optional[LoadType] = None) -> int:
-    """Lives one life. Returns the number of its steps; a flaw names the seed and the last events.
+    """Makes one random run. Returns the number of its steps.
 
-    Every third life is reckless.
+    A failure names the seed and the last events. Every third seed makes a reckless run.
     """
     world = RandomWork(seed, seed % 3 == 2, load)
     try:

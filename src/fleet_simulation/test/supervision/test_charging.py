@@ -1,4 +1,4 @@
-"""Charging on request and by opportunity: until when, and to whom it yields. Claims to chargers."""
+"""Charging on request and of idle robots: its end, the robot with precedence, and claims."""
 from __future__ import annotations
 
 from dataclasses import replace

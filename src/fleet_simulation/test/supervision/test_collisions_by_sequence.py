@@ -1,4 +1,4 @@
-"""Exact sequences by which robots once came too near to each other. No timing in them is rare.
+"""Sequences of events after which robots were once too near to each other, without rare timing.
 
 The virtual world checks the distances of all discs in each step, and fails if two are too near.
 """
@@ -83,9 +83,9 @@ def test_a_person_is_told_of_all_robots_that_a_robot_is_too_near_to():
 
 @pytest.mark.parametrize('beside', [(0.08, 0.12), (0.0, 0.16), (0.0, 0.0)])
 def test_a_grant_to_a_robot_beside_its_edge_stops_no_robot_that_it_is_not_too_near_to(beside):
-    """Its location was on no place of its route, and excluded b, but only while it had the route.
+    """The location of a was on no place of its route, and excluded b only while a had the route.
 
-    So both were stopped, nobody was told why, and each `fleet in` did the same again.
+    So both robots were stopped without a reason for people, and each `fleet in` stopped them again.
     """
     graph = graph_of({1: (0, 0), 2: (2, 0), 3: (2, 1.2), 4: (2.9, 1.1), 5: (6, 1.1)},
                      {1: (1, 2), 2: (2, 3), 3: (4, 5)})
@@ -245,16 +245,16 @@ def test_the_places_of_a_robot_driven_by_hand_shrink_when_it_stands():
 # -- an older journal ------------------------------------------------------------------------------
 
 def start_with(copy, fleet):
-    """Ends the supervisor, puts a copy in the place of its journal, and starts it again."""
+    """Ends the supervisor, replaces its journal by a copy, and starts the supervisor again."""
     fleet.disk.put_back(copy)
     fleet.restart()
 
 
 def with_an_older_journal(restarts, drives):
-    """A fleet whose journal puts c elsewhere, while c is switched off where a then shall drive.
+    """A fleet with an older journal that has another place of c. The silent c is in the way of a.
 
-    restarts -- number of restarts since the copy; without one, only reports tell that it is old
-    drives   -- a has a route when the supervisor ends
+    restarts -- number of restarts after the copy; 0: only reports show that the copy is old
+    drives   -- whether a has a route when the supervisor ends
     """
     fleet = SupervisedFleet(ladder(6), {'a': (AGV, 1), 'b': (AGV, 101), 'c': (AGV, 106)},
                             settings=NEAR, planning=0.05)
@@ -315,7 +315,7 @@ def test_places_in_an_older_journal_that_are_believed_are_found(restarts, drives
 
 
 def test_a_fleet_that_is_stopped_by_an_older_journal_stops_also_robots_with_later_orders():
-    """The clock was set back as well, so the first stop has a number that the robot had before."""
+    """The clock was also set back, so the first stop has a number that the robot already had."""
     fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1)}, settings=FAR, planning=0.05)
     fleet.run(2.0)
     fleet.do(fleet.supervisor.stop_fleet(fleet.now))
@@ -370,7 +370,7 @@ def test_a_restart_with_the_same_journal_believes_it():
 # -- a planner that fails --------------------------------------------------------------------------
 
 class PoisonedFleet(SupervisedFleet):
-    """A fleet whose planner fails on each question that asks it to keep a plan."""
+    """A fleet whose planner fails on each question with a plan to keep."""
 
     is_poisoned = False
 
@@ -404,7 +404,7 @@ def test_a_plan_on_which_the_planner_fails_is_not_kept():
 
 @pytest.mark.parametrize('stall', [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0])
 def test_a_robot_that_restarts_and_drives_a_loop_again_does_not_meet_others(stall):
-    """Its places grow then without a check, so all that are in its way must stop."""
+    """After the restart its places grow without a check, so all robots in its way must stop."""
     graph = graph_of({1: (0, 0), 2: (8, 0), 3: (4, 6), 4: (-6, 0), 5: (4, -1.2), 6: (4, 2.5)},
                      {1: (1, 2), 2: (2, 3), 3: (3, 1), 4: (1, 4), 5: (5, 6)}, one_way=(1, 2, 3))
     fleet = SupervisedFleet(graph, {'a': (AGV, 1), 'b': (AGV, 5)}, settings=NEAR, planning=0.05)

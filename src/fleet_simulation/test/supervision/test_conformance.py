@@ -1,6 +1,6 @@
-"""Each step of the supervisor is one of the model of allocations; one that is not is found.
+"""Each step of the supervisor is a step of the model of allocations; other steps are found.
 
-All lives and sequences of these tests run with this check after each event (`StrictConformance`).
+All tests of virtual fleets run with this check after each event (`StrictConformance`).
 """
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Steps that a device carries out, in a supervised fleet: one at a time, and asked for once."""
+"""Steps that a device carries out, in a supervised fleet: one at a time, each requested once."""
 from __future__ import annotations
 
 from test_work_at_stops import WorkingFleet

@@ -28,9 +28,9 @@ GATE = Resource('gate', ResourceKind.DOOR, frozenset({3}), has_device=True)
 
 
 class FleetWithDoors(SupervisedFleet):
-    """Checks in each step who is on the edges of resources.
+    """A fleet that checks, in each step, the robots on the edges of resources.
 
-    There are no more robots than the capacity, and a device is open for each of them.
+    No more robots are there than the capacity, and a device is open for each robot.
     """
 
     def __init__(self, *given: Any, resources: Sequence[Resource] = (GATE,), **more: Any) -> None:
@@ -106,7 +106,7 @@ def test_a_claim_is_returned_when_the_mission_is_cancelled_before_the_door() -> 
 
 
 def fleet_in_a_silent_door() -> FleetWithDoors:
-    """A robot was stopped in the door, whose device fell silent then."""
+    """A fleet in which a robot was stopped in the door, and then the door fell silent."""
     fleet = fleet_at_a_door()
     fleet.request(1, 6)
     fleet.run_until(lambda: bool(fleet.entered) and fleet.agvs['a'].arc > 0.8)
@@ -150,7 +150,7 @@ def fails(fleet: FleetWithDoors) -> None:
 
 
 def goes_on_when_the_door_works(fleet: FleetWithDoors) -> None:
-    """The robot waits before the door, without an outage, until that works again."""
+    """The robot waits before the door, without an outage, until the door works again."""
     fleet.run(20.0)
     assert not fleet.entered and state(fleet) is ClaimState.ASKED
     assert fleet.supervisor.robots['a'].outage is None

@@ -28,7 +28,7 @@ STARTS = {'a': 1, 'b': 7, 'c': 101, 'd': 107}
 
 
 class Traffic(SupervisedFleet):
-    """Four robots with a mission each, all the time, on a ladder; the planner is slow."""
+    """Four robots on a ladder, each of which always has a mission; the planner is slow."""
 
     def __init__(self, seed: int, planning: float = 1.5) -> None:
         super().__init__(LADDER, {name: (AGV, vertex) for name, vertex in STARTS.items()},
@@ -39,7 +39,7 @@ class Traffic(SupervisedFleet):
         self._ids = itertools.count(1)
 
     def drive(self, seconds: float) -> None:
-        """Simulates so many s. Robots without a mission get one."""
+        """Simulates this number of seconds. Robots without a mission get one."""
         end = self.now + seconds
         while self.now < end:
             busy = self.supervisor.book.serving
@@ -126,8 +126,7 @@ class Forgetful(Traffic):
 
 
 def wrong_questions(seeds: Tuple[int, ...]) -> int:
-    """The number of questions that count edges of two robots as released that exclude each other.
-    """
+    """The number of questions in which released edges of two robots exclude each other."""
     found = 0
     for seed in seeds:
         fleet = Forgetful(seed, 0.5)

@@ -44,7 +44,7 @@ def restart(fleet, graph=None, robots=None):
 
 
 def test_a_place_where_a_robot_was_driven_while_the_planner_thought_is_given_to_no_other():
-    """Robot a is idle when the planner is asked, but on b's path when the plan comes (A1)."""
+    """Robot a is idle when the planner is asked, but on b's path when the plan comes."""
     fleet = SupervisedFleet(corridor(8), {'a': (AGV, 8), 'b': (AGV, 1)}, planning=1.0)
     fleet.run(2.0)
     fleet.request(1, 5, robot='b')
@@ -95,7 +95,7 @@ def test_a_robot_that_reports_is_not_declared_absent():
 
 
 def test_what_a_silent_robot_holds_stays_blocked_where_a_new_graph_has_no_such_edge():
-    """The robot may stand on the curve of the old edge (A2)."""
+    """The robot may stand on the curve of the old edge."""
     graph = ladder(5)
     fleet = SupervisedFleet(graph, {'a': (AGV, 1), 'b': (AGV, 105)}, settings=FAR)
     fleet.request(1, 5, robot='a')
@@ -141,7 +141,7 @@ def test_nothing_is_sent_to_a_robot_that_left_the_fleet_file_not_even_the_stop_i
 
 
 def test_a_place_is_as_near_as_the_robots_play_says():
-    """A robot with no play that stands 0.2 m off a vertex is between vertices (A4)."""
+    """A robot with no play that stands 0.2 m off a vertex is between vertices."""
     for play, vertex in ((0.0, None), (0.25, 2)):
         kind = replace(AGV, play=play)
         fleet = SupervisedFleet(corridor(5), {'a': (kind, 1)})
@@ -151,7 +151,7 @@ def test_a_place_is_as_near_as_the_robots_play_says():
 
 
 def test_what_was_not_yet_left_stays_blocked_after_a_restart():
-    """The journal stores how far a robot has left its edges, not only which are complete (A5)."""
+    """The journal stores how far a robot has left its edges, not only which are complete."""
     kind = replace(AGV, speed=1.0)
     fleet = SupervisedFleet(corridor(8), {'a': (kind, 1)},
                             settings=RobotSettings(release_ahead=8.0, slack=1.5))
@@ -165,7 +165,7 @@ def test_what_was_not_yet_left_stays_blocked_after_a_restart():
 
 
 def test_a_paused_robot_is_passed_where_there_is_room_and_blocks_no_other_for_ever():
-    """It is an obstacle where it will stop, and planned for again once it stands (A7)."""
+    """It is an obstacle where it will stop. Once it stands, the supervisor plans for it again."""
     for seed in range(8):
         fleet = SupervisedFleet(ladder(6), {'a': (AGV, 1), 'b': (AGV, 6)}, seed=seed)
         fleet.request(1, 6, robot='a')
@@ -262,7 +262,7 @@ def test_a_journal_that_was_lost_stops_all_robots_and_draws_ids_that_were_never_
 
 
 def test_a_route_that_was_decided_before_a_stop_does_not_pass_after_it():
-    """COMMIT hangs on the disk while a person stops the fleet (A3)."""
+    """COMMIT hangs on the disk while a person stops the fleet."""
     gate = StopGate()
     with gate.passage((1, 2)) as passes:
         assert passes
@@ -294,7 +294,7 @@ def test_a_fleet_that_was_stopped_again_meanwhile_does_not_go_on():
 
 
 def test_a_robot_that_was_stopped_inside_an_edge_leaves_it_though_the_edge_is_closed_since():
-    """The rest of the edge is granted, in either direction (A8)."""
+    """The rest of the edge is granted, in either direction."""
     fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1)})
     fleet.request(1, 8)
     fleet.run_until(lambda: fleet.agvs['a'].edge == 3 and fleet.agvs['a'].arc > 0.5)

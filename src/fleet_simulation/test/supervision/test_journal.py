@@ -206,7 +206,7 @@ def test_a_file_of_version_0_2_is_migrated_and_loses_nothing(path):
 
 
 def write_1_0(path: str, memory: dict) -> None:
-    """Writes the entry of a robot as version 1.0.0 did, into a journal without its own one."""
+    """Writes the entry of a robot as version 1.0.0 did, in the place of an entry in the journal."""
     db = sqlite3.connect(path)
     db.execute('INSERT OR REPLACE INTO robot VALUES (?, ?)', ('a', json.dumps(memory)))
     db.commit()
@@ -234,7 +234,7 @@ def test_a_file_of_version_1_0_is_migrated_with_its_open_mission(path):
 
 
 def test_a_file_without_claims_is_migrated_and_loses_nothing(path):
-    """Version 5 of the file, which no release has written."""
+    """It has version 5 of the file, which no release has written."""
     journal = Journal(path)
     journal.store([Mission(3, REQUEST, MissionState.ACTIVE, 'a')], loads={'a': RobotLoad()})
     journal.close()
@@ -257,7 +257,7 @@ def test_claims_come_back(path):
 
 
 def write_file_1_0(path: str) -> None:
-    """Writes a journal of version 1.0.0: the dump of a file that its own code has written."""
+    """Writes a journal of version 1.0.0, from the dump of a file that this version wrote."""
     db = sqlite3.connect(path)
     db.executescript((Path(__file__).parent / 'journal_1_0_0.sql').read_text(encoding='utf-8'))
     db.close()
@@ -388,7 +388,7 @@ def test_a_robot_of_version_1_0_that_another_one_moved_may_still_be_moved(path):
 
 
 def test_edges_of_version_1_0_are_held_until_the_robot_was_stopped_and_stands():
-    """Its programs were replaced as well: it has no route any more, and may still roll."""
+    """The robot's programs were also replaced: it has no route any more, but may still roll."""
     fleet = SupervisedFleet(corridor(8), {'a': (AGV, 2)})
     fleet.run(1.0)
     write_1_0(fleet.disk.journal._path, {**MEMORY_1_0, 'evidence': None})
@@ -563,7 +563,7 @@ def test_the_history_since_a_time_has_what_changed_and_what_is_open(path):
 
 @pytest.mark.parametrize('runs', [True, False])
 def test_the_history_is_read_where_nothing_may_be_written(on_small_disk, runs):
-    """The page sees the journal of the fleet manager so, whether that one runs or not."""
+    """The page reads the journal in this way, whether the fleet manager runs or not."""
     def read(disk):
         own, shown = disk.folder / 'own', disk.folder / 'shown'
         own.mkdir()

@@ -1,4 +1,4 @@
-"""Loads that need more room, less speed or other edges: what robots are granted with them."""
+"""Loads that need more room, a lower speed or other edges: grants to robots that carry them."""
 from __future__ import annotations
 
 from dataclasses import replace

@@ -1,4 +1,7 @@
-"""Templates, deadlines and timetables in a supervised fleet, over restarts and clocks."""
+"""Templates, deadlines and timetables in a supervised fleet.
+
+Some tests restart the supervisor or change the clock.
+"""
 from __future__ import annotations
 
 from dataclasses import replace
@@ -223,7 +226,7 @@ def runs(fleet: PlannedFleet) -> List[str]:
 
 
 def minutes(fleet: PlannedFleet, count: int) -> List[str]:
-    """The minutes from the beginning that are shown by clocks on the wall."""
+    """The local times of the first minutes of a run."""
     return [datetime.fromtimestamp(fleet.wall + 60.0 * k).strftime('%H:%M') for k in range(count)]
 
 

@@ -1,7 +1,7 @@
-"""The random machine over work, with loads that need more room than the robots that carry them.
+"""The random test of work (`random_work`), with loads that need more room than their robots.
 
-The load is so wide that no other robot may stand at the next vertex, and it may not use one of the
-two lanes. `test_loads` leaves each guard out.
+The load is so wide that no other robot may stand at the next vertex, and one of the two lanes is
+closed to it. `test_loads` tests that a guard that is left out is found.
 """
 from __future__ import annotations
 

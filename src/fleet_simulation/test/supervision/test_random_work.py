@@ -1,9 +1,9 @@
-"""The random machine over the work of a fleet: what must hold does, and each mission ends.
+"""The random test of work (`random_work`): the invariants hold, and each mission ends.
 
-Lives are drawn from seeds. With a guard left out, the machine finds a flaw: the tables name a life
-that finds it soon. It does not find one guard: `a report of an earlier run is ignored`, which the
-search over all states finds (`test_work_model`). That an order is judged when it is sent is found
-by `test_door_yard`.
+A seed determines a run, here called a life. If a guard is left out, a life fails: the tables name
+the seed of a life that fails soon. One guard is an exception, `a report of an earlier run is
+ignored`: the search over all states finds that it is left out (`test_work_model`). `test_door_yard`
+finds it if an order is not judged when it is sent.
 """
 from __future__ import annotations
 
@@ -67,7 +67,10 @@ AROUND: Mapping[str, Tuple[Any, str, Any]] = {
     'a machine carries out one step': (WorkDesk, '_is_busy', lambda self, device: False),
     'a command is sent when its step is stored': (WorkDesk, 'due', _sends_unstored),
 }
-"""Guards of claims, devices and the work desk, each left out, as in `planted_guards`."""
+"""Guards of claims, devices and the work desk, each with the change that leaves it out.
+
+The form is that of `planted_guards`.
+"""
 SOON = {
     'a step has a key of its own': 0, 'a key is taken once': 0,
     'the robot stands where a step needs it': 1, 'an unknown outcome is asked': 1,
@@ -78,7 +81,7 @@ SOON = {
     'a claim is ready when its device is open': 0, 'a claim ends by the place': 0,
     'the gate is closed while a step runs': 14, 'a robot at work stands': 14,
     'a report of a device counts while it is fresh': 76}
-"""By guard, the life that finds within 700 steps that it is left out."""
+"""By guard: the seed of a life that finds within 700 steps that the guard is left out."""
 LATER = {
     'a key is above all that the robot has taken': 2,
     'a mission that has become impossible ends its steps first': 18,
@@ -87,7 +90,7 @@ LATER = {
     'a command is sent when its step is stored': 13,
     'a robot that was moved away is not at work': 36,
     'a mission without a robot is not at work': 5085}
-"""By guard, the life that finds that it is left out."""
+"""By guard: the seed of a life that finds that the guard is left out."""
 LIVES = {**SOON, **(LATER if WHOLE else {})}
 
 

@@ -31,7 +31,7 @@ STAY = 12.0  # s of work at a place
 
 
 class FleetAtStations(SupervisedFleet):
-    """Checks in each step who is in a station, and notes in which order robots come and go."""
+    """A fleet that checks the robots in stations in each step and records the arrivals in order."""
 
     def __init__(self, graph: Graph, robots: Mapping[str, int], *stations: Station,
                  **more: Any) -> None:
@@ -40,7 +40,7 @@ class FleetAtStations(SupervisedFleet):
         self.arrived: List[str] = []
         """Robots that came to rest at a place of a station, in order."""
         self.queued: List[str] = []
-        """Robots that came to rest at a queue place, in order, each as often as it did."""
+        """Robots that came to rest at a queue place, in order; a robot may occur several times."""
         self._was: Dict[str, Optional[int]] = {}
         more.setdefault('settings', RobotSettings(release_ahead=3.0))
         super().__init__(

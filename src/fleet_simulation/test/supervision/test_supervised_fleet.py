@@ -261,7 +261,7 @@ def test_stop_all_works_without_a_planner_and_resume_goes_on():
 
 
 def _stopped_between(least: float, most: float) -> SupervisedFleet:
-    """Robot `a` drives to the end of a corridor; the fleet is stopped that far along an edge."""
+    """The fleet is stopped when its robot `a` is between these places (m) of an edge."""
     fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1)})
     fleet.request(1, 8)
     fleet.run_until(lambda: least < fleet.agvs['a'].arc < most)
@@ -525,7 +525,7 @@ def test_a_mission_has_more_destinations_than_the_planner_is_asked_for_at_once(c
 
 @pytest.mark.parametrize('seed', range(3))
 def test_to_look_only_at_robots_with_news_gives_the_same_orders(seed, monkeypatch):
-    """As to look at all robots each time."""
+    """The orders are the same as with a look at all robots each time."""
     orders = []
     for looks_at_all in (False, True):
         if looks_at_all:
@@ -559,8 +559,7 @@ STOP = FleetStop(StopCause.PERSON, 'anna (page)', 1700000000.0)
 
 
 def test_who_stopped_the_fleet_and_when_is_known_until_it_goes_on():
-    """A second stop, a restart and another graph do not change who has stopped it, and since when.
-    """
+    """A second stop and restarts do not change the author and the time of the stop."""
     fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1), 'b': (AGV, 8)})
     fleet.request(1, 3, robot='a')
     fleet.run(2.0)
@@ -596,8 +595,7 @@ def test_a_stop_is_told_in_a_sentence_with_the_date_if_it_was_another_day(stop, 
 
 @pytest.mark.parametrize('busy', [True, False])
 def test_an_emergency_stop_is_told_as_long_as_it_is_pressed(busy):
-    """Also after a stop and a resume of the fleet: the robot does not count as well for a moment.
-    """
+    """At no moment does the robot count as well, even after a stop and a resume of the fleet."""
     fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1), 'b': (AGV, 8)})
     if busy:
         fleet.request(1, 4, robot='a')

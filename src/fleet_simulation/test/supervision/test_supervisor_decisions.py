@@ -1,4 +1,4 @@
-"""What the supervisor decides: a person has the last word; who is sent, charges, or goes first."""
+"""Decisions: commands of persons have precedence; which robot is sent, charges, or goes first."""
 from __future__ import annotations
 
 import math
@@ -101,7 +101,7 @@ def test_a_cancelled_robot_stops_at_the_end_of_its_edge_though_it_has_another_mi
 
 
 def test_a_report_from_before_the_last_order_does_not_answer_a_cancel():
-    """It shows the route that the cancel asks for, but a longer one is on its way to the robot."""
+    """The report shows the route after the cancel; a longer route is on its way to the robot."""
     fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1)},
                             settings=RobotSettings(release_ahead=1.0))
     fleet.request(1, 8)
@@ -202,7 +202,7 @@ def test_a_stop_is_repeated_until_it_is_heard_though_the_route_has_failed():
 
 
 def taken_over_as_it_was_let_go_on():
-    """It refuses more edges, because its route has failed: it stands in the middle of an edge."""
+    """Robot a stands in the middle of an edge. Its route failed, so it refused more edges."""
     fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1), 'b': (AGV, 8)},
                             settings=RobotSettings(release_ahead=1.0))
     fleet.request(1, 6, robot='a')
@@ -571,7 +571,7 @@ def ended(fleet: SupervisedFleet) -> List[int]:
 
 
 def both_cross(switches: bool) -> SupervisedFleet:
-    """By the plan, robot a reaches the crossing first, but it stands for a minute before it."""
+    """In the plan, a reaches the crossing first. In fact a stands before it for a minute."""
     fleet = SupervisedFleet(crossing(), {'a': (AGV, 1), 'b': (AGV, 11)}, switches=switches)
     fleet.request(1, 7, robot='a')
     fleet.request(2, 17, robot='b')

@@ -90,7 +90,7 @@ def test_who_stands_as_far_from_a_vertex_as_still_counts_as_on_it_may_tremble():
 
 
 def test_nobody_is_sent_to_where_a_robot_was_carried():
-    """From 2 on, the upper side is shorter, until a person puts `b` down there."""
+    """From vertex 2 on, the upper path is shorter until a person puts `b` on it."""
     graph = graph_of({1: (0, 0), 2: (4, 0), 3: (8, 0), 4: (12, 0), 5: (16, 0), 6: (4, -6),
                       7: (16, -6), 8: (24, 0), 9: (30, 0)},
                      {1: (1, 2), 2: (2, 3), 3: (3, 4), 4: (4, 5), 5: (2, 6), 6: (6, 7), 7: (7, 5),
@@ -283,7 +283,7 @@ def test_who_cannot_work_is_given_nothing_more_by_the_plan_in_force():
 
 @pytest.mark.parametrize('commands_only', [False, True])
 def test_a_lost_link_is_not_back_before_the_robot_is_known_to_stand(commands_only):
-    """It still drives its route, and keeps all of it."""
+    """The robot still drives its route, so it keeps all edges of the route."""
     fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1)})
     fleet.now = 1e6
     fleet.request(1, 8)
@@ -298,7 +298,7 @@ def test_a_lost_link_is_not_back_before_the_robot_is_known_to_stand(commands_onl
 
 @pytest.mark.parametrize('deafness', [0.0, 2.0])
 def test_a_robot_switched_off_and_on_where_it_stands_does_not_drive_its_old_route_again(deafness):
-    """To make room, its old route would be extended, perhaps just before it is switched off."""
+    """To make room, the old route would be extended, perhaps just before the switch-off."""
     fleet = SupervisedFleet(corridor(8, siding_at=3), {'a': (AGV, 1), 'b': (AGV, 8)},
                             parking=(1, 8, 100))
     fleet.request(1, 2, 1, robot='a')
@@ -340,7 +340,7 @@ def test_who_is_silent_is_ordered_nothing_new_but_to_stop():
 
 
 def test_an_order_that_is_repeated_drives_no_robot_that_was_switched_off_and_on_meanwhile():
-    """It is an order for the time before: the robot may have been moved since then."""
+    """The order is from before the restart: the robot may have been moved since then."""
     fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1)})
     fleet.run(1.0)
     fleet.network.silent['a'] = 1e9
@@ -389,7 +389,7 @@ def test_a_robot_whose_location_trembles_stands_still_all_the_same(how):
 
 @pytest.mark.parametrize('edge, arc, left', [(2, 1.02, False), (3, 0.05, False), (2, 1.8, True)])
 def test_a_robot_that_stands_on_an_edge_has_left_when_it_is_elsewhere(edge, arc, left):
-    """Near another edge it may be reported there; pushed along its own edge it is elsewhere."""
+    """A robot may be reported on an edge nearby. After a push along its edge it is elsewhere."""
     graph = graph_of({1: (0, 0), 2: (2, 0), 3: (4, 0), 4: (3.1, 0.05), 5: (3.1, 3)},
                      {1: (1, 2), 2: (2, 3), 3: (4, 5), 4: (3, 5)})
     fleet = SupervisedFleet(graph, {'a': (AGV, 1)})
@@ -453,7 +453,7 @@ def test_a_robot_whose_clock_is_mended_while_the_fleet_is_stopped_goes_on_with_i
 
 @pytest.mark.parametrize('restart_after', [0.2, 0.6, 1.0, 1.4, 1.8, 2.2, 2.6, 3.0, 4.0])
 def test_an_emergency_stop_a_lost_link_and_a_restart_do_not_stop_the_fleet_for_ever(restart_after):
-    """Each outage is stored, so the next supervisor knows what the robot waits for (S12)."""
+    """Each outage is stored, so the next supervisor knows what the robot waits for."""
     fleet = SupervisedFleet(corridor(8, siding_at=4), {'a': (AGV, 1), 'b': (AGV, 8)},
                             settings=RobotSettings(release_ahead=3.0))
     fleet.run(2.0)
@@ -557,7 +557,7 @@ def test_one_report_of_an_unknown_epoch_voids_the_route_with_one_sentence(fleet)
 
 
 def test_a_new_epoch_of_no_known_cause_voids_the_route_with_one_sentence(fleet):
-    """A later definition may have more causes."""
+    """A later version of the protocol may have more causes."""
     told = len(fleet.notes)
     fleet.agvs['a'].begin_epoch(EpochCause.NONE)
     fleet.step()
@@ -614,7 +614,7 @@ def test_two_locations_elsewhere_in_a_row_leave_a_robot_to_a_person(fleet):
 
 
 def test_a_robot_that_does_not_know_its_place_yet_is_not_off_the_graph():
-    """A bridge reports from its start on, but the robot tells its place some seconds later."""
+    """A bridge reports from its start on, but the robot reports its place some seconds later."""
     fleet = SupervisedFleet(corridor(6), {'a': (AGV, 1)})
     fleet.network.silent['a'] = 3.0
     for later in (0.1, 0.2, 0.3):

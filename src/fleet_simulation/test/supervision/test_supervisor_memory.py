@@ -1,4 +1,4 @@
-"""What outlives the supervisor: its restarts, other graphs, and a disk that cannot be written."""
+"""Data that survives restarts of the supervisor, other graphs, and a disk that is full or gone."""
 from __future__ import annotations
 
 import math
@@ -59,7 +59,7 @@ def test_a_robot_that_stays_until_released_is_released_before_the_first_tick_aft
 
 
 def test_allocations_in_the_journal_never_exclude_each_other():
-    """If a robot is granted what another one has left, that is stored together with the grant."""
+    """When a robot is granted a place, it is also stored that another robot has left this place."""
     fleet = SupervisedFleet(corridor(12), {'a': (AGV, 1), 'b': (AGV, 2), 'c': (AGV, 3)})
     for id, (vertex, robot) in enumerate(((8, 'a'), (10, 'b'), (12, 'c')), 1):
         fleet.request(id, vertex, robot=robot)
@@ -150,7 +150,7 @@ def test_a_route_that_the_graph_does_not_have_is_nobodys_but_the_robots(edges, s
 
 
 def test_who_drives_a_route_of_another_master_may_be_far_from_its_last_place_after_a_restart():
-    """Nobody knows the way of that route, and the new graph may have edges where it leads."""
+    """Nobody knows where that route leads, and the new graph may have edges there."""
     whole = corridor(12)
     fleet = SupervisedFleet(cut_short(whole, 4), {'a': (AGV, 1)})
     fleet.run(1.0)
@@ -202,7 +202,7 @@ def test_a_pause_outlives_a_restart_while_the_robot_is_silent():
 
 @pytest.mark.parametrize('starts_anew', [True, False])
 def test_a_request_that_comes_again_after_others_with_its_id_is_not_driven_twice(starts_anew):
-    """It was latched, and a node that takes missions subscribes again."""
+    """The request was latched, and a node that takes missions subscribes again."""
     fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1)})
     for stamp, vertex in ((100.0, 3), (200.0, 1)):
         fleet.request(7, vertex, stamp=stamp)
@@ -242,7 +242,7 @@ def test_after_a_restart_only_what_needs_a_person_is_still_wrong_with_an_unseen_
 
 
 def test_edges_that_the_disk_does_not_know_to_be_driven_may_be_gone_from_the_graph():
-    """The remaining drives of robots are on the new graph, and stay theirs before they report."""
+    """The remaining drives of the robot are on the new graph; it keeps them before it reports."""
     fleet = SupervisedFleet(ladder(8), {'a': (AGV, 1)},
                             settings=RobotSettings(release_ahead=8.0))
     fleet.request(1, 8)
@@ -259,7 +259,7 @@ def test_edges_that_the_disk_does_not_know_to_be_driven_may_be_gone_from_the_gra
 
 @pytest.mark.parametrize('gone', [2, 3])
 def test_a_robot_on_its_route_behind_an_edge_that_the_graph_lost_serves_its_mission(gone):
-    """The disk does not know that the robot has left this edge, so the robot is stopped once."""
+    """The journal does not have that the robot has left this edge, so the robot is stopped once."""
     fleet = SupervisedFleet(corridor(7), {'a': (AGV, 1)},
                             settings=RobotSettings(release_ahead=8.0))
     fleet.run(2.0)
@@ -277,7 +277,7 @@ def test_a_robot_on_its_route_behind_an_edge_that_the_graph_lost_serves_its_miss
 
 
 def test_a_robot_that_is_off_the_graph_keeps_its_place_though_it_has_an_unknown_route():
-    """A person stopped it beside a fleet manager that hung and was then ended."""
+    """A person stopped it without the fleet manager, which hung and was then ended."""
     fleet = SupervisedFleet(corridor(6), {'a': (AGV, 3)})
     fleet.run(1.0)
     fleet.agvs['a'].off_graph = True
@@ -297,7 +297,7 @@ AHEAD = RobotSettings(release_ahead=8.0)
 
 
 def driving(to: int = 8, **others: int) -> SupervisedFleet:
-    """A fleet in which `a` drives from 1 on, as mission 1."""
+    """A fleet in which robot `a` drives from vertex 1 and serves mission 1."""
     robots = {'a': (AGV, 1), **{name: (AGV, vertex) for name, vertex in others.items()}}
     fleet = SupervisedFleet(corridor(8), robots, settings=AHEAD)
     fleet.request(1, to, robot='a')

@@ -59,14 +59,14 @@ class TellingFleet(SupervisedFleet):
 
 
 def live(seed: int) -> Dict[str, None]:
-    """The texts of one random life in the yard, whose edges are cut into sections of 1 m."""
+    """The texts of one random run in the yard, whose edges are cut into sections of 1 m."""
     draw = random.Random(f'life {seed}')
     kind = RobotType('agv', 0.4, 1.0, docks=frozenset(DOCKS))
     fleet = TellingFleet(chaos.YARD, {name: (kind, 21 + k) for k, name in enumerate(ROBOTS)},
                          seed=seed, parking=PARKING, settings=RobotSettings(release_ahead=3.0))
     world = Chaos(fleet)
     acts = ['request'] * 12 + [*PEOPLE, *TROUBLE]
-    acts.remove('change_graph')  # without one of its sections an edge is none that a person drew
+    acts.remove('change_graph')  # an edge without one of its sections is not a drawn edge
     for _ in range(40):
         world.happen(Event(draw.choice(acts), draw.choice(('now', 'order', 'plan')),
                            draw.choice((SAME, 0, 1, 2)), draw.randrange(61), 0.8))

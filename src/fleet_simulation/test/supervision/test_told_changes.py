@@ -1,15 +1,15 @@
-"""A change of a robot is told to all that keep what follows from it.
+"""Each change of a robot's state causes a notification, so that no derived value is out of date.
 
-A report that says nothing new costs little, because nobody looks again at a robot of which no
-change is told. Three things are kept so, and none may be older than the robot's state:
+A report without news costs little: the supervisor examines a robot again only after a notification.
+It keeps three kinds of derived values, and none may be older than the robot's state:
 
-- `RouteMaster` tells when its state changes: its allocation, and the tables of the interlocking,
-  follow from that.
-- The journal gets a robot anew when its `progress` changes, or the outbox is told of a change.
-- The check of a plan against the world looks at a robot again when its version grows.
+- `RouteMaster` notifies when its state changes. The allocation and the tables of the interlocking
+  are derived from this state.
+- The journal stores a robot again when its `progress` changes, or after a notification.
+- The check of a plan against the world examines a robot again when its version grows.
 
-The fields come from the objects and types themselves, so a new field is compared as well. Two
-tables name the fields that may change untold, and why.
+The fields are read from the objects and types themselves, so a new field is compared as well. Two
+tables name the fields that may change without a notification, and the reasons.
 """
 from __future__ import annotations
 
@@ -55,15 +55,15 @@ ME = 'path_supervisor'
 Fields = Dict[str, object]
 
 UNTOLD = {
-    # what never changes
+    # fields that never change
     'graph', '_slack', '_clock', '_tell', 'record',
-    # what follows from the other fields; it is compared with what follows now
+    # values derived from the other fields; `check_kept` compares them
     '_allocation', '_elsewhere', '_progress',
-    # what is read at each use only: when an order was sent, its label, and the newest location
+    # values that are read at each use: when an order was sent, its label, the newest location
     '_sent', 'last_sent', 'is_new_motion', '_label', '_told',
-    # what has the number of the last report; it is compared without that
+    # values with the number of the last report; they are compared without the number
     'protocol', 'memory'}
-"""Fields and answers of a route master and its record that may change untold."""
+"""Fields and answers of a route master and its record that may change without a notification."""
 ANSWERS = [name for name, one in vars(RouteMaster).items()
            if isinstance(one, property) and not name.startswith('_') and name not in UNTOLD]
 MAY_BE_OLDER: Dict[str, Callable[[Any, Any], bool]] = {
@@ -72,9 +72,9 @@ MAY_BE_OLDER: Dict[str, Callable[[Any, Any], bool]] = {
     'behind': lambda stored, now: set(stored) >= set(now),
     # a report that is heard twice says nothing new
     'report': lambda stored, now: stored <= now,
-    # each start draws it anew
+    # drawn anew at each start
     'gap': lambda stored, now: True,
-    # each start judges it anew
+    # judged anew at each start
     'commands': lambda stored, now: True,
     'charge': lambda stored, now: True,
     # each start begins with UNSEEN
@@ -83,7 +83,7 @@ MAY_BE_OLDER: Dict[str, Callable[[Any, Any], bool]] = {
 
 
 def state_of(master: RouteMaster) -> Fields:
-    """All that a route master and its record know and answer, except what may change untold."""
+    """All that a route master and its record know and answer, except `UNTOLD`."""
     found: Fields = {name: getattr(master, name) for name in ANSWERS}
     for owner in (master, master.record):
         for name, value in vars(owner).items():
@@ -122,7 +122,7 @@ def wrong_in(stored: Fields, now: Fields) -> Dict[str, Tuple[object, object]]:
 
 
 def check_kept(master: RouteMaster) -> None:
-    """Checks that what a route master keeps is what follows from its state now."""
+    """Checks that the derived values of a route master agree with its present state."""
     fresh = copy.copy(master)
     fresh._allocation = fresh._elsewhere = fresh._progress = None
     assert master.allocation == fresh.allocation
@@ -133,7 +133,7 @@ def check_kept(master: RouteMaster) -> None:
 
 
 class Drive:
-    """A robot and its route master. Each report differs a little from the one before."""
+    """A robot and its route master. Each report differs a little from the previous report."""
 
     def __init__(self, seed: int) -> None:
         self.draw = random.Random(f'drive {seed}')
@@ -155,7 +155,7 @@ class Drive:
         self.told += 1
 
     def happen(self) -> None:
-        """Lets one event happen, and checks that what it changed was told."""
+        """Lets one event happen, and checks that each change caused a notification."""
         master, told = self.master, self.told
         before, stored, progress = state_of(master), master.memory, master.progress
         check_kept(master)
@@ -209,7 +209,7 @@ class Drive:
                 'motion': Motion.ON_ROUTE if order.edges else Motion.STANDING}
 
     def _route(self, said: RouteReport) -> Dict[str, Any]:
-        """The robot gets on with its route, or loses it."""
+        """The robot completes edges of its route, or the route fails."""
         count = self.draw.randint(0, len(said.edges))
         state = self.draw.choice((EdgeState.PROCESSING, EdgeState.PROCESSING, EdgeState.FAILED))
         return {'states': ((EdgeState.COMPLETE,) * count + (state,) * len(said.edges)
@@ -254,7 +254,7 @@ BROAD = replace(AGV, radius=0.6)
 
 
 def live_alone(seed: int) -> None:
-    """Lets one robot live; raises AssertionError at the first change that is not told."""
+    """Simulates one robot; raises AssertionError at the first change without a notification."""
     drive = Drive(seed)
     for _ in range(30):
         drive.happen()
@@ -266,13 +266,13 @@ def test_a_route_master_tells_each_change_that_a_report_or_command_makes() -> No
 
 
 def forgets(number: int) -> property:
-    """What a report may change, as if one of these fields had been forgotten."""
+    """The property `_known` without its field of this number, as if it had been forgotten."""
     whole = RouteMaster.__dict__['_known'].fget
     return property(lambda master: (*whole(master)[:number], *whole(master)[number + 1:]))
 
 
 FOUND_BY = {0: 2, 1: 31, 2: 24, 3: 0, 4: 1246, 5: 25946, 6: 33, 7: 20, 8: 5, 9: 0, 10: 11}
-"""By number of a field in `_known`, a drive in which nothing else of them changes."""
+"""By number of a field in `_known`: the seed of a drive in which only this field changes once."""
 
 
 @pytest.mark.parametrize('number', FOUND_BY)
@@ -298,9 +298,9 @@ def test_a_new_field_is_covered_by_itself(monkeypatch: pytest.MonkeyPatch) -> No
 
 
 class ObservedFleet(SupervisedFleet):
-    """A fleet of which each event is checked: what changed was told."""
+    """A fleet that checks at each event that all changes caused notifications."""
 
-    _number = -1  # of the commit at which the journal was read last
+    _number = -1  # number of commits when the journal was last read
 
     def _begin(self) -> None:
         self._before: Dict[str, Tuple[int, Fields]] = {}
@@ -333,7 +333,7 @@ class ObservedFleet(SupervisedFleet):
             memory = outbox._memory(name)
             assert memory is not None
             older = wrong_in(stored_fields(self._stored[name]), stored_fields(memory))
-            if self.supervisor._run.is_wrong:  # by that, a restart doubts each place, too
+            if self.supervisor._run.is_wrong:  # then a restart doubts each place as well
                 older.pop('unknown', None)
             assert not older, f'the journal has an older state of {name}'
 
@@ -345,14 +345,14 @@ class ObservedFleet(SupervisedFleet):
 
 
 def live(seed: int) -> None:
-    """Simulates one life with all kinds of events; raises AssertionError if a change is untold."""
+    """Simulates all kinds of events; raises AssertionError at a change without a notification."""
     draw = random.Random(f'told {seed}')
     fleet = ObservedFleet(
         YARD, {name: (AGV, 21 + k) for k, name in enumerate(ROBOTS)}, seed=seed,
         loss=draw.choice((0.0, 0.05)), planning=draw.choice((0.05, 0.3)), parking=PARKING,
         check_every=10 ** 9, settings=RobotSettings(release_ahead=draw.choice((0.0, 3.0, 8.0))))
     chaos = RareChaos(fleet)
-    fleet.watcher = None  # the promises have proofs of their own
+    fleet.watcher = None  # other tests check the promises
     acts = ('request',) * 12 + (*PEOPLE, *TROUBLE, *RARE * 2, *MOVING * 3)
     for _ in range(40):
         chaos.happen(Event(draw.choice(acts), draw.choice(('now', 'now', 'order', 'plan')),

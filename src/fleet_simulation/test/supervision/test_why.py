@@ -1,4 +1,4 @@
-"""Every open mission that does not go on says what it waits for, and why no robot serves it."""
+"""Every open mission that does not go on shows what it waits for, and why no robot serves it."""
 from __future__ import annotations
 
 from dataclasses import replace
@@ -50,7 +50,7 @@ def code(fleet: VirtualFleet, id: int = 1) -> WaitCode:
 
 
 def silent_mission(fleet: VirtualFleet) -> Optional[str]:
-    """An open mission that does not go on and does not say why; None: there is none."""
+    """An open mission that does not go on and shows no reason; None: there is no such mission."""
     for mission in fleet.supervisor.book.open:
         told = why(fleet, mission.request.id)
         robot = fleet.supervisor.robots.get(mission.robot)
@@ -69,7 +69,7 @@ def silent_mission(fleet: VirtualFleet) -> Optional[str]:
 
 @lru_cache(maxsize=None)
 def lived(seed: int) -> Tuple[Optional[str], FrozenSet[object]]:
-    """The first silent mission of a life, and all that its missions and robots waited for."""
+    """The first silent mission of a random run, and all causes of waiting that occurred."""
     life = Life(seed)
     found: Set[object] = set()
     for _ in range(DISTURBED):

@@ -314,7 +314,6 @@ def test_a_robot_whose_driver_shows_no_steps_begins_none_and_can_be_cancelled():
     fleet.run(30.0)
     assert fleet.state(1) is MissionState.ACTIVE and fleet.load() is LoadState.EMPTY
     assert 'a shows no steps' in fleet.reason(1)
-    # It does not work.
     assert robot_views(fleet.supervisor, fleet.now)[0].waits_for.code is WaitCode.PERSON
     fleet.command(1, CommandKind.CANCEL)
     fleet.run_until_done(1)
@@ -407,8 +406,7 @@ def test_a_mission_without_steps_stays_with_the_robot_that_carries_its_load():
 
 
 def moved_to(fleet: WorkingFleet, edge: int, name: str = 'a') -> None:
-    """A person takes a robot out of service, carries it to the begin of an edge, and brings it in.
-    """
+    """A person takes a robot out of service, carries it to an edge's start, and brings it in."""
     fleet.do(fleet.supervisor.take_out(name, fleet.now))
     fleet.agvs[name].be_carried(edge, 0.0)
     fleet.run(2.0)
@@ -416,7 +414,7 @@ def moved_to(fleet: WorkingFleet, edge: int, name: str = 'a') -> None:
 
 
 def working_fleet(*words: Word) -> WorkingFleet:
-    """A fleet whose robot works at its first stop; its steps end in these ways."""
+    """A fleet whose robot works at its first stop. The outcomes of the first steps are `words`."""
     fleet = WorkingFleet()
     for word in words:
         fleet.steps['a'].fail_next(word, 1)
@@ -536,7 +534,7 @@ def test_a_mission_whose_robot_drops_out_before_its_steps_begins_anew_with_anoth
 
 
 def worked_before(fleet: WorkingFleet, name: str, key: int, *, runs: bool = False) -> None:
-    """The robot has taken a step of another fleet manager, which may still run."""
+    """The robot has taken a step of another fleet manager; `runs`: the step still runs."""
     steps = fleet.steps[name]
     seconds = '30' if runs else '0'
     steps.receive(StepCommand(key, StepAct.DO, 1, 'other', (('seconds', seconds),)))
@@ -619,7 +617,7 @@ def test_without_its_gate_a_robot_enters_a_stop_before_the_step_has_ended(monkey
 
 def modify(fleet: WorkingFleet, id: int, *stops: Stop, priority: int = 0,
            first_stop: int = 0) -> str:
-    """Gives a mission other stops; returns why not, or an empty text."""
+    """Gives a mission other stops; returns why this was refused, or an empty text."""
     count = len(fleet.statuses)
     fleet.do(fleet.supervisor.command(id, CommandKind.MODIFY, fleet.now,
                                       MissionChange(priority, (), stops, first_stop)))

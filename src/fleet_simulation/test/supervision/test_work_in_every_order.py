@@ -1,8 +1,8 @@
-"""Random lives of a fleet at work: what the steps really did agrees with what the fleet knows.
+"""Random runs of a fleet with work: the fleet knows correctly what the steps really did.
 
-Missions take and give loads, and are cancelled. Steps fail, hang, and end without a word; their
-driver and the fleet manager restart, the fleet is stopped, messages are lost and come twice. A
-person looks at the robot, and answers truly.
+Missions take and give loads, and are cancelled. Steps fail, hang, and end with an
+unknown outcome. The steps' driver and the fleet manager restart, the fleet is stopped, and messages
+are lost or arrive twice. A person looks at the robot, and answers truthfully.
 """
 from __future__ import annotations
 
@@ -39,12 +39,12 @@ class Life(SupervisedFleet):
         self.dice = Random(seed)
         self.steps = {name: SimulatedSteps(lambda: 1) for name in self.agvs}
         self.pieces: Dict[str, Tuple[int, int]] = dict.fromkeys(self.agvs, (0, 0))
-        """By robot, what it carries, and how many of the steps it has done are counted."""
+        """By robot: the number of its pieces, and of its done steps that are counted in it."""
         self.missions: List[int] = []
         self.places: Dict[str, object] = {}
 
     def carried(self, name: str) -> int:
-        """The pieces that a robot really carries. A robot without one gives nothing."""
+        """The number of pieces that a robot really carries. An empty robot gives nothing."""
         done = self.steps[name].done
         pieces, seen = self.pieces[name]
         for one in done[seen:]:
@@ -98,7 +98,7 @@ class Life(SupervisedFleet):
             self.answer()
 
     def answer(self) -> None:
-        """A person resumes the fleet, looks at robots that need one, and says what is so."""
+        """A person resumes the fleet, looks at robots that need a person, and answers."""
         self.do(self.supervisor.resume_fleet(self.now)[1])
         serving = self.supervisor.book.serving
         for name in self.agvs:
@@ -124,7 +124,7 @@ class Life(SupervisedFleet):
                                         StepAnswer(decision)))
 
     def check(self) -> None:
-        """Fails if what is known is not what is so."""
+        """Fails if the fleet's knowledge differs from the truth."""
         done = [one for steps in self.steps.values() for one in steps.done]
         assert len(done) == len(set(done)), f'a step was done twice: {done}'
         for name, agv in self.agvs.items():
@@ -140,7 +140,7 @@ class Life(SupervisedFleet):
 
 
 def live(seed: int) -> Life:
-    """A disturbed life, which is checked after each step."""
+    """A disturbed run of a fleet, checked after each step."""
     life = Life(seed)
     for _ in range(DISTURBED):
         life.disturb()
@@ -151,7 +151,7 @@ def live(seed: int) -> Life:
 
 @lru_cache(maxsize=None)
 def told_in(seed: int) -> FrozenSet[MissionState]:
-    """Lives until all missions have ended. Returns the states told while it was disturbed."""
+    """Simulates until all missions end. Returns the states published during the disturbances."""
     life = live(seed)
     told = frozenset(status.state for status in life.statuses)
     for _ in range(200):

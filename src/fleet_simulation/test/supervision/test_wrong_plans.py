@@ -18,7 +18,7 @@ SPOILT = 2  # answers
 
 
 class MisledFleet(SupervisedFleet):
-    """Its first plans are wrong."""
+    """A fleet whose first plans are wrong."""
 
     spoil = staticmethod(without_drives)
     answers = 0
@@ -131,7 +131,7 @@ def test_a_plan_that_begins_elsewhere_is_refused(task):
 
 
 def test_an_answer_that_is_spoilt_twice_never_ends_the_supervisor():
-    """Each spoilt answer is refused or used; no way to spoil one raises an exception."""
+    """Each spoilt answer is refused or used; none causes an exception."""
     for seed in range(40):
         fleet = MisledFleet(ladder(4), {'a': (AGV, 1), 'b': (AGV, 4)}, parking=(1, 4), seed=seed)
         chance = Random(seed)

@@ -22,7 +22,7 @@ SAME = 3  # in place of a robot's rank: the robot of the previous event
 _SECONDS = (0.3, 1.0, 2.5, 6.0, 12.0)
 _DELAYS = (0.0, 0.2, 0.4, 1.5)
 _CLOCK = 3.0  # s by which a wrong clock is ahead; more than the longest delay of a report
-_FAR = 1.5  # m: farther from a robot and its route, no other robot is in its way
+_FAR = 1.5  # m from a robot and its route; farther away, no other robot is in its way
 _CHARGES = (0.05, 0.2, 0.5, 0.9)
 _CHARGING = 0.05  # share of the battery that is charged per second in the dock
 
@@ -53,7 +53,7 @@ Act = Callable[['Chaos', str, int], None]
 
 
 class Event(NamedTuple):
-    """One event of a life.
+    """One event of a run.
 
     act    -- name of the method of `Chaos` that does it
     moment -- `now`, `order` (when an order is sent) or `plan` (while the planner works)
@@ -134,7 +134,7 @@ class Chaos:
     # -- missions ---------------------------------------------------------------------------------
 
     def request(self, robot: str, number: int) -> None:
-        """Requests a mission; every fourth is for this robot, some have dwells, ids are reused."""
+        """Requests a mission. Every fourth one is for this robot, some have dwells; ids recur."""
         vertices = [VERTICES[(number * k + k) % len(VERTICES)] for k in range(1, 2 + number % 3)]
         dwell = (None, None, 0.0, 2.0, -1.0)[number % 5]
         request = Request(
@@ -164,19 +164,19 @@ class Chaos:
         assert before == after or not fleet.disk.is_full
 
     def cancel(self, robot: str, number: int) -> None:
-        """Cancels the robot's mission; without one, an open mission."""
+        """Cancels the robot's mission, or an open mission if the robot has none."""
         self._command(CommandKind.CANCEL, robot, number)
 
     def pause(self, robot: str, number: int) -> None:
-        """Pauses the robot's mission; without one, an open mission."""
+        """Pauses the robot's mission, or an open mission if the robot has none."""
         self._command(CommandKind.PAUSE, robot, number)
 
     def resume(self, robot: str, number: int) -> None:
-        """Resumes the robot's mission; without one, an open mission."""
+        """Resumes the robot's mission, or an open mission if the robot has none."""
         self._command(CommandKind.RESUME, robot, number)
 
     def release(self, robot: str, number: int) -> None:
-        """Ends the dwell of the robot's mission; without one, of an open mission."""
+        """Ends the dwell of the robot's mission, or of an open mission if the robot has none."""
         self._command(CommandKind.RELEASE, robot, number)
 
     def _command(self, command: CommandKind, robot: str, number: int) -> None:
@@ -265,8 +265,8 @@ class Chaos:
     def carry(self, robot: str, number: int) -> None:
         """Lets a person carry a robot that is out of service to a place far from all others.
 
-        The robot reports its new place at once: the fleet manager cannot know of a robot that is
-        carried in silence.
+        The robot reports its new place at once: the fleet manager cannot know of a robot that
+        is carried while it does not report.
         """
         fleet, agv = self.fleet, self.fleet.agvs[robot]
         edges = sorted(fleet.graph.edges)
@@ -276,7 +276,7 @@ class Chaos:
             self.promises.carried.add(robot)
 
     def tells(self, robot: str) -> bool:
-        """Returns whether the robot's reports tell at once where it is."""
+        """Returns whether the robot's reports show its place without delay."""
         fleet = self.fleet
         return not (fleet.agvs[robot].off_graph or robot in fleet.lost
                     or fleet.network.late.get(robot, 0.0) > 0.0
@@ -382,7 +382,7 @@ class Chaos:
         self.fleet.do(actions)
 
     def bring_in(self, robot: str, _: int) -> None:
-        """Lets a person bring a robot into service; if this one works, one that does not."""
+        """Lets a person bring this robot into service; if it works, another robot that does not."""
         robots = self.fleet.supervisor.robots
         if robots[robot].works:
             robot = next((name for name in ROBOTS if not robots[name].works), robot)
@@ -392,11 +392,11 @@ class Chaos:
         self.fleet.do(actions)
 
     def die(self, _: str, number: int) -> None:
-        """Lets the supervisor die at one of its next commits, after 0 to 2 of its actions."""
+        """Lets the supervisor crash at one of its next commits, after 0 to 2 of its actions."""
         self.fleet.crash = Crash(self.fleet.disk.commits + number % 6, number // 6 % 3)
 
     def restart(self, _: str, __: int) -> None:
-        """Lets the supervisor die and start again now."""
+        """Lets the supervisor crash and start again now."""
         self.fleet.restart()
 
     def hang(self, _: str, number: int) -> None:

@@ -1,7 +1,7 @@
 """A simple AGV for tests of the supervisor. It obeys orders as the route protocol requires.
 
-It shares no code with `agv_sim`, nor with `route_protocol.vehicle`: only values. Therefore a
-mistake in one cannot hide a mistake in the other.
+It shares no code with `agv_sim` and `route_protocol.vehicle`, only the values of the protocol.
+Therefore a mistake here cannot hide a mistake there.
 """
 from __future__ import annotations
 
@@ -51,21 +51,21 @@ class Agv:
     refusing  -- number of its next orders that it refuses
     emergency -- if True, its route fails, and it refuses orders
     off_graph -- if True, it refuses orders and reports no pose
-    near      -- m from a vertex within which it counts as standing there; if a test changes it, a
-                 route near a vertex must begin with an edge that leads away from the vertex
-    braking   -- m that it needs to stop; when it loses its route, it rolls on along it so far
+    near      -- m from a vertex within which the AGV counts as at the vertex; after a change of
+                 `near`, a route from there must begin with an edge that leads away from the vertex
+    braking   -- m that it needs to stop; after a loss of its route it rolls on along it so far
     aside     -- m in x and y by which it is beside its edge, until it begins another route
     error     -- m in x and y by which the location in its reports is wrong
-    moved     -- s for which it still reports that another one moves it
-    old       -- ns by which the location in its reports is old; None: they have no location
+    moved     -- s for which it still reports that a person or another program moves it
+    old       -- age (ns) of the location in its reports; None: the reports have no location
 
-    `knows` is what it knows of its orders:
-    epoch, cause   -- number of its epoch, and why that began
-    master         -- whose orders `taken` and `refused` count; None: none has ordered yet
-    taken, refused -- numbers of the last order that it took, and of the highest that it refused
-    refusal        -- why it refused that
+    `knows` is what the AGV knows of its orders:
+    epoch, cause   -- number of its epoch, and why the epoch began
+    master         -- the master whose orders it counts; None: no master has sent an order yet
+    taken, refused -- number of the last order that it took, and highest number that it refused
+    refusal        -- why it refused the order of the number `refused`
     first          -- number of the first edge of its route
-    done           -- number of the edge under way, or of the next one
+    done           -- number of the edge under way, or of the next edge if none is under way
     report         -- number of the last report
     """
 
@@ -83,11 +83,11 @@ class Agv:
         self.reason = NO_REASON
         self.knows: Dict[str, Any] = {'report': 0}
         self._start_without_memory()
-        self._refused: Optional[RouteRefusal] = None  # the last one of an order without a number
+        self._refused: Optional[RouteRefusal] = None  # the last refusal of an unnumbered order
         self._to_begin = 0.0  # m to drive back on this edge, to the vertex where the route begins
         self._rolls = 0.0     # m that it rolls on after the loss of its route
-        self._rolls_along: Tuple[int, ...] = ()  # the edges behind the present one
-        self._giver: Optional[str] = None        # the master by whose route it moves
+        self._rolls_along: Tuple[int, ...] = ()  # the edges after the present one
+        self._giver: Optional[str] = None        # the master whose route it drives
         self._waits: Optional[RouteOrder] = None  # a route that waits until it stands
         self._late_refusals: List[RouteRefusal] = []
         self.stalled = 0.0
@@ -125,7 +125,7 @@ class Agv:
 
     @property
     def location(self) -> VehicleLocation:
-        """Where it believes to be."""
+        """The location that the AGV assumes; `error` is its error."""
         (x, y), error = self.position, self.error
         return VehicleLocation(x + error[0], y + error[1], math.nan)
 
@@ -136,7 +136,7 @@ class Agv:
 
     @property
     def motion(self) -> Motion:
-        """What it does."""
+        """The kind of motion that the AGV reports."""
         if self.phase is Phase.RUNNING:
             return Motion.ON_ROUTE
         if self.moved > 0.0:
@@ -194,9 +194,9 @@ class Agv:
         return None
 
     def _wait(self, order: RouteOrder) -> None:
-        """Keeps a route until the AGV stands, instead of an older one or one of another master.
+        """Keeps a route until the AGV stands, in place of an older route that waits.
 
-        A route of another master that waited is refused.
+        A waiting route of another master is refused.
         """
         before = self._waits
         is_of_another = before is not None and order.master != before.master
@@ -232,11 +232,11 @@ class Agv:
                                 master='another'))
 
     def begin_epoch(self, cause: EpochCause) -> None:
-        """Obeys no order any more that is on its way."""
+        """Begins a new epoch: the AGV refuses routes that were ordered before."""
         self.knows.update(_NO_ORDERS, epoch=next(_EPOCHS), cause=cause)
 
     def ignores(self, order: RouteOrder) -> bool:
-        """Whether this order would neither stop it nor be driven if it came now."""
+        """Whether this order, received now, would neither stop the AGV nor be driven."""
         knows = self.knows
         return bool(order.order) and (
             order.master == knows['master']
@@ -244,7 +244,7 @@ class Agv:
             or bool(order.edges) and order.known_epoch != knows['epoch'])
 
     def _why_not(self, order: RouteOrder, is_first: bool) -> Reason:
-        """Returns why it does not take a route with a number; places the AGV if it does."""
+        """Returns why the AGV refuses a numbered route; places the AGV if it takes the route."""
         knows = self.knows
         if not order.known_epoch or order.known_epoch != knows['epoch']:
             return OVERRULED
@@ -269,7 +269,7 @@ class Agv:
         return NO_REASON
 
     def _unable(self, edges: Tuple[int, ...]) -> Reason:
-        """Returns why it can drive no route now, or no robot can drive this one."""
+        """Returns why the AGV can drive no route now, or why no robot can drive this route."""
         if self.emergency:
             return EMERGENCY_STOP
         if self.off_graph:
@@ -314,7 +314,7 @@ class Agv:
         self.knows['first'] = self.knows['done']
 
     def _lose_route(self) -> None:
-        """Rolls on along the route that it had, as far as it needs to brake."""
+        """Rolls on along the lost route for the braking distance."""
         if self.phase is Phase.RUNNING:
             self._rolls = 0.0 if self.stalled or self._to_begin else self.braking
             self._rolls_along = self.edges[self.current + 1:]
@@ -343,7 +343,7 @@ class Agv:
         return self._refused
 
     def has_refused(self, route_id: int, edges: Tuple[int, ...]) -> bool:
-        """Whether this order is the last one that was refused; it would be refused again."""
+        """Whether this order is the last refused order; it is then refused again."""
         refused = self._refused
         return refused is not None and (route_id, edges) == (refused.route_id, refused.edges)
 
@@ -406,12 +406,12 @@ class Agv:
         return None
 
     def _cannot_brake(self) -> bool:
-        """Whether the AGV would drive on to another edge and is too near this one's end to stop."""
+        """Whether the AGV is to drive on after this edge, and is too near its end to stop there."""
         return (self.phase is Phase.RUNNING and self.current + 1 < len(self.edges)
                 and self.graph.curve(self.edge).length - self.arc < self.braking)
 
     def _from_vertex(self, first: int) -> float:
-        """Returns the distance (m) on the current edge to the start of edge `first`; 0: there."""
+        """Returns the distance (m) on the current edge to the start of edge `first`; 0: at it."""
         if self.graph.start_vertex(first).id != self.graph.start_vertex(self.edge).id:
             self.edge, self.arc = -self.edge, self.graph.curve(self.edge).length - self.arc
         return self.arc if self.arc > _AT_END else 0.0
@@ -520,7 +520,7 @@ class Agv:
             self.begin_epoch(cause)
 
     def move_to(self, edge: int, arc: float) -> None:
-        """A person or another program moves it to this place; for 1 s it reports that."""
+        """A person or another program moves it to this place; it reports this for 1 s."""
         self.fail(TAKEN_OVER)
         self.edge, self.arc, self._rolls, self.moved = edge, arc, 0.0, 1.0
         self.drive(0.0)
@@ -553,13 +553,13 @@ class Agv:
 
     @property
     def unready(self) -> ReasonCode:
-        """Why it would refuse each route now."""
+        """Why the AGV would refuse any route now."""
         if self.emergency:
             return ReasonCode.EMERGENCY_STOP
         return ReasonCode.OFF_GRAPH if self.off_graph else ReasonCode.NONE
 
     def _notice_motion(self) -> None:
-        """If it moved without its own drive since the last report, another one moves it."""
+        """Notes that somebody moves the AGV if its place has changed although it did not drive."""
         here = self.position
         if self._stayed is not None and not self._drove and (
                 math.dist(here, self._stayed) > _TREMBLE):
@@ -574,7 +574,7 @@ class Agv:
                 + (rest,) * (len(self.edges) - self.current))
 
     def come_to_rest_at(self, arc: float) -> None:
-        """It has come to rest on its edge by its own drive, `arc` m from the start of the edge."""
+        """Puts the AGV on its edge, `arc` m from the start, as if it had stopped there."""
         self.arc, self._stayed = arc, None
 
     @property
@@ -614,8 +614,8 @@ _CAUSES = {
 class LostLink:
     """A robot's computer while the link between it and the robot is down.
 
-    It takes stops, and gives the last one to the robot when the link is back. A robot whose route
-    failed then has a new epoch.
+    It takes stops, and gives the last stop to the robot when the link is back. If the robot had a
+    route, the route fails at that time, and a new epoch begins.
 
     commands_only -- only the link for commands is down; locations still come by another link
     """
@@ -672,7 +672,7 @@ class LostLink:
         return refusal
 
     def _counted(self) -> RouteReport:
-        """Returns what it said last, with the orders that are counted now."""
+        """Returns the last report, with the orders that are counted now."""
         knows = self._agv.knows
         return replace(self._said, epoch=knows['epoch'], cause=knows['cause'],
                        master=knows['master'] or '', order=knows['taken'],

@@ -22,13 +22,13 @@ from trajectory_graph import Graph
 from world.supervised_fleet import SupervisedFleet, blocked
 
 STOPS_WITHIN = 3.5  # s within which a robot that can be reached has received a stop
-_EXACT = 0.06  # m: the length of an arc that a standing robot may be beside its place
+_EXACT = 0.06  # m by which a standing robot may be away from its known place
 _STANDS = 1.5       # s after which a robot that is heard again is known to stand
 
 
 @dataclass
 class Word:
-    """A command of a person. If it is not stored when the supervisor dies, it may be lost.
+    """A command of a person. It may be lost if the supervisor crashes before storing the command.
 
     since -- virtual time of the command, in s
     """
@@ -53,7 +53,7 @@ class Rest:
 class Promises:
     """Watches a fleet; raises AssertionError when a promise is broken.
 
-    graph   -- has all edges that any graph of this life has; all are straight
+    graph   -- a graph with all edges of all graphs of this run; all edges are straight
     stopped -- the fleet stop in force, if any
     out     -- by robot: the command that took it out of service
     resting -- by robot: its mission was cancelled or paused, and its route is to end
@@ -93,12 +93,12 @@ class Promises:
             self.resting[name] = Rest(Word(self.fleet.now), self.fleet.refused[name])
 
     def closed(self) -> None:
-        """A person closed edges; only routes that robots already have may still lead there."""
+        """A person closed edges; only routes that robots already have may still lead over them."""
         self._given = {name: set(map(abs, robot.record.held))
                        for name, robot in self.fleet.supervisor.robots.items()}
 
     def begins_with_older_journal(self) -> None:
-        """The supervisor starts with an older journal: what was stored after that is lost.
+        """The supervisor starts with an older journal: everything stored since then is lost.
 
         Each robot may need a person: its state is as old as the journal.
         """
@@ -115,7 +115,7 @@ class Promises:
             return
         fleet, name = self.fleet, order.robot
         is_repeated = order.repeated
-        is_void = fleet.agvs[name].ignores(route_order(order.order))  # by the epoch, and for ever
+        is_void = fleet.agvs[name].ignores(route_order(order.order))  # by its epoch: for ever
         assert self.stopped is None or self.stopped.is_past and is_void, (
             f'{order} though the fleet is stopped: {fleet.picture()}')
         assert name not in self.out, f'{order} though it is out of service: {fleet.picture()}'
@@ -202,9 +202,9 @@ class Promises:
                     f'by the journal {name} and {other} exclude each other: {self.fleet.picture()}')
 
     def _check_excluding_ones_stand(self) -> None:
-        """Checks that each robot which others exclude needs a person.
+        """Checks that each robot that another robot excludes needs a person.
 
-        If no evidence is the cause, a robot without a route may stand and wait.
+        A robot without a route may wait instead, if only grants determine where the two may be.
         """
         supervisor = self.fleet.supervisor
         for name, robot in supervisor.robots.items():
@@ -262,10 +262,10 @@ class Promises:
             assert not agv.edges, f'{name} did not stop: {fleet.picture()}'
 
     def _check_blame(self, name: str) -> None:
-        """Checks that a robot to which no fault happened is left to a person for another one.
+        """Checks why a robot to which no fault happened needs a person.
 
-        The other one may be near it: a fault happened to it, or its location is an old one. At the
-        end of the step the two need not exclude each other any more.
+        The only permitted cause is another robot near it, which had a fault or whose location is
+        old. At the end of the step the two robots need not exclude each other any more.
         """
         fleet, supervisor = self.fleet, self.fleet.supervisor
         assert supervisor.robots[name].outage is Outage.TOO_NEAR and any(
@@ -319,7 +319,7 @@ class Promises:
         return len(self._serials(id, stamp))
 
     def told(self, request: Request) -> Optional[MissionState]:
-        """Returns the state of a request that was published last; None: none was."""
+        """Returns the last published state of a request; None: no state was published."""
         status = self._told.get((request.id, request.stamp))
         return None if status is None else status.state
 

@@ -1,7 +1,7 @@
-"""Rare events of a fleet, after which robots are not where their orders say, or never ordered so.
+"""Rare events: robots are not where their orders lead, or the journal lacks their last orders.
 
-The fleet manager knows of them by reports only, so each event leaves other robots the room that
-they need until a stop reaches them. Nobody can prevent that a person pushes one robot into another.
+The fleet manager learns of these events from reports only. Therefore each event leaves other robots
+enough room to stop. Nobody can prevent that a person pushes one robot into another.
 """
 from __future__ import annotations
 
@@ -22,17 +22,17 @@ _SHARES = (0.0, 0.25, 0.5, 0.75)
 _ASIDE = (0.03, 0.1, 0.3, 0.6)  # m
 _SIDES = ((1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0))
 _HOUR = 3600.0
-_REACTION = 0.5  # s from an event until a stop is sent and reaches a robot, without any delay
-_MORE = 0.05  # m that a person leaves free in addition
+_REACTION = 0.5  # s from an event until a stop reaches a robot, if no message is delayed
+_MORE = 0.05  # m of free space that a person adds
 
 
 class RareChaos(Chaos):
     """The events of `Chaos`, and rare ones."""
 
     def happen(self, event: Event) -> None:
-        """Waits for the event's moment, then lets it happen.
+        """Waits for the event's moment, then lets the event happen.
 
-        No message is lost while a robot is moved: others must be able to stop in time.
+        No message is lost while a robot is moved: other robots must be able to stop in time.
         """
         network = self.fleet.network
         loss, network.loss = network.loss, 0.0 if event.act in MOVING else network.loss
@@ -42,8 +42,8 @@ class RareChaos(Chaos):
     def older_journal(self, _: str, number: int) -> None:
         """Copies the journal. Later, the supervisor starts with the copy.
 
-        The clock of its computer is right, or was set back. It can notice a copy that the same run
-        has made only by the reports: then all robots have to tell at once where they are.
+        The clock of its computer is right, or was set back. If the same run made the copy, the
+        supervisor can notice that only by the reports, so all robots must report without delay.
         """
         fleet = self.fleet
         copy = fleet.disk.copy()
@@ -121,8 +121,7 @@ class RareChaos(Chaos):
     def stray(self, robot: str, number: int) -> None:
         """Lets a robot be beside its edge, within its play or farther, until its next route.
 
-        Its reports tell that, as exactly as a robot knows its place. A robot that stands is pushed
-        there.
+        Its reports show the place as exactly as a robot knows it. A standing robot is pushed there.
         """
         agv, (x, y) = self.fleet.agvs[robot], _SIDES[number // 4 % 4]
         size = _ASIDE[number % 4]
@@ -157,11 +156,11 @@ class RareChaos(Chaos):
                 self.carry(robot, number + k)
 
     def _that_stands(self, robot: str) -> str:
-        """Returns this robot if it stands; else one that stands, if there is one."""
+        """Returns this robot if it stands, otherwise another robot that stands, if there is one."""
         return min((robot, *self.fleet.agvs), key=lambda name: self.fleet.agvs[name].is_driving)
 
     def _react(self) -> None:
-        """Waits until each robot stands that another one excludes."""
+        """Waits at most 6 s until all robots stand that exclude others and can be stopped."""
         fleet = self.fleet
         self.run(2.0 * STEP)
         self.run_until(lambda: not any(
@@ -183,7 +182,7 @@ class RareChaos(Chaos):
         return True
 
     def _way_to_stop(self, name: str) -> float:
-        """Returns how far (m) a robot may still drive until a stop reaches it; inf: none does."""
+        """Returns how far (m) a robot may still drive until a stop reaches it; inf: none will."""
         fleet, agv = self.fleet, self.fleet.agvs[name]
         if not self.promises.may_drive(name) and (
                 fleet.supervisor.is_stopped or fleet.supervisor.robots[name].needs_person):
@@ -194,7 +193,7 @@ class RareChaos(Chaos):
         return (_REACTION + late) * agv.kind.speed + agv.braking
 
     def _can_be_stopped(self, name: str) -> bool:
-        """Returns whether a stop reaches a robot; who was left to a person is told to stop once."""
+        """Returns whether a stop reaches a robot. A robot left to a person gets only one stop."""
         fleet = self.fleet
         is_by_hand = fleet.supervisor.robots[name].needs_person and fleet.agvs[name].is_driving
         return not is_by_hand and name not in fleet.lost and fleet.network.hears(name, fleet.now)

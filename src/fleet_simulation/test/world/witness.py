@@ -22,9 +22,9 @@ Place = Tuple[float, float]
 
 SKEW = 0.06  # m that robots move between the answers of two simulators
 NEAR = 0.6  # m from a vertex within which a robot counts as having visited it
-CLOSE = 0.5  # m; if a moved robot has less free space to another, missions of both may fail. So
-#              may those of a third one that has less to the second: this one stops where it is.
-_LOOKS_AFTER = 2  # samples after a status until the robot's place of that moment is known
+CLOSE = 0.5  # m; if a moved robot has less free space to another robot, missions of both may fail.
+#              The second robot stops where it is, so the same holds for a third robot near it.
+_LOOKS_AFTER = 2  # samples after a status until the robot's place at that time is known
 STANDS = 0.15  # m by which a stopped robot may still move
 
 
@@ -124,7 +124,7 @@ class Witness:
             self._rest.pop(name, None)
 
     def mend(self, names: Iterable[str], now: float) -> None:
-        """Ends one `cut`: the robots can be reached again; a stop gets the whole grace again."""
+        """Ends one `cut`: a stop of these robots gets its whole grace again."""
         for name in names:
             self._cut[name] -= 1
             if name in self._stopped:
@@ -150,8 +150,8 @@ class Witness:
     def judge(self, now: float, first: Mapping[str, Place], second: Mapping[str, Place]) -> None:
         """Judges the positions of all robots, sampled twice in a row.
 
-        Each simulator samples its robots at one moment, but different simulators at slightly
-        different moments. Therefore two robots are too near only if they are so in both samples.
+        Each simulator samples its robots at one moment, but the moments of two simulators differ
+        slightly. Therefore two robots count as too near only if both samples show them too near.
         """
         self.looks += 1
         self._check_distances(first, second, now)
@@ -281,7 +281,7 @@ class Witness:
                             'missed', str(mission))
 
     def _missed(self, asked: _Mission) -> List[int]:
-        """Returns the first destination that the robot did not visit, and all after it."""
+        """Returns the first destination that the robot did not visit, and all later ones."""
         trail = [place for _, place in self._trails.get(asked.robot, [])]
         left = list(asked.destinations)
         for before, place in zip(trail[:1] + trail, trail):
@@ -297,10 +297,10 @@ class Witness:
 
 
 def growth(samples: Sequence[float], share: float, least: float) -> Optional[Tuple[float, float]]:
-    """Returns the medians of the second and the last quarter of the samples, if the values grew.
+    """Returns the medians of the second and the last quarter of the samples; None: no growth.
 
-    They grew if the last median is larger by more than `share` (0..1) and by more than `least`.
-    Otherwise None. The first quarter is ignored because caches fill in it.
+    The samples grew if the last median is larger by more than the fraction `share` (0..1) and by
+    more than `least`. The first quarter is ignored because caches fill during it.
     """
     quarter = len(samples) // 4
     if not quarter:

@@ -1,7 +1,7 @@
 """The floor of a site: the free space around each place. Metres, map frame.
 
 The floor is a grid of *clearances*. A clearance is the distance from a cell's centre to the nearest
-obstacle; between centres it is interpolated. If only the cells of obstacles are known, its error is
+obstacle; between centres it is interpolated. If only the cells of obstacles are known, the error is
 up to 0.71 of a cell, which equals the margin of a lane. If the positions of obstacles are known,
 the error is a few mm.
 """
@@ -92,7 +92,7 @@ class Floor:
         return np.isin(parts, sorted(labels)) if labels else np.zeros_like(open_cells)
 
     def part_near(self, parts: np.ndarray, place: Tuple[float, float], reach: float = 1.0) -> int:
-        """Returns the label in `parts` that is nearest to a place, within `reach` m; else 0.
+        """Returns the label in `parts` that is nearest to a place, within `reach` m; 0: none.
 
         parts -- (rows, columns): the label of each cell; 0: none
         """

@@ -20,7 +20,7 @@ from trajectory_graph import load_graph
 
 
 def main(arguments: List[str]) -> int:
-    """Prints the value and returns 0; return 1, with one sentence, if a file cannot be used."""
+    """Prints the value and returns 0. If a file cannot be used, prints why and returns 1."""
     name, graph_file, *rest = arguments
     try:
         if name == 'unedited':

@@ -90,7 +90,7 @@ def site_options(chosen: argparse.Namespace) -> SiteOptions:
 
 
 def area_of(text: str, option: str) -> Tuple[float, float, float, float]:
-    """Returns the two corners of a rectangle, m, in a text of a person; raises SiteError."""
+    """Returns the two corners (m) of a rectangle from their text; raises SiteError."""
     try:
         x1, y1, x2, y2 = (float(value) for value in text.split(','))
         if not math.isfinite(x1 + y1 + x2 + y2):

@@ -1,10 +1,10 @@
 """Reads ROS maps, i.e. the `.yaml` file and the image of `map_server`, as occupancy grids.
 
-The value of a pixel is that of map_server (image_loader.cpp, mode trinary): the mean of all its
-channels, alpha included. map_server reads images with SDL_image, which takes the high byte of
-16-bit PNG files, and refuses 16-bit PGM files. In an image with a palette it gives the index of a
-colour instead of the colour. So an image whose value here could differ from that of map_server is
-refused.
+The value of a pixel is computed as in map_server (image_loader.cpp, mode trinary): the mean of all
+its channels, alpha included. map_server reads images with SDL_image. SDL_image takes the high byte
+of 16-bit PNG files, and refuses 16-bit PGM files. For an image with a palette it gives the index of
+a colour instead of the colour. So this module refuses images for which its values could differ from
+those of map_server.
 """
 from __future__ import annotations
 

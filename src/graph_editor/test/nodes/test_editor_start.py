@@ -1,4 +1,4 @@
-"""The editor's start, as a process of its own."""
+"""The start of the editor in its own process."""
 from __future__ import annotations
 
 import os

@@ -1,4 +1,4 @@
-"""A draft is put in force only by "take over": by the fleet manager, or otherwise on /graph."""
+"""Only "take over" puts a draft in force. Without a fleet manager, /graph carries the draft."""
 from __future__ import annotations
 
 from pathlib import Path

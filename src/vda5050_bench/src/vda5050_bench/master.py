@@ -36,7 +36,7 @@ class BenchMaster:
     def __init__(self, broker: Broker, prefix: str, version: str = '2.1.0',
                  on_payload: Optional[Callable[[str, bytes], None]] = None,
                  actions_key: str = 'actions') -> None:
-        """`on_payload` receives the topic and the payload of each message first."""
+        """`on_payload` receives topic and payload of each message before the message is checked."""
         self.prefix = prefix
         self.manufacturer, self.serial_number = prefix.split('/')[-2:]
         self.checker = VehicleChecker(self.manufacturer, self.serial_number, version)
@@ -84,13 +84,13 @@ class BenchMaster:
                 if found is not None:
                     self.messages.setdefault(topic, []).append(found)
                     self.arrivals.setdefault(topic, []).append(moment)
-            if topic in ('connection', 'factsheet'):  # a broker may send retained ones again
+            if topic in ('connection', 'factsheet'):  # a broker may repeat retained messages
                 self._retained.add((topic, payload))
             self._changed.notify_all()
 
     @property
     def is_3(self) -> bool:
-        """Whether the vehicle speaks 3.0."""
+        """Whether the vehicle uses VDA 5050 3.0."""
         return self._version.startswith('3.')
 
     def now(self) -> float:

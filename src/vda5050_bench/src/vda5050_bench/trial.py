@@ -76,7 +76,7 @@ class Trial:
 
     @property
     def deaths(self) -> List[float]:
-        """The times (s) at which the broker told by the last will that the vehicle is gone."""
+        """The times (s) at which the broker published the last will of the vehicle."""
         master = self.master
         return [moment for told, moment in zip(master.messages.get('connection', ()),
                                                master.arrivals.get('connection', ()))
@@ -84,12 +84,12 @@ class Trial:
 
     @property
     def is_dead(self) -> bool:
-        """Whether the vehicle is gone by its last will, and has not come back."""
+        """Whether the newest message on `connection` is the last will of the vehicle."""
         moments = self.master.arrivals.get('connection', [])
         return bool(moments) and moments[-1:] == self.deaths[-1:]
 
     def comes_back(self, states: int) -> bool:
-        """Returns whether a state comes within the patience, after the first `states` ones."""
+        """Returns whether another state follows the first `states` states within the patience."""
         try:
             self.master.wait(lambda s: True, self.patience, 'a state', after=states)
         except TooLate:
@@ -126,8 +126,7 @@ class Trial:
             return  # the next order shows whether the vehicle still accepts orders
 
     def _release_the_rest(self, patience: float) -> None:
-        """Releases the rest of the order, so that the vehicle ends it; after a failed cancelOrder.
-        """
+        """Releases the rest of the order after a failed cancelOrder, so the vehicle can end it."""
         state = self.master.state
         base = [(node['nodeId'], node['sequenceId']) for node in state['nodeStates']
                 if node['released']]
@@ -213,7 +212,7 @@ class Trial:
     def needed(self, step: Callable[[], T]) -> T:
         """Does a step that is the subject of another rule; raises NotTried if it fails.
 
-        So one fault of a vehicle is one broken rule.
+        Thus a fault of the vehicle in this step breaks only that other rule.
         """
         try:
             return step()
@@ -275,7 +274,7 @@ class Trial:
         return new_errors(was, state)[0]
 
     def stays(self, predicate: Callable[[Message], bool], what: str) -> None:
-        """Checks that each state satisfies `predicate` for QUIET, and a requested state too.
+        """Checks that all states within QUIET, and one requested then, satisfy `predicate`.
 
         Raises Broken.
         """

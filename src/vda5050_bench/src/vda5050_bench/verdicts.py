@@ -1,4 +1,4 @@
-"""The exceptions of a rule that the vehicle breaks, or that cannot be tried."""
+"""The exceptions for rules that the vehicle breaks, and for rules that cannot be tried."""
 from __future__ import annotations
 
 from typing import Any

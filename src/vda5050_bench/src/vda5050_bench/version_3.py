@@ -1,4 +1,4 @@
-"""Converts messages between VDA 5050 3.0 and 2.1, so that the bench needs one set of rules only.
+"""Converts messages between VDA 5050 3.0 and 2.1, so that the bench needs only one set of rules.
 
 Input and output are JSON. A converted state does not have the fields that only 3.0 has. A message
 that does not conform to the standard is not converted, so that the checker finds its errors.

@@ -146,8 +146,8 @@ def _without_delay(_client: mqtt.Client, _userdata: Any, sock: Any) -> None:
 
 
 def _wait_for(sent: mqtt.MQTTMessageInfo, seconds: float) -> None:
-    """Waits for MQTTMessageInfo as its wait_for_publish does, with a time limit,
-    which paho-mqtt 1.5 lacks.
+    """Waits until a message is sent, but at most `seconds`. In paho-mqtt 1.5,
+    wait_for_publish has no time limit.
     """
     ended = threading.Event()
 

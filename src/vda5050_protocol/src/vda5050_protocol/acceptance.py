@@ -1,7 +1,7 @@
 """Decides whether an order is accepted: figure 8 of VDA 5050 2.1.0 and 3.0.0 as a pure function.
 
-Module `order_rules` answers question 1 of the figure: is the order valid? The numbers of the
-questions are those of 2.1.0.
+Module `order_rules` answers question 1 of the figure, whether the order is valid. The numbers of
+the questions are those of 2.1.0.
 """
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ Place = Tuple[str, int]  # nodeId and sequenceId
 
 
 class OrderAcceptance(Enum):
-    """The use of an order that is not rejected."""
+    """The way in which an accepted order is used."""
 
     NEW = 'new'              # replaces the present order
     APPEND = 'append'        # extends the active order

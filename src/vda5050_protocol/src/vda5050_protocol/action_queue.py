@@ -86,7 +86,7 @@ class ActionQueue:
     by_id     -- the actions by id, in the sequence of their reception
     triggered -- ids of the triggered actions that have not ended, in the sequence of execution
 
-    It is one value: each method returns a changed queue, or an answer about it.
+    It is immutable: a method returns a changed queue, or a value computed from the queue.
     """
 
     by_id: Mapping[str, QueuedAction] = field(default_factory=dict)
@@ -158,7 +158,7 @@ class ActionQueue:
             if not entry.triggered and not entry.status.has_ended))
 
     def with_triggered(self, *action_ids: str) -> ActionQueue:
-        """Returns the queue with these actions triggered; they start after earlier ones permit."""
+        """Returns the queue with these actions triggered; they start when earlier ones permit."""
         if not action_ids:
             return self
         now = {name: replace(self[name], triggered=True) for name in action_ids}
@@ -177,7 +177,7 @@ class ActionQueue:
     # --- permitted steps --------------------------------------------------------------------------
 
     def startable(self, standing: bool) -> Tuple[QueuedAction, ...]:
-        """Returns the actions that may start now, by figure 17; earlier actions may still run."""
+        """Returns the actions that figure 17 permits to start now; earlier ones may still run."""
         result: List[QueuedAction] = []
         busy = False
         for action_id in self.triggered:

@@ -247,7 +247,7 @@ class Codec:
         """Returns the path of a field in this version, e.g. `edges[0].maximumSpeed`.
 
         path -- the path in 2.1.0, e.g. `edges[0].maxSpeed`
-        None if the path leads to no field of 2.1.0, or if this version does not have the field.
+        Returns None if 2.1.0 has no field at this path, or if this version does not have the field.
         """
         found = []
         ours: Optional[Kind] = self.records.get(topic)
@@ -310,8 +310,8 @@ def _factsheet(sheet: Dict[str, Any]) -> Dict[str, Any]:
 def _version_2_0() -> Codec:
     """Returns the codec of 2.0.0.
 
-    2.0.0 has no maps, and errors have no hint. It requires a heading in the position of a node, and
-    few nodes have a heading, so node states have no position.
+    2.0.0 has no maps, and its errors have no hint. It requires a heading in the position of a node.
+    Few nodes have a heading, so node states have no position.
     """
     errors = ListOf(ERROR.changed(**{'kind.hint': None}))
     nodes = ListOf(NODE_STATE.changed(position=None))

@@ -15,7 +15,7 @@ class OrderState:
 
     nodes[0] is the last node that was passed; nodes[1:] and edges are still to be driven.
     passed -- number of nodes that were passed before nodes[0] since the driver began; so edges[i]
-              is its leg passed + i
+              is the driver's leg number passed + i
     """
 
     order_id: str = ''

@@ -1,8 +1,8 @@
 """Decides when a state is sent: at once after an important change, otherwise periodically.
 
-A message of the master that changes nothing is answered with a state as well, but at most once in
-ANSWER_PERIOD. Some masters answer each state that does not have their order with the same order, so
-a state for each refusal would make both repeat themselves without a pause.
+A message of the master that changes nothing is also answered with a state, but at most once in
+ANSWER_PERIOD. Some masters repeat their order after each state that does not have it. So a state
+after each refusal would make master and vehicle repeat their messages without a pause.
 """
 from __future__ import annotations
 

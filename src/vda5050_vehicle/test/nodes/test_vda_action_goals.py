@@ -52,7 +52,7 @@ class Handle:
 
 
 class Client:
-    """Replaces actionlib.ActionClient; `heard` is what its server receives, if it is connected."""
+    """Replaces actionlib.ActionClient; `heard` lists what a connected server receives."""
 
     ns = 'lift'
 
@@ -190,7 +190,7 @@ def test_cancelling_all_is_owed_until_the_server_can_hear_it(bench):
     """An adapter that was killed during a drive cancels before its connections are made."""
     bench.goals.cancel_all(bench.client)
     assert bench.client.heard == []
-    bench.client.pub_cancel.count = 1  # it does not wait for the rest
+    bench.client.pub_cancel.count = 1  # it does not wait for the other connections
     bench.goals.check()
     bench.goals.check()
     assert bench.client.heard == ['cancel all']

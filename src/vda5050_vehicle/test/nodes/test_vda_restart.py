@@ -118,7 +118,7 @@ def test_a_robot_that_stays_silent_is_given_up():
 
 @pytest.mark.parametrize('begins', [False, True])
 def test_an_order_of_a_journal_that_may_be_an_older_one_is_held(begins):
-    """It may have been cancelled in the seconds of which the disk knows nothing."""
+    """The order may have been cancelled in the last seconds, which an older journal lacks."""
     lab = Lab()
     if not begins:
         lab.robot.answers = False
@@ -225,7 +225,7 @@ def test_a_cancelled_order_stays_cancelled():
 
 
 def whole(lab):
-    """The journal of a vehicle, as one line."""
+    """The state of a vehicle, as one record of the journal."""
     return json.loads(journal.line(None, lab.vehicle.state))
 
 

@@ -3,7 +3,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-STANDING = 3.0 / 3600.0    # per cent of a full battery per second; so are the next two
+STANDING = 3.0 / 3600.0    # per cent of a full battery per second, as the next two
 DRIVING = 12.0 / 3600.0
 CHARGING = 60.0 / 3600.0
 
@@ -16,7 +16,7 @@ class SimulatedBattery:
     charging: bool = False
 
     def advance(self, seconds: float, driving: bool, at_charger: bool) -> None:
-        """Simulates this time."""
+        """Simulates the next `seconds`."""
         self.charging = at_charger and not driving
         rate = CHARGING if self.charging else -(DRIVING if driving else STANDING)
         self.charge = min(max(self.charge + rate * seconds, 0.0), 100.0)

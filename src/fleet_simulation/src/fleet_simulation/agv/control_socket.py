@@ -1,4 +1,4 @@
-"""A line protocol on loopback: `where` is answered with JSON; each other line is a fault."""
+"""A line protocol on loopback: the answer to `where` is JSON; each other line injects a fault."""
 from __future__ import annotations
 
 import json
@@ -10,13 +10,13 @@ from typing import Callable, Mapping
 from browser_guard import is_http_request
 
 LONGEST_LINE = 1000  # bytes
-QUIET = 60.0         # s without a line after which the connection is closed
+QUIET = 60.0         # s; a connection without a line for so long is closed
 
 
 class AgvControlServer(socketserver.ThreadingTCPServer):
     """Answers each line with `ok`, `error: <sentence>`, or one line of JSON.
 
-    Threads of the server call `inject` and `where`.
+    `inject` and `where` are called in threads of the server.
     """
 
     allow_reuse_address = True
@@ -47,7 +47,7 @@ class _Conversation(socketserver.StreamRequestHandler):
 
     def handle(self) -> None:
         assert isinstance(self.server, AgvControlServer)
-        waiting = selectors.DefaultSelector()  # the watchdog does not take this wait for a hang
+        waiting = selectors.DefaultSelector()  # a wait that the watchdog does not regard as a hang
         waiting.register(self.connection, selectors.EVENT_READ)
         try:
             is_first = True

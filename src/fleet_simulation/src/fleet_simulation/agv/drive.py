@@ -1,11 +1,11 @@
 """The motion of a vehicle that follows edges exactly: its position, speed and heading over time.
 
 If the next edge has another direction, the vehicle stops and turns on the spot. A vehicle that can
-drive backwards turns by the smaller angle, at most 90 degrees, and then drives with that end ahead.
-It does not stop between edges that continue smoothly.
+drive backwards turns by at most 90 degrees, until its front or its rear is ahead. No vehicle stops
+between edges that continue smoothly.
 
 Between two events the motion is known in closed form (`phases`). It is computed anew when the
-path, the pace, or the wish to stand changes. So the time that is simulated at once may be long.
+path or the pace changes, or the vehicle is held. So one call may simulate a long time.
 Units are m, s and rad.
 """
 from __future__ import annotations
@@ -18,10 +18,10 @@ from fleet_simulation.agv.phases import DrivePhase
 from fleet_simulation.agv.speed_limits import DriveLimits, SpeedLimits, angle_between
 from trajectory_graph import Graph
 
-AT_REST = 1e-9     # m/s and rad/s: a lower speed is standing
-ON_PLACE = 1e-4    # m and rad: a smaller distance is none
+AT_REST = 1e-9     # m/s and rad/s: a lower speed counts as standing
+ON_PLACE = 1e-4    # m and rad: a smaller distance counts as zero
 _EXACT = 1e-6      # m, and m2/s2 of a squared speed: tolerance for rounding
-_TOGETHER = 1e-9   # s; a shorter time is none
+_TOGETHER = 1e-9   # s; a shorter time counts as zero
 
 
 class AgvMotion:
@@ -29,8 +29,8 @@ class AgvMotion:
 
     Place, speed and heading change together.
 
-    path, index  -- edges in driving order, and the index of its edge; len(path) at the end
-    arc          -- m from the start of its edge
+    path, index  -- edges in driving order; index of the present edge, len(path) at the end
+    arc          -- m from the start of the present edge
     vertex       -- vertex on which it stands; None between vertices and while it moves
     """
 
@@ -47,20 +47,20 @@ class AgvMotion:
         """Factor on all speeds, above 0 and at most 1."""
         self.driven = 0.0
         """m that it has driven so far."""
-        self._phases: List[DrivePhase] = []   # of its motion until it stands, or of its turn
-        self._cause: Optional[Tuple[object, ...]] = None  # what the phases were computed from
+        self._phases: List[DrivePhase] = []   # of the motion until it stands, or of a turn
+        self._cause: Optional[Tuple[object, ...]] = None  # inputs of the phases
         self._turn_rate = 0.0
         self._turn_to: Optional[float] = None  # heading to turn to before it drives
         self._backwards = False                # whether its rear is ahead
 
     @property
     def edge(self) -> Optional[int]:
-        """The signed id of its edge, at the end of the path the last one; None without a path."""
+        """The signed id of the present edge, at the end the last edge; None: there is no path."""
         return self.path[min(self.index, len(self.path) - 1)] if self.path else None
 
     @property
     def at_end(self) -> bool:
-        """Whether it is at the end of the path, or has none."""
+        """Whether it is at the end of the path, or has no path."""
         return self.index >= len(self.path)
 
     @property
@@ -79,14 +79,14 @@ class AgvMotion:
         return x, y, self.heading
 
     def can_follow(self, path: Sequence[int], index: int, arc: float) -> bool:
-        """Returns whether it can continue on this path at its speed:
-        it can brake for each limit ahead.
+        """Returns whether it can follow this path from its present speed: the distance is long
+        enough to brake for each speed limit ahead.
         """
         return all(self.speed ** 2 <= limit ** 2 + 2.0 * self.limits.braking * distance + _EXACT
                    for distance, limit in self._ahead(path, index, arc, self._braking_distance()))
 
     def follow(self, path: Sequence[int], index: int, arc: float) -> None:
-        """Replaces the path. On the new one it is `arc` m along the edge `index`, or at the end."""
+        """Replaces the path. The vehicle is `arc` m along its edge `index`, or at its end."""
         goes_on = not self.at_end and index < len(path) and path[index] == self.edge
         self.path, self.index, self.arc = tuple(path), index, arc
         self._cause = None
@@ -94,13 +94,13 @@ class AgvMotion:
             self._face_ahead()
 
     def stop_dead(self) -> None:
-        """Lets it stand at once: a person has moved it."""
+        """Sets the speed to 0 at once, because a person has moved the vehicle."""
         self.speed, self._cause = 0.0, None
 
     def advance(self, seconds: float, hold: bool = False, emergency: bool = False) -> float:
-        """Simulates this time. With `hold` it brakes until it stands, with `emergency` harder.
+        """Simulates the next `seconds`. With `hold` it brakes to a stop, with `emergency` harder.
 
-        Returns for how many s of this time it was moving; it stands in the rest.
+        Returns for how many of these `seconds` it moved.
         """
         left = seconds
         while left > _TOGETHER and self._wants_to_move(hold):
@@ -109,7 +109,7 @@ class AgvMotion:
         return seconds - max(left, 0.0)
 
     def next_event(self, hold: bool = False, emergency: bool = False) -> float:
-        """Returns the s until it has turned, passes a vertex, or stands. Infinite: it stands."""
+        """Returns the seconds until it ends a turn, passes a vertex or stops; inf: it stands."""
         if not self._wants_to_move(hold):
             return math.inf
         self._compute(hold, emergency)
@@ -119,9 +119,9 @@ class AgvMotion:
         return max(end, 2.0 * _TOGETHER)
 
     def seconds_until(self, distance: float) -> float:
-        """Returns the s until it has driven on by this distance (m), as it moves now.
+        """Returns the seconds until it has driven this distance (m) in its present motion.
 
-        Infinite: it stops before, or is to turn first.
+        Infinite: it stops before that, or has to turn first.
         """
         if self._cause is None or self._turn_to is not None:
             return math.inf
@@ -137,7 +137,7 @@ class AgvMotion:
         return not self.at_rest or not hold and not (self.at_end and self._turn_to is None)
 
     def _compute(self, hold: bool, emergency: bool) -> None:
-        """Computes the phases of its motion, unless they are still right."""
+        """Computes the phases of its motion, unless their inputs are unchanged."""
         turns = self._turns
         cause = hold, hold and emergency, turns, self.pace, self.path, self.speeds
         if cause == self._cause:
@@ -160,7 +160,7 @@ class AgvMotion:
                                         braking)
 
     def _pass(self, seconds: float, hold: bool, emergency: bool) -> float:
-        """Simulates at most this time, and at most until the phase ends. Returns what it did."""
+        """Simulates `seconds`, but at most the rest of the phase. Returns the time simulated."""
         self._compute(hold, emergency)
         turns = self._turns
         if not self._phases:
@@ -183,7 +183,7 @@ class AgvMotion:
         return done
 
     def _end_phases(self, turns: bool, hold: bool) -> None:
-        """Notes that it stands: at the end of its turn, at the vertex where it stops, or held."""
+        """Notes that it stands: it has ended its turn, has arrived at its stop, or is held."""
         self._cause = None
         if turns:
             self._turn_rate = 0.0
@@ -211,7 +211,7 @@ class AgvMotion:
             self.speeds.stops_between(*self.path[index:index + 2]))
 
     def _stretches(self) -> Iterator[Tuple[float, float]]:
-        """Yields length (m) and speed limit (m/s) of what is ahead until it stops."""
+        """Yields length (m) and speed limit (m/s) of each stretch ahead, up to the next stop."""
         begun = self.arc
         for index in range(self.index, len(self.path)):
             limits = self.speeds.along(self.path[index])
@@ -227,8 +227,8 @@ class AgvMotion:
 
     def _ahead(self, path: Sequence[int], index: int, arc: float,
                horizon: float) -> Iterator[Tuple[float, float]]:
-        """Yields the distances (m) at which speed limits (m/s) begin; the path's end is a limit of
-        0."""
+        """Yields the distance (m) to each speed limit ahead, and this limit (m/s). A stop is a
+        limit of 0."""
         base = -arc
         for number in range(index, len(path)):
             for begin, limit in self.speeds.along(path[number]):
@@ -256,7 +256,7 @@ class AgvMotion:
             self.index += 1
 
     def _arrive(self) -> None:
-        """Notes that it stands where it had to stop, and faces along the next edge."""
+        """Notes that it stands at the end of its edge, and begins the turn to the next edge."""
         length = self._length
         self.index += 1
         self.arc, self.speed, self._cause = 0.0, 0.0, None
@@ -265,7 +265,7 @@ class AgvMotion:
             self._face_ahead()
 
     def _face_along(self, edge: int, arc: float) -> None:
-        """Sets the heading to that of the curve of an edge."""
+        """Sets the heading to the direction of an edge at `arc`, or the opposite for backwards."""
         ahead = self.graph.curve(edge).heading_at(arc)
         self.heading = angle_between(math.pi if self._backwards else 0.0, ahead)
 
@@ -282,7 +282,7 @@ class AgvMotion:
                            else self.graph.start_vertex(edge)).id
 
     def _face_ahead(self) -> None:
-        """Chooses the end that is ahead on the edge that begins, and the heading to turn to."""
+        """Chooses whether front or rear is ahead on the next edge, and the heading to turn to."""
         ahead = self.graph.curve(self.path[self.index]).heading_at(self.arc)
         self._backwards = self.limits.reverses and abs(
             angle_between(self.heading, ahead)) > math.pi / 2.0

@@ -1,4 +1,4 @@
-"""Faults of AGVs on demand, each one line of text. The table is also the help text."""
+"""Faults of AGVs that one line of text requests. The help text is made from the same table."""
 from __future__ import annotations
 
 import math
@@ -18,7 +18,7 @@ class UnknownAgvFault(ValueError):
 
 
 class FaultArgument(NamedTuple):
-    """A number that a fault takes."""
+    """A number that follows the word of a fault."""
 
     name: str
     minimum: float

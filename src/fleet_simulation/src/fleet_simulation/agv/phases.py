@@ -7,14 +7,14 @@ from __future__ import annotations
 import math
 from typing import Iterable, List, NamedTuple, Sequence, Tuple
 
-_NONE = 1e-12  # s or m: a shorter phase or stretch is none
+_NONE = 1e-12  # s or m: a shorter phase or stretch is left out
 
 
 class DrivePhase(NamedTuple):
     """A time of constant acceleration.
 
     seconds -- how long it lasts
-    speed   -- m/s at its begin
+    speed   -- m/s when it begins
     gain    -- m/s2, negative while it brakes
     """
 
@@ -23,15 +23,15 @@ class DrivePhase(NamedTuple):
     gain: float
 
     def speed_after(self, seconds: float) -> float:
-        """Returns the speed (m/s) after this time of it."""
+        """Returns the speed (m/s) `seconds` after the phase began."""
         return max(self.speed + self.gain * seconds, 0.0)
 
     def distance_after(self, seconds: float) -> float:
-        """Returns the m that are driven in this time of it."""
+        """Returns the distance (m) driven in the first `seconds` of the phase."""
         return (self.speed + 0.5 * self.gain * seconds) * seconds
 
     def seconds_for(self, distance: float) -> float:
-        """Returns the s of it until this distance (m) is driven. The distance lies within it."""
+        """Returns the seconds until `distance` (m), a part of the phase, is driven."""
         if distance <= 0.0:
             return 0.0
         root = math.sqrt(max(self.speed * self.speed + 2.0 * self.gain * distance, 0.0))
@@ -47,12 +47,13 @@ def along(stretches: Sequence[Tuple[float, float]], speed: float, acceleration: 
           braking: float) -> List[DrivePhase]:
     """Returns the fastest motion along these stretches to a stop at their end.
 
-    Where it is faster than a limit that it can no longer keep, it brakes.
+    Where the speed is above the limit, the vehicle brakes.
 
     stretches -- length (m) and speed limit (m/s) of each
     speed     -- m/s at the begin
     """
-    ends = [0.0]  # squared speed at the end of each stretch from which it can brake, the last first
+    # the highest squared speed at the end of each stretch for braking in time, the last end first
+    ends = [0.0]
     for before, (length, limit) in zip(stretches[-2::-1], stretches[:0:-1]):
         ends.append(min(before[1] ** 2, limit ** 2, ends[-1] + 2.0 * braking * length))
     phases: List[DrivePhase] = []
@@ -67,14 +68,14 @@ def turn(angle: float, rate: float, top: float, gain: float) -> List[DrivePhase]
     """Returns the fastest turn by this angle to a stop.
 
     rate -- rad/s at the begin
-    top  -- the fastest rate
+    top  -- highest rate, rad/s
     gain -- rad/s2 of acceleration and of braking
     """
     return along([(angle, top)], rate, gain, gain)
 
 
 def seconds_until(phases: Iterable[DrivePhase], distance: float) -> float:
-    """Returns the s until this distance (m) is driven. Infinite: it stops before."""
+    """Returns the seconds until this distance (m) is driven. Infinite: it stops before that."""
     passed = 0.0
     for phase in phases:
         whole = phase.distance_after(phase.seconds)

@@ -30,7 +30,7 @@ def check_order(order: RouteOrder, drive: AgvMotion) -> None:
 def check_change(state: VehicleState, order: RouteOrder, graph: Graph) -> None:
     """Raises RouteRefused if an order without a number cannot change the route of the same id.
 
-    It must begin with the edges that are done and the present one.
+    The order must begin with the completed edges of the route and its present edge.
     """
     if state.phase is Phase.FAILED:
         raise RouteRefused(Reason(
@@ -47,7 +47,7 @@ def has_just_left(edges: Tuple[int, ...], state: VehicleState) -> bool:
     """Returns whether a new route without numbers begins with the edge that the vehicle has just
     left.
 
-    The order may have crossed with a report.
+    This happens if the order and a report were on their way at the same time.
     """
     done = state.completed
     return (state.is_running and done > 0 and edges[0] != state.edges[done]
@@ -55,9 +55,9 @@ def has_just_left(edges: Tuple[int, ...], state: VehicleState) -> bool:
 
 
 def find_start(edges: Tuple[int, ...], state: VehicleState, drive: AgvMotion) -> float:
-    """Returns the m on the first edge at which a vehicle begins to drive these edges.
+    """Returns how far (m) along the first of these edges the vehicle is now.
 
-    They may begin at the first vertex of the first edge, or on that edge. Raises RouteRefused.
+    Raises RouteRefused if it is neither at the start of this edge nor on it, or cannot brake.
     """
     first = edges[0]
     going_on = drive.arc if first == drive.edge and not drive.at_end else None

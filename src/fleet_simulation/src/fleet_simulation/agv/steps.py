@@ -1,7 +1,7 @@
 """The steps of one simulated AGV: its memory of them, their duration, and scripted faults.
 
-Every type of step is carried out. It takes the `seconds` among its parameters, or `SECONDS`, unless
-a simulation says otherwise.
+Every type of step is carried out. A step takes its parameter `seconds`, or `SECONDS` without this
+parameter, unless the simulation draws the duration itself.
 """
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ from typing import Callable, Dict, List, Tuple
 
 from route_protocol.steps import ActorState, Reaction, StepCode, StepCommand, StepReport, Word
 
-SECONDS = 2.0   # s that a step takes unless its parameters say otherwise
+SECONDS = 2.0   # s that a step takes if it has no parameter `seconds`
 LONGEST = 1e6   # s
 
 
 @dataclass
 class _Running:
-    """A step that is being carried out: its type, the s that are left, and how it will end."""
+    """A step that is being carried out: its type, the seconds left, and how it will end."""
 
     type: str
     left: float
@@ -25,7 +25,7 @@ class _Running:
 
 
 def asked_seconds(command: StepCommand) -> float:
-    """Returns the s that a command asks for; NaN: they are no number."""
+    """Returns the duration (s) that a command requests; NaN: it is not a number."""
     try:
         return float(dict(command.parameters).get('seconds', SECONDS))
     except ValueError:
@@ -35,8 +35,8 @@ def asked_seconds(command: StepCommand) -> float:
 class SimulatedSteps:
     """Carries out the steps of one AGV.
 
-    draw    -- draws the number of a run, at each start of the AGV's driver
-    seconds -- returns the s that the step of a command takes
+    draw    -- returns the number of a new run, at each start of the AGV's driver
+    seconds -- returns the seconds that the step of a command takes
     """
 
     def __init__(self, draw: Callable[[], int],
@@ -46,11 +46,11 @@ class SimulatedSteps:
         self._running: Dict[int, _Running] = {}
         self._faults: List[Word] = []
         self.done: List[str] = []
-        """The types of the steps that were carried out to their end, in their order."""
+        """The types of the steps that were carried out to their end, in this order."""
 
     @property
     def news(self) -> object:
-        """The part of the report that is sent at once when it changes."""
+        """The values whose changes are reported at once."""
         return self._state.run, self._state.last, self._state.steps
 
     @property
@@ -82,7 +82,7 @@ class SimulatedSteps:
             command.type, math.inf if fault is Word.RUNNING else seconds, fault)
 
     def advance(self, seconds: float) -> None:
-        """Simulates this time."""
+        """Simulates the next `seconds`."""
         for key, step in list(self._running.items()):
             step.left -= seconds
             if step.left <= 0.0:
@@ -99,10 +99,10 @@ class SimulatedSteps:
     # -- faults -----------------------------------------------------------------------------------
 
     def fail_next(self, word: Word, count: int) -> None:
-        """Lets the next steps end in this way; RUNNING: they never end."""
+        """Lets the next `count` steps end with `word`; RUNNING: they never end."""
         self._faults += [word] * count
 
     def restart(self) -> None:
-        """Restarts the driver: it forgets its steps, and what runs is broken off."""
+        """Restarts the driver. It forgets its steps, and breaks off the running steps."""
         self._state = ActorState(max(self._draw(), self._state.run + 1))
         self._running.clear()

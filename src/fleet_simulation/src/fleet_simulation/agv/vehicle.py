@@ -1,9 +1,9 @@
 """One simulated AGV: it takes orders, drives and reports, and can have faults.
 
-States: what it does is its `motion`; it may also be off the graph, in emergency stop, or silent.
+States: its `motion`. In addition it may be off the graph, in emergency stop, or silent.
 `route_protocol.vehicle` has the states of its route.
 Events: an order, time, a fault, an act of a person or of another program, another graph.
-Invariants: one giver at most drives it. If another giver moves or stops it, a new epoch begins, so
+Invariants: at most one giver drives it. If another giver moves or stops it, a new epoch begins, so
 orders that are on their way are refused. It reports at once if more than its place has changed.
 """
 from __future__ import annotations
@@ -45,7 +45,7 @@ from trajectory_graph import Graph, change_of, speed_of
 
 MOST = 99.9  # highest percentage of an edge that is reported before it is complete
 FOREVER = float('inf')
-MOVED_FOR = 1.0  # s after a push during which it reports that another one moves it
+MOVED_FOR = 1.0  # s after a push, in which it reports that a person moves it
 _GRAPH_CHANGED = Reason(
     ReasonCode.GRAPH_CHANGED,
     'the graph was replaced, and edges of the route are not what they were: give another route')
@@ -56,12 +56,13 @@ class AgvVehicle:
     """One AGV on a graph.
 
     `handle` takes orders, `advance` simulates time, and `new_messages` returns the AGV's messages.
-    Times are in s of the simulation; stamps are those of the caller. `route_protocol.vehicle` says
-    which orders count, this class where the AGV is, and whether it can drive them. Orders, time,
-    faults and people all change the same route, place and epoch, so they meet in this class.
+    Times are in s of the simulation; the caller gives the stamps. `route_protocol.vehicle` decides
+    which orders count; this class decides whether the AGV can drive an order from its place.
+    Orders, time, faults and people all change the same route, place and epoch, so they are in one
+    class.
 
     draw  -- returns the number of a new epoch, which was never used before
-    clock -- returns ms since 1970: numbers of reports are at least this
+    clock -- returns ms since 1970, a lower limit for the numbers of reports
     """
 
     def __init__(self, name: str, graph: Graph, vertex: int, draw: Callable[[], int],
@@ -77,7 +78,7 @@ class AgvVehicle:
         self._obeys_edge_speed = obeys_edge_speed
         self._limits = limits or DriveLimits()
         self._speed_limit = 0.0
-        """m/s that the last route allowed because of the load; 0: no such limit."""
+        """Speed (m/s) to which the last route limited it because of the load; 0: no limit."""
         self._chargers = frozenset(chargers)
         self._off_graph: Optional[Tuple[float, float, float]] = None
         self._time = 0.0
@@ -88,10 +89,10 @@ class AgvVehicle:
         self._reported = self.news
 
     def _forget(self) -> None:
-        """Begins without memory of any order."""
+        """Forgets all orders."""
         self._protocol = protocol.Vehicle(self._draw, self._clock)
         self._intake = Intake(self._protocol, self._begin_route, self._report_refusal)
-        self._giver: Optional[str] = None  # the master by whose route it moves
+        self._giver: Optional[str] = None  # the master whose route it drives
         self._driven_by_hand = False
         self._path_begins = 0  # record number of the first edge of the drive's path
 
@@ -114,7 +115,7 @@ class AgvVehicle:
 
     @property
     def motion(self) -> Motion:
-        """What it does."""
+        """Whether it moves, and who moves it."""
         if self.running:
             return Motion.ON_ROUTE
         if self._driven_by_hand or self._time < self._moved_until:
@@ -127,7 +128,7 @@ class AgvVehicle:
 
     @property
     def _unready(self) -> ReasonCode:
-        """Why it would refuse each route now."""
+        """The reason why it refuses every route now; NONE: there is no reason."""
         if self.emergency:
             return ReasonCode.EMERGENCY_STOP
         if self._off_graph is not None:
@@ -136,11 +137,11 @@ class AgvVehicle:
 
     @property
     def news(self) -> Tuple[VehicleState, Motion, ReasonCode]:
-        """What is reported at once when it changes."""
+        """The values whose changes are reported at once."""
         return self.state, self.motion, self._unready
 
     def handle(self, order: RouteOrder) -> None:
-        """Takes an order."""
+        """Handles an order that has arrived."""
         if self.silent:
             return
         if self._intake.arrived(order, self._time).answer is Answer.STOP:
@@ -165,13 +166,13 @@ class AgvVehicle:
 
     @property
     def left(self) -> float:
-        """The m that are left of its route."""
+        """The distance (m) to the end of its route."""
         return self.distance_to(self._path_begins + len(self.drive.path), 0.0)
 
     def distance_to(self, number: int, fraction: float) -> float:
-        """Returns the m that it still drives to this fraction of an edge of its route.
+        """Returns the distance (m) to the point at `fraction` of an edge of its route.
 
-        Negative: it is behind it. The edge has this number in the route record.
+        Negative: it has passed this point. `number` is the edge's number in the route record.
         """
         drive, at = self.drive, number - self._path_begins
         arcs = [drive.graph.curve(edge).length for edge in drive.path]
@@ -179,7 +180,7 @@ class AgvVehicle:
         return sum(arcs[:max(at, 0)]) + own - sum(arcs[:drive.index]) - drive.arc
 
     def advance(self, seconds: float, stamp: int) -> None:
-        """Simulates this time; `stamp` is the stamp of the pose after it."""
+        """Simulates the next `seconds`; the pose gets the stamp `stamp` then."""
         self.stamp = stamp
         end = self._time + seconds
         for pause in sorted((self._stalled_until, self._slow_until)):
@@ -189,7 +190,7 @@ class AgvVehicle:
         self._report_change()
 
     def _pass(self, seconds: float) -> None:
-        """Simulates time in which it either may drive, or must stand."""
+        """Simulates a time in which it may drive throughout, or must stand throughout."""
         if self.battery.charge <= 0.0:
             self._lose_route(Reason(ReasonCode.BATTERY_EMPTY, 'the battery is empty'))
         if self._time >= self._slow_until:
@@ -212,9 +213,9 @@ class AgvVehicle:
 
     @property
     def next_event(self) -> float:
-        """The s until its report may change by itself; until then only its place changes.
+        """The seconds until its report may change by itself; until then only its place changes.
 
-        0: that cannot be told.
+        0: this time is unknown.
         """
         if self._intake.waiting is not None or self._time < self._moved_until:
             return 0.0
@@ -225,16 +226,15 @@ class AgvVehicle:
     # --- faults -----------------------------------------------------------------------------------
 
     def stall(self, seconds: float) -> None:
-        """Brakes and stands still for this time; its route stays active."""
+        """Brakes and stands still for `seconds`; its route stays active."""
         self._stalled_until = self._time + seconds
 
     def slow_down(self, factor: float, seconds: float) -> None:
-        """Drives with this factor on its speed for this time."""
+        """Drives with `factor` times its speed for `seconds`."""
         self.drive.pace, self._slow_until = factor, self._time + seconds
 
     def fall_silent(self, seconds: float = FOREVER) -> None:
-        """Falls silent for this time: neither receives nor reports,
-        but drives on along its route.
+        """Neither receives nor reports for `seconds`, but drives on along its route.
         """
         self._silent_until = self._time + seconds
 
@@ -299,8 +299,8 @@ class AgvVehicle:
     def use_graph(self, graph: Graph) -> None:
         """Uses another graph from now on, at the present place.
 
-        The route continues if nothing except speeds has changed on its remaining edges; else it
-        fails.
+        The route continues if at most the speeds of its remaining edges have changed. Otherwise the
+        route fails.
         """
         before, drive = self.drive.graph, self.drive
         ahead = drive.path[drive.index:]
@@ -318,7 +318,7 @@ class AgvVehicle:
     # --- internal ---------------------------------------------------------------------------------
 
     def _place_again(self, graph: Graph) -> None:
-        """Places it on the vertex of another graph at its position, or off the graph."""
+        """Places it on another graph: on the vertex at its position, or off the graph."""
         x, y, heading = self.pose
         nearest = min(graph.vertices.values(), key=lambda one: math.dist(one.position, (x, y)))
         self.drive = self._placed(graph, nearest.id)
@@ -336,7 +336,7 @@ class AgvVehicle:
         return SpeedLimits(graph, limits, self._obeys_edge_speed)
 
     def _check(self, order: RouteOrder) -> None:
-        """Raises RouteRefused for what the vehicle cannot drive now, wherever it is on the graph.
+        """Raises RouteRefused for an order that the vehicle cannot drive now from any place.
         """
         if self.emergency:
             raise RouteRefused(EMERGENCY_STOP)
@@ -363,7 +363,7 @@ class AgvVehicle:
         self._giver = due.order.master
 
     def _from_here(self, due: DueOrder) -> DueOrder:
-        """Returns an order without a number, without what the vehicle has driven already."""
+        """Returns an order without a number, cut by the edge that the vehicle has just left."""
         if due.goes_on:
             if self.state.edges and not self.drive.path:
                 raise RouteRefused(_GRAPH_CHANGED)
@@ -376,12 +376,12 @@ class AgvVehicle:
         self._messages += messages_of(refusal, self.state, self.report)
 
     def _lose_route(self, reason: Reason) -> None:
-        """Ends what it drives."""
+        """Lets a running route fail, and ends a drive by hand."""
         self._protocol.fail(reason)
         self._driven_by_hand = False
 
     def _begin_epoch(self, cause: EpochCause, reason: Reason = NO_REASON) -> None:
-        """Lets a running route fail; orders that are on their way are not obeyed any more."""
+        """Lets a running route fail; the AGV obeys no order that is still under way to it."""
         self._lose_route(reason)
         self._intake.begin_epoch(cause, NO_REASON, self._time)
 
@@ -397,8 +397,8 @@ class AgvVehicle:
             self._messages.append(self.report())
 
     def _symbolic_pose(self) -> SymbolicPose:
-        """Returns the edge and percentage: with a route the ordered direction,
-        else the edge forwards.
+        """Returns the edge and the percentage of it. With a route, the edge has the ordered
+        direction, and without a route its forward direction.
         """
         if self._off_graph is not None:
             return SymbolicPose()

@@ -91,7 +91,8 @@ class Checker:
 
 def narrow_edges(graph: Graph, floor: Floor, corridor: float, robot_width: float
                  ) -> Dict[int, float]:
-    """Returns the corridor (m, in whole cm) of each edge without enough space for `corridor`."""
+    """Returns the widest corridor (m, in whole cm) of each edge on which `corridor` does not fit.
+    """
     widths = {}
     for id in graph.edges:
         clearance = tightest(floor, graph.curve(id).sample(0.05)).clearance

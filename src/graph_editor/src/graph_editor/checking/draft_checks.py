@@ -36,7 +36,7 @@ class DrawnEdge:
 
 
 Curves = Mapping[int, DrawnEdge]
-"""The curves by the ids of the edges. An edge without a curve is missing; it has its own finding.
+"""The curves by the ids of the edges. An edge without a curve is missing; `check_edge` reports it.
 """
 
 

@@ -22,7 +22,7 @@ GRAIN = 0.01  # m; a corridor may be this much too narrow, because the floor is 
 
 
 class Tightest(NamedTuple):
-    """The place of an edge with the least clearance."""
+    """The least clearance along an edge (m), and the place where it is."""
 
     clearance: float
     place: Tuple[float, float]

@@ -76,7 +76,7 @@ class ServedFloor:
     def _find_again(self, cells: np.ndarray) -> None:
         """Updates the served floor around changed `cells`.
 
-        Cells within the reach can change. They depend on edges within twice the reach.
+        Only cells within the reach can change. These depend on edges within twice the reach.
         """
         mask, border = self.coverage.mask, int(math.ceil(self._reach / self.coverage.pitch)) + 1
         low, high = cells.min(axis=0), cells.max(axis=0) + 1

@@ -68,7 +68,8 @@ class EditingSession:
     # Clicks and drags
 
     def click_floor(self, x: float, y: float) -> None:
-        """Adds a vertex, or cuts the edge at x, y (m); connects it to a vertex that waits for it.
+        """Adds a vertex at x, y (m), or cuts the edge there. If a vertex waits for a connection,
+        connects the new vertex to it.
         """
         self._tried(lambda: self._click_floor(x, y))
 

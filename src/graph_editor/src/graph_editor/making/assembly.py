@@ -58,8 +58,8 @@ def assemble(net: LaneNet, ways: Sequence[LaneWay], places: Mapping[int, NamedPl
 
 
 def _directions(piece: Piece) -> Tuple[float, np.ndarray, np.ndarray]:
-    """Returns the length of a straight piece, or infinity, and the directions at its start
-    and end.
+    """Returns the length of a straight piece (a spline: infinity), and the directions at its
+    start and its end.
     """
     if piece.control is None:
         along = piece.end - piece.start
@@ -107,7 +107,8 @@ def _with_headings(graph: Graph, places: Mapping[int, NamedPlace]) -> Graph:
     """Returns the graph with the headings of goals and docks.
 
     A robot that waits at the end of a dead end faces out of it. A robot that docks faces into it.
-    So Theta is the heading of the place if the edge has this direction, else the opposite.
+    Theta is the heading of the place if the edge leads in the direction in which the robot faces;
+    otherwise it is the opposite.
     """
     vertices = dict(graph.vertices)
     for id, place in places.items():

@@ -15,18 +15,17 @@ from graph_editor.making.options import MakingOptions
 from graph_editor.making.sight import TOLERANCE
 
 LEAST_FLOOR = 0.6  # m2; least floor that a bay must serve
-PER_METRE = 0.4  # m2; additional floor that it must serve for each metre of its length
+PER_METRE = 0.4  # m2; additional floor that a bay must serve for each metre of its length
 LONGEST = 8.0  # m; largest length of a bay
 STEP = 0.5  # m between the places at which a bay may begin
-FROM_NODE = 0.8  # m; least distance between the start of a bay and a node; else it starts there
+FROM_NODE = 0.8  # m; a bay that would start nearer to a node starts at the node
 
 
 def add_bays(net: LaneNet, coverage: Coverage, axes: Sequence[float],
              options: MakingOptions) -> None:
     """Adds bays, the best first, until no further bay is useful.
 
-    A node without lanes is the only node of the net. From such a node bays lead along the `axes`
-    (rad).
+    If the net has only one node and no lanes, bays lead from this node along the `axes` (rad).
     """
     far = coverage.mask.copy()
     for node in net.nodes:

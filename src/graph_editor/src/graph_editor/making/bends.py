@@ -125,7 +125,7 @@ def _tangents(net: LaneNet, corners: Sequence[np.ndarray], needs: Sequence[float
 
 
 def _tangent(net: LaneNet, corners: Sequence[np.ndarray], need: float, limit: float) -> float:
-    """Returns the longest possible tangent (m) of a spline at the middle one of three corners."""
+    """Returns the longest tangent (m) of a spline at the middle of three corners; 0: none fits."""
     turn = turn_of(corners)
     if not LEAST_TURN < turn < MOST_TURN:
         return 0.0

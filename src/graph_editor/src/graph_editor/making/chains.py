@@ -53,8 +53,7 @@ class Chain:
 class ChainGraph:
     """Nodes with positions (m), and the chains between them.
 
-    It has one method for each question about chains and one for each edit, which the steps of
-    making a graph share.
+    The steps of making a graph share the methods: one for each query, and one for each edit.
     """
 
     def __init__(self, floor: Floor) -> None:
@@ -109,7 +108,7 @@ class ChainGraph:
         return self.remove_all([chain])
 
     def remove_all(self, chains: Sequence[Chain]) -> List[Chain]:
-        """Removes several chains like `remove_chain`; a last node without chains stays."""
+        """Removes several chains like `remove_chain`; the last node of the graph stays."""
         for chain in chains:
             self.drop_chain(chain)
         made = []

@@ -14,7 +14,7 @@ from skimage.graph import MCP_Geometric
 from graph_editor.floor import EVERY_NEIGHBOUR, Floor
 
 PITCH = 0.1  # m; cell size of the coarser grid
-CLOSED = -1.0  # the cost by which skimage marks a cell that cannot be passed
+CLOSED = -1.0  # the cost with which skimage marks a cell that cannot be passed
 
 
 class Coverage:
@@ -56,8 +56,8 @@ class Coverage:
 
         servants -- number of paths that serve each cell of the flat mask
         served   -- the cells that the path serves
-        Adjacent cells that are already unserved count, too. Without this, a dead end would seem
-        less useful the shorter it is, and it would be removed bit by bit.
+        Adjacent cells that are already unserved also count. Otherwise a short dead end would seem
+        less useful than a long one, so a dead end would be removed bit by bit.
         """
         alone = served[servants[served] == 1]
         unserved = self.mask & (servants == 0).reshape(self.mask.shape)

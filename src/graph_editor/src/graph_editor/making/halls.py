@@ -12,7 +12,7 @@ from graph_editor.making.lanes import Lane, LaneNet, LaneOrNode
 from graph_editor.making.options import MakingOptions
 from graph_editor.making.sight import in_sight, straight
 
-NEAR_NODE = 0.8  # m; a lane from outside leads to a node of the lattice within this distance
+NEAR_NODE = 0.8  # m; a lane from outside that would end this near to a node ends at the node
 
 
 def add_lattices(net: LaneNet, axes: Sequence[float], options: MakingOptions) -> LaneNet:
@@ -158,7 +158,7 @@ def _join(net: LaneNet, tip: int, direction: np.ndarray, nodes: Sequence[int],
 
 def _crossing(here: np.ndarray, direction: np.ndarray, a: np.ndarray,
               b: np.ndarray) -> Optional[np.ndarray]:
-    """Returns the point at which a ray meets the line from `a` to `b`, ahead of its start."""
+    """Returns the point at which a ray from `here` meets the line from `a` to `b`, or None."""
     along = b - a
     cross = direction[0] * along[1] - direction[1] * along[0]
     if abs(cross) < 1e-9:

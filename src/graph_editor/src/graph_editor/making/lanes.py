@@ -29,8 +29,7 @@ LaneOrNode = Union[Lane, int]
 class LaneNet:
     """Nodes with positions (m) and the lanes between them; two nodes have at most one lane.
 
-    It has one method for each question about lanes and one for each edit, which the steps of making
-    a graph share.
+    The steps that make a graph share its methods: one for each query, and one for each edit.
     """
 
     def __init__(self, floor: Floor) -> None:
@@ -66,7 +65,7 @@ class LaneNet:
         return node
 
     def add_lane(self, a: int, b: int, need: float, samples: np.ndarray) -> None:
-        """Adds a lane from `a` to `b`; of two lanes between them the one with more need stays."""
+        """Adds a lane from `a` to `b`. An old lane between them stays if its need is as large."""
         if a == b:
             return
         old = self.lane(a, b) if self._graph.has_edge(a, b) else None
@@ -126,7 +125,7 @@ class LaneNet:
         return node
 
     def joint(self, where: LaneOrNode, position: np.ndarray) -> int:
-        """Returns the node at which a lane joins: the node `where`, or a new one on that lane."""
+        """Returns the node at which a lane joins: node `where`, or a new node on lane `where`."""
         return self.split(where, position) if isinstance(where, Lane) else where
 
     def merge(self, node: int, other: int) -> None:

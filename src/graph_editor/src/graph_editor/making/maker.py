@@ -102,8 +102,8 @@ def _lanes_floor(site: MappedSite, options: MakingOptions,
                  starts: List[Tuple[float, float]]) -> np.ndarray:
     """Returns the mask of the floor for lanes.
 
-    This is the part of the floor with the places that is wide enough for the robot. Without places
-    it is the largest part.
+    It is wide enough for the robot and connected to the places. Without places it is the largest
+    connected part that is wide enough.
     """
     open_cells = site.floor.clearance >= options.tight
     if starts:
@@ -124,8 +124,8 @@ def _joined(open_cells: np.ndarray, mask: np.ndarray) -> np.ndarray:
 def _placed(site: MappedSite, options: MakingOptions, notes: List[str]) -> List[NamedPlace]:
     """Returns the places on one connected floor.
 
-    It is the floor with the most docks, else the most goals, else the most homes. Each place that
-    robots cannot reach from there gets a note.
+    This floor has the largest number of docks. If several floors have it, the number of goals
+    decides, then the number of homes. Each place that robots cannot reach from there gets a note.
     """
     parts: Dict[int, List[NamedPlace]] = {}
     labels, _ = ndimage.label(site.floor.clearance >= options.tight, EVERY_NEIGHBOUR)

@@ -1,4 +1,4 @@
-"""Makes goals and docks nodes of the lanes: on a passing lane, or at the end of an own lane."""
+"""Makes nodes for goals and docks: on a passing lane, or at the end of a lane of their own."""
 from __future__ import annotations
 
 import math
@@ -15,7 +15,7 @@ from graph_editor.making.sight import TOLERANCE, in_sight, straight
 from graph_editor.making.straightening import straight_pieces
 from graph_editor.site import NamedPlace, PlaceKind
 
-ON_LANE = 0.6  # m; a goal within this distance of a lane gets no own lane, but becomes part of it
+ON_LANE = 0.6  # m; a goal within this distance of a lane becomes a node of this lane
 NEAR_NODE = 0.7  # m; a lane to a place starts at a node if a node is within this distance
 STRAIGHT_IN = 1.0  # m; length of the straight path of a robot into a dock
 FARTHEST = 8.0  # m; largest distance of a place that is joined straight to a lane
@@ -67,7 +67,7 @@ def _attach(net: LaneNet, place: NamedPlace, attached: Attached,
 
 
 def _on_lane(net: LaneNet, position: np.ndarray, taken: Dict[int, NamedPlace]) -> Optional[int]:
-    """Moves a node, or bends a lane, to the position; returns the node, None if nothing is near."""
+    """Moves a node, or bends a lane, to the position; returns the node. None: nothing is near."""
     near = [(float(np.hypot(*(net.positions[node] - position))), node) for node in net.nodes
             if node not in taken]
     near = [(distance, node) for distance, node in near if distance < ON_LANE]
@@ -128,7 +128,7 @@ def _with_lane_of_its_own(net: LaneNet, place: NamedPlace, attached: Attached,
 
 def _straight_behind(net: LaneNet, position: np.ndarray, heading: float,
                      taken: Dict[int, NamedPlace], options: MakingOptions) -> Optional[int]:
-    """Returns a node straight behind a dock, at least 0.4 m away: an old one, or one on a lane."""
+    """Returns a node straight behind a dock, at least 0.4 m away: an old one, or a new one."""
     behind = -np.array((math.cos(heading), math.sin(heading)))
     across = np.array((-behind[1], behind[0]))
     found: List[Tuple[float, int, LaneOrNode]] = []

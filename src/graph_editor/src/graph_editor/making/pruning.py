@@ -104,7 +104,8 @@ class _Pruner:
         self._take_up(graph.chains)
 
     def prune_dead_ends(self) -> None:
-        """Removes dead ends that serve hardly any floor alone, the least useful first."""
+        """Removes dead ends, the least useful first, if other lanes serve nearly all their floor.
+        """
         while True:
             uses = [(self._use_of_dead_end(node, chain), node, chain)
                     for node, chain in self._graph.dead_ends()]
@@ -149,7 +150,7 @@ class _Pruner:
         """Removes sides of loops, the least useful first.
 
         After a removal the other sides can only be more useful. So a use that was computed earlier
-        is a lower bound. It is computed again only when it is the lowest one.
+        is a lower bound. A use is computed again only when it is the lowest of all.
         """
         waiting = [(0.0, chain.id, chain) for chain in self._graph.chains]
         heapq.heapify(waiting)
@@ -170,12 +171,12 @@ class _Pruner:
                 heapq.heappush(waiting, (0.0, made.id, made))
 
     def _use_of_dead_end(self, tip: int, chain: Chain) -> float:
-        """Returns the use of a dead end; the chain is useful if it is 1 or more."""
+        """Returns the use of a dead end; a chain with a use of 1 or more stays."""
         least = LEAST_IN_CORNER if _leads_into_corner(tip, chain) else LEAST_FLOOR
         return self._floor_of(chain) / self._price(chain) / least
 
     def _use_in_loop(self, chain: Chain) -> Optional[float]:
-        """Returns the use of a side of a loop; the chain is useful if it is 1 or more.
+        """Returns the use of a side of a loop; a chain with a use of 1 or more stays.
 
         None: no other path connects the ends of the chain.
         """

@@ -1,7 +1,7 @@
 """Adds lanes to floor that is not served yet, by straight lanes between places to turn.
 
-This is floor that robots can reach but that the earlier steps have lost. The floor on which robots
-can turn consists of several parts. From one part to another they drive straight.
+The earlier steps may have lost floor that robots can reach. The floor on which robots can turn
+consists of several parts. From one part to another robots drive straight.
 """
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ class Joint(NamedTuple):
 
 
 class WayToFloor(NamedTuple):
-    """Lanes from a joint over places to turn (`places`, (N,2)); the first place is the joint."""
+    """Lanes from a joint through places to turn (`places`, (N,2)); the first place is the joint."""
 
     joint: Joint
     places: np.ndarray
@@ -43,9 +43,10 @@ class WayToFloor(NamedTuple):
 
 
 def reach_out(net: LaneNet, options: MakingOptions) -> None:
-    """Adds lanes to floor on which robots can turn and that is far from lanes, the largest first.
+    """Adds lanes to parts of the floor on which robots can turn and that are far from lanes.
 
-    It ignores parts of less than LEAST_FLOOR m2, and parts to which there is no path.
+    The largest part is first. Parts of less than LEAST_FLOOR m2, and parts to which there is no
+    path, are ignored.
     """
     floor = net.floor
     coverage = Coverage(floor, floor.clearance >= options.tight, options.reach)
@@ -110,7 +111,7 @@ def _joints(net: LaneNet, margin: Margin) -> Dict[Cell, Joint]:
 
 def _enough(points: np.ndarray, part: np.ndarray, coverage: Coverage, options: MakingOptions,
             floor: Floor) -> int:
-    """Returns the number of points (N,2) of a path that serve nearly the same floor as all."""
+    """Returns how many points at the start of a path serve nearly the floor of all its points."""
     def served(count: int) -> int:
         return int(np.count_nonzero(part.flat[coverage.covered_by(points[:count])]))
     wanted = ENOUGH * served(len(points))

@@ -18,7 +18,7 @@ from scipy.sparse.linalg import spsolve
 from graph_editor.making.lanes import Lane, LaneNet
 
 NEARLY = math.radians(18.0)  # a lane with a smaller angle to an axis is aligned to it
-SHORT_OFFSET = 0.4  # m; a lane whose ends deviate less from an axis is aligned to it, too
+SHORT_OFFSET = 0.4  # m; a lane whose ends deviate less from an axis is also aligned to it
 FARTHEST = 1.2  # m; largest movement of a node
 SAMPLES = 8  # number of points of the skeleton that represent a lane
 MUST, HOLD, STAY = 1e4, 1e5, 0.03  # weights of: axes, fixed nodes, present positions of nodes
@@ -77,7 +77,7 @@ class _Rectifier:
             self._net.positions[node] = start
 
     def _give_up(self, wrong: List[Key], far: List[int]) -> None:
-        """Drops conditions: wrong lanes no longer follow an axis, else their nodes are fixed."""
+        """Drops conditions: a wrong lane stops following an axis, or its nodes are fixed."""
         for node in far:
             wrong += [(min(node, other), max(node, other)) for other in self._net.neighbours(node)]
         for key in set(wrong):

@@ -15,7 +15,7 @@ def regain(net: LaneNet, gaps: Iterable[Gap], places: Dict[int, NamedPlace], opt
     """Returns the net with the places behind gaps to which lanes can lead after all.
 
     It adds their nodes to `places`. Each place is tried on a copy of the net. A place is not added
-    if the net would lose something else.
+    if this would cause another gap.
     """
     for place in (place for gap in gaps for place in gap.places):
         tried = net.copy()

@@ -7,7 +7,7 @@ import numpy as np
 
 from graph_editor.floor import Floor
 
-TOLERANCE = 0.01  # m; error of a clearance by the interpolation between cells
+TOLERANCE = 0.01  # m; error of a clearance from the interpolation between cells
 
 
 def in_sight(floor: Floor, start: np.ndarray, end: np.ndarray, clearance: float) -> bool:

@@ -19,7 +19,7 @@ from graph_editor.making.sight import in_sight
 LONGEST_CUT = 3.5  # m; largest length of a slant that cuts a corner
 FARTHEST_CORNER = 3.0  # m; largest distance of the corner from the ends of the slant
 LONGEST_SLANT = 12.0  # m; longer lanes are not slants
-STEEPEST = math.radians(40.0)  # largest angle to the axis of a slant that is levelled
+STEEPEST = math.radians(40.0)  # largest angle to the axis of a slant that is moved onto it
 FARTHEST_SHIFT = 2.5  # m; largest movement of the end of a slant
 CLOSE = 0.6  # m; a lane that would end within this distance of a node ends at the node
 
@@ -27,7 +27,7 @@ CLOSE = 0.6  # m; a lane that would end within this distance of a node ends at t
 class _Corner(NamedTuple):
     """The replacement of a slant."""
 
-    way: float  # m; length of the path from one end of the slant to the other over the corner
+    way: float  # m; length of the path between the ends of the slant through the corner
     position: np.ndarray
     slant: Lane
     split: Optional[Lane]  # the lane on which the corner is

@@ -13,7 +13,7 @@ from graph_editor.making.coverage import CLOSED
 from graph_editor.making.options import MakingOptions
 from graph_editor.making.sight import straight
 
-LONGEST = 3.0  # m; largest length of a lane between two such places
+LONGEST = 3.0  # m; largest length of a lane between two places to turn
 PIECE = 0.5  # m of path that equal the cost of an additional lane
 TIGHTNESS = 4.0  # m of path that equal the cost of a metre less clearance
 AWAY = 8.0  # m; paths are searched within this distance around the points to connect
@@ -30,7 +30,8 @@ class Margin(NamedTuple):
 def margins_of(options: MakingOptions) -> Tuple[Margin, ...]:
     """Returns margins in descending order.
 
-    The first is that of other lanes, the last is the least that a robot's own path search needs.
+    The first is the margin of all other lanes. The last is the least one that a robot's own path
+    search needs.
     """
     return (Margin(options.turning, options.tight),
             Margin(options.least_turning, options.tight),
@@ -86,9 +87,9 @@ def ways_to_drive(floor: Floor, margin: Margin, options: MakingOptions,
                   points: np.ndarray) -> np.ndarray:
     """Returns the cost (rows, columns) of a path through each cell; narrow cells cost more.
 
-    Open cells are those on which robots can turn, and those of the best straight between each two
-    near parts of this floor. All other cells are CLOSED, and so are cells outside the box around
-    points (N,2) with a border of AWAY m.
+    A cell is open if robots can turn on it, or if it is on the best straight lane between two near
+    parts of this floor. All other cells are CLOSED, and also all cells more than AWAY m outside the
+    box around points (N,2).
     """
     (top, bottom), (left, right) = floor.cells_of(
         np.array((points.min(axis=0) - AWAY, points.max(axis=0) + AWAY)))
@@ -104,7 +105,7 @@ def ways_to_drive(floor: Floor, margin: Margin, options: MakingOptions,
 
 def _jumps(floor: Floor, turning: np.ndarray, margin: Margin,
            options: MakingOptions) -> Iterator[Tuple[np.ndarray, np.ndarray]]:
-    """Yields the best straight between each two near parts of the floor for turning."""
+    """Yields start and end of the best straight lane between each two near parts of the floor."""
     parts, _ = ndimage.label(turning, EVERY_NEIGHBOUR)
     rim = np.nonzero(turning & ~ndimage.binary_erosion(turning, EVERY_NEIGHBOUR))
     places, part = floor.centres(*rim), parts[rim]

@@ -32,7 +32,7 @@ def tidy(net: LaneNet, keep: Collection[int] = (), turning: float = 0.0) -> None
 
 
 def prune_tails(net: LaneNet, coverage: Coverage, turning: float) -> None:
-    """Removes dead ends that serve hardly any floor alone, the least useful first.
+    """Removes dead ends, the least useful first, if other lanes serve nearly all their floor.
 
     A lane stays if the remaining dead end would end at a place without space to turn.
     """
@@ -154,7 +154,7 @@ def _merge(net: LaneNet, a: int, b: int, keep: set, turning: float) -> bool:
 
 
 def _merge_in_corner(net: LaneNet, a: int, b: int, turning: float) -> bool:
-    """Replaces two bends by one, at the point at which the lanes to them meet.
+    """Replaces two bends by one bend, at the point where the two outer lanes would meet.
 
     The clearance of the lanes may then be as low as that of the lane between the bends.
     """

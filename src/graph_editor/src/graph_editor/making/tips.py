@@ -1,4 +1,4 @@
-"""Moves the ends of dead ends to places to turn, because robots must come back from there."""
+"""Moves the tips of dead ends to places where robots can turn, so that robots can come back."""
 from __future__ import annotations
 
 from typing import Collection, Optional, Sequence, Tuple
@@ -22,8 +22,8 @@ def give_tips_room(net: LaneNet, coverage: Coverage, options: MakingOptions,
     - If this would leave floor unserved, it moves to a place beside the lane that a straight lane
       reaches.
     - A dead end that becomes too short is removed.
-    - Of the last lane a place to turn remains, near its tip or at a start of robots (`homes`, m).
-      If there is no such place, the lane stays.
+    - If the last lane has no place to turn, it is replaced by one place to turn, near a start of
+      robots (`homes`, m) or near the lane. If there is no such place, the lane stays.
     """
     for tip in net.nodes:
         if tip in keep or tip not in net.positions or net.degree(tip) != 1:

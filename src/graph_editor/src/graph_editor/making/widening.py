@@ -2,7 +2,7 @@
 
 A robot is wider across its corners than across its sides. So there are places that it can pass but
 in which it cannot turn. A lane that bends there, or hardly has the width of the robot, is replaced
-by new lanes between near places to turn. They have the largest margin that is possible. If no
+by new lanes between near places to turn. The new lanes have the largest possible margin. If no
 margin is possible, no lane leads through.
 """
 from __future__ import annotations
@@ -43,9 +43,9 @@ class Gap(NamedTuple):
     clearance: float
     """The clearance there, m."""
     length: float
-    """The length of the lanes behind it, m."""
+    """The length of the lanes behind the gap, m."""
     places: Tuple[NamedPlace, ...]
-    """The places behind it."""
+    """The places behind the gap."""
 
     def note(self, found: Collection[NamedPlace]) -> str:
         """Returns a note for people; `found`: places to which other lanes lead."""
@@ -61,9 +61,9 @@ def widen(net: LaneNet, options: MakingOptions, places: Dict[int, NamedPlace],
           homes: Sequence[Tuple[float, float]]) -> List[Gap]:
     """Replaces lanes that are too narrow, except at the nodes of `places`.
 
-    If no path is found, the lanes are removed, and so are the parts of the net that are only
-    reached through there, including their `places`. The part that stays is the one with the most
-    places, else the one that robots reach from the most `homes` (m), else the longest one.
+    If no path is found, the lanes are removed. If the net then has several parts, only one of them
+    stays: the part with the largest number of places; among equals the part that robots reach from
+    the largest number of `homes` (m); then the longest part. The places of other parts are removed.
     """
     margins = margins_of(options)
     _split_narrow_lanes(net, margins[-1])
@@ -104,7 +104,7 @@ def _too_narrow(net: LaneNet, least: Margin) -> Iterator[int]:
 
 def _leave_out(net: LaneNet, places: Dict[int, NamedPlace], homes: Sequence[Tuple[float, float]],
                options: MakingOptions) -> Tuple[float, Tuple[NamedPlace, ...]]:
-    """Removes all parts of the net except one; returns the length (m) and places of these parts."""
+    """Removes all parts of the net except one; returns the length (m) and places removed."""
     parts = list(net.components())
     if len(parts) == 1:
         return 0.0, ()

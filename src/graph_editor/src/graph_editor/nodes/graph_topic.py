@@ -18,8 +18,8 @@ Made = Dict[int, Tuple[Any, Any]]
 class GraphTopic:
     """Publishes drafts on a latched topic. An unchanged element keeps its message.
 
-    During a drag this happens four times a second, while the editor also reacts to the mouse.
-    Creating 1,500 new messages would delay such a reaction.
+    During a drag a draft is published four times a second, while the editor reacts to the mouse.
+    Creating 1,500 new messages would delay these reactions.
     """
 
     def __init__(self, name: str) -> None:

@@ -230,7 +230,7 @@ class _VertexFields(_Fields):
 
     def show_element(self, vertex: Vertex) -> None:
         """Shows the values of a vertex."""
-        self._element = None  # so that setting the widgets is not taken for an edit
+        self._element = None  # so that setting the widgets does not count as an edit
         self.setTitle(f'Vertex {vertex.id}')
         self._label.setText(vertex.label)
         self._x.setValue(vertex.x)

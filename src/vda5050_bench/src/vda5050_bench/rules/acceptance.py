@@ -1,7 +1,7 @@
 """Rules for orders and updates that a vehicle must accept, ignore or refuse: figure 8.
 
-Most rules use an order whose base is its first node only. Such an order keeps the vehicle busy, so
-that no rule has to wait for a drive.
+Most rules use an order of which only the first node is released. Such an order keeps the vehicle
+busy, so no rule has to wait for a drive.
 """
 from __future__ import annotations
 

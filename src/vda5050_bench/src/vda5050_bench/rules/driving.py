@@ -1,4 +1,4 @@
-"""Rules for orders that are driven, paused or cancelled, and for a broker that dies meanwhile."""
+"""Rules for orders that are driven, paused or cancelled, and for the loss of the broker."""
 from __future__ import annotations
 
 from typing import Any, Dict, Tuple
@@ -212,7 +212,7 @@ def _order_from_node_ahead(trial: Trial) -> None:
 def _stopped_between_nodes(trial: Trial, edges_ahead: int = 0) -> Tuple[Message, int]:
     """Cancels the order of a vehicle in the middle of an edge, with more edges ahead of it.
 
-    A vehicle needs time to stop, and may reach the next node: STOPS attempts are made.
+    A vehicle needs time to stop and may reach the next node, so there are STOPS attempts.
     Returns the state and the number of the edge; raises NotTried if no attempt succeeds.
     """
     for attempt in range(STOPS):

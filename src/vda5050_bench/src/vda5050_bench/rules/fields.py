@@ -49,9 +49,9 @@ def _refused_action(trial: Trial) -> Dict[str, Any]:
 
 @must('6.6.1', 'the pose that the vehicle tells is one that an order may begin with')
 def _echo(trial: Trial) -> None:
-    """Checks that the vehicle does not call its own pose malformed.
+    """Checks that the vehicle does not call an order with its own theta malformed.
 
-    It may reject theta for other reasons.
+    The vehicle may reject the order for other reasons.
     """
     _is_no_malformed_theta(trial, _pose(trial.master.state)['theta'])
 

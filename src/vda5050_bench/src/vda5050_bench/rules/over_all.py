@@ -12,7 +12,7 @@ def _interval(trial: Trial) -> None:
     times = [*trial.master.arrivals.get('state', ()), trial.master.now()]
     if len(times) == 1:
         raise TooLate('no state came')
-    deaths = trial.deaths  # another rule tells of them
+    deaths = trial.deaths  # another rule reports them
     longest = max((after - before for before, after in zip(times, times[1:])
                    if not any(before <= death <= after for death in deaths)), default=0.0)
     expect(longest <= INTERVAL + 1.0, f'{longest:.1f} s passed without a state')

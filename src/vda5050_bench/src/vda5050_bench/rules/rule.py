@@ -8,7 +8,7 @@ from typing import Callable, List, Tuple
 from vda5050_bench.trial import Trial
 
 ALL = ('2.', '3.')        # versions of the standard
-SINCE_2_1 = ('2.1', '3.')  # in figure 8 of 2.0 only nodes and edges and actions make it busy
+SINCE_2_1 = ('2.1', '3.')  # in figure 8 of 2.0, only nodes, edges and actions make a vehicle busy
 ONLY_2 = ('2.',)
 ONLY_3 = ('3.',)
 
@@ -18,7 +18,7 @@ class RuleLevel(Enum):
 
     MUST = 'must'
     SHOULD = 'should'
-    DERIVED = 'derived'  # no sentence says it, but it follows from what the standard describes
+    DERIVED = 'derived'  # no sentence demands it, but the standard implies it
 
 
 class Start(Enum):
@@ -62,7 +62,7 @@ def should(section: str, sentence: str, start: Start = Start.AT_END,
 
 def derived(section: str, sentence: str, start: Start = Start.AT_END,
             versions: Tuple[str, ...] = ALL) -> Callable[[Attempt], Attempt]:
-    """Does the same as `must`, for a rule that only follows from what the standard describes."""
+    """Does the same as `must`, for a rule that the standard does not state but implies."""
     return _rule(RuleLevel.DERIVED, section, sentence, start, versions)
 
 

@@ -83,7 +83,7 @@ class OrderNode:
 
 @dataclass(frozen=True)
 class Corridor:
-    """The distance (m) that the vehicle may leave an edge to either side.
+    """The distances (m) by which the vehicle may leave an edge to the left and to the right.
 
     release_required -- 3.0: the vehicle must request a release before it leaves the edge
     """

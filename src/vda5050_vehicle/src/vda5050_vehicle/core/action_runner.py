@@ -65,9 +65,9 @@ class ActionRunner:
             self.end(action_id, ActionStatus.FAILED, text)
 
     def end(self, action_id: str, status: ActionStatus, text: str) -> None:
-        """Ends an action finally.
+        """Ends an action for good.
 
-        If an action of the order fails for which the vehicle must stand, the vehicle stops there.
+        If an action of the order fails and requires the vehicle to stand, the vehicle stays there.
         """
         entry = self._state.actions[action_id]
         if entry.status.has_ended:

@@ -120,7 +120,7 @@ class ActionSpec:
         self.check_arguments(action.arguments)
 
     def check_arguments(self, arguments: Mapping[str, Any]) -> None:
-        """Raises WrongAction if these are not arguments of the action."""
+        """Raises WrongAction if the arguments do not fit the action."""
         known = {parameter.key: parameter for parameter in self.parameters}
         for key, value in arguments.items():
             if key not in known:

@@ -56,7 +56,7 @@ class Context:
     def standing(self) -> bool:
         """Whether actions that require a standing vehicle may start.
 
-        The robot is seen to stand, or it has driven everything that it was sent.
+        They may if the robot is seen to stand, or if it has driven everything that it was sent.
         """
         drive, robot = self.state.drive, self.robot
         if not drive.at_rest:
@@ -73,7 +73,7 @@ class Context:
 
     @property
     def _is_told_to_stand(self) -> bool:
-        """Whether the robot's side says so, and nothing else contradicts it."""
+        """Whether the robot's newest report says that it stands, and nothing contradicts this."""
         robot = self.robot
         return self.state.drive.stands and not robot.moves and robot.standing is not False
 

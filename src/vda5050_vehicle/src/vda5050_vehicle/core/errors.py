@@ -22,7 +22,7 @@ class Errors:
     - Failures stay until a person or the master deals with them.
     - Conditions of the robot stay as long as they exist.
 
-    drive, action -- the failure because of which the vehicle does not drive on
+    drive, action -- the failure of driving, or of an action, that keeps the vehicle from driving on
     """
 
     rejections: Tuple[Error, ...] = ()
@@ -46,7 +46,7 @@ class Errors:
 
     @property
     def failure(self) -> Optional[Error]:
-        """The failure because of which the vehicle does not drive on; None if there is none."""
+        """The failure that keeps the vehicle from driving on; None if there is none."""
         return self.drive or self.action
 
     def all(self, robot: RobotSnapshot) -> Tuple[Error, ...]:

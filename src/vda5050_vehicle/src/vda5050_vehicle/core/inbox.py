@@ -31,7 +31,7 @@ class Inbox:
         self._codec = codec
 
     def read(self, topic: str, payload: bytes) -> Any:
-        """Returns the message on `topic`; raises Refused."""
+        """Returns the message on `topic`; raises MessageRefused."""
         try:
             header, message = self._codec.read(topic, payload)
             self._identity.check(header)

@@ -28,7 +28,7 @@ class PoseWish:
         """Returns the wish for a pose that is sent to the robot now.
 
         before -- the robot's pose until now. The robot must cover at least half of the distance
-                  from it to the requested pose.
+                  from this pose to the requested pose.
         """
         within = WITHIN
         if before is not None:

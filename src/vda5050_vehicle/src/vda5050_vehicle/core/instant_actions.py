@@ -29,8 +29,8 @@ from vda5050_vehicle.drivers.robot_view import RobotPose
 STOPPING = frozenset({'cancelOrder', 'startPause'})
 HARMLESS_AGAIN = STOPPING | {'stateRequest', 'factsheetRequest', 'logReport',
                              'clearInstantActions'}
-# A master that sends one of these with a known actionId wants it again: some masters use one id for
-# each kind of action, or begin anew with their ids after a restart.
+# These are executed again if a message has a known actionId: some masters use the same id for each
+# action of a kind, or start their ids again after a restart.
 DONE_AGAIN = frozenset({'stopPause', 'stateRequest', 'factsheetRequest', 'clearInstantActions'})
 _INSTANT: FrozenSet[Scope] = frozenset({Scope.INSTANT})
 
@@ -113,7 +113,7 @@ class InstantActionHandler:
                 taken = True
             except WrongAction as wrong:
                 refused.append((action, wrong))
-                if known is None:  # a master repeats an action that no state shows
+                if known is None:  # without a state of the action the master would repeat it
                     self._end(action.action_id, ActionStatus.FAILED, str(wrong))
         if taken:
             state.errors = replace(state.errors, refused_actions=())
@@ -121,9 +121,9 @@ class InstantActionHandler:
             self._report_refusal(action, reason)
 
     def _is_done(self, action: VdaAction, known: QueuedAction, is_copy: bool) -> bool:
-        """Returns whether an action with a known id is the known action, and not wanted again.
+        """Returns whether an action with a known id only repeats the known action.
 
-        A stop is wanted again if there is a motion to stop.
+        A stop does not only repeat an ended stop if there is a motion to stop.
         """
         state, kind = self._state, action.action_type
         if known.belongs_to_order or known.action.action_type != kind:
@@ -136,9 +136,9 @@ class InstantActionHandler:
             is_copy or not _is_replaceable(action, known))
 
     def _do_beside(self, action: VdaAction, is_copy: bool, now: float) -> None:
-        """Executes a stop beside the action that has its id; raises WrongAction in all cases.
+        """Executes a stop although another action has its id; raises WrongAction in all cases.
 
-        The id reports the end of the other action.
+        The state under this id is that of the other action.
         """
         if action.action_type not in STOPPING:
             raise WrongAction('actionId', 'another action has this id, so this action is not '
@@ -170,7 +170,7 @@ class InstantActionHandler:
     def _with_blocking_type(self, action: VdaAction) -> VdaAction:
         """Returns the action with a blocking type that its table entry allows.
 
-        In 3.0 the blocking type of an instant action is always NONE. The table has the true one.
+        In 3.0 an instant action always has the blocking type NONE. The table has the true type.
         """
         spec = self._context.table.specs.get(action.action_type)
         if not self._context.codec.is_3 or spec is None or action.blocking_type in spec.blocking:
@@ -333,6 +333,6 @@ class InstantActionHandler:
 
 
 def _is_replaceable(action: VdaAction, known: QueuedAction) -> bool:
-    """Returns whether the action takes the place of an ended one that has its id."""
+    """Returns whether the action replaces an ended action with the same id."""
     return (action.action_type in DONE_AGAIN and not known.belongs_to_order
             and known.status.has_ended)

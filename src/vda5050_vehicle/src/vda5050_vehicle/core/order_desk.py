@@ -1,4 +1,4 @@
-"""Receives orders: it reads, judges (by figure 8 of the standard), plans and accepts them."""
+"""Receives orders: it reads, judges (figure 8 of the standard), plans and accepts them."""
 from __future__ import annotations
 
 from dataclasses import replace
@@ -125,7 +125,9 @@ class OrderDesk:
                     moving[0].action_id if moving else '')
 
     def _is_near(self, order: OrderMessage) -> bool:
-        """Answers question 4, for new orders to an idle vehicle only; raises NotDrivable."""
+        """Returns whether the robot is at the first node: question 4, only for a new order to an
+        idle vehicle. Raises NotDrivable.
+        """
         pose = self._context.robot.pose
         if order.order_id == self._state.order.order_id or self._state.busy:
             return True
@@ -144,7 +146,7 @@ class OrderDesk:
                  and not entry.status.has_ended)}
         first = order.nodes[0]
         if verdict is not OrderAcceptance.NEW:
-            # the node at which they join keeps its first definition
+            # the node at which order and update join keeps its first definition
             known -= {action.action_id for action in first.actions}
         for action in actions_of(order):
             if action.action_id in known:

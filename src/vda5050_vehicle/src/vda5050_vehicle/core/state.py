@@ -27,7 +27,7 @@ class VdaVehicleState:
     epoch   -- the robot's last known epoch
     away    -- whether nodes may have been passed while the adapter was not running
 
-    It is one value, so that it is stored as one.
+    It is one value, so that it is stored as a whole.
     """
 
     order: OrderState = OrderState()
@@ -49,7 +49,7 @@ class VdaVehicleState:
         return copy(self)
 
     def become(self, other: VdaVehicleState) -> None:
-        """Takes over all values of another state."""
+        """Sets all fields to those of another state."""
         for field in fields(self):
             setattr(self, field.name, getattr(other, field.name))
 
@@ -59,7 +59,7 @@ class VdaVehicleState:
                    for field in fields(self))
 
     def leg(self, number: int) -> Optional[Leg]:
-        """Returns a leg by its number; None if it is driven, or if the robot stands there."""
+        """Returns a leg by its number; None if it has been driven, or if it has no length."""
         index = number - self.order.passed
         if not 0 <= index < len(self.legs) or self.legs[index].stands:
             return None

@@ -1,8 +1,8 @@
-"""The steps of a fleet's mission, carried out by the table of actions.
+"""The steps of a fleet's mission, carried out with the table of actions.
 
-The same table serves VDA 5050 and the fleet (`route_protocol.steps`). Actions that move the robot,
-or that it treats as a drive, are refused: they would take the robot from its fleet. A step `wait`
-is timed here: the fleet lets the robot stand meanwhile.
+VDA 5050 and the fleet (`route_protocol.steps`) use the same table. Actions that move the robot, or
+that the robot treats as a drive, are refused, because the fleet would lose track of it. A step
+`wait` needs no action: this module measures its time, and the fleet lets the robot stand meanwhile.
 
 A step that was begun and did not succeed is UNKNOWN: the ROS action does not say whether it had an
 effect. A step that was never begun has FAILED.
@@ -27,7 +27,7 @@ PATIENCE = 5.0       # s that a step waits for its action server
 
 
 class ActionLink(Protocol):
-    """Carries out the actions of the table; the end of each is reported by `TableSteps.ended`."""
+    """Carries out the actions of the table, and reports the end of each to `TableSteps.ended`."""
 
     def is_ready(self, spec: ActionSpec) -> bool:
         """Returns whether a goal would reach its server now."""
@@ -36,7 +36,7 @@ class ActionLink(Protocol):
         """Begins an action under a name."""
 
     def cancel(self, name: str) -> None:
-        """Asks for the end of an action."""
+        """Requests the end of an action."""
 
 
 class TableSteps:
@@ -53,7 +53,7 @@ class TableSteps:
 
     @property
     def news(self) -> object:
-        """The part of the report that is sent at once when it changes."""
+        """The values whose changes are reported at once."""
         return self._state.last, self._state.steps
 
     def report(self) -> StepReport:
@@ -91,7 +91,7 @@ class TableSteps:
         self._state = self._state.end(key, Word.FAILED, code, text)
 
     def _break_off(self, key: int) -> None:
-        """Ends a step that was not given to its server; asks the server to end any other one."""
+        """Ends a step that its server does not have yet; otherwise asks the server to end it."""
         if key in self._waits or key in self._waiting:
             self._waits.pop(key, None)
             self._waiting.pop(key, None)
@@ -100,7 +100,7 @@ class TableSteps:
             self._link.cancel(str(key))
 
     def tick(self, now: float) -> None:
-        """Begins and ends what is due. It is to be called several times a second."""
+        """Begins and ends the steps that are due. The caller calls it several times a second."""
         for key, until in list(self._waits.items()):
             if now >= until:
                 del self._waits[key]

@@ -62,7 +62,7 @@ class VdaVehicle:
         for topic, payload in messages:
             before = self.state.order
             if topic == 'order':
-                if not is_reported:  # an order ends the reports of earlier instant actions
+                if not is_reported:  # an order removes earlier instant actions from the state
                     effects += self._report(now)
                 self._desk.receive(payload)
             else:
@@ -74,7 +74,7 @@ class VdaVehicle:
         return effects if is_reported else effects + self._report(now)
 
     def robot_seen(self, robot: RobotSnapshot, now: float) -> Tuple[fx.Effect, ...]:
-        """Processes a new view of the robot; a robot may also be silent for too long."""
+        """Processes a new view of the robot, or that the robot was silent for too long."""
         self.context.robot = robot
         self.driver.robot_seen(robot, now)
         return self._handle_events(now)
@@ -104,8 +104,8 @@ class VdaVehicle:
     def restore(self, state: VdaVehicleState, is_newest: bool, now: float) -> None:
         """Continues the order after a restart; actions that were started count as failed.
 
-        is_newest -- no later state can have been lost. Otherwise the order may be cancelled by now:
-                     the robot is stopped, and only a master may continue it
+        is_newest -- whether no later state can have been lost. If one may have been lost, the order
+                     may be cancelled: the robot is stopped, and only a master may continue it
         """
         self.state.become(state)
         self.driver.restart(now)
@@ -148,7 +148,7 @@ class VdaVehicle:
     def _judge_epoch(self) -> None:
         """Reports a failure if another program or person has driven or stopped the robot.
 
-        A new epoch while this vehicle commands no motion shows this. Only the master may then
+        A new epoch shows this if this vehicle commands no motion. Only the master may then
         continue the drive. If an action commands the motion, the new epoch belongs to the action.
         """
         state, epoch = self.state, self.state.drive.epoch
@@ -182,7 +182,7 @@ class VdaVehicle:
             state.away = False
 
     def _pass_nodes_at_a_stand(self) -> None:
-        """Passes further nodes at the place of the last one: masters add actions there by them."""
+        """Passes further nodes at the same place. Masters use such nodes to add actions."""
         state = self.state
         while (state.legs and state.legs[0].stands and state.order.base_end
                and state.drive.in_order and self._may_leave_node
@@ -231,7 +231,7 @@ class VdaVehicle:
     def _must_stop_now(self) -> bool:
         """Returns whether an instant action requires a stop now.
 
-        For the actions of nodes the vehicle drives up to the node anyway.
+        The actions of a node do not: the vehicle drives on to the node and stands there.
         """
         actions = self.state.actions
         return any(actions[name].forbids_driving and not actions[name].belongs_to_order

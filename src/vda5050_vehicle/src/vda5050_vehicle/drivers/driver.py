@@ -9,7 +9,7 @@ from typing import Any, ClassVar, Generic, List, Optional, Protocol, Sequence, T
 from vda5050_protocol.values import ErrorKind, OrderEdge, OrderNode
 from vda5050_vehicle.drivers.robot_view import RobotPose, RobotSnapshot
 
-SETTLING = 1.0  # s; a report of the robot's motion may be this much older than the last command
+SETTLING = 1.0  # s after a command in which reports may still show the motion before the command
 
 
 class NotDrivable(Exception):
@@ -41,7 +41,7 @@ class Leg:
 
     @property
     def stands(self) -> bool:
-        """Whether the robot stands at both of its nodes. Drivers never get such a leg."""
+        """Whether both of its nodes are at the same place. Drivers never get such a leg."""
         return self.length == 0.0
 
 
@@ -55,7 +55,7 @@ class DriveProgress:
     rest_since -- s; older reports do not show whether the robot stands
     epoch      -- a number that changes when another program or person drives or stops the robot;
                   0: unknown
-    stands     -- whether the robot's side says, in its newest report, that it stands
+    stands     -- whether the robot's newest report says that it stands
     """
 
     passed: int = 0
@@ -69,7 +69,7 @@ class DriveProgress:
     def at_rest(self) -> bool:
         """Whether the robot does not drive for this driver.
 
-        It was sent nothing, or has driven the route or obeyed the stop, or has failed.
+        The robot was sent nothing, has driven the route, has obeyed the stop, or has failed.
         """
         raise NotImplementedError
 
@@ -85,20 +85,20 @@ class DriverMemory(Protocol):
     drive: Any
 
     def leg(self, number: int) -> Optional[Leg]:
-        """Returns a leg by its number; None if it is driven, or if the robot stands there."""
+        """Returns a leg by its number; None if it has been driven, or if it has no length."""
 
 
 D = TypeVar('D', bound=DriveProgress)
 
 
 class Driver(ABC, Generic[D]):
-    """Drives legs, which are numbered from the last `begin` on; never repeats a motion itself.
+    """Drives legs, numbered from the last `begin` on; never repeats a motion by itself.
 
     longest -- number of legs that it can drive after a `begin`; None: any number
     All its knowledge is in the vehicle's state. The caller collects the commands with
     `pop_commands` and sends them in the given sequence.
 
-    It has many methods because each event of a vehicle is one for all kinds of drivers.
+    It has a method for each event that any kind of driver needs.
     """
 
     longest: ClassVar[Optional[int]] = None
@@ -144,15 +144,15 @@ class Driver(ABC, Generic[D]):
 
     @abstractmethod
     def knows(self, node_id: str, pose: RobotPose) -> bool:
-        """Returns whether a node has this name, or a node at `pose` may have it at the master."""
+        """Returns whether a node has this name, or the master may use it for a node at `pose`."""
 
     @abstractmethod
     def begin(self) -> None:
-        """Begins a new order, or the rest of one at a stand; its legs are numbered from 0."""
+        """Begins a new order, or the rest of an order after a stand; its first leg is number 0."""
 
     @abstractmethod
     def drive(self, first: int, legs: Sequence[Leg], now: float) -> None:
-        """Drives these legs, or extends the present drive to them; `first` is the first number."""
+        """Drives these legs, or extends the drive to them; `first` is the first leg's number."""
 
     @abstractmethod
     def halt(self, now: float) -> None:
@@ -163,7 +163,7 @@ class Driver(ABC, Generic[D]):
         """Stops the robot, even if it is not known to drive."""
 
     def forgive(self) -> None:
-        """Clears a failure after it was dealt with; `drive` works again."""
+        """Clears a failure after it was dealt with; then `drive` works again."""
         self._set(failure='')
 
     @abstractmethod
@@ -176,4 +176,4 @@ class Driver(ABC, Generic[D]):
 
     @abstractmethod
     def restart(self, now: float) -> None:
-        """Continues after a restart with the state from before it."""
+        """Continues after a restart with the stored state."""

@@ -42,7 +42,7 @@ def _drives_forwards(edge: OrderEdge) -> bool:
 
 _Rule = Callable[[OrderEdge, Abilities], bool]
 
-# Does the vehicle satisfy the field anyway?
+# Whether the vehicle satisfies the field anyway.
 EDGE_RULES: Dict[str, _Rule] = {
     'trajectory': lambda edge, _: edge.trajectory is None,
     'maxSpeed': lambda edge, can: edge.max_speed is None or edge.max_speed >= can.top_speed,
@@ -78,7 +78,7 @@ def check_fields(order: OrderMessage, can: Abilities) -> None:
 
 def check_headings(nodes: Sequence[OrderNode], can: Abilities,
                    can_turn: Callable[[int, OrderNode], bool], first: int = 1) -> None:
-    """Raises NotDrivable at the first heading for which `can_turn` is false, from `first` on."""
+    """Raises NotDrivable at the first heading, from node `first` on, that `can_turn` denies."""
     if 'theta' in can.ignored:
         return
     for index, node in enumerate(nodes):

@@ -100,11 +100,11 @@ class OrderGraph:
 
     def approach(self, first: int, pose: RobotPose, passing: float, corridor: float
                  ) -> Tuple[int, ...]:
-        """Returns the edges over which a robot drives to the start of an order's first edge.
+        """Returns the edge on which a robot drives to the start of an order's first edge.
 
-        There are none if the robot stands at that start or on the first edge, or if the order
-        begins with a leg at which it stands (`first` is 0). Otherwise it is the edge on which the
-        robot stands.
+        No edge is needed if the robot stands at this start or on the first edge, or if the order
+        begins with a leg without length (`first` is 0). Otherwise it is the edge on which the robot
+        stands.
         passing  -- m within which a robot is at a vertex
         corridor -- m within which a robot is on a curve
         Raises NotDrivable if the robot stands on no edge that leads to the start.
@@ -159,7 +159,7 @@ class OrderGraph:
         return (edge.velocity_forward if signed > 0 else edge.velocity_backwards) > 0.0
 
     def _choose(self, joining: Sequence[int], edge: OrderEdge, between: str) -> int:
-        """Returns the edge with the given id, otherwise the shortest one."""
+        """Returns the edge that the order names by its id, or else the shortest edge."""
         if not joining:
             raise NotDrivable(e.NO_ROUTE, f'edge {edge.edge_id!r}: the graph has no edge '
                               f'that may be driven between {between}', 'edgeId')

@@ -2,8 +2,8 @@
 
 The robot plans its own path between nodes. A node without a heading that is not the last node
 counts as passed within its deviation. The driver then sends the next pose, so that the robot does
-not stop. No pose follows by itself once something else has stopped or moved a robot that obeyed the
-driver (`RobotSnapshot.halted`): the next one could reach it while it still brakes.
+not stop. It sends no next pose by itself if something else has stopped or moved a robot that obeyed
+the driver (`RobotSnapshot.halted`): the pose could reach the robot while it still brakes.
 """
 from __future__ import annotations
 
@@ -62,12 +62,12 @@ class PoseDrive(DriveProgress):
 
     @property
     def at_rest(self) -> bool:
-        """See Drive."""
+        """See DriveProgress."""
         return self.goal == 0
 
     @property
     def in_order(self) -> bool:
-        """See Drive."""
+        """See DriveProgress."""
         return self.goal == 0 and not self.failure
 
 

@@ -30,12 +30,12 @@ class RobotSnapshot:
     rests    -- whether the poses have not changed for REST
     epoch    -- the robot's epoch; it changes when another program or person drives or stops the
                 robot; 0: unknown
-    halted   -- whether something else than a drive moved or stopped the robot last: a stop, a
-                cancellation, another client, the robot itself; False if it does not report this
+    halted   -- whether the last cause of the robot's motion or stop was not a drive but a stop, a
+                cancellation, another client or the robot itself; False if it is not reported
     lost     -- the reason why the robot counts as lost; '' while it reports, or while the time
                 limit has not expired
 
-    Its attributes are all that a robot may tell.
+    Its attributes are all values that a robot may report.
     """
 
     pose: Optional[RobotPose] = None
@@ -73,7 +73,7 @@ class RobotSnapshot:
 
 
 def has_moved(before: RobotPose, now: RobotPose) -> bool:
-    """Returns whether two poses differ by more than those of a standing robot within REST."""
+    """Returns whether two poses differ by more than a standing robot may move within REST."""
     turned = math.remainder(now.theta - before.theta, math.tau)
     return (math.hypot(now.x - before.x, now.y - before.y) > STANDING_SPEED * REST
             or abs(turned) > STANDING_ROTATION * REST)

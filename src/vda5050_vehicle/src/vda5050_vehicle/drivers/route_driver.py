@@ -1,16 +1,17 @@
 """Drives an order as one route over the trajectory graph, and extends it when the base grows.
 
-The driver is a master of the route protocol: `route_protocol.master` says what the robot may still
-do by its orders, when the next one may be given, and which one is repeated. The driver adds which
-legs of the VDA order these edges are: the edges of the route record are numbered, and `origin` is
-the number of leg 0.
+The driver is a master of the route protocol. `route_protocol.master` says what the robot may still
+do because of earlier orders, when the next order may be given, and which order is repeated. The
+driver knows which edges of the route record are the legs of the VDA order: the edges of the record
+are numbered, and `origin` is the number of leg 0.
 
-    | the report                                          | what follows                        |
+    | the report                                          | the consequence                     |
     |-----------------------------------------------------|-------------------------------------|
     | shows edges as driven                               | these legs are passed               |
     | shows that a route of these legs is lost or refused | a failure: a master must decide     |
-    | has an epoch that something else began meanwhile    | a failure, if the robot was driving |
-    |                                                     | or stopping; else `epoch` tells it  |
+    | has a new epoch while the robot has a route         | a failure: a master must decide     |
+    | has a new epoch of another giver during a stop      | a failure: a master must decide     |
+    | has a new epoch of another giver at another time    | `epoch` changes, without a failure  |
     | shows an order that is not in the journal           | the robot is stopped                |
 """
 from __future__ import annotations
@@ -49,8 +50,8 @@ from vda5050_vehicle.drivers.robot_view import RobotPose, RobotSnapshot
 
 ME = 'vda5050_vehicle'
 """The name of this master in its orders."""
-PATIENCE = 25.0  # s after which a robot that does not answer is given up; a bridge restarts in 20 s
-# Epochs for other reasons begin because the robot does not know its orders any more.
+PATIENCE = 25.0  # s until a robot that does not answer has failed; a bridge restarts in 20 s
+# The other causes mean that the robot does not know its orders any more.
 _BY_OTHERS = (EpochCause.OTHER_GIVER, EpochCause.STOP, EpochCause.CANCEL, EpochCause.OTHER_CLIENT,
               EpochCause.ROBOT, EpochCause.EMERGENCY_STOP, EpochCause.OTHER_MASTER)
 
@@ -59,9 +60,9 @@ _BY_OTHERS = (EpochCause.OTHER_GIVER, EpochCause.STOP, EpochCause.CANCEL, EpochC
 class RouteDrive(DriveProgress):
     """The memory of the route driver.
 
-    protocol -- what the robot may still do by the orders of this adapter
-    origin   -- number, in the route record, of leg 0 in the last route of these legs; None: none of
-                them was ordered yet
+    protocol -- what the robot may still do because of the orders of this adapter
+    origin   -- number of leg 0 in the route record, for the last route of these legs; None: no leg
+                was ordered yet
     """
 
     protocol: MasterState = MasterState()
@@ -69,25 +70,25 @@ class RouteDrive(DriveProgress):
 
     @property
     def at_rest(self) -> bool:
-        """See Drive."""
+        """See DriveProgress."""
         known = self.protocol
         return not (known.may_drive or known.is_stopping or known.unknown)
 
     @property
     def in_order(self) -> bool:
-        """See Drive."""
+        """See DriveProgress."""
         return self.at_rest and not self.failure
 
     @property
     def route(self) -> Optional[Order]:
-        """The route of these legs that is in force, or driven to its end; None: there is none."""
+        """The route of these legs that is in force or driven to its end; None: no such route."""
         return None if self.origin is None else self.protocol.farthest
 
 
 class RouteDriver(Driver[RouteDrive]):
     """See the module's docstring. `clock` returns ms since 1970.
 
-    It has the methods of `Driver`, and one for the reports.
+    It has the methods of `Driver`, and `on_report`.
     """
 
     longest = MAXIMUM_EDGES - 1  # a route may begin with an edge that leads to the order
@@ -169,7 +170,7 @@ class RouteDriver(Driver[RouteDrive]):
             self._order(first, tuple(leg.edge for leg in legs), now)
 
     def _order(self, first: int, edges: Tuple[int, ...], now: float) -> None:
-        """Orders these legs, from number `first` on, if that is anything new."""
+        """Orders these legs, from number `first` on, if this changes the route."""
         drive, known, number = self.drive_state, self.drive_state.protocol, self._next_number()
         route, origin, label = drive.route, drive.origin, label_of(number)
         if route is not None and origin is not None:
@@ -196,7 +197,7 @@ class RouteDriver(Driver[RouteDrive]):
     def stop(self, now: float) -> None:
         """See Driver."""
         known, number = self.drive_state.protocol, self._next_number()
-        if known.is_stopping:  # the newer stop does all that this one does
+        if known.is_stopping:  # the new stop replaces the open one
             known = replace(known, open=known.open[:-1])
         self._give(give_stop(known, number, label_of(number)), now)
 
@@ -238,7 +239,7 @@ class RouteDriver(Driver[RouteDrive]):
         self._judge_orders(before, said, news, now)
 
     def _judge_orders(self, before: RouteDrive, said: RouteReport, news: News, now: float) -> None:
-        """Evaluates what the report changes about the orders."""
+        """Evaluates the consequences of a report for the orders."""
         is_ours = news.cause is EpochCause.OTHER_MASTER and said.master == ME
         by_others = news.cause in _BY_OTHERS and not is_ours
         if by_others or not before.protocol.epoch:
@@ -254,7 +255,7 @@ class RouteDriver(Driver[RouteDrive]):
             self._judge_epoch(before, said, by_others)
 
     def _judge_epoch(self, before: RouteDrive, said: RouteReport, by_others: bool) -> None:
-        """Evaluates a new epoch: it ends a route, and a stop if others began it."""
+        """Notes a failure if a new epoch ended a route, or if others began it during a stop."""
         known = before.protocol
         if known.ahead and not known.is_stopping or by_others and not before.at_rest:
             why = said.reason.text if EdgeState.FAILED in said.states else ''
@@ -287,7 +288,7 @@ class RouteDriver(Driver[RouteDrive]):
             self._set_passed(drive.passed + 1)
 
     def _is_at_end(self, leg: Leg, pose: SymbolicPose) -> bool:
-        """Returns whether the robot is so near to the leg's end that its side refuses the leg."""
+        """Returns whether the robot is so near to the leg's end that the bridge refuses the leg."""
         place = self._graph.place_on(pose.edge, pose.percentage)
         return place is not None and math.dist(place, (leg.x, leg.y)) <= self._abilities.passing
 

@@ -22,7 +22,7 @@ Clock = Callable[[], float]
 
 @dataclass(frozen=True)
 class _Goal:
-    """A goal. It waits for its server until the time `until` (s); `sent` is None until then."""
+    """A goal. It waits for its server until the time `until` (s); `sent` is None while it waits."""
 
     client: ActionClient
     goal: Any

@@ -21,7 +21,7 @@ class JournalLog:
     """The file that keeps the vehicle's state during a restart, as a log of changes.
 
     Writing does not force the data to the disk. So the file survives a restart of this process, but
-    after a restart of the computer it may be an older one.
+    after a restart of the computer its newest changes may be missing.
     """
 
     def __init__(self, path: Path) -> None:

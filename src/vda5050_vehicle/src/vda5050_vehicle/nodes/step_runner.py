@@ -1,4 +1,4 @@
-"""step_runner: carries out the steps of a fleet's missions by the table of actions of a robot.
+"""step_runner: carries out the steps of a fleet's missions with the table of actions of a robot.
 
 Subscribes
     step_command (itrci_nav_msgs/StepCommand)
@@ -27,7 +27,7 @@ from vda5050_vehicle.core.table_steps import TableSteps
 from vda5050_vehicle.nodes.parameters import yaml_file
 from vda5050_vehicle.nodes.ros_actions import RosActions, check_types
 
-TICK = 0.1      # s between two looks at the actions
+TICK = 0.1      # s between two checks of the actions
 PERIOD = 1.0    # s between two reports if nothing changes
 
 
