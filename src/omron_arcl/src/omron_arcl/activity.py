@@ -1,8 +1,8 @@
 """The robot's activity, read from its status text with one table for all programs.
 
 A status text has the form of another line of the robot (`Going to 12`,
-`DockingState: Docked ...`). The robot sends many of these lines also on their own, when they
-become true.
+`DockingState: Docked ...`). The robot also sends many of these lines by themselves, at the moment
+when the activity begins.
 """
 from __future__ import annotations
 
@@ -41,12 +41,12 @@ class ActivityKind(Enum):
     LOST = 'lost'
 
 
-# The robot drives, regardless of the client that sent it.
+# In these activities the robot drives, regardless of the client whose command it obeys.
 MOVING = frozenset((
     ActivityKind.GOING_TO_GOAL, ActivityKind.GOING_TO_POINT, ActivityKind.PATROLLING,
     ActivityKind.DOING_TASK, ActivityKind.DOCKING, ActivityKind.UNDOCKING, ActivityKind.PARKING,
     ActivityKind.TELEOPERATED))
-# The robot is about to stand, or it is unknown whether it stands.
+# In these activities the robot is about to stand, or it is unknown whether it stands.
 _NEITHER = (ActivityKind.STOPPING, ActivityKind.UNKNOWN)
 STANDING = frozenset(ActivityKind) - MOVING - frozenset(_NEITHER)
 
@@ -54,8 +54,8 @@ STANDING = frozenset(ActivityKind) - MOVING - frozenset(_NEITHER)
 class Activity(NamedTuple):
     """The robot's activity.
 
-    goal -- the goal to which the robot drives, at which it stands, or which it failed to reach; or
-        the name of a route or a task
+    goal -- the name of a route or task, or of the goal to which the robot drives, at which it
+        stands, or which it failed to reach
     reply -- the line from which the activity was read
     """
 
