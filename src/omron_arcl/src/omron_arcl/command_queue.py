@@ -118,7 +118,7 @@ class CommandQueue:
     def end(self, execution: Execution, outcome: Outcome, words: str, keep: bool = False) -> None:
         """Ends a command for its caller.
 
-        keep -- the command stays in the queue, because its lines may still come; nobody reads them
+        keep -- the command stays in the queue, because its lines may still come; they are ignored
         """
         if execution.progress.cancel_requested is not None and outcome is Outcome.INTERRUPTED:
             outcome = Outcome.CANCELLED

@@ -35,7 +35,7 @@ _LONGEST_REPLACEMENT = 5.0  # s in which a newer drive must replace a cancelled 
 class Dispatcher:
     """The commands of one connection. The user provides the clock (s, monotonic) and the lock.
 
-    `pop_callbacks` returns the callbacks of those who gave commands. The user runs them without the
+    `pop_callbacks` returns the callbacks of the givers of commands. The user runs them without the
     lock, so that a callback may give the next command.
     """
 

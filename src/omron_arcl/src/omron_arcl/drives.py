@@ -1,4 +1,4 @@
-"""The records of drives and stops: who drives the robot, whether it obeys, what stop it owes.
+"""The records of drives and stops: which giver drives the robot, and which stop is owed.
 
 Read this module first.
 
@@ -69,7 +69,7 @@ Derived values and rules:
 - The *foreign epoch* of each such giver is the newest epoch that this giver did not begin. A giver
   begins an epoch by a drive (even if the drive is lost), a stop or a cancellation. But if the stop
   or cancellation ends a drive of another giver that is still on its way, the epoch is foreign to
-  all givers. Two epochs are foreign to no giver, because nobody acted: one begins when the
+  all givers. Two epochs are foreign to no giver, because no giver acted: one begins when the
   controller starts with its memory, the other after an outage, if the robot stands as we stopped
   it. A program that missed some epochs sees by this one value whether one of them was foreign.
 
@@ -208,7 +208,7 @@ class Overruled(ArclError):
 
 
 class Unclear(ArclError):
-    """A drive was refused because it is unknown at present whom the robot obeys."""
+    """A drive was refused because it is unknown at present which giver the robot obeys."""
 
 
 class _Change(NamedTuple):

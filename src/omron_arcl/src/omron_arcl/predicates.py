@@ -10,7 +10,7 @@ from omron_arcl.replies import Reply, coordinates
 
 
 def never(command: Command, reply: Reply) -> bool:
-    """Matches no line. This is for commands that go on until somebody stops them."""
+    """Matches no line. This is for commands that go on until they are stopped."""
     return False
 
 

@@ -146,7 +146,7 @@ class RouteRun:
     def drive(self) -> None:
         """Sends the robot to the target of the strategy, unless it is on its way there.
 
-        If the robot missed a vertex, it drives there first, whatever the strategy. Nothing is sent
+        If the robot missed a vertex, it drives there first, for any strategy. Nothing is sent
         while it is unknown whether the robot obeys the last command.
         """
         if self.progress.done or self._tracker.awaits_motion:
