@@ -42,7 +42,7 @@ class Occasion(NamedTuple):
 
 
 OCCASIONS: Dict[str, Occasion] = {
-    # which stop makes the robot halt
+    # the cause of a `Stopping`
     'our stop': Occasion('Stopped', ['stop'], ['Stopping', 'Stopped'], ['succeeded'],
                          MotionCause.STOP),
     'undocked': Occasion('Docked', ['undock'], [UNDOCKING, UNDOCKED, 'Stopping'], ['succeeded'],
@@ -59,7 +59,7 @@ OCCASIONS: Dict[str, Occasion] = {
     'stands unasked': Occasion('Going to 5', ['goto 12'], ['Stopping', 'Stopped'],
                                ['sent'], OTHERS),
     'stop of another client': Occasion('Going to 5', [], ['Stopping'], [], OTHERS),
-    # a drive whose command has ended
+    # drives that have ended for their givers
     'refused late': Occasion('Stopped', ['goto 12'],
                              ['EStop pressed', again, 'CommandError: goto 12', REASON],
                              ['emergency stop'], MotionCause.EMERGENCY_STOP),
@@ -118,7 +118,7 @@ OCCASIONS: Dict[str, Occasion] = {
     'broken off': Occasion('Docked', ['undock'], [UNDOCKING, DOCKED], ['interrupted'], OTHERS),
     'under way': Occasion('Stopped', ['doTask wait 1'], ['Doing task wait 1', 'Going to 5'],
                           ['under way'], OURS),
-    # who makes the robot set out
+    # the giver for which the robot sets out
     'late start': Occasion('Stopped', ['goto 12'], [outage, 'Going to 12'], ['lost'], OURS),
     'docks by itself': Occasion('Stopped', [], [UNDOCKED, DOCKING], [], ITSELF),
     'drive of another client': Occasion('Stopped', [], ['Going to 9'], [], OTHERS),

@@ -79,7 +79,7 @@ def activity_of(reply: Reply) -> Activity:
 
 
 def _toward(goal: ActivityKind, point: ActivityKind) -> Callable[[Any], Tuple[ActivityKind, str]]:
-    """Reads a line about a goal. Some robots write the coordinates of a point as a goal's name."""
+    """Returns a reader of lines about a goal. Some robots name a point by its coordinates."""
     def read(reply: Any) -> Tuple[ActivityKind, str]:
         if reply.goal.lower().startswith('dock at '):
             return ActivityKind.DOCKING, reply.goal[len('dock at '):]
@@ -88,7 +88,10 @@ def _toward(goal: ActivityKind, point: ActivityKind) -> Callable[[Any], Tuple[Ac
 
 
 def _always(kind: ActivityKind, field: str = '') -> Callable[[Any], Tuple[ActivityKind, str]]:
-    """Returns `kind` for each line; `field` holds the name of the goal, route or task."""
+    """Returns a reader that returns `kind` for each line.
+
+    field -- the field of the reply that has the name of the goal, route or task; '': none has
+    """
     return lambda reply: (kind, getattr(reply, field) if field else '')
 
 

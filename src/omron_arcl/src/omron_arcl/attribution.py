@@ -36,12 +36,12 @@ from omron_arcl.secret import redact_passwords
 
 _TO_GOAL = ActivityKind.GOING_TO_GOAL
 _CUT_NAME = 16  # length to which the robot shortens the name of an unknown command
-_ROUNDED = 2.0  # mm or degrees by which the robot may repeat a point otherwise
+_ROUNDED = 2.0  # mm or degrees by which a point may differ when the robot repeats it
 _NO_GOAL = re.compile(r'\bno (such )?goal\b|\bgoal\b.*\b(not found|not exist|unknown)\b|'
                       r'\b(unknown|invalid) goal\b', re.IGNORECASE)
 _ABOUT_DRIVING = re.compile(r'\b(path|goal|plan|route|drive|driving|reach|dock)\b', re.IGNORECASE)
 _ABOUT_LOCALIZING = re.compile(r'locali[sz]', re.IGNORECASE)
-# Activities that some robots report with an own word (`Docking`) instead of a docking state.
+# Activities that some robots report with a word such as `Docking` instead of a docking state.
 _IN_WORDS = {ActivityKind.DOCKING: DriveCourse.INTO_THE_DOCK,
              ActivityKind.UNDOCKING: DriveCourse.OUT_OF_THE_DOCK}
 # Lines to all clients, and refusals: never the answer to a command with an undocumented answer.
@@ -59,10 +59,10 @@ _NO_ANSWER = frozenset((
 class LinePart(Enum):
     """A part of the table: what a line may decide. Each part decides independently."""
 
-    HALT = 'whose stop makes the robot halt'
-    ENDED = 'the drives whose commands have ended, and that the line is about'
+    HALT = 'the cause of a `Stopping`: our stop, the robot itself or another client'
+    ENDED = 'the drives that the line is about, and that have ended for their givers'
     COMMAND = 'the drive, or the refused command, that the line is about'
-    START = 'the giver that makes the robot set out, if no command under way does'
+    START = 'the giver for which the robot sets out, if not for a command under way'
     ANSWER = 'the query or stop that the line answers'
 
 

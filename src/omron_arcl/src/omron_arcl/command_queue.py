@@ -2,8 +2,9 @@
 
     event                                     waiting              sent
     a stop is given                           drives: ended        -
-    the connection accepts data               sent, unless it must -
-                                              wait or came late
+    the connection accepts data               sent; or it waits;   -
+                                              or it is too late:
+                                              ended
     a newer drive is acknowledged, or         -                    older drives and stops: ended
     completed at once
     a stop has succeeded                      -                    older drives and stops: ended

@@ -13,7 +13,7 @@ from typing import Callable, Optional, Tuple
 
 from omron_arcl.replies import Reply, same_name
 
-ACKNOWLEDGE_TIMEOUT = 60.0  # s in which a drive must be acknowledged; it may leave the dock first
+ACKNOWLEDGE_TIMEOUT = 60.0  # s within which the robot acknowledges a drive; it may undock before
 
 
 class Category(Enum):

@@ -81,7 +81,7 @@ class ArclConnection:
             return None
 
     def send(self, data: bytes) -> None:
-        """Sends as much as possible now, and keeps the rest. Raises OSError if it is broken."""
+        """Sends as much as possible now, and keeps the rest. Raises OSError."""
         self.unsent += data
         with contextlib.suppress(BlockingIOError):
             while self.unsent:
@@ -106,7 +106,7 @@ class LivePeer:
         self._late = False
         self._resumed = 0.0
         self._data_at = self._heard
-        self._pause: Optional[float] = None  # s, the usual one between two pieces of data
+        self._pause: Optional[float] = None  # s, usual time between two pieces of data
 
     def receive(self, now: float, waited: float) -> Iterator[Union[LoggedIn, Received]]:
         """Yields the events in the received data. The caller has waited `waited` s for this data.

@@ -181,7 +181,7 @@ _ENDINGS = {Event.COMPLETED: CommandFate.COMPLETED, Event.FAILED: CommandFate.FA
 _DECIDED = (*_ENDINGS.values(), CommandFate.NOT_OBEYED)
 UNHEEDED = (Outcome.TIMED_OUT, Outcome.REJECTED, Outcome.UNKNOWN_COMMAND)
 """The outcomes of a stop that the robot does not obey."""
-# The outcomes of a stop after which the robot need not obey it any more.
+# After one of these outcomes of a stop, the robot need not obey the stop any more.
 _OBEYED_STOP = (Outcome.SUCCEEDED, Outcome.INTERRUPTED, Outcome.EMERGENCY_STOPPED)
 
 _STATES = {
@@ -231,7 +231,7 @@ def names_of(command: Command) -> Tuple[str, ...]:
 
 
 def _shortened(values: Tuple[_T, ...], most: int, needless: Sequence[_T]) -> Tuple[_T, ...]:
-    """Returns the values. If they exceed `most`, the oldest needless ones are left out."""
+    """Returns the values. If there are more than `most`, leaves out the oldest needless ones."""
     dropped = needless[:max(len(values) - most, 0)]
     return tuple(value for value in values if value not in dropped)
 
@@ -762,8 +762,9 @@ class Drives:
     def ended_drive(self, names: Sequence[str], verb: str = '') -> Optional[DriveRecord]:
         """Returns the drive with one of these names that the robot has to answer next.
 
-        None: there is none, or it has not ended for its giver. verb -- the name of its command; '':
-        any command
+        None: there is none, or the drive has not ended for its giver.
+
+        verb -- the name of the command; '': any command
         """
         record = next((r for r in self._records if set(names).intersection(r.names)
                        and verb in ('', r.verb) and self._is_to_come(r)), None)
@@ -818,7 +819,7 @@ class Drives:
         self.heard.showed(activity)
         if activity.kind is ActivityKind.EMERGENCY_STOP:
             self.note_emergency(text)
-        if self.is_unexplained:  # an emergency stop would have been shown
+        if self.is_unexplained:  # the status shows no emergency stop, so another client did it
             self._begin_epoch(None, MotionCause.OTHER_CLIENT, self._memory.reason, False)
         if self._unseen:
             self._first_shown(activity, text)
@@ -951,7 +952,7 @@ class Drives:
         return shown is None and activity.kind in STANDING
 
     def _before(self, execution: Execution) -> Tuple[DriveRecord, ...]:
-        """Returns the records that are older than that of a command."""
+        """Returns the records that are older than the record of a command."""
         record = self._record_of(execution)
         return self._records[:self._records.index(record)] if record else ()
 
@@ -1053,7 +1054,7 @@ class Drives:
                 self._executions[last.number] = execution
         else:
             self._add(RecordKind.STOP, giver, words, execution, command=command)
-        # the stop may end a drive of another giver that is on its way; its giver may not know that
+        # the stop may end another giver's drive that is on its way, of which `giver` may not know
         ends_unknown = any(r.pending and r.giver != giver for r in self._records)
         self._begin_epoch(None if ends_unknown else giver, cause, words, False, self._records[-1])
 

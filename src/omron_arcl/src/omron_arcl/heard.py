@@ -48,7 +48,7 @@ class RobotWords:
     Each attribute is one fact.
 
     emergency_before -- whether the emergency stop was pressed according to the last connection
-    since -- number of the newest record of `drives` at the begin of the connection
+    since -- number of the newest record of `drives` when the connection was made
     """
 
     def __init__(self, emergency_before: bool = False, since: int = 0) -> None:

@@ -33,7 +33,7 @@ SETTLE: Mapping[DriveCourse, float] = {
 SETTLE_CERTAIN = 4.0  # s, instead of SETTLE for an arrival or an emergency stop
 SETTLE_STOP = 2.0  # s of standing after which a stop without `Stopped` counts as obeyed
 SETTLE_OVERTAKEN = 6.0  # s of driving elsewhere after which a stop counts as overtaken
-SETTLE_ONCE = 5.0  # s more if there was one contradiction: the robot answers no status requests
+SETTLE_ONCE = 5.0  # s more after a single contradiction, as of a robot that sends no status
 
 # In these activities a robot may begin a drive before it names the goal: it leaves its dock for the
 # drive, or drives to the dock.

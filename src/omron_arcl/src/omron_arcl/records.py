@@ -9,7 +9,7 @@ from omron_arcl.execution import NO_GIVER, Giver, Outcome
 
 
 class MotionCause(IntEnum):
-    """Why a new epoch began; as in omron_ld90_msgs/Motion."""
+    """Why a new epoch began, with the numbers of omron_ld90_msgs/Motion."""
 
     OTHER_GIVER = 1
     STOP = 2
@@ -22,7 +22,7 @@ class MotionCause(IntEnum):
 
 
 class MotionState(IntEnum):
-    """The motion of the robot; as in omron_ld90_msgs/Motion."""
+    """The motion of the robot, with the numbers of omron_ld90_msgs/Motion."""
 
     UNKNOWN = 0
     STANDING = 1
@@ -50,7 +50,7 @@ _DRIVEN = (RecordKind.DRIVE, RecordKind.FOREIGN_DRIVE)
 
 
 class Fate(Enum):
-    """What became of a drive or stop; see the table in `drives`."""
+    """The fate of a drive or stop; see the table in `drives`."""
 
     GIVEN = 'given'
     OBEYED = 'obeyed'
@@ -59,7 +59,7 @@ class Fate(Enum):
 
 
 class CommandFate(IntEnum):
-    """What became of the last command of a giver; as in omron_ld90_msgs/LastCommand."""
+    """The fate of the last command of a giver, with the numbers of omron_ld90_msgs/LastCommand."""
 
     GIVEN = 1
     OBEYED = 2
@@ -122,7 +122,7 @@ class DriveRecord:
     stands_for: Tuple[Tuple[str, int], ...] = ()
     """Giver and number of each earlier stop that this stop has replaced; they share its fate."""
     is_cancelled: bool = False
-    """Whether its giver has cancelled a drive that a newer one was about to replace."""
+    """Whether the giver has cancelled this drive while a newer drive was about to replace it."""
     doubt: Optional[Doubt] = field(default=None, compare=False)
     """Set while the robot seems not to obey a command under way. It is not stored."""
 
@@ -133,30 +133,30 @@ class DriveRecord:
 
     @property
     def command_fate(self) -> CommandFate:
-        """What became of its commands."""
+        """The fate of the commands of this record."""
         if self.fate is not Fate.OVER:
             return CommandFate[self.fate.name]
         return self.ending if self.kind is RecordKind.DRIVE else CommandFate.COMPLETED
 
     @property
     def pending(self) -> bool:
-        """Whether it is a drive that the robot has not answered."""
+        """Whether this is a drive that the robot has not answered."""
         return self.kind is RecordKind.DRIVE and self.fate is Fate.GIVEN
 
     @property
     def was_broken_off(self) -> bool:
-        """Whether it is a drive that ended before its goal, and not because the robot gave up."""
+        """Whether this drive ended before its goal, although the robot did not give up."""
         return (self.kind is RecordKind.DRIVE and self.fate is Fate.OVER
                 and self.ending is CommandFate.NOT_OBEYED)
 
     @property
     def owed(self) -> bool:
-        """Whether it is a stop that the robot has not obeyed."""
+        """Whether this is a stop that the robot has not obeyed."""
         return self.kind is RecordKind.STOP and self.fate is not Fate.OVER
 
     @property
     def may_move(self) -> bool:
-        """Whether it is a drive that the robot carries out, or may carry out."""
+        """Whether this is a drive that the robot carries out, or may carry out."""
         return self.kind is RecordKind.DRIVE and self.fate is not Fate.OVER
 
 

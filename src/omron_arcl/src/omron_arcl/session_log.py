@@ -13,7 +13,7 @@ from typing import Callable, TextIO
 SIZE = 50_000_000  # bytes, maximum size of one file
 OUTGOING = 0  # number of the connection that the robot opens itself
 
-_LINE = re.compile(rb'\d+\.\d{3} [CS]\d*> ')  # the begin of each line
+_LINE = re.compile(rb'\d+\.\d{3} [CS]\d*> ')  # the beginning of each line
 
 _ESCAPED = {byte: f'\\x{byte:02x}' for byte in (*range(32), *range(127, 256))}
 _ESCAPED[ord('\\')] = '\\\\'

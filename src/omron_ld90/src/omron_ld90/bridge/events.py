@@ -60,7 +60,7 @@ class MotionTold:
     """The controller reports the epoch and the motion of the robot (omron_ld90_msgs/Motion).
 
     foreign_epoch -- the newest epoch that the bridge did not begin: another giver, another client,
-        the robot itself or its emergency stop did; 0: this one
+        the robot itself or its emergency stop did; 0: the present epoch
     is_ours -- the robot obeys the bridge, or is in its emergency stop
     obeys_us -- the epoch began because the robot obeys a drive of the bridge
     reason -- why the epoch began, for a person

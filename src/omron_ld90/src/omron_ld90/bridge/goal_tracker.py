@@ -65,7 +65,7 @@ class GoalTracker:
         """Why the drive has failed; None: it has not."""
         self.rested_at_goal = 0
         """Number of successive locations since the arrival that show the robot at one place."""
-        # number and fate of our last command
+        # number and fate of our last command, as `motion` shows them
         self._told: Tuple[int, Optional[CommandFate]] = (0, None)
         self._place: Optional[Tuple[float, float]] = None
 

@@ -1,4 +1,4 @@
-"""Tells people, once each, what becomes of the fleet manager's orders."""
+"""Writes notes for people about ignored and refused orders, each note once."""
 from __future__ import annotations
 
 from typing import Callable

@@ -188,7 +188,7 @@ class RobotMonitor:
 
     def _judge_foreign_epoch(self, known: int, event: p.MotionTold) -> None:
         """Notes whether another giver, another client or the robot itself acted after the `known`
-        epoch. Between it and the epoch of the event there may be epochs of which no message came.
+        epoch. Before the epoch of the event there may have been others, of which no message came.
         """
         before, self.foreign_epoch = self.foreign_epoch, event.foreign_epoch or event.epoch
         if not known or self.foreign_epoch == before:

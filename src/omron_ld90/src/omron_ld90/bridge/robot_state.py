@@ -60,14 +60,14 @@ class RobotLocation:
 
 
 class _LinkState:
-    """One link, and the node that reports on it."""
+    """One link, and the node that reports about it."""
 
     def __init__(self) -> None:
         self.up = False
         self.reason = ''
         self.heard: Optional[float] = None   # time of the last report
         self.changed = -math.inf             # when the link last went up or down
-        self.spared_until = -math.inf        # until then the link may be down: its node was away
+        self.spared_until = -math.inf        # until then it may be down, because its node was away
 
     def update(self, report: LinkReported, now: float, restart_timeout: float) -> None:
         if self.heard is not None and now - self.heard > NODE_SILENCE:

@@ -80,7 +80,7 @@ class RouteProgress:
 
         A vertex is passed under these conditions:
         - The segment from the last location to this one comes within the tolerance of the vertex.
-        - It comes there not before it comes to the previous vertex.
+        - Along the segment, it comes there after it has passed the previous vertex.
         - The edge that leads to the vertex has been driven.
         On an edge shorter than two tolerances, the tolerance is half of the edge's length, so that
         a location near two vertices skips no edge. The last vertex is never passed here, because

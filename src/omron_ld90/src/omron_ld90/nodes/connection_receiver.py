@@ -20,8 +20,8 @@ Parameters:
   ~map_frame (map), ~laser_device (Laser_1)
   ~laser_height (0.203 m): height of the laser above the floor
   ~silence (4.0 s): seconds without a line after which the link counts as dead
-  ~session_log (''): file for all that the robot sends; an older one is kept as <file>.old
-  ~session_log_size (50.0 MB): a file that has grown to this size becomes the older one
+  ~session_log (''): file for all that the robot sends; an older file is kept as <file>.old
+  ~session_log_size (50.0 MB): a file that has grown to this size becomes <file>.old
 """
 from __future__ import annotations
 

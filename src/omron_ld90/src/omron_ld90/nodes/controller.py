@@ -26,11 +26,11 @@ Parameters:
   ~map_frame (map): frame of incoming poses
   ~allowed_commands ([motion, query]): kinds and names of commands that may be sent; the kinds are
       query, motion, device, configuration, dangerous, unknown
-  ~session_log (''): file for all lines of both sides, passwords redacted; an older one is kept as
+  ~session_log (''): file for all lines of both sides, passwords redacted; an older file is kept as
       <file>.old; ld90_sim --replay can play it back
-  ~session_log_size (50.0 MB): a file that has grown to this size becomes the older one
-  ~motion_file (omron_ld90/<namespace>_motion.json): file that keeps over a restart which giver
-      drives the robot, and an owed stop; relative to ROS_HOME; '': no file
+  ~session_log_size (50.0 MB): a file that has grown to this size becomes <file>.old
+  ~motion_file (omron_ld90/<namespace>_motion.json): file that keeps the driver of the robot and an
+      owed stop over a restart; relative to ROS_HOME; '': no file
   ~robot_id (''): id of a simulated robot, which changes at each start of the simulator: a stored
       state with another id is not used; '': a real robot
   ~allow_takeover (false): true: the two click topics also move a robot that a fleet drives

@@ -11,7 +11,7 @@ Subscribes
         route ends
 Publishes
     execution_route_states (itrci_nav_msgs/ExecutionRouteStates, latched): 10 Hz and on change
-        while a route runs, else 1 Hz
+        while a route runs, otherwise 1 Hz
     route_refused (itrci_nav_msgs/RouteRefused): a route, or a change of it, that was refused
     /diagnostics
 Client of
@@ -22,7 +22,8 @@ Parameters
     ~strategy          string  rolling  or vertex_by_vertex, direct, native
     ~native_command    string  (empty)  for strategy native: {goals} = names in order, {last}
     ~vertex_tolerance  float   0.3 m    a vertex is passed within this distance
-    ~corridor_width    float   0.9 m    the route fails at more than half of this distance from it
+    ~corridor_width    float   0.9 m    the route fails if the robot is more than half of this width
+                                        away from its edge
     ~stall_timeout     float   30 s     the route fails after this time without progress
     ~location_timeout  float   5 s      the route fails after this time without a location
     ~link_timeout      float   2 s      the route fails after this time without a link to the robot

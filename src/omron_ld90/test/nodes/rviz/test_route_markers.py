@@ -33,7 +33,7 @@ def picture(graph) -> GraphPicture:
 
 
 def seen(array) -> dict:
-    """Returns for each colour the begin and the end (rounded x) of the drawn part of the route."""
+    """Returns for each colour where the drawn part of the route begins and ends (rounded x)."""
     result = {}
     for marker in of(array, 'route'):
         xs = [point.x for point in marker.points]
