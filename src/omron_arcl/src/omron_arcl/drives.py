@@ -43,9 +43,10 @@ are dropped. A stop that failed or was lost is sent again.
 The record of a command under way may have a *doubt*, which says since when and why the robot seems
 not to obey the command. `judgements` decides what an activity of the robot means for a command. A
 doubt begins anew if the robot first seems to have completed the command and then seems to have
-broken it off, or the other way round. A doubt ends the command after SETTLE s if at least two
-activities contradict the command; if only one does, SETTLE_ONCE s later. `Stopped` ends the command
-at once if it follows an `Interrupted` that does not name the drive.
+ended it in another way, or the reverse. A doubt ends the command after SETTLE s if at least two
+activities contradict the command; if only one does, SETTLE_ONCE s later. There is one shorter way:
+`Stopped` ends the command at once after an *unclear interruption*. This is an `Interrupted` that
+names no goal, or that comes before the robot has acknowledged the drive.
 
 Derived values and rules:
 - The *ruling* record is the newest record that is not a GIVEN drive. Its giver drives the robot.
@@ -85,7 +86,7 @@ Invariants:
   robot answers in the order of sending. This includes commands that ended for their givers before
   the robot read them.
 - An activity that contradicts a command ends it only after a doubt of SETTLE s. The exceptions are
-  lines about the command itself, and `Stopped` after an `Interrupted` that does not name the drive.
+  lines about the command itself, and `Stopped` after an unclear interruption.
 
 docs/reference/omron_controller.md states the limits of what can be known.
 """
@@ -365,8 +366,8 @@ class Drives:
     def check(self, giver: Giver, command: Command, known_epoch: int, number: int = 0) -> None:
         """Raises Overruled, Unclear or Busy if a command must not be sent.
 
-        number -- the giver's number of the command; a drive is refused as late unless its number
-            is greater than that of the giver's last command
+        number -- the giver's number of the command; a drive is refused as late unless this number
+            is greater than the number of the giver's last command
         """
         spec = command.spec
         if number and not spec.stops and number <= self._last_number(giver):
@@ -447,8 +448,8 @@ class Drives:
     def cancelled(self, execution: Execution, canceller: Giver) -> None:
         """Notes that a giver cancels a drive.
 
-        If the drive is its own, and a newer one replaces it or it was not sent, no stop is owed. If
-        the newer drive is lost, a stop may become owed later; see `_stop_if_cancelled`.
+        No stop is owed if the drive is its own, and either a newer drive replaces it or it was not
+        sent yet. If the newer drive is lost, a stop may be owed later; see `_stop_if_cancelled`.
         """
         if not execution.command.spec.drives:
             return

@@ -77,8 +77,8 @@ class Doubt:
     why -- the robot's words for this activity
     outcome -- how the command ends if the doubt lasts
     count -- how often an activity contradicted the command
-    broken_off -- the robot sent an `Interrupted` that does not name the drive
-    is_certain -- the robot sent such an `Interrupted`, and then `Stopped`
+    broken_off -- an unclear interruption was among the contradictions; see `drives`
+    is_certain -- after this interruption the robot said `Stopped`
     """
 
     since: float

@@ -30,7 +30,7 @@ class MotionFile:
         self._kept: Optional[DriveMemory] = None
 
     def hold(self) -> None:
-        """Raises ConfigurationError if another controller keeps its memory in the file."""
+        """Reserves the file. Raises ConfigurationError if another controller uses it."""
         hold(self._path, '~motion_file')
 
     def read(self) -> Optional[DriveMemory]:
