@@ -1,6 +1,6 @@
 """Common parts of the tests of ARCL: transcripts of sessions, and a robot that the test controls.
 
-The transcripts come from a real LD-90, or from the manual if there is no real one.
+The transcripts come from a real LD-90. If there is none for a case, they come from the manual.
 """
 from __future__ import annotations
 
@@ -132,7 +132,7 @@ class Conversation:
             self.sent.append(line.decode())
 
     def has_begun(self, execution: Execution) -> bool:
-        """Whether the robot has acknowledged a command."""
+        """Returns whether the robot obeys a command or has begun to answer it."""
         return self.dispatcher.records.has_begun(execution)
 
     def doubt_of(self, execution: Execution) -> Optional[Doubt]:
@@ -141,11 +141,11 @@ class Conversation:
         return record.doubt if record else None
 
     def cancel(self, execution: Execution) -> None:
-        """Cancels a command; lines that this requires are sent later."""
+        """Cancels a command. Lines that must be sent because of this are sent later."""
         self.dispatcher.cancel(execution, self.now)
 
     def robot(self, *said: str) -> None:
-        """The robot says lines, a tenth of a second apart."""
+        """Plays lines of the robot, one tenth of a second apart."""
         for text in said:
             self.now += 0.1
             self.dispatcher.on_reply(parse_line(text), text, self.now)
@@ -206,16 +206,16 @@ class ScriptedRobot:
         self.send(self.connections[-1], lines(*texts))
 
     def send(self, connection: socket.socket, data: bytes) -> None:
-        """Sends bytes, not mixed with those of other threads."""
+        """Sends bytes; bytes of other threads do not come in between."""
         with self._sending:
             connection.sendall(data)
 
     def drop(self, reset: bool = False) -> None:
-        """Closes all connections, with RST if asked."""
-        for connection in list(self.connections):  # not the connections that are made meanwhile
+        """Closes all connections; with RST if `reset`."""
+        for connection in list(self.connections):  # later connections are not closed
             try:
-                # closed with a linger of zero; a shutdown of the reading side only would not be
-                # visible outside
+                # with a linger of zero, closing sends RST; a shutdown of the reading side alone
+                # would not be visible to the other side
                 if reset:
                     linger = struct.pack('ii', 1, 0)
                     connection.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, linger)

@@ -1,4 +1,4 @@
-"""Programs that give commands to one robot, whose lines the test plays."""
+"""Programs that give commands to one robot; the test plays the robot's lines."""
 from __future__ import annotations
 
 from itertools import count

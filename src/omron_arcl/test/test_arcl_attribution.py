@@ -1,4 +1,4 @@
-"""Each line of the robot ends the right command with the right outcome: transcripts, examples."""
+"""Each line of the robot ends the right command with the right outcome; shown with transcripts."""
 from __future__ import annotations
 
 from typing import Sequence
@@ -293,8 +293,10 @@ def test_a_docking_state_with_a_field_of_a_newer_robot_is_understood(talk):
     ('goto 99', 'goto 3'), ('goto 99 90', 'goto 3 90'), ('gotoPoint 100 200', 'gotoPoint 300 400'),
     ('gotoRouteGoal r 99', 'gotoRouteGoal r 3')])
 def test_a_refusal_that_names_another_goal_is_of_a_command_that_has_ended(talk, former, command):
-    """The robot answers the first one late. The person's drive goes on, and must not be told as
-    refused: the robot would drive without an owner."""
+    """The robot answers the former command late, and carries out the newer drive.
+
+    If the newer drive counted as refused, the robot would drive without a giver.
+    """
     first = talk.give(former)
     talk.robot('EStop pressed', 'EStop relieved but motors still disabled', 'Motors enabled')
     assert outcome(first) is Outcome.EMERGENCY_STOPPED

@@ -1,4 +1,4 @@
-"""Each row of the table of attributions: what it means, and that nothing else stands for it."""
+"""Each row of the table of attributions has its meaning, and no other row replaces it."""
 from __future__ import annotations
 
 from typing import Any, Callable, Dict, List, NamedTuple, Tuple, Union
@@ -17,20 +17,21 @@ OTHERS, ITSELF, OURS, START = (
 
 
 def outage(bench: Bench) -> None:
-    """The link breaks, and is made again."""
+    """Breaks the link, and makes it again."""
     bench.lose()
     bench.connect()
 
 
 def again(bench: Bench) -> None:
-    """The same drive is given again."""
+    """Gives the same drive again."""
     bench.drive(ROUTE)
 
 
 class Occasion(NamedTuple):
-    """A robot that shows a status gets commands, and then says lines.
+    """A case for one row: the robot shows a status, gets commands, and then says lines.
 
-    ends -- what became of each command; cause -- why the present epoch began
+    ends -- the outcome or state of each command
+    cause -- why the present epoch began
     """
 
     shown: str
@@ -41,7 +42,7 @@ class Occasion(NamedTuple):
 
 
 OCCASIONS: Dict[str, Occasion] = {
-    # whose stop makes the robot halt
+    # the cause of a `Stopping`
     'our stop': Occasion('Stopped', ['stop'], ['Stopping', 'Stopped'], ['succeeded'],
                          MotionCause.STOP),
     'undocked': Occasion('Docked', ['undock'], [UNDOCKING, UNDOCKED, 'Stopping'], ['succeeded'],
@@ -58,7 +59,7 @@ OCCASIONS: Dict[str, Occasion] = {
     'stands unasked': Occasion('Going to 5', ['goto 12'], ['Stopping', 'Stopped'],
                                ['sent'], OTHERS),
     'stop of another client': Occasion('Going to 5', [], ['Stopping'], [], OTHERS),
-    # a drive whose command has ended
+    # drives that have ended for their givers
     'refused late': Occasion('Stopped', ['goto 12'],
                              ['EStop pressed', again, 'CommandError: goto 12', REASON],
                              ['emergency stop'], MotionCause.EMERGENCY_STOP),
@@ -117,7 +118,7 @@ OCCASIONS: Dict[str, Occasion] = {
     'broken off': Occasion('Docked', ['undock'], [UNDOCKING, DOCKED], ['interrupted'], OTHERS),
     'under way': Occasion('Stopped', ['doTask wait 1'], ['Doing task wait 1', 'Going to 5'],
                           ['under way'], OURS),
-    # who makes the robot set out
+    # the giver for which the robot sets out
     'late start': Occasion('Stopped', ['goto 12'], [outage, 'Going to 12'], ['lost'], OURS),
     'docks by itself': Occasion('Stopped', [], [UNDOCKED, DOCKING], [], ITSELF),
     'drive of another client': Occasion('Stopped', [], ['Going to 9'], [], OTHERS),
@@ -134,7 +135,7 @@ ROWS = {row.name: part for part, rows in ATTRIBUTIONS.items() for row in rows}
 
 
 def play(occasion: Occasion) -> Tuple[List[str], MotionCause, Any]:
-    """What became of each command, why the epoch began, and all else that is told."""
+    """Returns the outcome or state of each command, the cause of the epoch, and other results."""
     bench = Bench()
     bench.status(occasion.shown)
     executions = [bench.give(command, giver=ROUTE) for command in occasion.commands]

@@ -1,7 +1,7 @@
-"""A robot may send anything, in any order and in any pieces, with cancels, stops, broken links.
+"""A robot may send anything, in any order and in any pieces; commands are cancelled, links break.
 
-A command that was given ends within its time limit and has one outcome. No motion is sent twice,
-and a stop is sent first. 60 histories by default, 10,000 with LD90_LONG_TESTS=1.
+In each case a given command ends within its time limit and has one outcome. No motion is sent
+twice, and a stop is sent first. 60 histories by default, 10,000 with LD90_LONG_TESTS=1.
 """
 from __future__ import annotations
 
@@ -21,9 +21,9 @@ from omron_arcl.session import Received, Session
 EXAMPLES = 10_000 if os.environ.get('LD90_LONG_TESTS') == '1' else settings.default.max_examples
 NAMES = sorted(COMMANDS)
 DRIVES = sorted(name for name, spec in COMMANDS.items() if spec.drives)
-# A command may wait for others of the same name, each of which may take this time (s).
+# s, longest time of one command; a command may wait for several others of the same name.
 LONGEST_WAIT = 61.0
-LATER = 100  # steps after the end of the last command in which nothing more is sent
+LATER = 100  # steps after the end of the last command; nothing may be sent in them
 
 STATUS = 'Status: {} StateOfCharge: 79.4 Location: 1 2 3 Temperature: 36'
 ACTIVITIES = (
@@ -91,7 +91,7 @@ class History:
         self.given.append(self._dispatcher.start(parse_command(text), on_end=on_end))
 
     def say(self, line: bytes, cut: int = 0) -> None:
-        """The robot sends a line; a part of it may arrive only with the next line."""
+        """Sends a line of the robot; its last bytes may arrive only with the next line."""
         self._pending += lines(line)
         size = len(self._pending) - cut % 7
         piece, self._pending = self._pending[:size], self._pending[size:]
@@ -101,7 +101,7 @@ class History:
         self.tell()
 
     def lose(self) -> None:
-        """The link breaks: data on its way is lost, and does not arrive with the next link."""
+        """Breaks the link. Data on its way is lost: it does not arrive on the next link."""
         self._dispatcher.on_lost('lost')
         self._session, self._pending = Session(None), b''
         self.tell()

@@ -1,4 +1,4 @@
-"""The client against a robot that misbehaves: it never hangs, and reports what happened."""
+"""If a robot misbehaves, the client never hangs, and reports what happened."""
 from __future__ import annotations
 
 import inspect
@@ -61,7 +61,7 @@ def connected_client(robot: ScriptedRobot, **options) -> Iterator[Client]:
 
 @contextmanager
 def repeated(send: Callable[[], None]) -> Iterator[None]:
-    """Sends again and again, until the connection is gone."""
+    """Calls `send` again and again until the connection has ended."""
     done = threading.Event()
 
     def repeat() -> None:
@@ -117,7 +117,7 @@ def test_a_refused_connection_is_tried_again_until_the_robot_is_there(links):
 
 
 def test_a_stop_without_a_link_is_told_to_be_owed():
-    """D9: the giver read "Not sent", and the stop was sent later."""
+    """Once, the giver read "Not sent", but the stop was sent later."""
     client = Client('127.0.0.1', free_port(), PASSWORD)
     with pytest.raises(StopOwed, match='Not sent yet.*sent as soon as'):
         client.execute('stop')
@@ -314,7 +314,7 @@ def test_cancelling_everything_stops_the_drive_of_another_giver_and_tells_it(rob
 
 def test_a_drive_that_somebody_stops_without_a_word_of_it_ends(robot, monkeypatch):
     monkeypatch.setitem(SETTLE, DriveCourse.TO_A_PLACE, 1.0)
-    robot.answers[b'goto 12'] = (b'Going to 12',)  # and its status always says Stopped
+    robot.answers[b'goto 12'] = (b'Going to 12',)  # but the status always says Stopped
     with connected_client(robot) as client:
         goto = client.execute('goto 12')
         robot.wait_heard(b'goto 12')
@@ -379,7 +379,7 @@ def test_a_stop_gets_through_a_flood_of_twenty_megabytes(robot):
 
 def test_a_line_that_drips_in_byte_by_byte_is_one_line(robot):
     noted = Noted()
-    robot.mute = True  # no other line may be sent meanwhile, also no answer to a heartbeat
+    robot.mute = True  # the robot sends no other line, not even an answer to a heartbeat
     with connected_client(robot, on_line=noted):
         for byte in b'Arrived at 12\r\n':
             robot.connections[-1].sendall(bytes([byte]))

@@ -1,4 +1,4 @@
-"""Command lines: valid lines, names in them, and their display for people."""
+"""Command lines: which lines are valid, names in lines, and the display of lines for people."""
 from __future__ import annotations
 
 import pytest

@@ -1,4 +1,4 @@
-"""The table of commands: categories, shortcuts, that each can end; and the help list."""
+"""The table of commands (categories, shortcuts, the end of each command), and the help list."""
 from __future__ import annotations
 
 import pytest

@@ -1,4 +1,4 @@
-"""Connecting, address by address; and checks if a peer is alive and sends anything new."""
+"""A host is tried address by address; a peer is checked: it must be alive and send new data."""
 from __future__ import annotations
 
 import contextlib
@@ -47,7 +47,7 @@ def test_the_next_address_is_tried_where_one_cannot_be_reached(monkeypatch):
 
 
 def test_an_address_that_fails_at_once_is_not_connected(monkeypatch):
-    """For example without a route to a network: `connect_ex` reports it, and no event follows."""
+    """Without a route to a network, `connect_ex` itself reports the error, and no event follows."""
     class Unreachable(socket.socket):
         def connect_ex(self, address: object) -> int:
             return errno.ENETUNREACH
@@ -64,7 +64,7 @@ def test_an_address_that_does_not_answer_is_given_up_in_time_and_at_the_end(seco
     with socket.socket() as deaf, contextlib.ExitStack() as waiting:
         deaf.bind(('127.0.0.1', 0))
         deaf.listen(0)
-        for _ in range(2):  # the kernel drops all beyond this
+        for _ in range(2):  # these fill the queue: the kernel drops further connections
             client = waiting.enter_context(socket.socket())
             client.setblocking(False)
             client.connect_ex(deaf.getsockname())
@@ -91,7 +91,7 @@ def test_a_host_may_have_several_addresses():
 def pair() -> Iterator[Tuple[LivePeer, socket.socket]]:
     ours, robot = socket.socketpair(socket.AF_UNIX, socket.SOCK_STREAM)
     peer = LivePeer.__new__(LivePeer)
-    bare = ArclConnection.__new__(ArclConnection)  # a socket pair has none of TCP's options
+    bare = ArclConnection.__new__(ArclConnection)  # not __init__: a socket pair has no TCP options
     bare.socket, bare.unsent = ours, b''
     ours.setblocking(False)
     LivePeer.__init__(peer, bare, Session(None), timeout=2.0)
@@ -146,7 +146,7 @@ def test_what_waited_while_we_stood_still_is_late_and_what_comes_afterwards_is_n
 
 
 def test_a_burst_after_a_stall_of_the_network_is_late_and_what_comes_afterwards_is_not(pair):
-    """D8: locations up to 3.3 m old were published with the time of now."""
+    """Once, locations were published as new although the robot had driven on by up to 3.3 m."""
     peer, robot = pair
     now = time.monotonic()
     for tenth in range(20):

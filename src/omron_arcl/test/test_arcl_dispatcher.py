@@ -1,4 +1,4 @@
-"""Several commands at once: which one waits, is replaced, stopped, cancelled or lost."""
+"""Several commands at once: some wait, or are replaced, stopped, cancelled or lost."""
 from __future__ import annotations
 
 import pytest
@@ -274,7 +274,7 @@ def test_a_stopped_does_not_end_the_stop_of_a_later_drive(talk):
 
 
 def test_a_drive_that_begins_while_the_robot_still_brakes_ends_the_stop(talk):
-    """After that the robot never sends `Stopped`."""
+    """After such a drive has begun, the robot never sends `Stopped` for the stop."""
     talk.give('goto A')
     talk.robot(*FAILURE)
     stop, later = talk.give('stop'), talk.give('goto B')
@@ -285,7 +285,7 @@ def test_a_drive_that_begins_while_the_robot_still_brakes_ends_the_stop(talk):
     assert outcome(later) is Outcome.SUCCEEDED
 
 
-# Another client drives before the robot, which we stopped, stands: it never sends `Stopped`.
+# We stop the robot, but another client drives it before it stands: it never sends `Stopped`.
 OVERTAKEN = ('Interrupted: Going to A', 'Stopping', 'Going to B')
 
 
@@ -315,7 +315,7 @@ def test_a_cancelled_drive_is_over_when_another_clients_drive_overtakes_its_stop
 
 
 def test_a_stopped_docking_takes_no_other_drive_for_its_own(talk):
-    """The robot may name its goal while it docks, but not after it was stopped."""
+    """The robot may name its goal while it docks. After a stop, the name is of another drive."""
     dock = talk.give('dock')
     talk.robot(*DOCK[:2])
     talk.cancel(dock)
@@ -338,7 +338,7 @@ def test_every_stop_that_the_robot_obeyed_is_overtaken(talk):
 
 
 def test_a_stop_that_the_robot_may_not_have_read_yet_waits_for_what_it_does(talk):
-    """The other client's drive interrupted ours; our stop will interrupt the other's."""
+    """The other client's drive interrupted our drive. Our stop will interrupt the other drive."""
     talk.give('goto A')
     talk.robot('Going to A')
     stop = talk.give('stop')
@@ -509,7 +509,7 @@ def test_an_older_drive_that_times_out_stops_no_newer_one(talk):
 
 
 def test_a_cancelled_drive_is_stopped_when_the_newer_one_does_not_replace_it(talk):
-    """The robot may have missed the newer one, and the older one must not go on for a minute."""
+    """The robot may have missed the newer drive. The older one must not go on for a minute."""
     older = talk.give('goto 12')
     talk.robot('Going to 12')
     talk.give('goto 13')

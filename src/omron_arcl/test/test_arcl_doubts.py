@@ -1,5 +1,7 @@
-"""The record of a drive tells by which line the robot acknowledged it, and since when and why it is
-doubted, until its command has ended."""
+"""The record of a drive has the line with which the robot acknowledged it, and its doubt.
+
+The doubt says since when and why the robot seems not to obey; it ends with the command.
+"""
 from __future__ import annotations
 
 import pytest
@@ -17,7 +19,7 @@ def bench() -> Bench:
 
 
 def driving(bench: Bench, text: str = 'goto 12') -> Execution:
-    """A drive that the robot carries out."""
+    """Returns a drive that the robot carries out."""
     execution = bench.drive(ROUTE, text)
     bench.robot(f'Going to {text.split()[-1]}')
     return execution
@@ -60,7 +62,7 @@ def test_it_is_stored(bench):
 # --- the doubt ------------------------------------------------------------------------------------
 
 def test_a_drive_that_another_client_stopped_is_doubted_on_its_record_until_its_command_ends(bench):
-    """Another client rules then, and the record of the drive rules nothing any more."""
+    """The record of the other client's stop rules then; the record of the drive is kept aside."""
     goto = driving(bench)
     bench.robot('Stopping')
     assert bench.memory.cause is MotionCause.OTHER_CLIENT
@@ -79,7 +81,7 @@ def test_a_drive_that_another_client_stopped_is_doubted_on_its_record_until_its_
 
 
 def test_it_is_neither_stored_nor_published(bench):
-    """Its time is of the clock of this process."""
+    """The time in a doubt is of a clock that only this process has."""
     driving(bench)
     before, stored = bench.records.motion, len(bench.kept)
     bench.status('Stopped', 0.5)
@@ -122,7 +124,7 @@ def test_a_stop_that_is_sent_again_is_not_doubted_for_what_was_shown_before(benc
 
 
 def test_a_stop_that_timed_out_leaves_no_doubt_on_its_record(bench):
-    """The record stays, because the stop is owed."""
+    """The record of the stop stays, because the stop is still owed."""
     driving(bench)
     stop = bench.stop(PERSON)
     bench.status('Going to 13', 1.5)

@@ -1,7 +1,7 @@
-"""The records of drives: which giver moves the robot, and does it obey.
+"""The records of drives show which giver moves the robot, and whether the robot obeys.
 
-No drive passes a stop or drive that its giver does not know of. A stop is owed until the robot has
-obeyed it.
+No drive is sent after a stop or drive that its giver does not know of. A stop is owed until the
+robot has obeyed it.
 """
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ class TestEpochs:
         bench.pass_time(2.0)
         known = bench.epoch
         does(bench)
-        # if there is only a status, it must last for some time
+        # if only a status shows the change, the status must last for some time
         if cause is MotionCause.OTHER_CLIENT and bench.epoch == known:
             bench.status('Teleop driving', 5.0)
             bench.pass_time(5.0)
@@ -75,7 +75,7 @@ class TestEpochs:
             bench.drive(Giver(ROUTE.name, 'another process'), known_epoch=known)
 
     def test_a_persons_own_stop_is_not_passed_by_software_that_knew_only_of_the_drive(self, bench):
-        """B13: the result once depended on chance: was the stop its giver's own or not?"""
+        """Once, it depended on chance whether the stop counted as one of the program's own."""
         bench.drive(PERSON, 'goto 3')
         known = bench.epoch
         bench.stop(PERSON)
@@ -146,7 +146,7 @@ class TestEpochs:
 
 class TestWhatIsNotSentYet:
     def test_a_drive_is_checked_again_when_it_could_go(self, bench):
-        """A line of the robot may arrive in between."""
+        """A line of the robot may arrive after the drive was given and before it is sent."""
         drive = bench.dispatcher.start(parse_command('goto 12'), giver=ROUTE,
                                        known_epoch=bench.epoch)
         bench.robot('Stopping')
@@ -162,7 +162,7 @@ class TestWhatIsNotSentYet:
         assert bench.sent == ['stop']
 
     def test_what_was_not_sent_when_the_link_broke_is_told_by_a_code(self, bench):
-        """B16: programs had to read this from the words."""
+        """Once, programs had to find this out from the words of the result."""
         sent = bench.drive(ROUTE)
         unsent = bench.dispatcher.start(parse_command('goto 14'), giver=ROUTE)
         bench.lose()
@@ -302,11 +302,11 @@ class TestAnotherClientOfTheRobot:
 
 
 class TestAfterAnOutage:
-    """D1: nobody drives on a robot that a person stopped while there was no link."""
+    """No program continues a drive if a person stopped the robot while there was no link."""
 
     @staticmethod
     def after(outage: str, text: str = 'goto 12', *said: str) -> Tuple[Bench, int]:
-        """A drive, an outage, and a new connection; and the epoch that the driver knows."""
+        """Plays a drive, an outage and a new connection. Returns the epoch after that, too."""
         bench = Bench()
         bench.status('Stopped')
         bench.drive(ROUTE, text)
@@ -340,7 +340,7 @@ class TestAfterAnOutage:
         ('patrolOnce a', 'Patrolling route a once')])
     @pytest.mark.parametrize('stops', [False, True])
     def test_a_lost_drive_that_the_robot_broke_off_does_not_begin_late(self, text, motion, stops):
-        """Another client drives to the same goal after the robot said that it obeys us no more."""
+        """After the robot has broken off our drive, another client sends it to the same goal."""
         bench, _ = self.after('lost link', text)
         if stops:
             bench.stop(PERSON)
@@ -502,7 +502,7 @@ class TestOwedStop:
 
     @pytest.mark.parametrize('shown', ['Going to 12', 'Stopped', 'Going to point', 'Patrolling a'])
     def test_without_a_link_it_is_sent_as_soon_as_the_robot_can_be_reached(self, bench, shown):
-        """B5: also if the robot's motion has no name."""
+        """This also holds if the robot's motion has no name."""
         bench.drive(ROUTE)
         bench.robot('Going to 12')
         bench.lose()
@@ -635,7 +635,7 @@ class TestOwedStop:
     @pytest.mark.parametrize('is_sent', [True, False])
     def test_the_cancellation_by_another_is_a_stop_also_of_a_drive_that_does_not_rule(
             self, bench, is_sent):
-        """Otherwise no epoch would tell the giver of the drive why it was cancelled."""
+        """Otherwise no epoch would show the giver of the drive why the drive was cancelled."""
         if is_sent:
             drive = bench.drive(ROUTE)
             bench.robot('Going to 12')
@@ -802,7 +802,7 @@ class TestOwedStop:
 
 
 class TestInterruption:
-    """No source says whether the line also comes at an emergency stop, before its own."""
+    """No source says whether `Interrupted` comes before the line about an emergency stop."""
 
     @pytest.mark.parametrize('then, cause', [
         ('EStop pressed', MotionCause.EMERGENCY_STOP), ('Stopping', MotionCause.OTHER_CLIENT),
@@ -853,7 +853,7 @@ class TestInterruption:
 class TestTwoGivers:
     def test_a_drive_that_was_interrupted_before_a_refused_one_was_ended_by_another_client(
             self, bench):
-        """The robot stands, so that its giver must not take the old epoch for its own."""
+        """The robot stands, so the giver of the drive must not drive on in the old epoch."""
         drive = bench.drive(ROUTE)
         bench.robot('Going to 12')
         known = bench.epoch
@@ -868,7 +868,7 @@ class TestTwoGivers:
             bench.drive(ROUTE, known_epoch=known)
 
     def test_a_refused_command_takes_the_robot_from_nobody(self, bench):
-        """D3: it ended the route, and the robot drove on without an owner."""
+        """Once, a refused command ended the route, and the robot drove on without a giver."""
         bench.drive(ROUTE)
         bench.robot('Going to 12')
         before = bench.memory
@@ -886,7 +886,7 @@ class TestTwoGivers:
             bench.drive(ROUTE, 'goto 14', known_epoch=bench.epoch)
 
     def test_the_drive_under_way_is_known_after_a_refused_newer_one(self, bench):
-        """D4: a drive without a goal's name then counted as another client's."""
+        """Once, a drive without a goal's name counted as another client's after such a refusal."""
         bench.drive(ROUTE, 'gotoPoint 1000 0 0')
         bench.robot('Going to point')
         known = bench.epoch
@@ -898,7 +898,7 @@ class TestTwoGivers:
             known, MotionState.DRIVING, ROUTE)
 
     def test_the_last_drive_that_the_robot_obeys_names_the_giver(self, bench):
-        """D5: two clients at once; the robot obeys ours last."""
+        """Two clients drive at the same time, and the robot obeys our drive last."""
         bench.drive(ROUTE)
         bench.robot('Going to 5')
         assert bench.memory.giver.name == ''
@@ -916,7 +916,7 @@ class TestTwoGivers:
 
 
 class TestWhoseStopping:
-    """D2: the controller stopped its own drive after a `Stopping` that it had not explained."""
+    """Once, the controller stopped its own drive after a `Stopping` that it could not explain."""
 
     @staticmethod
     def obeys(bench: Bench, *lines: str) -> None:
@@ -983,7 +983,7 @@ class TestWhoseStopping:
         (['Motors enabled', 'Stopping', 'Stopping'], 2),
         (['Stopping', 'Motors enabled', 'Stopping'], 2)])
     def test_a_robot_that_begins_to_stop_twice_may_stand_once(self, bench, said, says_stopped):
-        """The result of the stop came after 15 s, as a failure."""
+        """Once, the stop ended only after 15 s, and as a failure."""
         bench.status('Motors disabled')
         stop = bench.stop(ROUTE)
         bench.robot(*said, 'Stopped')
@@ -1017,7 +1017,7 @@ class TestWhoseStopping:
 
 
     def test_the_stopped_of_another_client_does_not_end_our_stop(self, bench):
-        """The stop is owed for a drive that the robot obeys only after that."""
+        """The stop is owed for a drive that the robot begins only after this `Stopped`."""
         bench.status('Stopped')
         bench.drive(ROUTE)
         bench.robot('Stopping', 'Stopped', 'Going to 12')
@@ -1055,7 +1055,7 @@ class TestWhoseStopping:
 
     @pytest.mark.parametrize('said', [['Stopping', 'Stopped'], ['Stopped']])
     def test_nor_do_stops_that_the_robot_answered_together(self, bench, said):
-        """A program drove on although another client had stopped the robot."""
+        """Once, a program drove on although another client had stopped the robot."""
         bench.status('Stopped')
         bench.stop(PERSON)
         bench.stop(ROUTE)
@@ -1070,7 +1070,7 @@ class TestWhoseStopping:
             bench.drive(ROUTE, known_epoch=known)
 
     def test_a_stop_may_be_answered_after_the_next_status(self, bench):
-        """Right after a command the status may be that of before."""
+        """Right after a command, the status may still be the old one."""
         bench.status('Going to 9')
         bench.give('oneLineStatus')
         stop = bench.stop(ROUTE)
@@ -1132,7 +1132,7 @@ class TestWhoseStopping:
 
     def test_a_drive_that_an_emergency_stop_ended_is_answered_before_a_newer_one_to_its_goal(
             self, bench):
-        """A robot that seemed to break off the newer drive was said to be another client's."""
+        """Once, the robot seemed to break off the newer drive, and another client was published."""
         bench.status('Stopped')
         bench.drive(PERSON, 'goto 3')
         bench.robot('EStop pressed')  # sent before `goto 3` reached the robot
@@ -1148,7 +1148,7 @@ class TestWhoseStopping:
         assert bench.sent == ['goto 3', 'stop', 'goto 3']
 
     def test_nor_is_a_stop_behind_it_ended_by_the_answer_to_an_older_stop(self, bench):
-        """The newer drive was told as interrupted while the robot carried it out."""
+        """Once, the newer drive ended as interrupted while the robot carried it out."""
         bench.status('Stopped')
         bench.stop(ROUTE)
         bench.drive(PERSON, 'goto 4')
@@ -1205,7 +1205,7 @@ class TestWhoseStopping:
 class TestLinesWithoutAName:
     @pytest.mark.parametrize('line', ['Unknown command', 'SetUpError: start a list first'])
     def test_one_does_not_end_the_drive_under_way(self, bench, line):
-        """D6: a robot without oneLineStatus lost each goto by the heartbeat."""
+        """A robot without oneLineStatus answers each heartbeat so; once, this ended every goto."""
         drive = bench.drive(ROUTE)
         bench.robot('Going to 12')
         query = bench.give('arclStat')
@@ -1214,7 +1214,7 @@ class TestLinesWithoutAName:
 
     @pytest.mark.parametrize('line', ['Unknown command', 'SetUpError: start a list first'])
     def test_nor_one_that_leaves_the_dock(self, bench, line):
-        """D7."""
+        """The robot leaves its dock for a drive before it acknowledges the drive."""
         bench.status(DOCKED)
         drive = bench.drive(ROUTE)
         bench.robot('DockingState: Undocking ForcedState: Unforced ChargeState: Float')
@@ -1238,14 +1238,14 @@ class TestOtherMotions:
         'follow', 'go', 'pauseTaskCancel', 'localizeToPoint 1 2 3', 'localizeAtGoal 1',
         'doTaskInstant x', 'enableMotors', 'queueDropoff 12', 'applicationBlockDrivingClear x'])
     def test_whatever_moves_the_robot_does_not_pass_a_stop(self, bench, command):
-        """D14."""
+        """Not only drives, but all commands that may move the robot carry an epoch."""
         known = bench.epoch
         bench.stop(PERSON)
         with pytest.raises(Overruled):
             bench.give(command, giver=ROUTE, known_epoch=known)
 
     def test_another_clients_drive_during_our_docking_is_told_at_once(self, bench):
-        """D13: after 30 s."""
+        """Once, this took 30 s."""
         bench.status('Stopped')
         dock = bench.drive(ROUTE, 'dock')
         bench.robot(DOCKING)
@@ -1262,10 +1262,10 @@ class TestOtherMotions:
 
 
 class TestDrivesOnTheirWay:
-    """What a drive that the robot has not answered may still do."""
+    """A drive that the robot has not answered may still begin."""
 
     def test_a_stop_that_ends_one_of_another_giver_does_not_know_of_it(self, bench):
-        """Otherwise the giver of the stop would drive, although it never heard of that drive."""
+        """Otherwise the giver of the stop would drive without knowledge of the other drive."""
         bench.status('Stopped')
         known = bench.epoch
         bench.drive(ROUTE)
@@ -1277,7 +1277,7 @@ class TestDrivesOnTheirWay:
         bench.drive(OTHER, 'goto 9', known_epoch=bench.epoch)
 
     def test_one_that_crosses_an_emergency_stop_is_stopped(self, bench):
-        """It may reach the robot when its motors are on again, and nobody would own it."""
+        """The drive may begin when the motors are on again. Then it would have no giver."""
         bench.status('Stopped')
         drive = bench.drive(ROUTE)
         bench.robot('EStop pressed')
@@ -1343,7 +1343,7 @@ class TestManyDrives:
 
 
 class TestLastCommands:
-    """A giver that lost an answer reads what became of its last command."""
+    """A giver that lost an answer can read the fate of its last command."""
 
     @staticmethod
     def told(bench: Bench, giver: Giver = ROUTE) -> Tuple[int, Optional[CommandFate]]:
@@ -1418,7 +1418,7 @@ class TestLastCommands:
         bench.robot('Going to 3')
         if is_linked:
             bench.stop(ROUTE, number=7)
-            bench.robot('Unknown command stop')  # it is owed, and not under way
+            bench.robot('Unknown command stop')  # so the stop is owed, and not under way
         else:
             bench.lose()
             bench.dispatcher.start_without_link(parse_command('stop'), ROUTE, 0, 7)
@@ -1518,7 +1518,7 @@ class TestLastCommands:
 
 class TestState:
     def test_it_follows_the_lines(self, bench):
-        """D12: it followed the heartbeat, up to 1.5 s later."""
+        """Once, the state followed the heartbeat, so that it came up to 1.5 s late."""
         bench.status('Stopped')
         for line, state in (('Going to 9', MotionState.DRIVING), ('Stopping', MotionState.STOPPING),
                             ('Stopped', MotionState.STANDING), (DOCKING, MotionState.DOCKING),

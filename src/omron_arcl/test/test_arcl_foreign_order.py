@@ -1,8 +1,9 @@
-"""A robot that answers in the order of sending, and that another client drives and stops, too.
+"""A robot answers in the order of sending; another client drives and stops the robot, too.
 
-The link breaks, and the controller is restarted. No program passes what the other client did, the
-published giver is the one whom the robot obeys or nobody, and no stop is forgotten. What the
-protocol cannot tell apart is left out (`is_ambiguous`); omron_controller.md lists it.
+In addition the link breaks, and the controller is restarted. These statements hold: no program
+drives the robot without knowledge of what the other client did. The published giver is the one that
+the robot obeys, or empty. No stop is forgotten. Cases that the protocol cannot tell apart are left
+out (`is_ambiguous`); omron_controller.md lists them.
 """
 from __future__ import annotations
 
@@ -23,10 +24,10 @@ PRESSED = 'EStop pressed'
 
 
 class Course(NamedTuple):
-    """The lines of a drive; the last line with which it begins and ends is also its status."""
+    """The lines with which a drive begins and ends. The last line of each is also the status."""
 
     begins: Tuple[str, ...]
-    ends: Tuple[str, ...]  # empty: it does not end by itself
+    ends: Tuple[str, ...]  # empty: the drive does not end by itself
 
 
 COURSES: Dict[str, Course] = {
@@ -40,14 +41,14 @@ COURSES: Dict[str, Course] = {
         (f'Completed doing task wait {time}',)) for time in '59'}}
 OURS = ('goto 3', 'goto 4', 'gotoPoint 1 2', 'dock', 'doTask wait 5')
 THEIRS = ('goto 7', 'goto 8', 'gotoPoint 5 5', 'dock', 'patrol r', 'doTask wait 9')
-_OPEN = (Outcome.LOST, Outcome.TIMED_OUT)  # the robot may carry it out all the same
+_OPEN = (Outcome.LOST, Outcome.TIMED_OUT)  # the robot may still carry out such a drive
 
 
 class RobotAmongOthers:
-    """A robot that has some commands of ours still to read, and another client that it obeys.
+    """A robot that may still have to read some of our commands, and that also obeys another client.
 
-    names -- whether it names the drive that it breaks off
-    halts -- whether it says `Stopping` to replace a drive
+    names -- whether the robot names the drive that it breaks off
+    halts -- whether the robot says `Stopping` when it replaces a drive
     """
 
     def __init__(self, names: bool, halts: bool) -> None:
@@ -55,18 +56,18 @@ class RobotAmongOthers:
         self._names, self._halts = names, halts
         self._is_linked = True
         self._status = 'Stopped'
-        self._drive = ''  # that it carries out
-        self._execution: Optional[Execution] = None  # of that drive; None: it is theirs, or unknown
-        self._wire: List[str] = []  # commands of ours that it has to read
+        self._drive = ''  # the drive that the robot carries out
+        self._execution: Optional[Execution] = None  # of this drive; None: not ours, or unknown
+        self._wire: List[str] = []  # commands of ours that the robot has to read
         self._seen = 0  # number of commands that were sent
-        self._given: List[Execution] = []  # that it has to read
+        self._given: List[Execution] = []  # drives that the robot has to read
         self._givers: Dict[str, Giver] = {}
         self._known = {ROUTE: self.bench.epoch, PERSON: 0}
         self._heard: List[str] = []  # what others did, as far as the controller knows
-        self._unheard: List[str] = []  # what they did in an outage
-        self._told = {self.bench.epoch: 0}  # by epoch: how much was heard when it began
-        self._epochs: List[int] = []  # before each act of others
-        self._must_stand = False  # since a stop of ours, until anybody drives it
+        self._unheard: List[str] = []  # what others did in an outage
+        self._told = {self.bench.epoch: 0}  # for each epoch: length of `_heard` when it began
+        self._epochs: List[int] = []  # the epoch before each act of others
+        self._must_stand = False  # True from a stop of ours until anybody drives the robot
         self.is_ambiguous = False
         self.bench.status('Stopped')
 
@@ -83,7 +84,7 @@ class RobotAmongOthers:
                 other = self._givers.setdefault(text, giver)
                 self.is_ambiguous |= text != 'stop' and other != giver  # two drives to one place
             elif text == 'stop':
-                self._must_stand = not self._unheard  # else it is left to its present driver
+                self._must_stand = not self._unheard  # a driver in the outage is not stopped
                 self.bench.stop_without_link(giver)
 
     def learn(self) -> None:
@@ -149,8 +150,7 @@ class RobotAmongOthers:
             self._say('Stopping', 'Stopped')
 
     def _show(self) -> None:
-        """Shows its status, and so what others did in an outage, unless it stands or drives for
-        us."""
+        """Sends the status. It shows what others did in an outage, unless the robot obeys us."""
         last = self.bench.memory.records[-1:]
         is_ours = self._execution if self._drive else last and last[0].kind is RecordKind.STOP
         if not (is_ours or self.bench.memory.stop_owed or self._status == PRESSED):
@@ -170,7 +170,7 @@ class RobotAmongOthers:
     def others(self, text: str) -> None:
         if self._status == PRESSED or text == 'dock' and self._status == DOCKED or (
                 text == 'stop' and not (self._drive or self._is_linked)):
-            return  # it changes nothing
+            return  # the command changes nothing
         ours = {name for r in self.bench.memory.records if r.may_move for name in r.names}
         records = self.bench.records
         self.is_ambiguous |= (
@@ -204,7 +204,7 @@ class RobotAmongOthers:
     # --- what must be true
 
     def acted(self) -> None:
-        """Notes what was sent and told after an act."""
+        """Notes after an act which commands were sent, and which epoch was published."""
         self._wire += self.bench.sent[self._seen:]
         self._seen = len(self.bench.sent)
         self._told.setdefault(self.bench.epoch, len(self._heard))

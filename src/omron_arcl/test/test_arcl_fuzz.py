@@ -1,4 +1,4 @@
-"""For any input: no exception, no unbounded memory, and no good line lost beside a bad one.
+"""Any input causes no exception and needs bounded memory, and a bad line costs no good line.
 
 1,200 examples by default, 400,000 with LD90_LONG_TESTS=1, divided among the properties.
 """
@@ -31,7 +31,7 @@ from omron_arcl.framing import LineBuffer, decode
 from omron_arcl.parser import _TABLE
 from omron_arcl.session import Closed, Session, SessionState
 
-EXAMPLES = 20 * settings.default.max_examples  # examples in a batch, all of it in memory
+EXAMPLES = 20 * settings.default.max_examples  # examples in a batch; a batch is kept in memory
 BATCHES = 40 if os.environ.get('LD90_LONG_TESTS') == '1' else 1
 
 
@@ -49,8 +49,8 @@ def share(percent: int):
     return decorate
 
 
-# hypothesis draws a fixed number of bytes at once, but lists of lines twenty times slower. So an
-# example is one draw, which is read as lines: kind, beginning, length, and the rest.
+# hypothesis draws a fixed number of bytes in one step; it draws lists of lines twenty times slower.
+# So an example is one draw of bytes, which is read as lines: kind, beginning, length, and the rest.
 MOST_LINES, MOST_BYTES = 12, 40
 BLOB = st.binary(min_size=1 + MOST_LINES * (3 + MOST_BYTES),
                  max_size=1 + MOST_LINES * (3 + MOST_BYTES))
@@ -64,7 +64,7 @@ ALPHABETS = tuple(bytes(alphabet[i % len(alphabet)] for i in range(256)) for alp
 
 
 def lines_of(blob: bytes, good: Sequence[bytes] = GOOD) -> List[bytes]:
-    """Good lines, lines that begin like the robot's and continue at random, and any bytes."""
+    """Returns good lines, lines with a known beginning and a random rest, and random bytes."""
     said, at = [], 1
     for _ in range(blob[0] % (MOST_LINES + 1)):
         kind, which, length = blob[at:at + 3]
@@ -77,7 +77,7 @@ def lines_of(blob: bytes, good: Sequence[bytes] = GOOD) -> List[bytes]:
 
 
 def cut(data: bytes, sizes: Sequence[int]) -> List[bytes]:
-    """`data` in pieces of these sizes; the rest is the last piece."""
+    """Returns `data` in pieces of these sizes; the last piece is the rest."""
     pieces, start = [], 0
     for size in sizes:
         pieces.append(data[start:start + size])
@@ -155,7 +155,7 @@ ABOUT_COMMANDS = (
 
 
 class History:
-    """Commands given and cancelled, lines, waits and losses of the link, read from some bytes."""
+    """Gives and cancels commands, plays lines, waits and loses the link, as `script` says."""
 
     def __init__(self, script: bytes) -> None:
         self.talk, self.given, self.ends = Conversation(), [], []
@@ -200,7 +200,8 @@ def test_whatever_was_before_a_stop_and_then_a_goto_are_carried_out(script):
     stop = talk.give('stop')
     for _ in [e for e in talk.dispatcher._commands.sent if e.command.name == 'stop']:
         talk.robot('Stopping', 'Stopped')
-    # it may not have answered an older drive, and the first status may answer an older question
+    # the robot may still have to answer an older drive, and the first status may answer an older
+    # query
     for _ in range(4):
         talk.pass_time(1.5)
         talk.robot('Status: Stopped StateOfCharge: 79.4 Location: 1 2 3 Temperature: 36')
@@ -236,7 +237,7 @@ def test_a_command_is_one_line_or_refused(text):
 @share(1)
 @given(BLOB, SIZES)
 def test_a_listener_keeps_the_good_lines(blob, sizes):
-    """Over a real connection, because the kernel also splits the bytes."""
+    """The test uses a real connection, because the kernel also splits the bytes."""
     said = lines_of(blob)
     received = []
     with Listener('127.0.0.1', 0, '127.0.0.1',

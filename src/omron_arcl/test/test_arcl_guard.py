@@ -1,4 +1,4 @@
-"""The commands that the controller lets through, and the reasons for refusing others."""
+"""The controller lets some commands through, and refuses the others with a reason."""
 from __future__ import annotations
 
 import pytest

@@ -1,4 +1,4 @@
-"""A drive ends when the robot says so, with any words or only in its status."""
+"""A drive ends when the robot says so, in any words, or when only its status shows the end."""
 from __future__ import annotations
 
 from typing import Optional, Tuple
@@ -16,7 +16,7 @@ def talk() -> Conversation:
 
 
 def begun(talk: Conversation, text: str = 'goto 12', *said: str) -> Execution:
-    """A command that the robot has acknowledged."""
+    """Returns a command that the robot has acknowledged."""
     execution = talk.give(text)
     talk.robot(*(said or ('Going to 12',)))
     assert talk.has_begun(execution)
@@ -24,7 +24,7 @@ def begun(talk: Conversation, text: str = 'goto 12', *said: str) -> Execution:
 
 
 def shows(talk: Conversation, status: str, seconds: float = 60.0) -> None:
-    """The robot's status stays the same for this time; heartbeats come every 1.5 s."""
+    """Plays the same status for this time; a status comes every 1.5 s."""
     for _ in range(int(seconds / 1.5)):
         talk.pass_time(1.4)
         talk.robot(f'Status: {status} StateOfCharge: 79.4 Location: 1 2 3 Temperature: 36')
@@ -137,7 +137,7 @@ def test_a_drive_is_interrupted_by_the_name_of_its_point_once_that_is_known(talk
 @pytest.mark.parametrize('asks_before', [True, False])
 def test_a_status_that_answers_an_older_question_says_nothing_about_the_command(
         talk, asks_before):
-    """However late it comes."""
+    """This holds however late the status comes."""
     for text in ('oneLineStatus', 'stop') if asks_before else ('stop', 'oneLineStatus'):
         talk.give(text)
     talk.pass_time(3.0)
@@ -280,7 +280,7 @@ TO_DOCK = 'Going to dock at Dock 1'
 
 def setting_out(talk: Conversation, before: str = DOCKED, text: str = 'goto 12',
                 sign: str = UNDOCKING) -> Execution:
-    """A drive that the robot visibly carries out, but has not acknowledged."""
+    """Returns a drive that the robot visibly carries out, but has not acknowledged."""
     talk.robot(f'Status: {before} StateOfCharge: 79.4 Location: 1 2 3 Temperature: 36')
     execution = talk.give(text)
     talk.robot(sign)
@@ -355,7 +355,7 @@ def test_a_robot_that_leaves_its_dock_and_is_in_it_again_was_interrupted(talk, s
 
 def sight(talk: Conversation, command: str, lines: Tuple[str, ...], status: str,
           before: str = 'Stopped') -> Tuple[bool, Optional[Outcome], float]:
-    """Whether a drive has begun, how it seems to end, and when the robot last confirmed it."""
+    """Returns whether a drive has begun, how it seems to end, and when it was last confirmed."""
     shows(talk, before, 1.5)
     execution = talk.give(command)
     talk.robot(*lines)

@@ -24,8 +24,10 @@ def resources() -> tuple:
 
 
 def memory() -> int:
-    """Bytes in use, without the interpreter's own set of threads: its table grows with each thread
-    that the test's robot starts, and shrinks only later."""
+    """Returns the bytes in use, without the interpreter's own set of threads.
+
+    The table of this set grows with each thread that the test's robot starts, and shrinks later.
+    """
     gc.collect()
     others = tracemalloc.take_snapshot().filter_traces(
         [tracemalloc.Filter(False, '*/_weakrefset.py')])
@@ -33,7 +35,7 @@ def memory() -> int:
 
 
 class NoBackoff(Backoff):
-    """For tests that reconnect many times."""
+    """No waiting time, for tests that reconnect many times."""
 
     def after(self, cause: Exception) -> float:
         return 0.0

@@ -60,7 +60,7 @@ def test_only_the_robots_address_may_connect(received):
 
 
 def test_two_robots_behind_one_address_are_told_apart_from_one_that_connects_again(links):
-    """D11: their lines alternated on the same topics."""
+    """Once, the lines of the two robots alternated on the same topics."""
     with Listener('127.0.0.1', 0, '127.0.0.1', on_link=links) as listener:
         robots = []
         for number in range(RIVALS + 1):
@@ -194,7 +194,8 @@ def test_closing_frees_the_port():
 
 
 class NameServer:
-    """A name server that answers when the test says so, with one address for every name."""
+    """A name server that answers at the time that the test chooses, with one address for all names.
+    """
 
     def __init__(self, monkeypatch: pytest.MonkeyPatch) -> None:
         self.address = '127.0.0.1'
@@ -276,7 +277,7 @@ def test_many_strangers_wait_for_nothing_while_the_name_server_is_silent(names):
 @pytest.mark.parametrize('first', [b'POST / HTTP/1.1', b'GET /' + (1 << 18) * b'a' + b' HTTP/1.1',
                                    b'Status: / HTTP/1.1'], ids=len)
 def test_no_line_of_a_web_page_is_taken_for_the_robots(received, links, first):
-    """A page can let a browser on the robot's computer send any body, e.g. in a simulation."""
+    """A web page can make a browser on the robot's computer send any text, e.g. in a simulation."""
     with Listener('127.0.0.1', 0, '127.0.0.1', on_line=received, on_link=links) as listener, \
             dial(listener) as page:
         links.wait(lambda link: link.phase is LinkPhase.CONNECTED, 'the connection')

@@ -1,8 +1,9 @@
-"""A robot that answers in the order of sending: what is told of each drive is true of it.
+"""A robot answers in the order of sending; the published fate of each drive is its real fate.
 
-Commands end for their givers, by an emergency stop or a cancellation, while the robot has still to
-answer them. No answer to such a command counts as one to a newer command of the same words. No
-number of commands makes the controller forget one that the robot has still to read.
+An emergency stop or a cancellation may end a command for its giver while the robot has still to
+answer it. The answer to such a command does not count as the answer to a newer command with the
+same words. And however many commands there are, the controller never forgets a command that the
+robot has still to read.
 """
 from __future__ import annotations
 
@@ -21,21 +22,21 @@ OTHERS = (MotionCause.OTHER_CLIENT, MotionCause.ROBOT, MotionCause.INTERRUPTED)
 
 
 class RobotInOrder:
-    """A robot that has some commands still to read. No other client drives it.
+    """A robot that may still have to read some commands. No other client drives it.
 
-    names -- whether it names the drive that it breaks off
-    refuses -- whether it answers a drive that it cannot carry out
-    halts -- whether it says `Stopping` to replace a drive
+    names -- whether the robot names the drive that it breaks off
+    refuses -- whether the robot answers a drive that it cannot carry out
+    halts -- whether the robot says `Stopping` when it replaces a drive
     """
 
     def __init__(self, names: bool, refuses: bool, halts: bool) -> None:
         self.bench = Bench()
         self.bench.status('Stopped')
         self._names, self._refuses, self._halts = names, refuses, halts
-        self._read = 0  # number of commands that it has read
+        self._read = 0  # number of commands that the robot has read
         self._given: List[Execution] = []
         self._pressed = False
-        self._obeyed: Optional[Execution] = None  # the drive that it carries out
+        self._obeyed: Optional[Execution] = None  # the drive that the robot carries out
 
     def give(self, text: str, giver: Giver) -> None:
         try:
@@ -94,16 +95,17 @@ class RobotInOrder:
                 self.read()
 
     def check(self) -> None:
-        """The drive that the robot carries out has not ended, and its giver is told."""
+        """Checks that the drive of the robot is under way, and that its giver is published."""
         memory = self.bench.memory
         assert not memory.stop_owed
         if self._obeyed is not None:
             assert (self._obeyed.result, memory.giver) == (None, self._obeyed.giver)
 
     def check_records(self) -> None:
-        """Each drive that the robot has still to read has a record, and so has a stop behind it.
+        """Checks the records against the commands that the robot has still to read.
 
-        Each drive that its giver waits for is under way.
+        Each unread drive has a record, and a stop that is sent last is owed. Each drive that is
+        GIVEN is under way for its giver.
         """
         records = self.bench.records
         under_way = {records.record_of(execution) for execution in self._given}

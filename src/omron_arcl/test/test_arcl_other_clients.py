@@ -1,6 +1,7 @@
 """Another client drives or stops the robot: without a name, in an outage, or unexpectedly.
 
-Its drive is never told as one of ours, and no program passes it, or its stop, unknowingly.
+Its drive is never published as one of ours. No program drives the robot without knowledge of the
+other client's drive or stop.
 """
 from __future__ import annotations
 
@@ -26,14 +27,14 @@ def bench() -> Bench:
 
 
 def driving(bench: Bench, text: str = 'goto 12', line: str = 'Going to 12') -> int:
-    """The robot carries out a drive; returns the epoch."""
+    """Lets the robot carry out a drive of ours. Returns the epoch."""
     bench.drive(ROUTE, text)
     bench.robot(line)
     return bench.epoch
 
 
 def after_outage(bench: Bench, how: str = 'lost link') -> Bench:
-    """The bench after an outage."""
+    """Returns the bench after an outage."""
     if how == 'restart':
         return Bench(bench.kept[-1])
     bench.lose()
@@ -50,7 +51,7 @@ def test_a_drive_that_nobody_here_gave_is_told_so_whatever_its_name(bench):
 
 
 class TestAMotionWithoutAName:
-    """D1: a person who has clicked on the map was driven on by the fleet."""
+    """Once, a person sent the robot to a point with another client, and the fleet drove it on."""
 
     @pytest.mark.parametrize('how', ['lost link', 'restart'])
     @pytest.mark.parametrize('shown', [*ELSEWHERE, 'Parking', UNDOCKING])
@@ -149,7 +150,7 @@ class TestADriveToAGoalOfOurs:
 
 
 class TestADriveThatGoesOn:
-    """Its giver must learn that the robot still carries it out: it may have given it up."""
+    """The giver of the drive may have given it up, so it must learn that the drive goes on."""
 
     def test_although_the_drive_that_was_to_replace_it_was_lost_with_the_link(self, bench):
         driving(bench)
@@ -175,7 +176,7 @@ class TestAFailure:
     @pytest.mark.parametrize('line', ['Error: Failed going to goal', 'Failed going to goal',
                                       'Error: Stalled', 'Cannot find path'])
     def test_while_another_client_drives_is_not_one_of_our_drive_to_come(self, bench, line):
-        """The robot drove on without an owner."""
+        """Once, the drive counted as failed, and the robot drove on without a giver."""
         bench.robot('Going to 5')
         drive = bench.drive(ROUTE)
         bench.robot(line, 'Going to 12')
@@ -196,7 +197,7 @@ class TestAFailure:
 
 
 class TestWhatDoesNotExplainAStop:
-    """A `Stopping` that the robot has no reason to say by itself is another client's."""
+    """If the robot has no reason of its own to say `Stopping`, another client has stopped it."""
 
     @pytest.mark.parametrize('command, lines', [
         ('queryMotors', ['Motors enabled']), ('enableMotors', ['Motors are enabled']),
@@ -331,7 +332,7 @@ class TestOurStop:
                                        ['Stopping', 'Stopped', 'Going to 9']])
     def test_is_owed_though_another_client_stops_and_drives_before_the_drive_that_it_is_for(
             self, bench, lines):
-        """After an outage the robot drove on to 12, and nobody stopped it."""
+        """Once, the robot drove on to 12 after an outage, and nobody stopped it."""
         bench.drive(PERSON)
         bench.stop(PERSON)
         bench.robot(*lines)
@@ -345,7 +346,7 @@ class TestOurStop:
         bench.drive(PERSON)
         known = bench.epoch
         bench.robot('EStop pressed', 'Motors enabled', 'Stopping', 'Stopped',
-                    'Stopping', 'Going to 12')  # another client stopped it, too
+                    'Stopping', 'Going to 12')  # the last `Stopping` is another client's stop
         assert (bench.epoch != known, bench.memory.stop_owed) == (True, True)
         known = bench.epoch
         bench.robot('Interrupted: Going to 12', 'Stopping', 'Stopped')
@@ -371,7 +372,7 @@ class TestOurStop:
 class TestAnswers:
     @pytest.mark.parametrize('text', ['say hello', 'undock', 'doTask wait 5'])
     def test_a_refusal_is_that_of_the_command_that_it_names(self, bench, text):
-        """It was told as that of a drive that the robot has still to answer."""
+        """Once, it counted as the refusal of a drive that the robot has still to answer."""
         bench.drive(ROUTE, 'gotoPoint 1 2')
         bench.robot('EStop pressed')  # sent before `gotoPoint` reached the robot
         refused = bench.give(text, giver=PERSON)
@@ -386,7 +387,7 @@ class TestAnswers:
         assert (begun.result, outcome(newer)) == (None, Outcome.UNKNOWN_COMMAND)
 
     def test_lines_that_waited_refute_a_doubt_of_before(self, bench):
-        """This process was suspended while the status was `Stopped` for an instant."""
+        """The robot showed `Stopped` for an instant; then this process was suspended."""
         drive = bench.drive(ROUTE)
         bench.robot('Going to 12')
         bench.status('Stopped', 1.0)

@@ -203,8 +203,8 @@ CASES = [
     ('PayloadSlotCount: "21" 4 ""', Item('PayloadSlotCount', '"21" 4 ""')),
     ('PayloadUpdate: "31" 4 "Empty" None None',
      Notice('PayloadUpdate', '"31" 4 "Empty" None None')),
-    # messages of a vendor's fleet manager about its robots: never this robot's own (p. 184-187,
-    # 190-237)
+    # messages of a vendor's fleet manager about its robots; they are never about this robot
+    # (p. 184-187, 190-237)
     ('RobotFaultQuery: "robot1" Fault_Critical_Application fault1 "s" "l" false true true false '
      'false ""', Item('RobotFaultQuery', '"robot1" Fault_Critical_Application fault1 "s" "l" '
                                          'false true true false false ""')),

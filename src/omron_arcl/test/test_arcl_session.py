@@ -1,4 +1,4 @@
-"""The login as the robot does it, the possible ends of a session, the secrecy of passwords."""
+"""The login with its variants, the possible ends of a session, and the secrecy of passwords."""
 from __future__ import annotations
 
 from typing import List
@@ -76,7 +76,7 @@ def test_a_prompt_is_not_answered_before_it_is_all_there():
 
 
 def after(session: Session, *moments: float) -> List[Event]:
-    """The session's events after this time."""
+    """Returns the session's events at these moments (s)."""
     return [event for now in moments for event in session.on_time(now)]
 
 

@@ -129,7 +129,7 @@ def test_a_drive_that_fails_ends_with_the_robots_words(robot):
 
 
 def test_stops_and_drives_behind_a_failed_drive_are_carried_out_every_time(robot):
-    """The drive fails while the robot still moves, so stops and drives arrive while it brakes."""
+    """The drive fails while the robot still moves. So stops and drives arrive while it brakes."""
     robot.inject('fail 8')
     begun = Noted()
     with client_of(robot, heartbeat=0.1, on_line=lambda line: begun(line.text)) as client:
@@ -214,7 +214,7 @@ def test_a_reboot_in_the_middle_of_a_drive_is_survived_and_the_drive_not_repeate
 
 
 @pytest.mark.parametrize(('fault', 'mend', 'reasons'), [
-    # TCP resets a connection that is closed before all received bytes, here a heartbeat, are read
+    # TCP resets a connection that is closed while received bytes (here a heartbeat) are unread
     ('drop', '', ('closed the connection', 'reset')),
     ('reset', '', ('reset',)),
     ('silence 60', 'silence 0', ('nothing was received',)),

@@ -1,4 +1,4 @@
-"""Files and modules that the documents name must exist; further rules for pages and text."""
+"""Files and modules that the documents name exist; the pages follow further rules."""
 from __future__ import annotations
 
 import functools
@@ -24,7 +24,7 @@ _MODULE = re.compile(r'`((?:omron_arcl|omron_map|omron_ld90|omron_ld90_sim|route
 
 _TEST = re.compile(r'`((?:[\w/]*/)?(?:test_\w+|\w+_test)(?:\.py)?)`')
 
-# A sentence names its subject. These words name none, except `who` after a noun for people.
+# A sentence names its subject. These words do not, except `who` after a noun for people.
 _OPEN_SUBJECT = re.compile(r'\b(?:who(?:ever|m)?|some(?:body|one)|any(?:body|one)|nobody|'
                            r'every(?:body|one)|whatever)\b', re.IGNORECASE)
 _PEOPLE_WHO = re.compile(r'\b(?:person|people|persons|users?|readers?|engineers?) who\b',
@@ -50,7 +50,10 @@ def test_what_is_linked_to_is_there(document: Path):
 
 
 def is_of_workflow(link: str) -> bool:
-    """True for the page or badge of a workflow of ours on GitHub, relative to README there."""
+    """Returns whether a link leads to the page or badge of one of our workflows on GitHub.
+
+    Such a link is relative to the README on GitHub.
+    """
     words = re.fullmatch(r'\.\./\.\./actions/workflows/([\w.]+\.yml)(?:/badge\.svg)?', link)
     return words is not None and (ROOT / '.github/workflows' / words.group(1)).is_file()
 
@@ -78,7 +81,9 @@ def test_each_sentence_names_its_subject():
 
 
 def sentences_of(document: Path) -> List[str]:
-    """The sentences, and parts of sentences, of the prose: not of code, tables and headings."""
+    """Returns the sentences and parts of sentences of the prose; code, tables and headings do not
+    count.
+    """
     text = re.sub(r'```.*?```', '', document.read_text(encoding='utf-8'), flags=re.DOTALL)
     prose = '\n'.join(line if not line.startswith(('|', '#', '    ')) else ''
                       for line in text.splitlines())
@@ -88,7 +93,10 @@ def sentences_of(document: Path) -> List[str]:
 
 
 def length_of(sentence: str) -> int:
-    """The number of words: a link counts as its text, code as one word, brackets do not count."""
+    """Returns the number of words: a link counts as its text, code as one word.
+
+    Text in brackets does not count.
+    """
     plain = re.sub(r'`[^`]*`', 'code', re.sub(r'\[([^\]]*)\]\([^)]*\)', r'\1', sentence))
     return len(re.findall(r'\S*\w\S*', re.sub(r'\([^()]*\)', '', plain)))
 
@@ -122,7 +130,7 @@ def test_every_module_that_is_named_is_there(document: Path):
 
 
 def is_module(name: str) -> bool:
-    """True if this is a module or package of ours, or a name in one."""
+    """Returns whether this is a module or package of ours, or a name in a module."""
     words: List[str] = name.split('.')
     folder = ROOT / 'src' / words[0] / 'src' / Path(*words)
     return folder.is_dir() or folder.with_suffix('.py').is_file() or (
@@ -131,7 +139,7 @@ def is_module(name: str) -> bool:
 
 @functools.lru_cache(maxsize=None)
 def names_of_tests() -> FrozenSet[str]:
-    """The names and paths of all files of tests, and the names of the tests in them."""
+    """Returns the names and paths of all files with tests, and the names of the tests."""
     found: Set[str] = set()
     for file in (*ROOT.glob('test/*_test.py'), *ROOT.glob('src/*/test/**/test_*.py')):
         found |= {file.name, name_of(file)}

@@ -14,7 +14,7 @@ HELP = ROOT / 'src/omron_ld90_sim/src/omron_ld90_sim/interface/faults.py'
 NOUNS = {'Areas', 'Bytes', 'Distances', 'Docks', 'Doors', 'Edges', 'Goals', 'Ids', 'Lines',
          'Metres', 'Minutes', 'Missions', 'Pairs', 'Pictures', 'Rectangles', 'Robots', 'Rows',
          'Seconds', 'Vertices'}
-"""Plurals with which docstrings began; `Names` and `Points` are verbs, too."""
+"""Plural nouns with which docstrings once began. `Names` and `Points` are missing: also verbs."""
 VERB = re.compile(r'See\b|[A-Z][a-z]+s\b')
 
 
@@ -22,7 +22,7 @@ class Docstring(NamedTuple):
     place: str
     text: str
     is_of_function: bool
-    """False for a property, too: there it names the value, as that of an attribute does."""
+    """False also for a property, whose docstring names the value, like that of an attribute."""
 
 
 def docstrings_in(path: Path) -> List[Docstring]:

@@ -1,4 +1,4 @@
-"""Each download is pinned, so that only this project decides which code its scripts run."""
+"""Each download is pinned: only this project decides which code its scripts run."""
 from __future__ import annotations
 
 import configparser
@@ -14,7 +14,7 @@ ROOT = Path(__file__).resolve().parents[3]
 PINS = ROOT / 'scripts' / 'pins'
 PAGE = ROOT / 'docs' / 'reference' / 'dependencies.md'
 
-#: Kinds of downloads: how a line begins one, and what the same command must contain.
+#: By kind of download: how a command begins it, and what this command must contain.
 KINDS: Dict[str, Tuple[str, str]] = {
     'pip': (r'\bpip3? (?:install|download|wheel)\b', r'--require-hashes|--no-index'),
     'npm': (r'\bnpm (?:install|i|ci|add|exec)\b|\bnpx\b|\byarn\b|\bpnpm\b',
@@ -30,7 +30,10 @@ KINDS: Dict[str, Tuple[str, str]] = {
 
 
 def commands() -> Iterator[Tuple[str, str]]:
-    """The commands of all scripts, workflows and images, without comments, with their places."""
+    """Yields the place and the text of each command in scripts, workflows and images.
+
+    Comments are left out.
+    """
     listed = subprocess.run(['git', 'ls-files', '-z'], cwd=ROOT, check=False, text=True,
                             capture_output=True)
     if listed.returncode:
@@ -50,7 +53,7 @@ def commands() -> Iterator[Tuple[str, str]]:
 
 
 def unpinned(command: str) -> List[str]:
-    """The kinds of downloads of this command that nothing pins."""
+    """Returns the kinds of downloads that this command begins but does not pin."""
     return [kind for kind, (begins, pinned) in KINDS.items()
             if re.search(begins, command) and not re.search(pinned, command)]
 
@@ -87,15 +90,15 @@ def test_every_package_of_pypi_has_the_hashes_of_its_files():
 
 
 def test_a_pin_names_the_extra_with_which_another_package_requires_it():
-    """Otherwise pip 23 of Debian 12 says that the requirement has no pin, and installs nothing."""
+    """Otherwise pip 23 of Debian 12 reports a requirement without a pin, and installs nothing."""
     pins = (PINS / 'coverage.txt').read_text(encoding='utf-8')
-    assert 'pytest-cov==' in pins  # it requires coverage[toml]
+    assert 'pytest-cov==' in pins  # this package requires coverage[toml]
     assert set(re.findall(r'^coverage.*?(?===)', pins, re.MULTILINE)) == {'coverage[toml]'}
     assert '--no-strip-extras' in (PINS / 'renew.sh').read_text(encoding='utf-8')
 
 
 def libraries_without_ros() -> List[str]:
-    """The libraries of which wheels are made."""
+    """Returns the libraries for which wheels are made."""
     table = re.search(r'^pure_libraries=\((.*?)\)', (
         ROOT / 'scripts/common.sh').read_text(encoding='utf-8'), re.MULTILINE)
     assert table is not None
@@ -103,7 +106,7 @@ def libraries_without_ros() -> List[str]:
 
 
 def required(library: str) -> Set[str]:
-    """What pip installs with a library."""
+    """Returns the packages that pip installs with a library."""
     setup = configparser.ConfigParser()
     setup.read(ROOT / 'src' / library / 'setup.cfg', encoding='utf-8')
     return set(setup.get('options', 'install_requires', fallback='').split())
@@ -120,7 +123,7 @@ def test_pip_installs_with_a_library_what_its_package_depends_on(library):
 
 
 def test_each_dependency_of_the_libraries_without_ros_is_among_their_downloads():
-    """Without one of them, the wheels cannot be installed."""
+    """If one dependency were missing, the wheels could not be installed."""
     asked = (PINS / 'wheels_run.in').read_text(encoding='utf-8').lower().split()
     libraries = libraries_without_ros()
     needed = set().union(*map(required, libraries))
@@ -142,7 +145,7 @@ def test_one_page_lists_all_pins():
 
 
 def test_changed_sources_of_multimaster_are_refused(tmp_path):
-    """One changed byte, one link, one missing file; files that nobody needs are left out."""
+    """One changed byte, one link and one missing file are refused. Unneeded files are left out."""
     pins = tmp_path / 'scripts' / 'pins' / 'multimaster_fkie.sha256'
     pins.parent.mkdir(parents=True)
     sources = tmp_path / 'top'

@@ -1,4 +1,4 @@
-"""The glossary defines the names: each term occurs once, and replaced words no longer occur.
+"""The glossary defines the names: each term is listed once, and replaced words are not used.
 
 A class name stands for one thing in all packages.
 """
@@ -17,7 +17,7 @@ GLOSSARY = ROOT / 'docs' / 'glossary.md'
 MODULES = sorted(ROOT.glob('src/*/src/**/*.py'))
 FLEET = ('fleet_core', 'fleet_page', 'fleet_simulation', 'graph_fleet_manager')
 FLEET_ONLY = {'attempts', 'between', 'dispatcher', 'joining', 'track', 'way'}
-"""Replaced words that have another meaning, and so may stand, outside these packages."""
+"""Replaced words that are allowed outside these packages: there they have another meaning."""
 
 
 class Row(NamedTuple):
@@ -38,15 +38,15 @@ def rows() -> List[Row]:
 
 
 def plain(identifier: str) -> str:
-    """An identifier without case, underscores and plural s: MyTracks, _my_track -> mytrack."""
+    """Returns an identifier in lower case, without underscores and plural s, such as `mytrack`."""
     word = identifier.lower().replace('_', '')
     return word[:-1] if word.endswith('s') else word
 
 
 class Names(NamedTuple):
-    """The names in a module: of its classes and functions, and all identifiers, also of modules.
+    """The names in a module: of its classes, of its functions, and all identifiers.
 
-    texts -- those that are no docstrings
+    texts -- the texts that are not docstrings
     """
 
     classes: Set[str]
@@ -56,7 +56,7 @@ class Names(NamedTuple):
 
 
 def identifiers_of(node: ast.AST) -> Iterator[str]:
-    """The identifiers that stand in a node itself."""
+    """Yields the identifiers in a node itself, without those of its children."""
     for field in ('id', 'attr', 'arg', 'name', 'asname', 'module'):
         value = getattr(node, field, None)
         if isinstance(value, str):
@@ -66,7 +66,7 @@ def identifiers_of(node: ast.AST) -> Iterator[str]:
 
 
 def texts(nodes: List[ast.AST]) -> Iterator[str]:
-    """The texts that are no docstrings: a text that stands alone is a docstring."""
+    """Yields the texts that are not docstrings. A text that is a statement is a docstring."""
     docstrings = {id(node.value) for node in nodes if isinstance(node, ast.Expr)}
     for node in nodes:
         if isinstance(node, ast.Constant) and isinstance(node.value, str) and (
@@ -76,7 +76,7 @@ def texts(nodes: List[ast.AST]) -> Iterator[str]:
 
 @lru_cache(maxsize=None)
 def names() -> Dict[Path, Names]:
-    """The names in each module."""
+    """Returns the names in each module."""
     found: Dict[Path, Names] = {}
     for path in MODULES:
         nodes = list(ast.walk(ast.parse(path.read_text(encoding='utf-8'))))
@@ -90,7 +90,7 @@ def names() -> Dict[Path, Names]:
 
 @lru_cache(maxsize=None)
 def identifiers() -> Dict[str, Set[str]]:
-    """Plain identifiers, with names of modules, and the packages in which they occur."""
+    """Returns the packages of each plain identifier; names of modules are identifiers, too."""
     found: Dict[str, Set[str]] = {}
     for path in MODULES:
         package, *module = path.relative_to(ROOT / 'src').with_suffix('').parts[2:]
@@ -132,23 +132,23 @@ def test_a_class_name_stands_for_one_thing():
 
 
 def test_a_function_is_named_after_an_event_or_an_answer():
-    """take, tell, look and see say neither what happened nor what is returned."""
+    """The verbs take, tell, look and see name neither an event nor a result."""
     functions = {name for found in names().values() for name in found.functions}
     assert {name for name in functions if NO_EVENT.match(name)} == set()
 
 
-# One takes a robot out, over, up or back, and an order; `look_of` returns the look of a thing.
+# Allowed: taking a robot out, over, up or back, taking an order; `look_of` returns an appearance.
 NO_EVENT = re.compile(
     r'_*(?:takes?(?!_(?:out|over|up|back|away|order)(?:_|$))|tells?|look(?!_of)|see)(?:_|$)')
 
 
 def test_a_message_to_people_names_no_class():
-    """A class that is renamed in bulk must not rename a word of a sentence."""
+    """So a search-and-replace for a class name does not change a word of a sentence."""
     classes = {name for found in names().values() for name in found.classes}
     wrong = [(path.name, text) for path, found in names().items() for text in found.texts
              if ' ' in text.strip() and classes.intersection(TWO_HUMPS.findall(text))]
     assert wrong == []
 
 
-# 'WaitState: ' is ARCL's, and 'nav_msgs/OccupancyGrid' a type of ROS
+# 'WaitState: ' is a text of ARCL, and 'nav_msgs/OccupancyGrid' is a type of ROS
 TWO_HUMPS = re.compile(r'(?<!/)\b[A-Z][a-z]+(?:[A-Z][a-z]+)+\b(?!:)')

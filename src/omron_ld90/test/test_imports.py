@@ -1,6 +1,6 @@
 """Each module can be imported under this Python version, and there are no circular imports.
 
-If ROS is not installed, a module that needs it is only compiled.
+If ROS is not installed, a module that needs ROS is only compiled.
 """
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ MODULES = {module_of(file, package): file
 
 
 def imported(file: Path) -> Set[str]:
-    """Modules of the workspace that a module imports, also only for type annotations."""
+    """Returns the modules of the workspace that a module imports, even if only for annotations."""
     names: Set[str] = set()
     for node in ast.walk(ast.parse(file.read_bytes())):
         if isinstance(node, ast.Import):
@@ -70,7 +70,7 @@ def imported(file: Path) -> Set[str]:
 
 
 def in_circles(imports: Dict[str, Set[str]]) -> Set[str]:
-    """The modules of import circles, and modules between two circles."""
+    """Returns the modules of import circles, and the modules between two circles."""
     left = set(imports)
     while True:
         used = {name for module in left for name in imports[module]}
@@ -98,18 +98,17 @@ DEBIAN = {
     'jsonschema': 'jsonschema', 'networkx': 'networkx', 'numpy': 'numpy', 'paho': 'paho-mqtt',
     'pymodbus': 'pymodbus', 'pytest': 'pytest', 'rospkg': 'rospkg', 'scipy': 'scipy',
     'shapely': 'shapely', 'skimage': 'skimage', 'yaml': 'yaml'}
-"""By the module of a library: the name of its package in Debian, without `python3-`."""
+"""Module of a library: name of its package in Debian, without `python3-`."""
 PARTS = {'yarl': 'aiohttp'}
-"""By a module: the module of the library to which it belongs."""
+"""Module: module of the library to which it belongs."""
 WITHOUT = {'selenium', 'vda5050'}
 """Libraries without which tests skip."""
 HELPERS = {file.stem for file in (SOURCES.parent / 'test').glob('*.py')}
-"""Modules for the system tests, which lie outside all packages."""
+"""Modules for the system tests; they are in no package."""
 
 
 def modules_of_tests(folder: Path) -> Dict[str, Path]:
-    """By name: the modules in the test folder of a package, such as `builders` and `world.chaos`.
-    """
+    """Returns the modules in the test folder of a package by name, such as `world.chaos`."""
     found: Dict[str, Path] = {}
     for file in sorted((folder / 'test').rglob('*.py')):
         is_in_package = (file.parent / '__init__.py').exists()
@@ -123,8 +122,11 @@ HOMES.update({file.stem: file.relative_to(SOURCES).parts[0] for file in SOURCES.
 
 
 def needed(files: Iterable[Path], folder: str) -> Set[str]:
-    """What package.xml has to declare for these files of a package, and for all builders of other
-    packages that they import. What another package needs outside its tests comes with it."""
+    """Returns what package.xml has to declare for these files of a package.
+
+    The builders of other packages that the files import count, too. What another package needs
+    outside its tests need not be declared again.
+    """
     found: Set[str] = set()
     todo, done = list(files), set()
     while todo:
@@ -142,7 +144,7 @@ def needed(files: Iterable[Path], folder: str) -> Set[str]:
 
 
 def declared_as(top: str) -> str:
-    """The name by which package.xml declares a module; empty: it is one of Python."""
+    """Returns the name with which package.xml declares a module; empty: Python has the module."""
     if top in HOMES:
         return HOMES[top]
     if top in COMES_WITH_ROS and top not in DEBIAN or top.endswith('_msgs'):
@@ -166,7 +168,7 @@ def test_a_package_declares_what_it_imports(package: Path):
 
 @pytest.mark.parametrize('folder', FOLDERS, ids=lambda folder: folder.name)
 def test_a_package_declares_what_its_tests_import(folder: Path):
-    """So its tests run alone, in a workspace that has only what the package declares."""
+    """So the tests of a package run in a workspace that has only what the package declares."""
     assert needed(TESTS[folder.name].values(), folder.name) - declared(folder, TESTING) == set()
 
 
@@ -188,7 +190,7 @@ def test_a_package_declares_each_dependency_once(file: Path):
 
 
 def test_some_package_declares_each_library_that_the_scripts_install():
-    """Debian's packages of this workspace, and rosdep, bring only what is declared."""
+    """The Debian packages of this workspace, and rosdep, install only what is declared."""
     table = re.search(r'^run_packages=\(\n(.*?)^\)', (
         SOURCES.parent / 'scripts/common.sh').read_text(), re.DOTALL | re.MULTILINE)
     assert table is not None
@@ -196,4 +198,4 @@ def test_some_package_declares_each_library_that_the_scripts_install():
                  if not name.startswith('ros-noetic-')}
     declared_here = {name for folder in FOLDERS for name in re.findall(
         r'depend[^>]*>([\w.-]+)<', (folder / 'package.xml').read_text())}
-    assert libraries - declared_here == {'build-essential'}  # for catkin itself
+    assert libraries - declared_here == {'build-essential'}  # catkin itself needs it

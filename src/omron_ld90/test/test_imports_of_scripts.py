@@ -10,14 +10,14 @@ import pytest
 ROOT = Path(__file__).resolve().parents[3]
 #: `-m`, `-c` and `-` put the working directory in front of all modules; `-I` does not.
 _PYTHON = re.compile(r'python(?:3(?:\.\d+)?)?["\']?\s+(?:-m|-c|-)(?=\s)')
-_PYTEST = 'python -m pytest', 'python3 -m pytest'  # in the root of the workspace, which it tests
+_PYTEST = 'python -m pytest', 'python3 -m pytest'  # runs in the root of the workspace
 #: A list of folders with an empty entry, which stands for the working directory.
 _EMPTY = re.compile(r'PYTHONPATH="?(?:\$\(printf \'%s:\'|'
                     r'[^"\s]*(?::|\$\{PYTHONPATH:-\}|:\$PYTHONPATH)"(?=\s|$))')
 
 
 def commands() -> Iterator[Tuple[Path, str]]:
-    """The commands of all scripts and images."""
+    """Yields the commands of all scripts, images and workflows, with their files."""
     for file in (*ROOT.glob('scripts/**/*.sh'), ROOT / 'Dockerfile',
                  *ROOT.glob('.github/workflows/*')):
         for line in file.read_text(encoding='utf-8').replace('\\\n', ' ').splitlines():
@@ -26,7 +26,7 @@ def commands() -> Iterator[Tuple[Path, str]]:
 
 
 def wrong(line: str) -> bool:
-    """Whether a command imports from the working directory."""
+    """Returns whether a command imports from the working directory."""
     for allowed in _PYTEST:
         line = line.replace(allowed, '')
     return bool(_PYTHON.search(line) or _EMPTY.search(line))

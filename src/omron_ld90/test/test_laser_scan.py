@@ -13,12 +13,12 @@ HERE = LaserPlace(2.0, 1.0, math.radians(90.0))
 
 
 def beam(degrees: float) -> int:
-    """The beam at an angle from straight ahead, counter-clockwise."""
+    """Returns the beam at an angle (degrees) from straight ahead, counter-clockwise."""
     return round((math.radians(degrees) - FIRST_ANGLE) / INCREMENT)
 
 
 def hit(degrees: float, distance: float) -> tuple:
-    """A hit at the given distance and angle from straight ahead."""
+    """Returns a hit at the given distance (m) and angle (degrees) from straight ahead."""
     angle = HERE.yaw + math.radians(degrees)
     return HERE.x + distance * math.cos(angle), HERE.y + distance * math.sin(angle)
 

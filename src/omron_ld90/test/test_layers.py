@@ -16,11 +16,11 @@ SOCKETS = {'asyncio', 'selectors', 'socket', 'socketserver'}
 
 
 class Layer(NamedTuple):
-    """What a layer may import besides itself and Python's and other libraries.
+    """The imports that a layer may have besides itself, Python and other libraries.
 
-    ours    -- packages and layers of this workspace; a package also stands for its modules outside
-               all layers
-    ros     -- whether it may import ROS
+    ours    -- packages and layers of this workspace; the name of a package also means its modules
+               outside all layers
+    ros     -- whether the layer may import ROS
     sockets -- modules of the layer that may import sockets
     """
 
@@ -33,7 +33,7 @@ def layer(ours: str = '', ros: bool = False, sockets: str = '') -> Layer:
     return Layer(frozenset(ours.split()), ros, frozenset(sockets.split()))
 
 
-# a folder of a package is a layer of its own; '*': each module
+# each folder of a package is a layer; sockets='*': each module of the layer
 LAYERS: Dict[str, Layer] = {
     # libraries
     'browser_guard': layer(sockets='*'),
@@ -178,7 +178,7 @@ LAYERS: Dict[str, Layer] = {
 
 
 def layer_of(module: str) -> str:
-    """`omron_ld90.bridge` for `omron_ld90.bridge.events.Link`, `omron_map` for its modules."""
+    """Returns the layer of a module: `omron_ld90.bridge` for `omron_ld90.bridge.events.Link`."""
     package, _, rest = module.partition('.')
     folder = rest.split('.')[0]
     is_folder = bool(folder) and (PACKAGES[package] / folder / '__init__.py').exists()
@@ -194,7 +194,7 @@ def files_of(name: str) -> Iterator[Path]:
 
 @lru_cache(maxsize=None)
 def imported_by(file: Path) -> Set[str]:
-    """Names of the modules that a file imports, on any line."""
+    """Returns the names of the modules that a file imports, on any line."""
     names: Set[str] = set()
     for node in ast.walk(ast.parse(file.read_text(encoding='utf-8'))):
         if isinstance(node, ast.Import):
@@ -227,7 +227,7 @@ def test_a_layer_imports_only_what_it_may(name: str) -> None:
 
 @pytest.mark.parametrize('name', LAYERS)
 def test_a_layer_uses_all_that_it_may(name: str) -> None:
-    """So the table says what is so, and no line of it is left over."""
+    """So the table is true, and has no line that is not needed."""
     used = {layer_of(module) for file in files_of(name) for module in imported_by(file)
             if module.split('.')[0] in PACKAGES}
     assert LAYERS[name].ours <= used

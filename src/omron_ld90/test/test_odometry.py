@@ -12,7 +12,7 @@ from omron_ld90.odometry import MAX_GAP, MotionMeter, TimedPose
 
 
 def motion(*locations: TimedPose):
-    """The motion at the last of these locations."""
+    """Returns the motion at the last of these locations."""
     odometer = MotionMeter()
     return [odometer.add(location) for location in locations][-1]
 

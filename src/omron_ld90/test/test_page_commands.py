@@ -1,4 +1,4 @@
-"""A test runs each command of README, tutorials and some how-to pages, or says why not."""
+"""Each command of README, tutorials and some how-to pages is run by a test, or has a reason."""
 from __future__ import annotations
 
 import re

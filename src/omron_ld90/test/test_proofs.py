@@ -1,6 +1,6 @@
-"""Proofs run whole when a file that they read has changed since they passed, and with --long.
+"""A proof runs whole if a file that it reads has changed since it passed, and with --long.
 
-Under a second Python version, tests run again when something that they read has changed.
+Under a second Python version, tests run again if something that they read has changed.
 """
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ import pytest
 ROOT = Path(__file__).resolve().parents[3]
 FILES = {
     'pytest.ini': '[pytest]\npythonpath = test\n',
-    # without libraries, so that each run starts fast
+    # no libraries, so that each run starts fast
     'conftest.py': "pytest_plugins = ['proofs', 'second_python']\n",
     'src/one/src/one/__init__.py': '',
     'src/one/src/one/inner.py': 'from two.limits import MOST\n',
@@ -43,7 +43,7 @@ class Workspace:
         self.folder = folder
 
     def fill(self) -> None:
-        """Writes its files."""
+        """Writes the files of the workspace."""
         for name, text in FILES.items():
             self.write(name, text)
         for name in ('test/proofs.py', 'test/second_python.py'):
@@ -54,21 +54,21 @@ class Workspace:
         (self.folder / name).write_text(text)
 
     def extent(self, *options: str, **environment: str) -> str:
-        """How the proof ran: `whole` or `default`."""
+        """Runs the tests. Returns how the proof ran: `whole` or `default`."""
         told = self.run(*options, **environment)
         is_whole = '1 proofs ran whole' in told
         assert '-n' in options or is_whole == ('whole\n' in told), told  # workers print nothing
         return 'whole' if is_whole else 'default'
 
     def runs_under_the_second_python(self, *options: str, **environment: str) -> bool:
-        """Did the tests run, and were they not left out?"""
+        """Runs the tests under the second Python. Returns whether they were not left out."""
         told = self.run(*options, HYPOTHESIS_PROFILE='compatibility', **environment)
         is_left_out = '1 files of tests were not repeated' in told
         assert is_left_out == ('default\n' not in told), told
         return not is_left_out
 
     def run(self, *options: str, **environment: str) -> str:
-        """Runs the tests of the workspace. Returns what that printed."""
+        """Runs the tests of the workspace. Returns the printed text."""
         known = {name: value for name, value in os.environ.items()
                  if name not in ('LD90_LONG_TESTS', 'HYPOTHESIS_PROFILE', 'PYTEST_XDIST_WORKER')}
         path = os.pathsep.join(str(self.folder / 'src' / name / 'src') for name in ('one', 'two'))
@@ -82,7 +82,7 @@ class Workspace:
 
 @pytest.fixture(scope='module')
 def passed(tmp_path_factory: pytest.TempPathFactory) -> Workspace:
-    """A workspace whose proof has passed once. Tests change copies of it."""
+    """Returns a workspace whose proof has passed once. Tests change copies of it."""
     workspace = Workspace(tmp_path_factory.mktemp('passed'))
     workspace.fill()
     assert workspace.extent() == 'default'
@@ -91,7 +91,7 @@ def passed(tmp_path_factory: pytest.TempPathFactory) -> Workspace:
 
 @pytest.fixture
 def tested(passed: Workspace, tmp_path: Path) -> Workspace:
-    """A copy of it, of this test alone."""
+    """Returns a copy of `passed` for one test."""
     return Workspace(Path(shutil.copytree(str(passed.folder), str(tmp_path / 'workspace'))))
 
 
@@ -141,7 +141,7 @@ def test_a_second_python_version_proves_nothing(tested):
 
 @pytest.fixture(scope='module')
 def passed_there(passed: Workspace, tmp_path_factory: pytest.TempPathFactory) -> Workspace:
-    """A workspace whose tests have passed under the second Python. Tests change copies of it."""
+    """Returns a workspace whose tests have passed under the second Python."""
     folder = tmp_path_factory.mktemp('there') / 'workspace'
     workspace = Workspace(Path(shutil.copytree(str(passed.folder), str(folder))))
     assert workspace.runs_under_the_second_python()
@@ -150,7 +150,7 @@ def passed_there(passed: Workspace, tmp_path_factory: pytest.TempPathFactory) ->
 
 @pytest.fixture
 def tested_there(passed_there: Workspace, tmp_path: Path) -> Workspace:
-    """A copy of it, of this test alone."""
+    """Returns a copy of `passed_there` for one test."""
     return Workspace(Path(shutil.copytree(str(passed_there.folder), str(tmp_path / 'workspace'))))
 
 
@@ -182,7 +182,7 @@ def test_under_a_second_python_what_looks_at_the_whole_workspace_always_runs(tes
 @pytest.mark.parametrize('name', ['fleet_simulation/test/test_guards.py',
                                   'fleet_core/test/interlocking/test_yard.py'])
 def test_all_that_is_loaded_with_a_proof_is_read_by_it(name, tmp_path):
-    """Files of the workspace that a process has loaded when it has imported the proof."""
+    """A process imports the proof. Each file of the workspace that it has loaded is read by it."""
     (tmp_path / 'loaded.py').write_text('''
 import sys
 from pathlib import Path

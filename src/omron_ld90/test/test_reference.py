@@ -15,7 +15,7 @@ SOURCES = {path: path.read_text(encoding='utf-8')
 EXECUTABLES = {(path.parts[-3], path.name) for path in ROOT.glob('src/*/nodes/*') if path.is_file()}
 MESSAGES = {f'{path.parts[-3]}/{path.stem}' for kind in ('msg', 'srv', 'action')
             for path in ROOT.glob(f'src/*_msgs/{kind}/*.{kind}')}
-#: rosgraph's own parameter; programs look for it to see if a node exists.
+#: A service of every rospy node; a program looks for it to see whether a node exists.
 NOT_OURS = {'get_loggers'}
 _PARAMETER_READ = re.compile(r"\(\s*'~(\w+)'")
 _ROS_NAME = re.compile(r'(?:Publisher|Subscriber|rospy\.Service|ServiceProxy|SimpleActionServer|'
@@ -23,7 +23,7 @@ _ROS_NAME = re.compile(r'(?:Publisher|Subscriber|rospy\.Service|ServiceProxy|Sim
 
 
 def cells() -> Iterator[Tuple[str, List[str]]]:
-    """Each row of the reference's tables, with its page."""
+    """Yields each row of the reference's tables, with its page."""
     for page, text in REFERENCE.items():
         for line in text.splitlines():
             if line.startswith('|'):
@@ -31,7 +31,7 @@ def cells() -> Iterator[Tuple[str, List[str]]]:
 
 
 def words() -> Set[str]:
-    """All words in backticks on the reference's pages."""
+    """Returns all words in backticks on the reference's pages."""
     text = '\n'.join(re.sub(r'^```.*?^```$', '', page, flags=re.M | re.S)
                      for page in REFERENCE.values())
     return set(re.findall(r'`([^`\n]+)`', text))

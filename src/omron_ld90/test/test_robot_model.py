@@ -1,4 +1,4 @@
-"""The constants of the LD-90, its URDF and the simulated robot have the same measures."""
+"""The constants of the LD-90, its URDF and the simulated robot have the same dimensions."""
 from __future__ import annotations
 
 import math
@@ -21,7 +21,7 @@ def numbers(text: str) -> list:
 
 
 def boxes(kind: str):
-    """Centre and size (m) of each axis-aligned box of the body."""
+    """Returns the centre and size (m) of each axis-aligned box of the body."""
     for link in URDF.iter('link'):
         for shape in link.iter(kind):
             box = shape.find('geometry/box')

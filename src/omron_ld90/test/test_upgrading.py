@@ -17,7 +17,7 @@ PAGE = (ROOT / 'docs/upgrading.md').read_text(encoding='utf-8')
 
 
 def definition(file: Path) -> List[str]:
-    """The lines of a message, service or action, without comments and superfluous blanks."""
+    """Returns the lines of a message, service or action without comments and needless blanks."""
     lines = (' '.join(line.partition('#')[0].split())
              for line in file.read_text(encoding='utf-8').splitlines())
     return [line.replace(' =', '=').replace('= ', '=') for line in lines if line]
@@ -29,13 +29,13 @@ NOW: Dict[str, List[str]] = {
 
 
 def names(lines: Set[str], constants: bool) -> Set[str]:
-    """The names of fields or of constants."""
+    """Returns the names of the fields, or of the constants."""
     return {re.split('[ =]', line)[1] for line in lines
             if line != '---' and ('=' in line) is constants}
 
 
 def rows(page: str) -> Dict[str, str]:
-    """The text of the table rows about each message, by its name without the package."""
+    """Returns the text of the table rows about each message, by its name without the package."""
     section = page.partition('\n### Messages\n')[2].partition('\n### ')[0]
     told: Dict[str, str] = {}
     for line in section.splitlines():
@@ -46,7 +46,7 @@ def rows(page: str) -> Dict[str, str]:
 
 
 def untold(page: str) -> List[str]:
-    """What changed in messages, and does not stand in the table of the page."""
+    """Returns the changes of messages that are not in the table of the page."""
     told = rows(page)
     found: List[str] = []
     for message in sorted({*BEFORE, *NOW}):
@@ -62,7 +62,7 @@ def untold(page: str) -> List[str]:
 
 
 def is_part(message: str) -> bool:
-    """Is a message only a part of others? The table names those."""
+    """Returns whether a message is only a part of other messages, which the table names instead."""
     kind = message.partition('/')[2]
     return any(re.match(rf'(\w+/)?{kind}(\[\])? ', line) for lines in NOW.values()
                for line in lines)

@@ -1,8 +1,8 @@
 """The robot's activity, read from its status text with one table for all programs.
 
 A status text has the form of another line of the robot (`Going to 12`,
-`DockingState: Docked ...`). The robot sends many of these lines also on their own, when they
-become true.
+`DockingState: Docked ...`). The robot also sends many of these lines by themselves, at the moment
+when the activity begins.
 """
 from __future__ import annotations
 
@@ -41,12 +41,12 @@ class ActivityKind(Enum):
     LOST = 'lost'
 
 
-# The robot drives, regardless of the client that sent it.
+# In these activities the robot drives, regardless of the client whose command it obeys.
 MOVING = frozenset((
     ActivityKind.GOING_TO_GOAL, ActivityKind.GOING_TO_POINT, ActivityKind.PATROLLING,
     ActivityKind.DOING_TASK, ActivityKind.DOCKING, ActivityKind.UNDOCKING, ActivityKind.PARKING,
     ActivityKind.TELEOPERATED))
-# The robot is about to stand, or it is unknown whether it stands.
+# In these activities the robot is about to stand, or it is unknown whether it stands.
 _NEITHER = (ActivityKind.STOPPING, ActivityKind.UNKNOWN)
 STANDING = frozenset(ActivityKind) - MOVING - frozenset(_NEITHER)
 
@@ -54,8 +54,8 @@ STANDING = frozenset(ActivityKind) - MOVING - frozenset(_NEITHER)
 class Activity(NamedTuple):
     """The robot's activity.
 
-    goal -- the goal to which the robot drives, at which it stands, or which it failed to reach; or
-        the name of a route or a task
+    goal -- the name of a route or task, or of the goal to which the robot drives, at which it
+        stands, or which it failed to reach
     reply -- the line from which the activity was read
     """
 
@@ -79,7 +79,7 @@ def activity_of(reply: Reply) -> Activity:
 
 
 def _toward(goal: ActivityKind, point: ActivityKind) -> Callable[[Any], Tuple[ActivityKind, str]]:
-    """Reads a line about a goal. Some robots write the coordinates of a point as a goal's name."""
+    """Returns a reader of lines about a goal. Some robots name a point by its coordinates."""
     def read(reply: Any) -> Tuple[ActivityKind, str]:
         if reply.goal.lower().startswith('dock at '):
             return ActivityKind.DOCKING, reply.goal[len('dock at '):]
@@ -88,7 +88,10 @@ def _toward(goal: ActivityKind, point: ActivityKind) -> Callable[[Any], Tuple[Ac
 
 
 def _always(kind: ActivityKind, field: str = '') -> Callable[[Any], Tuple[ActivityKind, str]]:
-    """Returns `kind` for each line; `field` holds the name of the goal, route or task."""
+    """Returns a reader that returns `kind` for each line.
+
+    field -- the field of the reply that has the name of the goal, route or task; '': none has
+    """
     return lambda reply: (kind, getattr(reply, field) if field else '')
 
 

@@ -1,7 +1,8 @@
 """The link to an ARCL server: connects, logs in, and connects again after each loss.
 
-It serves a user: `Client` for a robot, `JobHandover` of omron_jobs for a Fleet Manager. The user
-says what is sent and hears what comes. One thread owns the socket, and calls the user.
+The link serves a user: `Client` for a robot, or `JobHandover` of omron_jobs for a Fleet Manager.
+The user provides the lines to send and receives the lines that come. One thread owns the socket,
+and calls the user.
 """
 from __future__ import annotations
 
@@ -19,11 +20,11 @@ from omron_arcl.transport import Transport
 
 CONNECT_TIMEOUT = 3.0  # s, for each address of the server
 LOGIN_TIMEOUT = 15.0  # s from the connection to the end of the login
-LOGIN_SILENCE = 4.0  # s without a line in the login after which it has failed, at least
+LOGIN_SILENCE = 4.0  # s, minimum time without a line after which the login has failed
 
 
 class LinkUser(Protocol):
-    """The user of a link; the link's thread calls it, between a login and its loss."""
+    """The user of a link. The link's thread calls it from a login until the loss of the link."""
 
     def hear_login(self, login: LoggedIn, now: float) -> None:
         """Notes that the link is logged in."""
@@ -32,15 +33,14 @@ class LinkUser(Protocol):
         """Notes a line that came after the login."""
 
     def hear_turn(self, now: float) -> None:
-        """Notes that what came is handled, or nothing came for a short time.
+        """Notes that all received lines are handled, or that none came for a short time.
 
-        Raises LinkError to end it.
+        Raises LinkError to end the connection.
         """
 
     def next_to_send(self, now: float) -> Optional[bytes]:
-        """Returns the next line to be sent, if all lines before it have been sent.
-
-        None: nothing.
+        """Returns the next line to be sent; None: there is none. Called when all lines before are
+        sent.
         """
 
     def hear_loss(self, cause: LinkError) -> None:
@@ -52,10 +52,11 @@ class ArclLink(Transport):
 
     silence -- s without a line after which the link counts as dead
     log     -- records all lines of both sides
-    resets  -- the connection is reset when it closes, also when the process dies: the kernel drops
-               what it has not delivered
+    resets  -- the connection is reset when it closes, even if the process is killed: the kernel
+               drops the data that it has not delivered
 
-    It has many attributes because one thread keeps one connection: its address, times and user.
+    The class has many attributes because one thread keeps one connection with its address, times
+    and user.
     """
 
     def __init__(self, name: str, host: str, port: int, password: bytes, user: LinkUser, *,
@@ -70,7 +71,7 @@ class ArclLink(Transport):
         self._trace: Optional[Trace] = None
 
     def wake(self) -> None:
-        """Lets the link ask at once for what is to be sent; for any thread."""
+        """Lets the link fetch the lines to send from its user at once; for any thread."""
         self._waker.wake()
 
     def _run(self) -> None:
@@ -85,7 +86,7 @@ class ArclLink(Transport):
             self._closing.wait(self._backoff.after(cause))
 
     def _converse(self) -> LinkError:
-        """Serves one connection from beginning to end; returns or raises why it ended."""
+        """Serves one connection from beginning to end; returns or raises the cause of the end."""
         self._set_link(LinkPhase.CONNECTING, self.peer, 'connecting')
         try:
             connection = ArclConnection.open(*self._address, CONNECT_TIMEOUT, self._closing.is_set)
@@ -117,7 +118,7 @@ class ArclLink(Transport):
                 raise ConnectionFailed(f'the login took more than {LOGIN_TIMEOUT:.0f} s{words}')
 
     def _turn(self, peer: LivePeer, selector: selectors.BaseSelector) -> float:
-        """Sends pending data, waits for an event, processes what came; returns the time then."""
+        """Sends pending data, waits for an event, processes it; returns the time after the wait."""
         self._send(peer)
         selector.modify(peer.connection.socket, selectors.EVENT_READ
                         | (selectors.EVENT_WRITE if peer.connection.unsent else 0))

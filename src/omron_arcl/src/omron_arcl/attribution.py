@@ -1,13 +1,15 @@
-"""Which command a line of the robot is about, and what it means: the table `ATTRIBUTIONS`.
+"""Decides with a table which command a line of the robot is about, and what the line means.
 
-The robot answers in the order of sending, and its lines carry no id. Only their text, and what the
-robot did before, connect them with a command. A line may concern several parts of this program
-(`LinePart`); in each part the first row that holds decides. A row that ends, acknowledges or
-continues commands finds them among those that were sent. `drives` keeps what follows from that. It
-judges drives by the robot's activity where no line names them; see `judgements`.
+The robot answers in the order of sending, but its lines carry no id. Only the text of a line, and
+what the robot did before, connect the line with a command. The table `ATTRIBUTIONS` has one part
+for each kind of consequence that a line may have (`LinePart`). In each part, the first row that
+holds decides. If a row ends, acknowledges or continues commands, it finds them among the commands
+that were sent. `drives` records the consequences. If no line names a drive, `judgements` compares
+the drive with the robot's activity.
 
-Sources are pages of OMRON's ARCL manual I617-E-01, or of I617-E-02 where that is named. `observed`:
-programs for real robots rely on it. `assumed`: no source says it; check it with a robot.
+Each row names its source: a page of OMRON's ARCL manual I617-E-01, or of I617-E-02 if the row says
+so. `observed` means that programs for real robots rely on the statement. `assumed` means that no
+source contains the statement: check it with a robot.
 """
 from __future__ import annotations
 
@@ -36,15 +38,15 @@ _TO_GOAL = ActivityKind.GOING_TO_GOAL
 _CUT_NAME = 16  # length to which the robot shortens the name of an unknown command
 _STOPPED = (ActivityKind.STOPPING, ActivityKind.STOPPED)
 _REFUSED = (Outcome.REJECTED, Outcome.NO_GOAL, Outcome.UNKNOWN_COMMAND)
-_ROUNDED = 2.0  # mm or degrees by which the robot may repeat a point otherwise
+_ROUNDED = 2.0  # mm or degrees by which a point may differ when the robot repeats it
 _NO_GOAL = re.compile(r'\bno (such )?goal\b|\bgoal\b.*\b(not found|not exist|unknown)\b|'
                       r'\b(unknown|invalid) goal\b', re.IGNORECASE)
 _ABOUT_DRIVING = re.compile(r'\b(path|goal|plan|route|drive|driving|reach|dock)\b', re.IGNORECASE)
 _ABOUT_LOCALIZING = re.compile(r'locali[sz]', re.IGNORECASE)
-# Activities that some robots report with a word of their own instead of a docking state.
+# Activities that some robots report with a word such as `Docking` instead of a docking state.
 _IN_WORDS = {ActivityKind.DOCKING: DriveCourse.INTO_THE_DOCK,
              ActivityKind.UNDOCKING: DriveCourse.OUT_OF_THE_DOCK}
-# Lines to all clients, and refusals. They never answer a command whose answer is not documented.
+# Lines to all clients, and refusals: never the answer to a command with an undocumented answer.
 _NO_ANSWER = frozenset((
     replies.DockingStatus, replies.GoingTo, replies.GoingToPoint, replies.ArrivedAt,
     replies.ArrivedAtPoint, replies.Parking, replies.Stopping, replies.Stopped,
@@ -57,12 +59,12 @@ _NO_ANSWER = frozenset((
 
 
 class LinePart(Enum):
-    """What a line may concern; each part decides on its own."""
+    """A part of the table: what a line may decide. Each part decides independently."""
 
-    HALT = 'whose stop makes the robot halt'
-    ENDED = 'the drives whose commands have ended, and that the line is about'
+    HALT = 'the cause of a `Stopping`: our stop, the robot itself or another client'
+    ENDED = 'the drives that the line is about, and that have ended for their givers'
     COMMAND = 'the drive, or the refused command, that the line is about'
-    START = 'the giver that makes the robot set out, if no command under way does'
+    START = 'the giver for which the robot sets out, if not for a command under way'
     ANSWER = 'the query or stop that the line answers'
 
 
@@ -83,13 +85,13 @@ class Begins(Enum):
     OTHERS = 'for another client'
 
 
-Found = Union[bool, Sequence[Execution]]  # whether the row holds, or the commands it is about
+Found = Union[bool, Sequence[Execution]]  # whether a row holds, or the commands of the line
 Find = Callable[[CommandQueue, Any], Found]
 
 
 @dataclass(frozen=True)
 class Row:
-    """Lines of these kinds have this meaning, for the commands that `find` finds."""
+    """A row of the table: lines of these kinds have this meaning for the commands from `find`."""
 
     name: str
     lines: Tuple[Type[Reply], ...]  # empty: all
@@ -105,7 +107,7 @@ class Attribution:
         self._commands = commands
 
     def on_reply(self, reply: Reply, text: str, now: float) -> None:
-        """Processes a line of the robot: `reply` is its meaning, `text` its words."""
+        """Processes a line of the robot. `reply` is the parsed line, `text` the line itself."""
         records = self._commands.records
         for row, stops in self._decide(LinePart.HALT, reply):
             for stop in stops:
@@ -127,9 +129,8 @@ class Attribution:
 
     def _decide(self, part: LinePart, reply: Reply, claimed: bool = False
                 ) -> Iterable[Tuple[Row, Sequence[Execution]]]:
-        """Returns the row that decides in this part, and the commands that it is about.
-
-        Or nothing.
+        """Returns the row that decides in this part, and the commands of the line. Empty: no row
+        holds.
         """
         for row in ATTRIBUTIONS[part]:
             if row.lines and type(reply) not in row.lines or (
@@ -142,7 +143,7 @@ class Attribution:
 
     def _apply(self, part: LinePart, reply: Reply, text: str, now: float,
                claimed: bool = False) -> Sequence[Execution]:
-        """Tells the commands that the line is about, and returns them."""
+        """Applies the row that decides to the commands of the line, and returns these commands."""
         for row, executions in self._decide(part, reply, claimed):
             for execution in executions:
                 if isinstance(row.meaning, Outcome):
@@ -158,10 +159,11 @@ class Attribution:
         self._commands.begin(execution, text)
 
     def _continued(self, execution: Execution, reply: Reply, text: str, now: float) -> None:
-        """Handles a line of a drive. A robot that stands gives no sign that its drive goes on.
+        """Handles a line of a drive. While the robot stands, a line does not show that its drive
+        goes on.
 
-        Some robots name their dock as a goal. The name with which the robot sets out is that of its
-        dock; once it docks, no other name can be.
+        Some robots name their dock as a goal. On a drive to the dock, the first goal that the robot
+        names is the dock; see `_leads_elsewhere`.
         """
         activity = activity_of(reply)
         before, to_goal = execution.progress.shown_when_sent, activity.kind is _TO_GOAL
@@ -185,8 +187,8 @@ class Attribution:
         self._commands.add_line(execution, text, now)
 
     def _refused(self, execution: Execution) -> None:
-        """Notes that the robot set out for others, if it seemed to do so for a drive that it has
-        refused now. If it was stopped since, that is known already.
+        """Notes that the robot set out for others, if it seemed to set out for a drive that it now
+        refuses. If another client has stopped the robot since, that is already known.
         """
         text, shown = execution.progress.seemed_to_begin, self._commands.records.heard.activity
         is_refused = execution.result is not None and execution.result.outcome in _REFUSED
@@ -194,12 +196,11 @@ class Attribution:
             self._starts(Begins.OTHERS, activity_of(parse_line(text)), text)
 
     def _starts(self, why: Begins, activity: Activity, text: str) -> None:
-        """Notes that the robot obeys something else, so the commands of ours that it obeyed are
-        over.
+        """Notes that the robot obeys something else now. Our commands that it obeyed have ended.
 
-        This includes a stop after which the robot has said `Stopping`. Without that line, or if a
-        drive before it is still to come, the robot may still have to obey the stop: that line may
-        be about a stop of another client.
+        Our stop has also ended if the robot has said `Stopping` for it. If the robot has not, or if
+        a drive before the stop is still to come, the robot may still have to obey our stop: the
+        next `Stopping` may be for a stop of another client.
         """
         records = self._commands.records
         if why is Begins.LATE:
@@ -214,7 +215,10 @@ class Attribution:
             self._commands.end(execution, Outcome.INTERRUPTED, f'taken over: {text}')
 
     def _activity(self, reply: Reply, text: str, now: float, asked: Sequence[Execution]) -> None:
-        """Notes what the robot does, if the line tells it. `asked`: the requests of a status."""
+        """Notes what the robot does, if the line shows it.
+
+        asked -- the queries that a status answers
+        """
         if isinstance(reply, (replies.StatusText, replies.OneLineStatus)):
             shown = reply.text if isinstance(reply, replies.StatusText) else reply.status
             if shown:
@@ -241,7 +245,7 @@ _HANDLERS: Mapping[Means, Callable[[Attribution, Execution, Reply, str, float], 
 
 
 def _reason(reply: Reply) -> str:
-    """Returns the robot's reason, if it is not the whole line."""
+    """Returns the robot's reason if it is only a part of the line, otherwise an empty text."""
     if isinstance(reply, (replies.CommandErrorDescription, replies.SetUpError,
                           replies.RobotError)):
         return reply.text
@@ -271,7 +275,7 @@ def _begun(commands: CommandQueue) -> Sequence[Execution]:
 
 
 def _others(commands: CommandQueue) -> Sequence[Execution]:
-    """Queries and stops."""
+    """Returns the queries and stops that were sent."""
     return [e for e in commands.sent if not e.command.spec.drives]
 
 
@@ -285,7 +289,7 @@ def _not_begun(commands: CommandQueue) -> List[Execution]:
 
 
 def _not_refused(commands: CommandQueue) -> List[Execution]:
-    """Returns the commands of `_not_begun`, without those whose refusal was told."""
+    """Returns the commands of `_not_begun` for which no `CommandError` has come."""
     return [e for e in _not_begun(commands) if e.progress.rejected_at is None]
 
 
@@ -297,9 +301,9 @@ def _fresh(commands: CommandQueue) -> List[Execution]:
 def _began(commands: CommandQueue) -> List[Execution]:
     """Returns the drives that the robot has acknowledged, the newest first.
 
-    A drive that was sent before a stop does not set out again, even if the robot has not yet said
-    that the drive is over. Nor does one that something newer has replaced, such as a stop of
-    another client.
+    If the line begins a motion, two kinds of drives are left out, because they do not set out
+    again: drives before a stop that the robot obeys, even if the robot has not yet said that they
+    are over; and drives that something newer has replaced, such as a stop of another client.
     """
     begun = commands.begun_drives[::-1]
     if not commands.records.heard.sets_out:
@@ -311,8 +315,10 @@ def _began(commands: CommandQueue) -> List[Execution]:
 
 
 def _next(commands: CommandQueue) -> List[Execution]:
-    """Returns the drives that the robot may acknowledge or complete now, the oldest first. A line
-    without a name is about none behind a drive of which the robot has said nothing.
+    """Returns the drives that the robot may acknowledge or complete now, the oldest first.
+
+    The first drive about which the robot has said nothing comes next. A drive behind it is returned
+    only if the robot's lines name its goal, route or task.
     """
     first = _first_unanswered(commands)
     return [e for e in _fresh(commands) if not commands.records.comes_earlier(e)
@@ -320,14 +326,14 @@ def _next(commands: CommandQueue) -> List[Execution]:
 
 
 def _is_named(execution: Execution) -> bool:
-    """Returns whether the robot's lines about a drive name it."""
+    """Returns whether the robot's lines about a drive name its goal, route or task."""
     command = execution.command
     return bool(command.goals or (
         command.arguments and command.spec.course is not DriveCourse.TO_A_PLACE))
 
 
 def _first_unanswered(commands: CommandQueue) -> float:
-    """Returns the order of the oldest drive of which the robot has said nothing."""
+    """Returns the number, in the order of sending, of the oldest drive without any line."""
     return next((e.order for e in _fresh(commands) if not e.has_lines), math.inf)
 
 
@@ -340,15 +346,18 @@ def _began_first(commands: CommandQueue) -> List[Execution]:
 
 
 def _to_complete(commands: CommandQueue) -> List[Execution]:
-    """Returns the drives that a line may complete. While the robot carries out a drive of others,
-    that is the one which it completes, not one of ours that it has not acknowledged.
+    """Returns the drives that a line may complete.
+
+    While the robot carries out a drive of another client, a line about a completion is about that
+    drive. So our drives that the robot has not acknowledged are left out.
     """
     return _began(commands) if commands.records.drives_for_others else _began_first(commands)
 
 
 def _present(commands: CommandQueue) -> Sequence[Execution]:
-    """Returns the drive that the robot carries out, or else the first one to come, unless the robot
-    carries out a drive of others.
+    """Returns our drive that the robot carries out, or otherwise the drive to come.
+
+    Empty: the robot carries out a drive of another client, or there is no drive.
     """
     return commands.begun_drives[-1:] or _to_come(commands)
 
@@ -358,13 +367,15 @@ def _to_come(commands: CommandQueue) -> Sequence[Execution]:
 
 
 def _refused(commands: CommandQueue) -> Sequence[Execution]:
-    """Returns the oldest command whose refusal was told without a reason."""
+    """Returns the oldest command for which a `CommandError` came, but not the reason yet."""
     return [e for e in commands.sent if e.progress.rejected_at is not None][:1]
 
 
 def _unanswered(commands: CommandQueue) -> Sequence[Execution]:
-    """Returns the newest command without any answer, for a line that names none. A drive is the
-    last choice: if the robot carries it out nevertheless, it must have a giver.
+    """Returns the newest unanswered command, for a line that names no command.
+
+    A drive or stop is the last choice: if the robot carries out the drive after all, the drive must
+    still have a giver.
     """
     unanswered = [e for e in _not_begun(commands) if not e.progress.set_out]
     others = [e for e in unanswered if not (e.command.spec.drives or e.command.spec.stops)]
@@ -372,16 +383,20 @@ def _unanswered(commands: CommandQueue) -> Sequence[Execution]:
 
 
 def _need_motors(commands: CommandQueue) -> Sequence[Execution]:
-    """Returns the drives that need the motors: the robot resumes none of them by itself."""
+    """Returns the commands that end when the motors go off: drives and `enableMotors`.
+
+    The robot resumes no drive by itself.
+    """
     return [e for e in commands.sent
             if e.command.spec.drives or e.command.name == 'enableMotors']
 
 
 def _obeyed_stops(commands: CommandQueue, reply: Reply) -> List[Execution]:
-    """Returns the stops that a `Stopped` ends. A stop behind a drive of which the robot has said
-    nothing is not answered yet, because the robot answers in the order of sending: another client
-    stopped the robot, or a stop before that drive did. If the robot never says a word about that
-    drive, `drives` ends the stop.
+    """Returns the stops that a `Stopped` ends.
+
+    The robot answers in the order of sending. If it has said nothing about a drive, it has not
+    answered a stop behind that drive either: an earlier stop or another client stopped the robot.
+    If the robot never says anything about the drive, a doubt ends the stop later; see `drives`.
     """
     if not commands.records.heard.stopped_by_us:
         return []
@@ -391,8 +406,10 @@ def _obeyed_stops(commands: CommandQueue, reply: Reply) -> List[Execution]:
 
 
 def _ended_drives(commands: CommandQueue, reply: Reply) -> Sequence[DriveRecord]:
-    """Returns the drives whose commands have ended: the one that a refusal names, and that the
-    robot answers next, or those that may be the cause of an interrupted motion.
+    """Returns the drives that have ended for their givers and that the line is about.
+
+    For a refusal, this is the drive that it names, if the robot has to answer this drive next. For
+    `Interrupted`, these are the drives that may have caused the interrupted motion.
     """
     if isinstance(reply, replies.Interrupted):
         is_of_another = _first(_begun, _was_interrupted)(commands, reply)
@@ -427,8 +444,8 @@ def _continues(execution: Execution, reply: Reply) -> bool:
 
 
 def _leads_elsewhere(execution: Execution, reply: Reply) -> bool:
-    """Returns whether the robot drives to a goal that is not its dock,
-    see `Attribution._continued`.
+    """Returns whether the robot drives to a goal that is not its dock, although it was sent to the
+    dock; see `Attribution._continued`.
     """
     activity = activity_of(reply)
     return (execution.command.spec.course is DriveCourse.INTO_THE_DOCK
@@ -437,8 +454,10 @@ def _leads_elsewhere(execution: Execution, reply: Reply) -> bool:
 
 
 def _under_way(commands: CommandQueue, reply: Reply) -> Found:
-    """Returns the drive under way; a robot that docks drives to no goal but its dock. A goal of a
-    drive that has ended, and that the robot answers next, is not on the way of one that follows.
+    """Returns the drive that the line shows to be under way.
+
+    A robot that docks drives to no goal but its dock. If the line names the goal of an ended drive
+    that the robot answers next, the line is not about a later drive that is not acknowledged.
     """
     elsewhere = [e for e in commands.begun_drives if _leads_elsewhere(e, reply)]
     goal = activity_of(reply).goal.casefold()
@@ -452,9 +471,9 @@ def _may_be_answered(execution: Execution, reply: Reply) -> bool:
 
 
 def _repeats(is_same: Callable[[str, str], bool]) -> Callable[[Execution, Any], bool]:
-    """Compares a repeated line with that of a command.
+    """Returns a function that compares the command in a refusal with the line that was sent.
 
-    Passwords in the robot's lines are redacted, so they are also redacted in the sent lines.
+    Passwords in the robot's lines are redacted, so they are redacted in the sent lines as well.
     """
     return lambda execution, reply: is_same(
         _plain(reply.command),
@@ -462,8 +481,9 @@ def _repeats(is_same: Callable[[str, str], bool]) -> Callable[[Execution, Any], 
 
 
 def _repeats_its_name(execution: Execution, reply: replies.CommandError) -> bool:
-    """Returns whether a line begins with the name of a command, and names no other goal or point.
-    With another one it is the late answer to a command that has ended for its giver.
+    """Returns whether a refusal has the name of a command, and names no other goal or point.
+
+    A refusal with another goal or point is the late answer to a command that has ended.
     """
     command, said = execution.command, _plain(reply.command).split()[1:]
     if not _repeats(lambda said, given: said.split()[:1] == given.split()[:1])(execution, reply):
@@ -542,8 +562,9 @@ def _fails_to_localize(execution: Execution, reply: replies.Failure) -> bool:
 
 
 def _loses_power(commands: CommandQueue, reply: replies.Motors) -> Found:
-    """Returns the drives that need the motors which went off. One that is on its way reaches the
-    robot later, perhaps after its motors are on again.
+    """Returns the commands that end because the motors went off.
+
+    A drive on its way does not end: it may reach the robot when the motors are on again.
     """
     begun = commands.begun_drives
     return [e for e in _need_motors(commands)
@@ -551,7 +572,7 @@ def _loses_power(commands: CommandQueue, reply: replies.Motors) -> Found:
 
 
 def _fails_to_begin(commands: CommandQueue, reply: Any) -> Found:
-    """Returns the drive that fails before it begins. For one that has begun the status decides."""
+    """Returns the drive that fails before it begins. After its begin, the status decides."""
     about = _ABOUT_DRIVING.search(reply.text) and not commands.begun_drives
     return _to_come(commands) if about else []
 
@@ -559,17 +580,19 @@ def _fails_to_begin(commands: CommandQueue, reply: Any) -> Found:
 # --- what the robot does --------------------------------------------------------------------------
 
 def _stands_for_us(commands: CommandQueue, reply: Reply) -> Found:
-    """Returns whether the robot stands instead of replacing its motion, and a stop of ours has no
-    `Stopping`.
+    """Returns whether the robot says `Stopped` unexpectedly while a `Stopping` for our stop has not
+    come: the last `Stopping` was attributed wrongly.
     """
     heard = commands.records.heard
     return heard.will_not_stand and heard.unheard_stops > 0
 
 
 def _stops_for_us(commands: CommandQueue, reply: Reply) -> Found:
-    """Returns the oldest stop of ours without a `Stopping`; or whether there was one that has
-    ended. A robot with a reason of its own halts for that first, if it has to answer a drive before
-    the stop. It may also halt to replace its motion by that drive.
+    """Returns our oldest stop for which no `Stopping` has come.
+
+    True: this stop has ended for its giver already. False: there is none, or the robot has to
+    answer a drive before the stop and may halt for another reason first. This reason is its own
+    (`SelfStop`), or the robot halts to replace its motion by that drive.
     """
     records, heard = commands.records, commands.records.heard
     stops = [e for e in _not_begun(commands) if e.command.spec.stops]

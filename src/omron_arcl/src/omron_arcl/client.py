@@ -1,7 +1,7 @@
-"""The connection to a robot: commands over a link to its ARCL server, and what became of them.
+"""The connection to a robot: sends commands over a link to its ARCL server, reports how they end.
 
-The link's thread reports lines and results through callbacks. It calls them itself, without locks,
-so a callback may give commands. A callback must be short.
+The link's thread reports lines and results by callbacks. It calls them itself and holds no lock, so
+a callback may give commands. A callback must be short.
 """
 from __future__ import annotations
 
@@ -25,8 +25,8 @@ from omron_arcl.replies import Goal, Macro, MapChanged, Route
 from omron_arcl.session import LoggedIn, Received
 from omron_arcl.session_log import SessionLog
 
-HEARTBEATS = ('oneLineStatus', 'status')  # the second for robots that do not have the first
-_IN_DOUBT = 1.0  # s between heartbeats while a status would show whether a drive is over
+HEARTBEATS = ('oneLineStatus', 'status')  # `status` is for robots without `oneLineStatus`
+_IN_DOUBT = 1.0  # s between heartbeats while a status may decide whether a drive is over
 _MAXIMUM_NAMES = 10_000
 
 
@@ -36,12 +36,11 @@ class Client(ArclLink):
     on_line(Received): a line came after the login. on_link(Link): the link changed.
     on_login(HelpList): the login succeeded; called once per connection. log: records all lines of
     both sides. heartbeat: seconds between two requests for a sign of life. timeout: seconds without
-    a sign of life after which the link counts as dead. `names`: the bytes of each name that the
-    robot has listed and that is not ASCII. records: the records of the robot's
-    drives. on_motion(Motion): the motion has changed; called by any thread.
+    a sign of life after which the link counts as dead. records: the records of the robot's drives.
+    on_motion(RobotMotion): the motion has changed; called by any thread.
 
-    It is the user of its own link. It has many attributes because one thread keeps one connection:
-    its parts, callbacks and times.
+    The client is the user of its own link. It has many attributes because one thread keeps one
+    connection with its parts, callbacks and times.
     """
 
     def __init__(self, host: str, port: int, password: bytes, *,
@@ -68,12 +67,12 @@ class Client(ArclLink):
         self._heartbeats = list(HEARTBEATS)
         self._lock = threading.Lock()  # guards help, _names, _dispatcher
         self._dispatcher = Dispatcher(records)
-        self._answered = threading.Event()  # the password was taken, or refused
+        self._answered = threading.Event()  # the robot has accepted or refused the password
 
     # --- for any thread --------------------------------------------------------------------------
 
     def wait_connected(self, timeout: float) -> Link:
-        """Waits until logged in or refused, at most `timeout` s, and returns the link."""
+        """Waits at most `timeout` s for the login or its refusal, and returns the link."""
         self._answered.wait(timeout)
         return self.link
 
@@ -93,12 +92,12 @@ class Client(ArclLink):
         Unclear. A stop that is given without a link becomes an owed stop: it is sent as soon as
         there is a link.
 
-        timeout: seconds without a line about the command until it has timed out; default: the
-        command's own timeout. on_line, on_end: called by the client's thread. check: called with
-        the command before it is sent; raises ArclError if it must not be sent. stop_on_timeout:
-        stops a drive that has timed out. known_epoch: the epoch that `giver` knows; 0 is for
-        people, whose commands are valid in each epoch. number: of the command at its giver; it
-        grows, and `motion` says what became of the last one.
+        timeout: seconds without a line about the command until it times out; None: the timeout of
+        the kind of command. on_line, on_end: called by the client's thread. check: called with the
+        command before it is sent; raises ArclError if the command must not be sent.
+        stop_on_timeout: stops a drive that has timed out. known_epoch: the epoch that `giver`
+        knows; 0 is for people, whose commands are valid in each epoch. number: the giver's number
+        of the command, greater than all before; `motion` shows the fate of the last command.
         """
         with self._lock:
             command = parse_command(text, self.help.full_name, self._names)
@@ -119,7 +118,10 @@ class Client(ArclLink):
         return execution
 
     def cancel(self, execution: Execution, canceller: Giver = NO_GIVER) -> None:
-        """Ends a command; stops the robot if it is a drive. Its `result` is set when it is over."""
+        """Cancels a command, and stops the robot if it is a drive.
+
+        `execution.result` is set when the command has ended.
+        """
         with self._lock:
             self._dispatcher.cancel(execution, time.monotonic(), canceller)
         self._publish_motion()
@@ -164,7 +166,7 @@ class Client(ArclLink):
         with self._lock:
             self.help = login.help
             self._dispatcher.on_connected(now)
-        # The first status shows what happened meanwhile, and whether to send an owed stop.
+        # The first status shows what happened during the outage, and whether to send an owed stop.
         self._pulsed_at = -math.inf
 
     def hear_line(self, line: Received, now: float) -> None:
@@ -175,7 +177,7 @@ class Client(ArclLink):
             self._dispatcher.on_reply(line.reply, line.text, now)
 
     def hear_turn(self, now: float) -> None:
-        """Follows the time."""
+        """Processes the passage of time, and requests a sign of life when it is due."""
         with self._lock:
             self._dispatcher.on_time(now)
             in_doubt = self._dispatcher.in_doubt
@@ -218,7 +220,7 @@ class Client(ArclLink):
             self._pulse = None
         if self._pulse is None and now - self._pulsed_at >= period:
             self._pulsed_at = now
-            with contextlib.suppress(Busy):  # answers to what is queued show that the robot lives
+            with contextlib.suppress(Busy):  # the answers to queued commands are signs of life, too
                 self._pulse = self.execute(self._heartbeats[0])
 
     def _call_back(self) -> None:

@@ -17,9 +17,9 @@ def parse_command(text: str, full_name: Callable[[str], Optional[str]] = lambda 
                   names: Optional[Mapping[str, bytes]] = None) -> Command:
     """Reads a command line; raises InvalidCommand.
 
-    full_name: resolves shortcuts that the table does not have, e.g. `HelpList.full_name`. names:
-    the bytes of the names that the robot has listed and that are not ASCII, e.g. `Client.names`.
-    ARCL accepts no other characters outside ASCII.
+    full_name: returns the command for a shortcut that the table does not have, for example
+    `HelpList.full_name`. names: the bytes of each name that the robot has listed and that is not
+    ASCII, for example `Client.names`. ARCL accepts no other characters outside ASCII.
     """
     text = text.strip(' ')
     if is_stop(text):
@@ -42,7 +42,7 @@ def parse_command(text: str, full_name: Callable[[str], Optional[str]] = lambda 
 
 
 def is_stop(text: str) -> bool:
-    """Returns whether a command line is a stop, with any text after the word."""
+    """Returns whether a command line is a stop. Any text may follow the word `stop`."""
     words = text.split(maxsplit=1)
     return bool(words) and spec_of(words[0]).stops
 
@@ -74,9 +74,9 @@ def _encode(text: str, names: Mapping[str, bytes]) -> bytes:
 
 
 def _find(name: str, text: str) -> int:
-    """Returns the index of `name` in `text`, with case ignored if need be.
+    """Returns the index of `name` in `text`, or -1 if `text` does not contain `name`.
 
-    -1 if it is not in it.
+    If no part of `text` is exactly `name`, case is ignored.
     """
     at = text.find(name)
     folded, sought = text.casefold(), name.casefold()
@@ -86,8 +86,8 @@ def _find(name: str, text: str) -> int:
 
 
 def printable(text: str, longest: int = 200) -> str:
-    """Returns `text` for logs and terminals: control characters escaped, shortened,
-    without passwords.
+    """Returns `text` for logs and terminals: shortened, without passwords, and with control
+    characters escaped.
     """
     shown = redact_passwords(text.encode('utf-8', 'backslashreplace')).decode('utf-8')
     if not shown.isprintable():
@@ -98,9 +98,10 @@ def printable(text: str, longest: int = 200) -> str:
 
 
 def quote(name: str) -> str:
-    """Returns `name` of a goal, route, ... as an argument: in double quotes if it contains a blank.
+    """Returns the name of a goal, route or other object as an argument of a command.
 
-    Raises InvalidCommand for a name that ARCL cannot express.
+    A name with a blank is put in double quotes. Raises InvalidCommand for a name that ARCL cannot
+    express.
     """
     name = readable(name)
     reason = _reason_against(name) or ('it contains a double quote' if '"' in name else '')

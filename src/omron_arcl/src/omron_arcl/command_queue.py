@@ -1,17 +1,18 @@
-"""The commands of one connection in order: those that wait, those sent, those that ended.
+"""The commands of one connection in order: waiting commands, and sent ones until they end.
 
     event                                     waiting              sent
     a stop is given                           drives: ended        -
-    the connection takes data                 sent, unless it must -
-                                              wait or came late
+    the connection accepts data               sent; or it waits;   -
+                                              or it is too late:
+                                              ended
     a newer drive is acknowledged, or         -                    older drives and stops: ended
     completed at once
     a stop has succeeded                      -                    older drives and stops: ended
-    its lines, its doubt or its time end it   -                    ended
+    its lines, a doubt or its time end it     -                    ended
     it is cancelled; the link breaks          ended                ended
 
-Invariants: nothing is sent twice. A command ends once. The order of sending is that of the records
-of drives.
+Invariants: nothing is sent twice. A command ends once. Drives and stops are sent in the order of
+their records (`drives`).
 """
 from __future__ import annotations
 
@@ -25,9 +26,9 @@ MAXIMUM_WAITING = 200
 
 
 class CommandQueue:
-    """Executions in order. Only `add`, `next_to_send` and `end` change the order.
+    """The commands in order. Only `add`, `next_to_send` and `end` change the order.
 
-    Callbacks to waiting callers are collected for `pop_callbacks`, so that they run without locks.
+    The queue collects the callbacks to callers for `pop_callbacks`, so that they run without locks.
     """
 
     def __init__(self, records: Drives) -> None:
@@ -55,7 +56,9 @@ class CommandQueue:
         return [execution for execution in self.drives if self.records.has_begun(execution)]
 
     def add(self, execution: Execution) -> None:
-        """Takes a command; raises Busy. A stop overtakes waiting commands and drops drives."""
+        """Takes a command; raises Busy. A stop overtakes all waiting commands, and ends the waiting
+        drives.
+        """
         if execution.command.spec.stops:
             for other in [e for e in self.waiting if e.command.spec.drives]:
                 outcome = (Outcome.CANCELLED if other.giver == execution.giver
@@ -84,8 +87,8 @@ class CommandQueue:
         return None
 
     def _must_wait(self, execution: Execution) -> bool:
-        """Returns whether a query waits: for one of the same name, or
-        if both have undocumented answers.
+        """Returns whether a query must wait for an earlier query: both have the same name, or both
+        have undocumented answers.
         """
         spec = execution.command.spec
         if spec.drives or spec.stops:
@@ -106,7 +109,7 @@ class CommandQueue:
                 self._callbacks.append(lambda: on_line(text))
 
     def begin(self, execution: Execution, line: str) -> None:
-        """Notes that the robot obeys a drive, as a line or status says, which ends the motions
+        """Notes that the robot obeys a drive, according to a line or status. This ends the motions
         before it.
         """
         if not self.records.has_begun(execution):
@@ -114,7 +117,10 @@ class CommandQueue:
             self.end_before(execution, f'replaced by "{execution.command.text}"')
 
     def end(self, execution: Execution, outcome: Outcome, words: str, keep: bool = False) -> None:
-        """Ends a command for its caller; `keep`: its lines still come, and nothing reads them."""
+        """Ends a command for its caller.
+
+        keep -- the command stays in the queue, because its lines may still come; they are ignored
+        """
         if execution.progress.cancel_requested is not None and outcome is Outcome.INTERRUPTED:
             outcome = Outcome.CANCELLED
         if execution.command.spec.drives and outcome is Outcome.SUCCEEDED:

@@ -1,7 +1,8 @@
 """The table of all known commands, with the replies that end each of them.
 
-Syntax and answers follow OMRON's ARCL references (I617-E-01, and the newer I617-E-02), or real
-robots if these differ. Commands that only a fleet manager has are not in the table.
+Syntax and answers are those of OMRON's ARCL references (I617-E-01, and the newer I617-E-02). Where
+real robots differ from these, the table follows the robots. Commands that only a fleet manager has
+are not in the table.
 """
 from __future__ import annotations
 
@@ -25,7 +26,7 @@ from omron_arcl.predicates import (
 )
 from omron_arcl.replies import DockingState, UnknownLine
 
-# s without a line or status about a drive that has begun, after which it has timed out
+# s without a line or status about a drive that has begun, until it times out
 _DRIVE_TIMEOUT = 600.0
 _TASKS_TIMEOUT = 3600.0  # a task may wait, and its status may show any text
 
@@ -33,7 +34,7 @@ _TASKS_TIMEOUT = 3600.0  # a task may wait, and its status may show any text
 def spec_of(name: str) -> CommandSpec:
     """Returns the row for a command's name or shortcut.
 
-    An unknown command ends when the robot is quiet.
+    For an unknown command, returns a row without a documented answer.
     """
     return (COMMANDS.get(name.lower()) or _SHORTCUTS.get(name.lower())
             or CommandSpec(name, Category.UNKNOWN, completed_by=None))
@@ -76,8 +77,9 @@ def _done(syntax: str, category: Category, phrase: str, related: Optional[Predic
 
 
 def _quiet(category: Category, *syntaxes: str, **shortcuts: str) -> Iterable[CommandSpec]:
-    """Returns rows for commands with undocumented answers: they end
-    when the robot has been quiet.
+    """Returns rows for commands with undocumented answers.
+
+    Such a command ends when the robot has been quiet for some time.
     """
     return (CommandSpec(syntax, category, completed_by=None,
                         shortcut=shortcuts.get(syntax.split()[0], '')) for syntax in syntaxes)

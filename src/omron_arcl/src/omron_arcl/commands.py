@@ -1,9 +1,9 @@
 """A command and the specification of its kind: syntax, category, and how its answer ends.
 
-ARCL has no request ids. Only the text of the robot's lines connects them with a command. A
-specification therefore contains predicates on replies: which reply acknowledges the command, which
-replies are related to it, which reply completes it. Failures and refusals are the same for all
-commands: see `attribution`. `judgements` judges drives by the robot's status.
+ARCL has no request ids. Only the text of a line connects the line with a command. A specification
+therefore contains predicates on replies: which reply acknowledges the command, which replies are
+related to it, and which reply completes it. Failures and refusals are the same for all commands;
+`attribution` handles them. `judgements` judges drives by the robot's status.
 """
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from typing import Callable, Optional, Tuple
 
 from omron_arcl.replies import Reply, same_name
 
-ACKNOWLEDGE_TIMEOUT = 60.0  # s in which a drive must be acknowledged; it may leave the dock first
+ACKNOWLEDGE_TIMEOUT = 60.0  # s within which the robot acknowledges a drive; it may undock before
 
 
 class Category(Enum):
@@ -28,7 +28,7 @@ class Category(Enum):
 
 
 class DriveCourse(Enum):
-    """What a driving command does with the wheels; this decides which activities contradict it."""
+    """The kind of a driving command; it decides which activities contradict the command."""
 
     TO_A_PLACE = 'to a place'
     INTO_THE_DOCK = 'into the dock'
@@ -40,25 +40,25 @@ class DriveCourse(Enum):
 _NEVER_MOVE = ('listStart', 'listAdd', 'queueCancelLocal', 'queueModifyLocal', 'stay',
                'applicationBlockDrivingSet')
 
-Predicate = Callable[['Command', Reply], bool]  # whether it is the line that the command awaits
+Predicate = Callable[['Command', Reply], bool]  # whether the reply is one that the command awaits
 
 
 @dataclass(frozen=True)
 class CommandSpec:
     """A row of the table of commands.
 
-    completed_by -- the reply that ends the command well; None: the answer is not documented, and
-        ends when the robot has been quiet
+    completed_by -- the reply that ends the command with success; None: the answer is not
+        documented, and ends when the robot has been quiet for some time
     acknowledged_by -- the reply that shows that the robot obeys; None: no such reply is documented
     related -- further lines that belong to the command
     aborted_by -- the reply that shows that an acknowledged command was broken off
-    timeout -- seconds without a line or status about the command until it has timed out; before
-        it is acknowledged at most `ACKNOWLEDGE_TIMEOUT`
-    course -- set for commands that take over the wheels, and so replace the command before
+    timeout -- seconds without a line or status about the command until it times out; at most
+        `ACKNOWLEDGE_TIMEOUT` until the command is acknowledged
+    course -- set for commands that take over the wheels, and so replace the drive before them
     goal_at -- index of the argument that is the name of a goal, route or macro
     shortcut -- a shorter name that the robot also accepts
     needs_standing -- it is not sent while the robot drives
-    adds_job -- each time it is given, the robot gets one more job
+    adds_job -- each time the command is given, the robot gets one more job
 
     Its attributes are the columns of the table.
     """
@@ -94,7 +94,7 @@ class CommandSpec:
 
     @property
     def may_repeat(self) -> bool:
-        """Whether the command changes nothing if it is given again while the robot obeys it."""
+        """Whether giving the command again while the robot obeys it changes nothing."""
         return (self.course in (DriveCourse.TO_A_PLACE, DriveCourse.INTO_THE_DOCK)
                 and not self.adds_job)
 
@@ -113,7 +113,8 @@ class CommandSpec:
 class Command:
     """One line for the robot, as `parse_command` reads it.
 
-    `text` is the line for people, `line` the bytes to send; `spec` is the row of the table.
+    `text` is the line as people read it, `line` has the bytes to send, and `spec` is the row of the
+    table of commands.
     """
 
     text: str
@@ -129,10 +130,10 @@ class Command:
 
     @property
     def goals(self) -> Tuple[str, ...]:
-        """The possible readings of the goal's, route's or macro's name; empty if it has none.
+        """The possible names of the command's goal, route or macro; empty if it names none.
 
-        There may be several, because the robot also accepts names with blanks without quotes, and
-        `goto` takes a heading after the goal.
+        There may be several: the robot also accepts names that contain blanks but have no quotes,
+        and `goto` accepts a heading after the goal.
         """
         if self.spec.goal_at is None:
             return ()
@@ -141,7 +142,5 @@ class Command:
         return tuple(dict.fromkeys(name for name in readings if name))
 
     def is_for(self, name: str) -> bool:
-        """Returns whether a reply with the name `name` of a goal,
-        route or macro refers to this command.
-        """
+        """Returns whether `name` may be the name of the command's goal, route or macro."""
         return any(same_name(name, goal) for goal in self.goals)

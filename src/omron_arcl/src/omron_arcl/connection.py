@@ -15,11 +15,11 @@ from omron_arcl.session import Closed, LoggedIn, Received, Session
 
 _CHUNK = 1 << 16
 _CONNECT_TICK = 0.1  # s
-_STANDSTILL = 1.0  # s between two reads; after more the received data may be old
-_GAPS = 4.0  # usual pauses of the peer; after a longer one, the received data may be old
-# Data is new again after either of these:
-_DRAINED = 0.03  # s of waiting for bytes,
-_WAITED, _FLUSHED = 0.001, 0.5  # s of waiting, once this time has emptied the other side's buffers
+_STANDSTILL = 1.0  # s between two reads; after a longer time, the received data may be old
+_GAPS = 4.0  # after a pause of this many usual pauses of the peer, the received data may be old
+# Received data counts as new again after one of these waits for it:
+_DRAINED = 0.03  # s
+_WAITED, _FLUSHED = 0.001, 0.5  # s, once _FLUSHED s have passed since the data became old
 _IN_PROGRESS = (0, errno.EINPROGRESS, errno.EWOULDBLOCK)
 
 
@@ -67,11 +67,11 @@ class ArclConnection:
         self.socket.close()
 
     def reset_when_closed(self) -> None:
-        """Lets the kernel drop what it has not delivered when the socket closes."""
+        """Makes the kernel drop undelivered data when the socket closes."""
         self.socket.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, struct.pack('ii', 1, 0))
 
     def receive(self) -> Optional[bytes]:
-        """Returns the received bytes: None if there are none yet, b'' at the end.
+        """Returns the received bytes. None: there are none yet; b'': the peer has closed.
 
         Raises OSError.
         """
@@ -81,7 +81,7 @@ class ArclConnection:
             return None
 
     def send(self, data: bytes) -> None:
-        """Sends as much as possible now and keeps the rest. Raises OSError if broken."""
+        """Sends as much as possible now, and keeps the rest. Raises OSError."""
         self.unsent += data
         with contextlib.suppress(BlockingIOError):
             while self.unsent:
@@ -94,7 +94,7 @@ class LivePeer:
     timeout: seconds without a complete line, or without accepting sent data, after which the robot
     counts as gone. Single bytes without a line end are no sign of life.
 
-    Its attributes are times: together they tell life from silence.
+    Its attributes are the times that show whether the robot is alive.
     """
 
     def __init__(self, connection: ArclConnection, session: Session, timeout: float) -> None:
@@ -106,12 +106,12 @@ class LivePeer:
         self._late = False
         self._resumed = 0.0
         self._data_at = self._heard
-        self._pause: Optional[float] = None  # s, the usual one between two pieces of data
+        self._pause: Optional[float] = None  # s, usual time between two pieces of data
 
     def receive(self, now: float, waited: float) -> Iterator[Union[LoggedIn, Received]]:
-        """Yields the events in the received data, after a wait of `waited` s for it.
+        """Yields the events in the received data. The caller has waited `waited` s for this data.
 
-        Raises LinkError when the connection is over, or OSError.
+        Raises LinkError or OSError when the connection is over.
         """
         data = self.connection.receive()
         read = max(now, time.monotonic())  # the process may have been suspended in between
@@ -145,9 +145,7 @@ class LivePeer:
         return self._lines > 0 and now - self._heard <= seconds
 
     def _follows_a_gap(self, read: float, waited: float) -> bool:
-        """Returns whether the peer's data comes after a stall of the network,
-        which has kept it back.
-        """
+        """Returns whether a stall of the network has delayed the peer's data."""
         pause, self._data_at = read - self._data_at, read
         if waited <= _DRAINED:
             return False
@@ -198,7 +196,7 @@ def _await_connected(attempt: socket.socket, timeout: float, give_up: Callable[[
 
 
 def _make_lively(connected: socket.socket) -> None:
-    """Turns off send delay; makes the kernel notice a vanished peer even without traffic."""
+    """Turns off the send delay. Makes the kernel notice a vanished peer even without traffic."""
     connected.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
     connected.setsockopt(socket.SOL_SOCKET, socket.SO_KEEPALIVE, 1)
     for option, value in (('TCP_KEEPIDLE', 2), ('TCP_KEEPINTVL', 1), ('TCP_KEEPCNT', 3),

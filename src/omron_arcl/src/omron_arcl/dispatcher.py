@@ -1,15 +1,14 @@
 """The commands of one connection: takes commands, lines and time; gives lines to send and results.
-No I/O, and no clock.
 
-`drives` keeps the records of drives and stops, `command_queue` the order, and `attribution` decides
-on the meaning of lines. The rules:
-- Queries of one name wait for each other, so that each answer has one asker.
+The module has no I/O and no clock. `drives` keeps the records of drives and stops, `command_queue`
+keeps the order of the commands, and `attribution` decides on the meaning of lines. The rules:
+- Queries of one name wait for each other, so that each answer belongs to one query.
 - A line that names the goal of a driving command acknowledges it. The command then replaces all
   motions before it, including a stop that is under way.
-- `stop` overtakes all unsent commands. Unsent driving commands are dropped for it.
-- A `Stopped` ends every stop that was sent before the first driving command of which the robot has
-  said nothing. If another client's drive overtakes a stop while the robot brakes, the stop was
-  interrupted, because the robot does not stand.
+- `stop` overtakes all unsent commands, and drops the unsent driving commands.
+- A `Stopped` ends every stop that was sent before the first driving command about which the robot
+  has said nothing. If another client's drive begins while the robot brakes for a stop, the stop
+  ends as INTERRUPTED, because the robot does not stand.
 - Nothing is ever sent twice. When the link breaks, each command under way ends as LOST.
 - A command ends within its time limit, regardless of the robot's answers.
 """
@@ -28,15 +27,15 @@ from omron_arcl.replies import Reply
 
 _QUIET = 1.0  # s without a line after which an answer of unknown length is over
 _DESCRIPTION_TIMEOUT = 1.0  # s after a CommandError in which its description may come
-_LONGEST_ANSWER = 60.0  # s from sending a query or stop, however much the robot has to say
+_LONGEST_ANSWER = 60.0  # s from sending a query or stop to its end, regardless of its lines
 _LONGEST_START = 300.0  # s from sending a drive until it is acknowledged
-_LONGEST_REPLACEMENT = 5.0  # s in which a newer drive must replace a cancelled one, else a stop
+_LONGEST_REPLACEMENT = 5.0  # s in which a newer drive must replace a cancelled one; then: stop
 
 
 class Dispatcher:
-    """The commands of one connection. The caller provides the clock (s, monotonic) and the lock.
+    """The commands of one connection. The user provides the clock (s, monotonic) and the lock.
 
-    `pop_callbacks` returns the callbacks of the waiting callers. The caller runs them outside the
+    `pop_callbacks` returns the callbacks of the givers of commands. The user runs them without the
     lock, so that a callback may give the next command.
     """
 
@@ -52,9 +51,10 @@ class Dispatcher:
               known_epoch: int = 0, number: int = 0) -> Execution:
         """Takes a command of `giver`, which knows `known_epoch`.
 
-        Raises Busy, Overruled or Unclear. timeout: seconds without a line about the command;
-        default: the command's own. stop_on_timeout: stops a drive that has timed out, unless a
-        newer one is under way. number: of the command at its giver; it grows.
+        Raises Busy, Overruled or Unclear. timeout: seconds without a line about the command until
+        it times out; None: the timeout of the kind of command. stop_on_timeout: stops a drive that
+        has timed out, unless a newer drive is under way. number: the giver's number of the command,
+        greater than all before.
         """
         self._check(command, giver, known_epoch, number)
         execution = Execution(command, timeout, on_line, on_end, stop_on_timeout, giver,
@@ -65,9 +65,9 @@ class Dispatcher:
 
     def start_without_link(self, command: Command, giver: Giver, known_epoch: int,
                            number: int = 0) -> None:
-        """Takes a command while there is no link; a stop is sent as soon as there is a link.
+        """Takes a stop while there is no link; the stop is sent as soon as there is a link.
 
-        Raises Overruled.
+        Does nothing for other commands. Raises Overruled.
         """
         if command.spec.stops:
             self._check(command, giver, known_epoch, number)
@@ -85,10 +85,10 @@ class Dispatcher:
         self.records.linked(True, now)
 
     def cancel(self, execution: Execution, now: float, canceller: Giver = NO_GIVER) -> None:
-        """Cancels a command: drops an unsent one, stops a drive, no longer waits for a query.
+        """Cancels a command: drops an unsent command, stops a drive, stops waiting for a query.
 
-        A driving command that was replaced is ended by its replacement. A stop is still sent to
-        the robot.
+        If a newer driving command replaces a driving command, the newer one ends the older one. A
+        cancelled stop is still sent to the robot.
         """
         if execution.result is not None:
             return
@@ -110,14 +110,14 @@ class Dispatcher:
 
     @property
     def in_doubt(self) -> bool:
-        """Whether a status of the robot would show whether a drive or stop is over, or why."""
+        """Whether the next status may decide a doubt, or explain an interruption."""
         return self.records.in_doubt
 
     def on_reply(self, reply: Reply, text: str, now: float) -> None:
         """Processes a line of the robot."""
         self._commands.now = now
         self._attribution.on_reply(reply, text, now)
-        self._end_doubted(-math.inf)  # lines behind this one may have waited as long, and refute it
+        self._end_doubted(-math.inf)  # only certain doubts: the next lines may remove the others
         self._stop_if_cancelled(now)
         self._stop_if_owed(now)
 
@@ -132,7 +132,7 @@ class Dispatcher:
         self._stop_if_owed(now)
 
     def _end_doubted(self, now: float) -> None:
-        """Ends the commands that the robot has contradicted for long enough, or for certain."""
+        """Ends the commands that the robot has contradicted for long enough, or with certainty."""
         for execution, doubt in self.records.settled(now):
             if execution in self._commands.sent:  # it may have ended with another command
                 self._commands.end(execution, doubt.outcome, doubt.why)
@@ -140,7 +140,7 @@ class Dispatcher:
     def _check_time(self, execution: Execution, now: float) -> None:
         spec, progress = execution.command.spec, execution.progress
         unheard, begun = now - progress.heard, self.records.has_begun(execution)
-        # no total limit for a drive under way, nor for the one to the dock before it docks
+        # a drive under way has no total limit, nor has a drive to the dock before it docks
         may_take_longer = spec.drives and (begun or spec.course is DriveCourse.INTO_THE_DOCK)
         if progress.rejected_at is not None:
             if now - progress.rejected_at > _DESCRIPTION_TIMEOUT:
@@ -158,24 +158,22 @@ class Dispatcher:
                                    f'it was not done within {max(longest, limit):.0f} s')
 
     def on_lost(self, reason: str) -> None:
-        """Notes that the link broke: every command ends,
-        and nothing is sent again except an owed stop.
-        """
+        """Notes that the link broke. Every command ends; only an owed stop is sent again."""
         self.records.linked(False, self._commands.now)
         for execution in self._commands.sent + self._commands.waiting:
             self._commands.end(execution, Outcome.LOST if execution.sent else Outcome.NEVER_SENT,
                                reason)
 
     def pop_callbacks(self) -> List[Callable[[], None]]:
-        """Returns and clears the callbacks of the waiting callers, in order."""
+        """Returns the collected callbacks in order, and clears them."""
         return self._commands.pop_callbacks()
 
     def _stop_if_cancelled(self, now: float) -> None:
         """Stops the robot if its present or next drive was cancelled.
 
-        If a newer driving command of the same giver replaces the cancelled one, a stop would also
-        end the newer one, so none is sent. If the replacement takes too long, the stop is sent
-        anyway: the robot may have missed the newer command.
+        If a newer driving command of the same giver replaces the cancelled one, no stop is sent: it
+        would also end the newer command. If the replacement takes too long, the stop is sent
+        anyway, because the robot may have missed the newer command.
         """
         waiting = any(e.command.spec.drives for e in self._commands.waiting)
         for drive in reversed(self._commands.drives):

@@ -1,85 +1,92 @@
-"""One record per drive: they tell the driver of the robot, its obedience, and the owed stop.
+"""The records of drives and stops: which giver drives the robot, and which stop is owed.
 
 Read this module first.
 
-The machine keeps one `DriveRecord` for each drive and each stop, in the order of sending, and one
-for what others did. Everything else is derived from the records and from what the robot said
-(`heard`): the giver, the epoch, the motion, the owed stop, the fate of a program's last command. No
-I/O and no clock. `attribution` decides whose a line of the robot is, in one table, and tells the
-events here.
+The module keeps one `DriveRecord` for each drive and each stop, in the order of sending. It keeps
+one more for the newest motion or stop that others caused. It derives everything else from the
+records and from the robot's lines (`heard`): the giver, the epoch, the motion, the owed stop, and
+the fate of each program's last command. The module has no I/O and no clock. `attribution` decides
+with one table which command a line of the robot is about, and reports the events to this module.
 
-A record that something newer has replaced is dropped: nothing is derived from it any more. If its
-command is still under way for its giver, the record is kept aside until that ends. No number of
-records drops one that is open: while the robot has MOST_OPEN drives to carry out or to answer, a
-further one is refused, and of the owed stops between two drives the newest stands for all, and
-tells what becomes of them.
+A newer drive, stop or event replaces older records. A replaced record is dropped: nothing is
+derived from it any more. But if its command is still under way for its giver, the record is kept
+aside until the command ends. An open record is never dropped to save room. Instead, while the robot
+has MOST_OPEN drives to carry out or to answer, a further drive is refused. Of the owed stops
+between two drives, the newest may replace the others: its record then says what becomes of them.
 
-The fate of a drive, and its next fate after an event (`Event`):
+A drive has a fate. An event (`Event`) changes it as follows:
 
-    event                        GIVEN        OBEYED       UNKNOWN      also
+    event                        GIVEN        OBEYED       UNKNOWN      remark
     ACKNOWLEDGED by the robot    OBEYED       OBEYED       OBEYED       older records are dropped
-    COMPLETED by the robot       OVER         OVER         OVER         first ACKNOWLEDGED
-    REFUSED, or never sent       dropped      dropped      dropped      the giver before it stays
+    COMPLETED by the robot       OVER         OVER         OVER         ACKNOWLEDGED comes first
+    REFUSED, or never sent       dropped      dropped      dropped      the giver stays the same
     FAILED: the robot gave up    dropped      OVER         OVER
     WITHDRAWN by its giver, or   dropped      OVER         OVER
     broken off by the robot
-    CALLED_BACK                  UNKNOWN      OVER         OVER         WITHDRAWN, but the robot may
-                                                                        still obey it: it has not
-                                                                        answered a stop before
+    CALLED_BACK                  UNKNOWN      OVER         OVER         WITHDRAWN while some stop is
+                                                                        unanswered: the robot may
+                                                                        still obey the drive
     LOST: link, silence, restart UNKNOWN      UNKNOWN      UNKNOWN
-    EMERGENCY_STOP               UNKNOWN      UNKNOWN      UNKNOWN      a stop is owed for GIVEN
+    EMERGENCY_STOP               UNKNOWN      UNKNOWN      UNKNOWN      from GIVEN: a stop is owed
     DOUBTED: an activity of the  GIVEN        OBEYED       UNKNOWN      the doubt begins, or the
     robot contradicts it                                                activity is counted
     CONFIRMED by an activity     GIVEN        OBEYED       UNKNOWN      the doubt is over
-    another client stops         GIVEN        dropped      dropped      a stop is owed for GIVEN
-    another client drives        GIVEN        dropped      dropped      also stops, if none is GIVEN
+    another client stops         GIVEN        dropped      dropped      if GIVEN: a stop is owed
+    another client drives        GIVEN        dropped      dropped      if no drive is GIVEN, owed
+                                                                        stops are dropped as well
 
-A drive that is UNKNOWN and that the robot has still to answer is kept as one that is GIVEN.
+In the last two rows, an UNKNOWN drive that the robot has still to answer is kept like a GIVEN one.
 
-A stop is GIVEN until the robot stands after it, which drops the records before it; then it is OVER.
-A stop that failed or was lost is sent again.
+A stop is GIVEN until the robot stands after it. Then the stop is OVER, and the records before it
+are dropped. A stop that failed or was lost is sent again.
 
-The *doubt* of a record under way, also of one that is kept aside: since when and why the robot
-seems not to obey. `judgements` says what an activity of the robot means for a command. If it means
-that the robot arrived instead of breaking off, or the other way round, the doubt begins anew. It
-ends the command after SETTLE s with two contradictions, SETTLE_ONCE s more with one, and at
-`Stopped` after `Interrupted` of something unknown.
+The record of a command under way may have a *doubt*, which says since when and why the robot seems
+not to obey the command. `judgements` decides what an activity of the robot means for a command. A
+doubt begins anew if the robot first seems to have completed the command and then seems to have
+ended it in another way, or the reverse. A doubt ends the command after SETTLE s if at least two
+activities contradict the command; if only one does, SETTLE_ONCE s later. There is one shorter way:
+`Stopped` ends the command at once after an *unclear interruption*. This is an `Interrupted` that
+names no goal, or that comes before the robot has acknowledged the drive.
 
-Derived:
-- The *ruling* record is the newest one that is not a drive in the state GIVEN. Its giver drives the
-  robot. While its fate is unknown, the published giver is empty.
-- An *epoch*, a random number, lasts as long as one giver drives. A new one begins when the ruling
-  record becomes a stop, or comes from another giver, another client or the robot itself.
-- A motion of the robot is that of a drive if their names agree. A motion without a goal's name is
-  that of a drive without one, also after an outage.
-- If the robot breaks a drive off (`Interrupted`), an epoch begins at once, and the robot's next
-  line or status about its motion begins another: an emergency stop may be the reason, or another
-  client. Until then no drive that names an epoch is sent, and also if it breaks off one of others.
+Derived values and rules:
+- The *ruling* record is the newest record that is not a GIVEN drive. Its giver drives the robot.
+  While the fate of the ruling record is UNKNOWN, the published giver is empty.
+- An *epoch* is a period in which one giver drives the robot; a random number names it. A new epoch
+  begins when the ruling record becomes a stop, or becomes a record of another giver, of another
+  client or of the robot itself.
+- A motion of the robot belongs to a drive if both have the same name. A motion without the name of
+  a goal belongs to a drive without the name of a goal, also after an outage.
+- If the robot breaks off a drive (`Interrupted`), a new epoch begins at once. The reason may be an
+  emergency stop or another client, so the robot's next line or status about its motion begins
+  another epoch. Until that line or status, drives that name an epoch are refused. They are also
+  refused from the moment when the robot breaks off a drive of another client until it says more.
 - A stop is owed while its record is not OVER.
-- A stop is also owed if a newer drive is lost, and the robot carries out the drive before it, which
-  its giver has cancelled meanwhile (`is_cancelled`).
-- While a begun drive is doubted because another client may have stopped the robot, no drive that
-  names an epoch is sent.
-- The *last command* of each giver that numbers its commands, and what became of it. So a program
-  whose connection broke, or which was restarted, need not guess whether the robot obeys it.
-- The *foreign epoch* of each such giver: the newest epoch that it did not begin. A giver begins its
-  own epochs, also by a drive that is lost, and by a stop or a cancellation, unless that ends a
-  drive of another giver which was on its way. All others are foreign. The exceptions are a start of
-  the controller with its memory, and an outage after which the robot stands as we stopped it: no
-  giver acted. A program that was not told each epoch knows by this one value whether it was told
-  all that it has to know of.
+- A stop is also owed after these events: a giver gave a newer drive and cancelled the older one
+  (`is_cancelled`), the newer drive was lost, and the robot carries out the older one.
+- While a drive that has begun is doubted because another client may have stopped the robot, no
+  drive that names an epoch is sent.
+- The *last command* of each giver that numbers its commands is kept with its fate. So a program
+  can read, after a restart or a broken connection, whether the robot obeys its last command.
+- The *foreign epoch* of each such giver is the newest epoch that this giver did not begin. A giver
+  begins an epoch by a drive (even if the drive is lost), a stop or a cancellation. But if the stop
+  or cancellation ends a drive of another giver that is still on its way, the epoch is foreign to
+  all givers. Two epochs are foreign to no giver, because no giver acted: one begins when the
+  controller starts with its memory, the other after an outage, if the robot stands as we stopped
+  it. A program that missed some epochs sees by this one value whether one of them was foreign.
 
 Invariants:
-- No drive that names an epoch passes a stop or drive that its giver does not know of.
-- No drive that the robot obeys or has to answer is forgotten, nor an owed stop, and no stop is
-  refused, however many there are.
-- A refused command changes no giver. Each drive has a giver, which can stop it.
-- Each event that interrupts, cancels or overrules the last drive of a giver begins an epoch of
-  another, at the latest when the drives are answered that the robot had not answered yet.
-- No time between two lines decides on their meaning: the order of lines does. The robot answers in
-  the order of sending, also commands that have ended for their givers before it read them.
-- Nothing ends a command before it was doubted for SETTLE s, except lines about it, and `Stopped`
-  after an interruption of something unknown.
+- No drive that names an epoch is sent after a stop or drive that its giver does not know of.
+- A drive that the robot obeys or has still to answer is never forgotten, nor is an owed stop. A
+  stop is never refused because there are too many commands.
+- A command that the robot refuses does not change the giver. Each drive has a giver that can stop
+  it.
+- Each event that interrupts, cancels or overrules the last drive of a giver begins a new epoch, at
+  the latest when the robot has answered all drives.
+- The order of the robot's lines decides their meaning; the time between two lines never does. The
+  robot answers in the order of sending. This includes commands that ended for their givers before
+  the robot read them.
+- An activity that contradicts a command ends it only after a doubt of SETTLE s. The exceptions are
+  lines about the command itself, and `Stopped` after an unclear interruption.
 
 docs/reference/omron_controller.md states the limits of what can be known.
 """
@@ -126,11 +133,11 @@ from omron_arcl.records import (
 )
 from omron_arcl.replies import Reply
 
-LOOK = 2.0  # s of a new connection to wait for a status that may make an owed stop unnecessary
+LOOK = 2.0  # s after connecting in which a status may still make an owed stop unnecessary
 RETRY = 1.0  # s between two attempts to send an owed stop
 _KEPT_EPOCHS = 100
-MOST_OPEN = 20  # drives that the robot carries out or has to answer
-_KEPT_RECORDS = _KEPT_GIVERS = 20  # beyond these numbers only open ones are kept
+MOST_OPEN = 20  # maximum number of drives that the robot carries out or has to answer
+_KEPT_RECORDS = _KEPT_GIVERS = 20  # beyond these numbers, only open records are kept
 
 
 class Event(Enum):
@@ -175,17 +182,17 @@ _ENDINGS = {Event.COMPLETED: CommandFate.COMPLETED, Event.FAILED: CommandFate.FA
 _DECIDED = (*_ENDINGS.values(), CommandFate.NOT_OBEYED)
 UNHEEDED = (Outcome.TIMED_OUT, Outcome.REJECTED, Outcome.UNKNOWN_COMMAND)
 """The outcomes of a stop that the robot does not obey."""
-# The outcomes of a stop after which the robot need not obey it any more.
+# After one of these outcomes of a stop, the robot need not obey the stop any more.
 _OBEYED_STOP = (Outcome.SUCCEEDED, Outcome.INTERRUPTED, Outcome.EMERGENCY_STOPPED)
 
 _STATES = {
     ActivityKind.UNKNOWN: MotionState.UNKNOWN, ActivityKind.STOPPING: MotionState.STOPPING,
     ActivityKind.DOCKING: MotionState.DOCKING, ActivityKind.DOCKED: MotionState.DOCKED,
     ActivityKind.UNDOCKING: MotionState.UNDOCKING, ActivityKind.TELEOPERATED: MotionState.MANUAL}
-# A robot that is found like this has ended its drive by itself; otherwise, another client did.
+# If the robot shows one of these, it ended its drive by itself; otherwise another client did.
 _GAVE_UP = (ActivityKind.FAILED, ActivityKind.LOST, ActivityKind.MOTORS_DISABLED)
 _NEVER_OURS = (ActivityKind.TELEOPERATED, ActivityKind.PARKING)
-# A stop is owed for a robot that is found in such a motion, which may be that of any drive.
+# These motions name no goal, so any drive may be the cause; see `_is_to_be_stopped`.
 _WITHOUT_A_GOAL = MOVING - {
     ActivityKind.GOING_TO_GOAL, ActivityKind.DOCKING, ActivityKind.TELEOPERATED}
 _DOCK = 'dock'
@@ -195,18 +202,23 @@ _NOTHING = DriveRecord(0, RecordKind.FOREIGN_STOP, Fate.OVER)
 
 
 class Overruled(ArclError):
-    """The giver of a command does not know of an earlier command or motion of the robot."""
+    """A command was refused: its giver does not know of an earlier command or motion."""
 
     def __init__(self, why: str) -> None:
         super().__init__(f'Not sent, another command came first: {why}.')
 
 
 class Unclear(ArclError):
-    """A drive was refused because it is unknown at this moment whether the robot obeys."""
+    """A drive was refused because it is unknown at present which giver the robot obeys."""
 
 
 class _Change(NamedTuple):
-    """The end of an epoch: its number, the giver that ended it, and whether by a drive."""
+    """The end of an epoch.
+
+    before -- the epoch that ended
+    by -- the giver that ended it; None: no giver did, or all givers must learn of it
+    drives -- whether a drive ended it
+    """
 
     before: int
     by: Optional[Giver]
@@ -220,7 +232,7 @@ def names_of(command: Command) -> Tuple[str, ...]:
 
 
 def _shortened(values: Tuple[_T, ...], most: int, needless: Sequence[_T]) -> Tuple[_T, ...]:
-    """Returns the values without the oldest needless ones, as far as they are more than `most`."""
+    """Returns the values. If there are more than `most`, leaves out the oldest needless ones."""
     dropped = needless[:max(len(values) - most, 0)]
     return tuple(value for value in values if value not in dropped)
 
@@ -230,9 +242,9 @@ def _shown(activity: Activity) -> str:
 
 
 def _name_of(activity: Activity) -> Optional[str]:
-    """Returns the name by which a drive is known that the robot carries out, or has completed.
+    """Returns the name of the drive that the robot carries out or has completed, as it shows it.
 
-    None: it shows that of no drive.
+    None: the activity shows no drive.
     """
     goal = activity.goal.casefold()
     return goal if activity.kind in MOVING else {
@@ -248,8 +260,8 @@ def _is_shown_of_others(record: DriveRecord, activity: Activity) -> bool:
 def _may_cause(drive: DriveRecord, activity: Activity) -> bool:
     """Returns whether a drive may be the cause of this motion of the robot.
 
-    Decides by the name of the motion's goal, route or task. A motion of any name may be that of a
-    task, or lead to the dock, while the drive is under way or its fate is unknown.
+    The name of the motion's goal, route or task decides. But while a drive of tasks or a drive to
+    the dock is under way, or its fate is unknown, it may cause motions with other names.
     """
     kind, goal, names = activity.kind, activity.goal.casefold(), drive.names
     if kind is ActivityKind.DOCKING or kind in _NEVER_OURS:
@@ -272,7 +284,7 @@ def _cancellation_of(canceller: Giver) -> str:
 
 
 def _cause_of(activity: Activity) -> MotionCause:
-    """Returns why a drive of ours has ended, if the robot shows this."""
+    """Returns why a drive of ours has ended if the robot shows this activity."""
     return MotionCause.ROBOT if activity.kind in _GAVE_UP else MotionCause.OTHER_CLIENT
 
 
@@ -285,9 +297,9 @@ class Drives:
     """The records of one robot. The caller holds one lock over this object and over sending.
 
     stored -- the memory of the process before this one
-    store -- saves the memory for a restart; called before a command that changes it is sent
+    store -- saves the memory for a restart; called before the command that changes it is sent
 
-    It has many methods because each event of a drive or line is one, and all change the same
+    The class has many methods: there is one for each event, and all of them change the same
     records.
     """
 
@@ -302,7 +314,7 @@ class Drives:
         self._executions: Dict[int, Execution] = {}  # commands under way, by number of the record
         self._aside: Tuple[DriveRecord, ...] = ()  # dropped records of commands under way
         self._connected = False
-        # True until the robot's first status shows what happened before this connection.
+        # True until the first status after a restart or an outage shows what happened meanwhile.
         self._unseen = stored is not None
         self._look_until = self._retry_at = -math.inf
         self._records = tuple(r if r.fate is Fate.OVER else replace(r, fate=Fate.UNKNOWN)
@@ -329,21 +341,19 @@ class Drives:
 
     @property
     def is_unexplained(self) -> bool:
-        """Whether the robot broke off a drive of ours or of others, and has not said why yet."""
+        """Whether the robot broke off a drive (of ours or of others) and has not shown why yet."""
         newest = self._records[-1] if self._records else _NOTHING
         return self._memory.cause is MotionCause.INTERRUPTED or (
             self.heard.broke_off and newest.kind is RecordKind.FOREIGN_DRIVE)
 
     def knows(self, giver: Giver, epoch: int) -> bool:
-        """Returns whether only `giver`, which knows `epoch`, has given commands since
-        that epoch.
-        """
+        """Returns whether no other giver has acted since `epoch`, which `giver` knows."""
         return epoch == self._memory.epoch or self._others_since(giver, epoch) == ()
 
     def stop_due(self, now: float) -> bool:
         """Returns whether the owed stop must be sent now.
 
-        A later drive under way may make it needless.
+        It is not sent while a later drive is under way, because that drive may make it needless.
         """
         for record in reversed(self._records):
             if record.owed:
@@ -356,7 +366,8 @@ class Drives:
     def check(self, giver: Giver, command: Command, known_epoch: int, number: int = 0) -> None:
         """Raises Overruled, Unclear or Busy if a command must not be sent.
 
-        number -- of the command at its giver; a drive that a newer command has overtaken is late
+        number -- the giver's number of the command; a drive is refused as late unless this number
+            is greater than the number of the giver's last command
         """
         spec = command.spec
         if number and not spec.stops and number <= self._last_number(giver):
@@ -375,7 +386,7 @@ class Drives:
             raise Busy(MOST_OPEN, 'drives')
 
     def _why_unclear(self, giver: Giver) -> str:
-        """Returns why `giver` cannot drive, although it knows the present epoch; empty: it can."""
+        """Returns why `giver` must not drive although it knows the present epoch; empty: it may."""
         if self._unseen:  # the first status may begin a new epoch
             return 'the robot has not said yet what it does'
         if self.is_unexplained:
@@ -390,13 +401,15 @@ class Drives:
         return ''
 
     def may_send(self, execution: Execution) -> bool:
-        """Returns whether a drive that was given may still be sent to the robot now."""
+        """Returns whether a command that waits may still be sent to the robot now."""
         return (not execution.known_epoch or not execution.command.spec.moves
                 or self.knows(execution.giver, execution.progress.epoch))
 
     def has_begun(self, execution: Execution) -> bool:
-        """Returns whether the robot obeys a command, or has begun to answer it. It answers in the
-        order of sending, and a drive that it acknowledges ends all before it.
+        """Returns whether the robot obeys a command, or has begun to answer it.
+
+        The robot answers stops in the order of sending: while n answers are missing, the newest n
+        stops are not answered.
         """
         if execution.command.spec.drives:
             record = self.record_of(execution)
@@ -429,15 +442,18 @@ class Drives:
         execution.progress.epoch = self._memory.epoch
 
     def overruled(self, giver: Giver, number: int) -> None:
-        """Notes that a command was refused because its giver does not know of another one. A
-        command that is late is not told.
+        """Notes that a command was refused because its giver does not know of another one.
+
+        A late command does not become the last command of its giver.
         """
         if number > self._last_number(giver):
             self._keep(replace(_NOTHING, giver=giver, command=number))
 
     def cancelled(self, execution: Execution, canceller: Giver) -> None:
-        """Notes that a giver cancels a drive. If it cancels a drive of its own that a newer one
-        replaces, or that was not sent, nothing is stopped, unless the newer one is lost.
+        """Notes that a giver cancels a drive.
+
+        No stop is owed if the drive is its own, and either a newer drive replaces it or it was not
+        sent yet. If the newer drive is lost, a stop may be owed later; see `_stop_if_cancelled`.
         """
         if not execution.command.spec.drives:
             return
@@ -452,8 +468,8 @@ class Drives:
             self._keep()
 
     def all_cancelled(self, canceller: Giver) -> None:
-        """Notes that a giver cancels everything before, including drives
-        that have not arrived here yet.
+        """Notes that a giver cancels all earlier commands, including drives that have not arrived
+        here yet.
         """
         words = _cancellation_of(canceller)
         if any(record.may_move for record in self._records) or self._memory.stop_owed:
@@ -464,7 +480,7 @@ class Drives:
             self._begin_epoch(canceller, MotionCause.CANCEL, words, False)
 
     def own_stop_given(self, stop: Execution) -> None:
-        """Notes that a stop is sent that is owed, or that follows a cancellation."""
+        """Notes that this package gives a stop itself: an owed one, or one for a cancellation."""
         owed = next((r for r in reversed(self._records) if r.owed), None)
         if owed is None or owed.number in self._executions:
             self._owe(stop.giver, MotionCause.CANCEL, 'a cancellation', stop)
@@ -472,9 +488,7 @@ class Drives:
             self._executions[owed.number] = stop
 
     def stopped_without_link(self, giver: Giver, number: int = 0) -> None:
-        """Notes that a stop is given while the robot cannot be reached: it is sent
-        when it can be.
-        """
+        """Notes that a stop is given while there is no link; it is sent as soon as there is one."""
         self._owe(giver, MotionCause.STOP, f'"stop" of {giver.name}', None, number)
 
     def sent(self, execution: Execution) -> None:
@@ -485,7 +499,7 @@ class Drives:
     # --- progress of commands ---------------------------------------------------------------------
 
     def acknowledged(self, execution: Execution, line: str) -> None:
-        """Notes that the robot obeys a drive; called before older motions end because of it."""
+        """Notes that the robot obeys a drive. Called before the older motions are ended."""
         record = self.record_of(execution)
         if record is not None:
             self._obeyed(record.number, line)
@@ -498,7 +512,7 @@ class Drives:
         if aside is not None and outcome is Outcome.SUCCEEDED:
             self._happens(Event.COMPLETED, aside)
         self._executions = {n: e for n, e in self._executions.items() if e is not execution}
-        if record is None:  # what came later has ended it already
+        if record is None:  # a later command or event has replaced it already
             self._keep()
             return
         if record.kind is RecordKind.STOP:
@@ -511,11 +525,14 @@ class Drives:
             self._drive_ended(record, execution, outcome, words)
 
     def _end_doubt(self, execution: Execution, outcome: Outcome, now: float) -> None:
-        """Notes that nothing is doubted any more of a command that has ended."""
+        """Removes the doubt about a command that has ended.
+
+        If the command is a stop that the robot did not answer, its answer is not expected any more.
+        """
         under_way = self.record_of(execution)
         if execution.command.spec.stops and not self.has_begun(execution) and (
                 outcome in UNHEEDED or under_way and under_way.doubt
-                and is_settled(under_way.doubt, None, now)):  # the robot stands after it
+                and is_settled(under_way.doubt, None, now)):  # its doubt has ended it
             self.heard.forget_stop()
         if under_way is not None:
             self._mark(under_way.number, doubt=None)
@@ -525,7 +542,7 @@ class Drives:
             self._retry_at = now + RETRY
             return
         at = self._records.index(record)
-        # this `Stopped` may be that of an older stop, so that drives and stops may still follow
+        # `Stopped` may belong to an older stop, so earlier drives and stops may still take effect
         may_follow = [r for r in self._records[:at] if self.heard.unheard_stops and (
             r.may_move or r.kind is RecordKind.STOP and r.fate is Fate.OVER)]
         also = self._told_by(*(r for r in self._records[:at] if r.owed))
@@ -543,7 +560,7 @@ class Drives:
         self._happens(event, record)
         ruling = self._memory.ruling
         if ruling and ruling is self._records[-1] and ruling.was_broken_off:
-            # the drive that seemed to replace it was refused
+            # the robot refused the drive that seemed to have replaced the ruling one
             self._foreign(MotionCause.OTHER_CLIENT, False, f'{ruling.words} was interrupted')
         if event is Event.LOST and record.pending:
             self._rules(record, before)  # the robot may carry it out
@@ -562,8 +579,10 @@ class Drives:
         return event
 
     def _owe_for_what_comes(self, words: str) -> None:
-        """Notes that a drive on its way reaches the robot after it was stopped, or when its motors
-        are on again. One stop ends all such drives.
+        """Notes that a stop is owed for drives that are still on their way to the robot.
+
+        They reach the robot after it was stopped, or when its motors are on again. One stop ends
+        all of them.
         """
         last = self._records[-1]
         if not last.owed or last.number in self._executions:
@@ -573,19 +592,22 @@ class Drives:
     # --- doubts -----------------------------------------------------------------------------------
 
     def record_of(self, execution: Execution) -> Optional[DriveRecord]:
-        """Returns the record of a drive or stop under way, also of one that is kept aside."""
+        """Returns the record of a drive or stop under way, even if the record is kept aside."""
         return next((r for r in (*self._records, *self._aside)
                      if self._executions.get(r.number) is execution), None)
 
     @property
     def in_doubt(self) -> bool:
-        """Whether a status of the robot would show whether a drive or stop is over, or why."""
+        """Whether a drive or stop is doubted, or an interruption is unexplained.
+
+        The next status may decide this.
+        """
         return self.is_unexplained or any(map(self._doubt_of, self._executions.values()))
 
     def observed(self, seen: Observation, now: float) -> List[Execution]:
         """Notes an activity that the robot shows.
 
-        Returns the drives that it confirms, the oldest first.
+        Returns the drives that the activity confirms, the oldest first.
         """
         sent = self._sent
         drives = [e for e in sent if e.command.spec.drives]
@@ -607,9 +629,7 @@ class Drives:
         return verdict is DriveSign.CONFIRMED
 
     def settled(self, now: float) -> List[Tuple[Execution, Doubt]]:
-        """Returns the commands whose doubt has lasted so long that it ends them,
-        the oldest first.
-        """
+        """Returns the commands that their doubts end now, the oldest first."""
         doubted = [(execution, self._doubt_of(execution)) for execution in self._sent]
         return [(execution, doubt) for execution, doubt in doubted
                 if doubt and is_settled(doubt, execution.command.spec.course, now)]
@@ -624,7 +644,7 @@ class Drives:
         return record.doubt if record else None
 
     def _mark(self, number: int, **changes: Any) -> None:
-        """Changes what is told of a drive or stop, but not what becomes of it."""
+        """Changes fields of the record of a drive or stop, but not its fate."""
         def marked(records: Tuple[DriveRecord, ...]) -> Tuple[DriveRecord, ...]:
             return tuple(replace(r, **changes) if r.number == number else r for r in records)
         self._records, self._aside = marked(self._records), marked(self._aside)
@@ -639,22 +659,21 @@ class Drives:
         self._look_until = now + LOOK if connected and self._memory.stop_owed else -math.inf
 
     def said(self, reply: Reply) -> None:
-        """Notes that the robot sends a line that is no status.
-
-        Called before the line ends commands.
+        """Notes that the robot sent a line that is not a status. Called before the line ends
+        commands.
         """
         self.heard.said(reply)
         if isinstance(reply, (replies.EStop, replies.RobotError)) and reply.pressed:
             self.note_emergency('emergency stop')
 
     def begins_to_stop(self, whose: StopOf) -> None:
-        """Notes that the robot says `Stopping`, or `Stopped` after a `Stopping`
-        that was explained wrongly.
+        """Notes that the robot said `Stopping`, or said `Stopped` after a `Stopping` for which it
+        should not have said `Stopped`.
         """
         self.heard.begins_to_stop(whose)
         if whose is not StopOf.OTHERS:
             return
-        # a drive of which the robot has said nothing reaches it after that
+        # a drive about which the robot has said nothing may reach it after the other client's stop
         crosses = any(r.pending and self._is_unread(r) for r in self._records)
         self._foreign(MotionCause.OTHER_CLIENT, False, _STOPPED_BY_OTHERS)
         if crosses:
@@ -667,16 +686,18 @@ class Drives:
 
     @property
     def replaces_a_drive(self) -> bool:
-        """Whether a drive is under way to a robot that moves."""
+        """Whether the robot moves, and a drive that it has still to answer is on its way."""
         return self.heard.moves and any(map(self._is_to_come, self._records))
 
     def replaces_a_drive_before(self, stop: Execution) -> bool:
-        """Returns whether one of which the robot has said nothing was sent before this stop."""
+        """Returns whether the robot moves, and has said nothing about a drive that was sent before
+        this stop.
+        """
         return self.heard.moves and any(map(self._is_unread, self._before(stop)))
 
     @property
     def drives_for_others(self) -> bool:
-        """Whether the robot carries out a drive of others, and has not broken it off."""
+        """Whether the robot carries out, and has not broken off, a drive that is not ours."""
         ruling = self._memory.ruling
         heard, others = self.heard, RecordKind.FOREIGN_DRIVE
         return (ruling is not None and ruling.kind is others and (heard.moves or heard.moved)
@@ -699,41 +720,42 @@ class Drives:
                    for record in self._before(stop))
 
     def _is_to_come(self, record: DriveRecord) -> bool:
-        """Returns whether the robot has still to answer a drive that was sent."""
+        """Returns whether the record is a sent drive that the robot has still to answer."""
         return record.pending and self._was_sent(record) or self._has_to_answer(record)
 
     def _is_unread(self, record: DriveRecord) -> bool:
-        """Returns whether a drive is to come, and the robot has said nothing about it."""
+        """Returns whether the robot has still to answer a drive, and has sent no line about it."""
         execution = self._executions.get(record.number)
         return self._is_to_come(record) and not (execution and execution.has_lines)
 
     def _is_open(self, record: DriveRecord) -> bool:
-        """Returns whether the robot carries out a drive of this connection, or may still do so."""
+        """Returns whether the robot carries out a drive of this connection, or may carry it out."""
         return record.may_move and (
             record.fate is not Fate.UNKNOWN or record.number > self.heard.since)
 
     def _is_gone(self, record: DriveRecord) -> bool:
-        """Returns whether a drive was lost with an earlier link. If the robot obeys an older one
-        since, it never does the lost one.
+        """Returns whether a drive was lost with an earlier link.
+
+        If the robot obeys an older drive after that, it will never carry out the lost one.
         """
         return record.fate is Fate.UNKNOWN and record.number <= self.heard.since
 
     def _has_to_answer(self, record: DriveRecord) -> bool:
-        """Returns whether the robot has still to answer a drive whose command has ended for its
-        giver.
-        """
+        """Returns whether a drive has ended for its giver, but the robot has still to answer it."""
         return (record.kind is RecordKind.DRIVE and record.fate is Fate.UNKNOWN
                 and record.number > self.heard.since and not record.acknowledged_by)
 
     def answers_a_drive_before(self, stop: Execution) -> bool:
         """Returns whether the robot has still to answer a drive that was sent before this stop and
-        whose command has ended.
+        has ended for its giver.
         """
         return any(map(self._has_to_answer, self._before(stop)))
 
     def comes_earlier(self, drive: Execution) -> bool:
-        """Returns whether a line may be about an earlier drive to the same goal whose command has
-        ended: the robot has not answered it, or not a stop that was sent between the two.
+        """Returns whether a line that names the goal of `drive` may be about an earlier drive.
+
+        The earlier drive goes to the same goal and has ended for its giver. The robot has not
+        answered it, or has not answered a stop that was sent between the two drives.
         """
         before, names = self._before(drive), set(names_of(drive.command))
         stop = next((r for r in reversed(before) if r.owed and self._was_sent(r)
@@ -743,23 +765,26 @@ class Drives:
             for r in before)
 
     def ended_drive(self, names: Sequence[str], verb: str = '') -> Optional[DriveRecord]:
-        """Returns the drive with one of these names whose command has ended and that the robot has
-        to answer next; `verb`: the name of its command, if it is known.
+        """Returns the drive with one of these names that the robot has to answer next.
+
+        None: there is none, or the drive has not ended for its giver.
+
+        verb -- the name of the command; '': any command
         """
         record = next((r for r in self._records if set(names).intersection(r.names)
                        and verb in ('', r.verb) and self._is_to_come(r)), None)
         return None if record is None or record.pending else record
 
     def may_begin_late(self, activity: Activity) -> bool:
-        """Returns whether the robot may set out for a drive of ours whose command has ended for its
-        giver.
-        """
+        """Returns whether this motion may be for a drive of ours that has ended for its giver."""
         return any(r.may_move and r.number not in self._executions and _may_cause(r, activity)
                    for r in self._records)
 
     def lost_drives(self, activity: Activity) -> List[DriveRecord]:
-        """Returns the lost drives that the robot carries out with this motion, if it does so for
-        us. A motion within a task is none of them: others of the same task may follow.
+        """Returns the drives of unknown fate that may be the cause of this motion.
+
+        A drive of tasks is not returned for a motion without a name: the same task may cause
+        further motions.
         """
         goal = activity.goal.casefold()
         return [r for r in self._records if r.fate is Fate.UNKNOWN and _may_cause(r, activity)
@@ -768,9 +793,7 @@ class Drives:
                 and (goal or spec_of(r.verb).course is not DriveCourse.OF_TASKS)]
 
     def ended_late(self, drives: Sequence[DriveRecord], outcome: Outcome, line: str) -> None:
-        """Notes that the robot refuses or breaks off drives whose commands have ended for their
-        givers.
-        """
+        """Notes that the robot refused or broke off drives that have ended for their givers."""
         is_newest = bool(drives) and self._records[-1] is drives[-1]
         for drive in drives:
             self._happens(_EVENTS[outcome], drive)
@@ -778,9 +801,7 @@ class Drives:
             self._foreign(MotionCause.INTERRUPTED, False, line)
 
     def begins_late(self, goal: str, line: str) -> None:
-        """Notes that the robot sets out for a drive of ours whose command has ended for its
-        giver.
-        """
+        """Notes that the robot sets out for a drive of ours that has ended for its giver."""
         record = self.ended_drive((goal.casefold(),)) or next(
             (r for r in reversed(self._records) if r.fate is Fate.UNKNOWN
              and goal.casefold() in r.names), None)
@@ -803,7 +824,7 @@ class Drives:
         self.heard.showed(activity)
         if activity.kind is ActivityKind.EMERGENCY_STOP:
             self.note_emergency(text)
-        if self.is_unexplained:  # an emergency stop would have been shown
+        if self.is_unexplained:  # the status shows no emergency stop, so another client did it
             self._begin_epoch(None, MotionCause.OTHER_CLIENT, self._memory.reason, False)
         if self._unseen:
             self._first_shown(activity, text)
@@ -812,12 +833,12 @@ class Drives:
         self._look_until = -math.inf
 
     def _first_shown(self, activity: Activity, text: str) -> None:
-        """Judges by the first status after an outage whether the robot still obeys our drive."""
+        """Decides from the first status after an outage whether the robot still obeys our drive."""
         self._unseen = False
         record = self._shown_drive(activity)
         if record is None:
             self._other_shown(activity, f'after an outage the robot shows "{text}"')
-        elif not self._may_be_several(activity):  # else it names its goal later
+        elif not self._may_be_several(activity):  # if several: a later line names the goal
             self._drive_shown(record, activity, text)
 
     def _drive_shown(self, record: DriveRecord, activity: Activity, text: str) -> None:
@@ -830,7 +851,7 @@ class Drives:
         self._records = (replace(
             record, fate=Fate.OBEYED if moves else Fate.OVER, ending=CommandFate.COMPLETED,
             acknowledged_by=record.acknowledged_by if leaves else text),)
-        if ruling and ruling.giver != record.giver:  # whose drive was lost
+        if ruling and ruling.giver != record.giver:  # the drive of the ruling giver was lost
             self._begin_epoch(record.giver, MotionCause.OTHER_GIVER, record.words, moves)
         self._keep()
         if moves:
@@ -848,21 +869,24 @@ class Drives:
             self._foreign(_cause_of(activity), activity.kind in MOVING, words, activity)
 
     def _may_be_several(self, activity: Activity) -> bool:
-        """Returns whether the robot leaves its dock, and several drives may be the cause."""
+        """Returns whether the robot leaves its dock, and several drives may be the reason."""
         causes = [r for r in self._records if r.may_move and _may_cause(r, activity)]
         return (activity.kind is ActivityKind.UNDOCKING and not self._memory.stop_owed
                 and len(causes) > 1)
 
     def _stop_if_cancelled(self, drive: DriveRecord) -> None:
-        """Owes a stop for a drive that the robot carries out although its giver has cancelled it:
-        the newer drive that was about to replace it is lost.
+        """Owes a stop if the robot carries out a drive that its giver has cancelled.
+
+        The newer drive that was about to replace the cancelled one is lost.
         """
         if drive.is_cancelled:
             self._owe(drive.giver, MotionCause.CANCEL, _cancellation_of(drive.giver))
 
     def _is_to_be_stopped(self, activity: Activity) -> bool:
-        """Returns whether a stop is owed for what the robot shows: perhaps for a drive of ours, or
-        for that of others which it shows as before.
+        """Returns whether a stop is owed for the motion that the robot shows.
+
+        The stop was given after a drive of ours that may be the cause of the motion, or after this
+        same motion of another client had begun.
         """
         newest = max((r.number for r in self._records if r.owed), default=0)
         return any(r.number < newest and (
@@ -876,7 +900,7 @@ class Drives:
             activity.kind is ActivityKind.STOPPED or last.shown == _shown(activity))
 
     def _idle_shown(self, before: Optional[Activity], activity: Activity, text: str) -> None:
-        """Notes that no command of ours is under way: another client caused the robot's motion."""
+        """Handles a status while no command of ours is under way: others may cause the motion."""
         if before is not None and self._is_stopped(before, activity):
             self._foreign(MotionCause.OTHER_CLIENT, False, text)
         ruling, moves = self._memory.ruling or _NOTHING, activity.kind in MOVING
@@ -885,12 +909,12 @@ class Drives:
         else:
             strange = self._ends_unlike(ruling, activity)
         self._note_dock(ruling, activity)
-        if strange and self.heard.strange:  # one status may have crossed a line
+        if strange and self.heard.strange:  # a single status may be older than a line
             self._foreign(_cause_of(activity), moves, text, activity)
         self.heard.strange = strange
 
     def _moves_strangely(self, ruling: DriveRecord, activity: Activity, text: str) -> bool:
-        """Returns whether no known drive causes a motion; notes the one of ours that is obeyed."""
+        """Returns whether no known drive causes a motion. Notes a drive of ours that is obeyed."""
         shown = self._shown_drive(activity)
         if shown and shown.fate is Fate.UNKNOWN and not self._memory.stop_owed and (
                 activity.goal and activity.goal.casefold() in shown.names):
@@ -901,15 +925,16 @@ class Drives:
             _may_cause(record, activity) for record in self._records)
 
     def _note_dock(self, ruling: DriveRecord, activity: Activity) -> None:
-        """Notes that a robot which obeyed our stop shows its dock; see `DriveRecord.shown`."""
+        """Notes that the robot is in its dock after it obeyed our stop; see `DriveRecord.shown`."""
         if ruling.kind is RecordKind.STOP and ruling.fate is Fate.OVER and (
                 activity.kind is ActivityKind.DOCKED and ruling.shown != _shown(activity)):
             self._mark(ruling.number, shown=_shown(activity))
             self._keep()
 
     def _is_stopped(self, before: Activity, activity: Activity) -> bool:
-        """Returns whether a robot at our goal, or on its way to a place for others, shows that it
-        was stopped: it would not do so by itself.
+        """Returns whether the robot now shows a stop that it would not make by itself.
+
+        Before, it was at our goal, or on its way to a place for another client.
         """
         ruling, goal = self._memory.ruling, before.goal.casefold()
         at_our_goal = (before.kind is ActivityKind.ARRIVED_AT_GOAL and self._memory.drives
@@ -920,8 +945,9 @@ class Drives:
             ActivityKind.STOPPED, ActivityKind.STOPPING)
 
     def _ends_unlike(self, ruling: DriveRecord, activity: Activity) -> bool:
-        """Returns whether a drive ends otherwise than at its goal. Its command ended as lost with
-        the link before, so that only statuses show its end.
+        """Returns whether the robot stands, but not at the goal of the ruling drive.
+
+        The command of this drive was lost with an earlier link, so only statuses show its end.
         """
         if ruling.kind is not RecordKind.DRIVE or ruling.fate is not Fate.OBEYED:
             return False
@@ -931,7 +957,7 @@ class Drives:
         return shown is None and activity.kind in STANDING
 
     def _before(self, execution: Execution) -> Tuple[DriveRecord, ...]:
-        """Returns the records of what was given before a command."""
+        """Returns the records that are older than the record of a command."""
         record = self._record_of(execution)
         return self._records[:self._records.index(record)] if record else ()
 
@@ -961,9 +987,7 @@ class Drives:
                      if self._executions.get(r.number) is execution), None)
 
     def _happens(self, event: Event, record: DriveRecord, doubt: Optional[Doubt] = None) -> None:
-        """Gives a drive its next fate and doubt. Does nothing if something else has dropped its
-        record.
-        """
+        """Gives a drive its next fate and doubt. Does nothing if the drive is OVER."""
         if record.fate is Fate.OVER:
             return
         fate = TRANSITIONS[event][_FROM.index(record.fate)]
@@ -977,8 +1001,9 @@ class Drives:
             self._keep()
 
     def _obeyed(self, number: int, line: str) -> None:
-        """Notes that the robot carries a drive out, as a line says: what came before it is over,
-        and its giver drives.
+        """Notes that the robot carries out a drive, as a line shows.
+
+        The older records are dropped, and the giver of the drive becomes the driver.
         """
         self._mark(number, acknowledged_by=line, doubt=None)
         record = next((r for r in self._records if r.number == number), None)
@@ -993,8 +1018,10 @@ class Drives:
         self._rules(record, ruling)
 
     def _count_stops_behind(self, drive: DriveRecord) -> None:
-        """Counts the stops without an answer, as the robot answers a drive: it answers in order,
-        so all stops sent before are answered, and none sent after.
+        """Counts the unanswered stops when the robot answers a drive.
+
+        The robot answers in the order of sending: the stops before the drive are answered, and
+        those after it are not.
         """
         self.heard.stops_left(sum(
             r.kind is RecordKind.STOP and r.number > drive.number
@@ -1002,8 +1029,9 @@ class Drives:
             for r in (*self._aside, *self._records)))
 
     def _rules(self, record: DriveRecord, ruling: Optional[DriveRecord]) -> None:
-        """Makes a drive the ruling record. A new epoch begins, unless the same giver drives on,
-        or something newer rules.
+        """Begins an epoch because a drive has become the ruling record.
+
+        No epoch begins if the same giver drove before, or if a newer record rules.
         """
         now_ruling = next(r for r in reversed(self._records) if not r.pending)
         if now_ruling.number != record.number or (
@@ -1016,8 +1044,9 @@ class Drives:
 
     def _owe(self, giver: Giver, cause: MotionCause, words: str,
              execution: Optional[Execution] = None, command: int = 0) -> None:
-        """Notes that a stop is owed from now on. A stop that is owed already ends the same drives,
-        unless a drive came after it.
+        """Notes that a stop is owed from now on.
+
+        If a stop is owed already and no drive came after it, the new stop replaces its record.
         """
         last = next((r for r in reversed(self._records)
                      if r.kind in (RecordKind.DRIVE, RecordKind.STOP)), None)
@@ -1030,14 +1059,17 @@ class Drives:
                 self._executions[last.number] = execution
         else:
             self._add(RecordKind.STOP, giver, words, execution, command=command)
-        # it ends a drive that is on its way, of which its giver need not know
+        # the stop may end another giver's drive that is on its way, of which `giver` may not know
         ends_unknown = any(r.pending and r.giver != giver for r in self._records)
         self._begin_epoch(None if ends_unknown else giver, cause, words, False, self._records[-1])
 
     def _foreign(self, cause: MotionCause, drives: bool, words: str,
                  activity: Optional[Activity] = None) -> None:
-        """Others drive or stop the robot. Drives that the robot has not answered may still reach it
-        after that, and so may the stops that end them."""
+        """Notes that others drive or stop the robot.
+
+        Unanswered drives may still reach the robot afterwards, and so may the stops for these
+        drives. Therefore their records are kept.
+        """
         to_come = [r for r in self._records if r.pending or self._has_to_answer(r)]
         self._records = (
             *(r for r in self._records if r in to_come or r.owed and (to_come or not drives)),
@@ -1053,7 +1085,7 @@ class Drives:
 
     def _begin_epoch(self, giver: Optional[Giver], cause: MotionCause, reason: str, drives: bool,
                      given: Optional[DriveRecord] = None) -> None:
-        self._note_last(given)  # its giver need not know of the epoch that it begins
+        self._note_last(given)  # first: to this command's giver, the new epoch is not foreign
         before, epoch = self._memory.epoch, self._draw()
         self._changes.append(_Change(before, giver, drives))
         by_no_giver = cause is MotionCause.RESTART and before != 0
@@ -1065,7 +1097,7 @@ class Drives:
         self._keep()
 
     def _note_last(self, given: Optional[DriveRecord]) -> None:
-        """Notes the last command of a giver. Before its first one, all epochs were of others."""
+        """Notes the last command of a giver. All epochs before its first command are foreign."""
         if given is None or given.command <= self._last_number(given.giver):  # a stop may come late
             return
         last, name = self._memory.last_commands, given.giver.name
@@ -1076,7 +1108,7 @@ class Drives:
             LastCommand(name, given.command, CommandFate.GIVEN, foreign)))
 
     def _keep(self, given: Optional[DriveRecord] = None) -> None:
-        """Stores the memory. `given`: a command that was given, or overruled, just now."""
+        """Stores the memory. given -- a command that was given or overruled just now"""
         self._note_last(given)
         told = tuple(replace(one, fate=self._fate_of(one)) for one in self._memory.last_commands)
         self._memory = replace(self._memory, last_commands=_shortened(
@@ -1094,7 +1126,7 @@ class Drives:
         return last.fate if last.fate in _ENDINGS.values() else CommandFate.NOT_OBEYED
 
     def _told_by(self, *stops: DriveRecord) -> Tuple[Tuple[str, int], ...]:
-        """Returns the last commands of givers that these stops tell of."""
+        """Returns the last commands of givers whose fate the records of these stops show."""
         told = {(last.giver, last.number) for last in self._memory.last_commands}
         return tuple(command for stop in stops for command in stop.commands
                      if command in told)[:_KEPT_GIVERS]
@@ -1104,9 +1136,9 @@ class Drives:
                     if last.giver == giver.name), default=0)
 
     def _others_since(self, giver: Giver, epoch: int) -> Optional[Tuple[_Change, ...]]:
-        """Returns what other givers did since `epoch`.
+        """Returns the changes of the epoch since `epoch` that `giver` did not cause.
 
-        None if that epoch is not remembered any more.
+        None: `epoch` is not remembered any more.
         """
         if epoch == self._memory.epoch:
             return ()

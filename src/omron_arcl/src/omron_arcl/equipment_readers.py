@@ -1,4 +1,4 @@
-"""Readers of lines about inputs and outputs and range devices; see `readers`."""
+"""Functions that read lines about inputs, outputs and range devices; see `readers`."""
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
@@ -15,7 +15,7 @@ _STATES = ('on', 'off', 'broken')
 
 
 def digital_input(text: str, output: bool) -> replies.Input:
-    """Reads `<name> on`, or only the name (in the lists of some robots, by the manual)."""
+    """Reads `<name> on`, or only the name: according to the manual, some lists have no state."""
     name, _, state = text.rpartition(' ')
     if state.lower() not in _STATES:
         name, state = text, ''
@@ -50,10 +50,11 @@ def range_reading(text: str, cumulative: bool) -> replies.RangeReading:
 
 
 def _integers(text: str) -> npt.NDArray[np.int64]:
-    """Reads blank-separated integers, by numpy in one call.
+    """Reads integers that are separated by blanks, with one call of numpy.
 
-    numpy stops silently at the first word that is no integer. The text is therefore checked before:
-    it may contain only digits, blanks and signs, each sign after a blank and before a digit.
+    numpy stops silently at the first word that is not an integer. Therefore the text is checked
+    before: it may contain only digits, blanks and minus signs. Each sign must follow a blank, and a
+    digit must follow the sign.
     """
     padded = f' {text} '.encode('ascii')
     if (padded.translate(None, b'0123456789 -') or b'- ' in padded

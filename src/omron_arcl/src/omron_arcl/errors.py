@@ -11,7 +11,7 @@ class ArclError(Exception):
 
 
 class InvalidCommand(ArclError):
-    """Text that cannot be sent as one ARCL command; `command` is the text, made printable."""
+    """A text that cannot be sent as one ARCL command. `command` is the text in printable form."""
 
     def __init__(self, command: str, reason: str) -> None:
         self.command = command
@@ -20,7 +20,7 @@ class InvalidCommand(ArclError):
 
 
 class NotConnected(ArclError):
-    """A command was given without a login at the robot; `reason` says why there is none."""
+    """A command was given while no login at the robot exists; `reason` says why."""
 
     def __init__(self, reason: str) -> None:
         self.reason = reason
@@ -28,7 +28,7 @@ class NotConnected(ArclError):
 
 
 class StopOwed(NotConnected):
-    """A stop was given without a login at the robot; it will be sent."""
+    """A stop was given while no login at the robot exists. It will be sent after the next login."""
 
     def __init__(self, reason: str) -> None:
         super().__init__(reason)
@@ -37,7 +37,7 @@ class StopOwed(NotConnected):
 
 
 class Busy(ArclError):
-    """`limit` commands have not ended, the most that are kept. No stop is refused for that."""
+    """The maximum number of commands (`limit`) has not ended. A stop never gets this error."""
 
     def __init__(self, limit: int, commands: str) -> None:
         self.limit = limit
@@ -62,7 +62,7 @@ class ConnectionLost(LinkError):
 
 
 class PeerSilent(LinkError):
-    """Nothing came for `seconds`; `words`: the last text that came in a login."""
+    """No line came for `seconds`. `words` is the last text that came during the login."""
 
     def __init__(self, seconds: float, words: str = '') -> None:
         self.seconds = seconds
@@ -71,7 +71,7 @@ class PeerSilent(LinkError):
 
 
 class LineTooLong(LinkError):
-    """The peer sent a line of more than `limit` bytes, the most that is accepted."""
+    """The peer sent a line longer than the accepted maximum of `limit` bytes."""
 
     def __init__(self, limit: int) -> None:
         self.limit = limit

@@ -9,8 +9,8 @@ from typing import Callable, List, NamedTuple, Optional, Set, Tuple
 from omron_arcl.activity import Activity
 from omron_arcl.commands import ACKNOWLEDGE_TIMEOUT, Command
 
-MAXIMUM_LINES = 10_000  # that are kept of one command's lines,
-MAXIMUM_CHARACTERS = 4_000_000  # and the most characters in them
+MAXIMUM_LINES = 10_000  # maximum number of lines that are kept for one command
+MAXIMUM_CHARACTERS = 4_000_000  # maximum number of characters in these lines
 
 
 class Outcome(Enum):
@@ -23,18 +23,19 @@ class Outcome(Enum):
     FAILED = 'failed'  # the robot tried and gave up, with a reason
     EMERGENCY_STOPPED = 'emergency stop'
     INTERRUPTED = 'interrupted'  # by another command, or by another client's stop
-    CANCELLED = 'cancelled'  # we asked for it
+    CANCELLED = 'cancelled'  # its giver or another giver cancelled it
     TIMED_OUT = 'timed out'  # the robot sent no more lines about it
     LOST = 'lost'  # the link broke; the robot may still be driving
-    NEVER_SENT = 'never sent'  # it did not reach the robot, for certain
+    NEVER_SENT = 'never sent'  # it certainly did not reach the robot
     OVERRULED = 'overruled'  # never sent: the command of another giver came first
 
 
 @dataclass(frozen=True)
 class Result:
-    """How a command ended: `words` are the robot's, or ours if the robot gave none.
+    """How a command ended. `words` are the robot's words, or ours if the robot gave none.
 
-    `lines` are the lines that belonged to the command; `left_out` counts those beyond the limits.
+    `lines` are the lines that belonged to the command. `left_out` is the number of lines that were
+    dropped because of the limits.
     """
 
     outcome: Outcome
@@ -45,20 +46,21 @@ class Result:
 
 @dataclass
 class CommandProgress:
-    """What happened to a command since it was sent, as the queue and the attribution keep it.
-    Whether the robot obeys the command, and a doubt of that, stand in its record; see `drives`.
+    """What has happened to a command since it was sent; the queue and the attribution keep it.
+    The record of the command says whether the robot obeys it, and with what doubt; see `drives`.
 
-    epoch -- in which the command was taken
-    sent_at, heard -- when it was sent, and when its last line came
-    shown_when_sent -- the activity in the status before it was sent
+    epoch -- the epoch in which the command was given
+    sent_at -- when the command was sent
+    heard -- when its last line came
+    shown_when_sent -- the activity in the last status before the command was sent
     set_out -- whether the robot stood, and now leaves the dock or drives to it
-    seemed_to_begin -- the line with which the robot seemed to set out for it, before it obeyed it
-    cancel_requested, stopping -- when its end was asked for; whether a stop was given for that
-    rejected_at -- when CommandError came; its description follows
-    points -- coordinates that the robot showed as its goal
-    dock_name -- the name under which the robot drives to its dock
-
-    Its attributes are facts of one command, see above.
+    seemed_to_begin -- the line with which the robot seemed to set out for the command, before it
+        acknowledged the command
+    cancel_requested -- when a giver cancelled the command
+    stopping -- whether a stop was given because of this cancellation
+    rejected_at -- when `CommandError` came; the reason follows in another line
+    points -- the coordinates that the robot showed as its goal
+    dock_name -- the goal's name that the robot shows while it drives to its dock
     """
 
     epoch: int = 0
@@ -80,7 +82,7 @@ class CommandProgress:
 
 
 class Giver(NamedTuple):
-    """A program that gives commands; `process` differs from that of an earlier one of its name."""
+    """A program that gives commands; `process` tells it from an earlier run of the same name."""
 
     name: str
     process: str = ''
@@ -109,8 +111,8 @@ class _KeptLines:
 class Execution:
     """A command given to the robot. `result` is None until it has ended; readable by any thread.
 
-    It has many attributes because it is all that a giver says about one command, and all that it
-    gets back. `progress` is for this package.
+    The class has many attributes: they are all that the giver says about one command, and all that
+    the giver gets back. Only this package uses `progress`.
     """
 
     def __init__(self, command: Command, timeout: Optional[float] = None,
@@ -140,13 +142,13 @@ class Execution:
 
     @property
     def is_answered(self) -> bool:
-        """Whether a line came that may be its answer, if its answer is not documented."""
+        """Whether the answer is not documented, and a line came that may be this answer."""
         return (self.command.spec.completed_by is None and self.progress.rejected_at is None
                 and self.progress.heard > self.progress.sent_at)
 
     @property
     def has_lines(self) -> bool:
-        """Whether the robot has said anything about it."""
+        """Whether the robot has sent any line about the command."""
         return bool(self._lines.kept)
 
     def add_line(self, text: str) -> None:
@@ -161,7 +163,7 @@ class Execution:
         return True
 
     def announce(self) -> None:
-        """Wakes and calls the waiting callers; called after `end`, without locks."""
+        """Wakes the threads in `wait` and calls `on_end`. Called after `end`, without locks."""
         self._ended.set()
         if self.on_end and self.result:
             self.on_end(self.result)
@@ -169,6 +171,6 @@ class Execution:
     def wait(self, timeout: Optional[float] = None) -> Optional[Result]:
         """Returns the result, or None if the command has not ended within `timeout` seconds.
 
-        Do not call it from a callback: the thread of the callbacks is the one that ends commands.
+        Do not call it from a callback: the thread that runs callbacks also ends the commands.
         """
         return self.result if self._ended.wait(timeout) else None

@@ -13,8 +13,9 @@ _TELNET = re.compile(rb'\xff(?:[\xfb-\xfe].?|[^\xfb-\xfe])?', re.DOTALL)
 def decode(line: bytes) -> str:
     """Returns a line as text.
 
-    ARCL is ASCII by its manual, but goals have their names from the map. Map files are UTF-8, or
-    Latin-1 if an older tool wrote them. Bytes that are not valid UTF-8 are read as Latin-1.
+    According to its manual, ARCL is ASCII. But the names of goals come from the map, and map files
+    are UTF-8, or Latin-1 if an older tool wrote them. A line that is not valid UTF-8 is read as
+    Latin-1.
     """
     try:
         return line.decode('utf-8')
@@ -25,8 +26,8 @@ def decode(line: bytes) -> str:
 class LineBuffer:
     """Collects bytes in pieces of any size and returns whole lines, without their ends.
 
-    A line of more than `limit` bytes sets `overflowed`. The lines before it are still returned. The
-    line itself and all that follows are dropped.
+    A line of more than `limit` bytes sets `overflowed`. The lines before this line are still
+    returned. The line itself and all later data are dropped.
     """
 
     def __init__(self, limit: int = LONGEST_LINE) -> None:

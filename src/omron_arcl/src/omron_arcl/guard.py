@@ -17,8 +17,8 @@ class Guard:
     """Checks a command before it is sent. `stop` is always allowed.
 
     `allowed` contains categories (`motion`, `query`, ...) and names of commands. `goals` are the
-    goals that the robot has listed; None while they are unknown. `motion` is what the records
-    of drives tell.
+    goals that the robot has listed; None while they are unknown. `motion` is the motion according
+    to the records of drives.
     """
 
     def __init__(self, allowed: Iterable[str]) -> None:

@@ -1,6 +1,7 @@
-"""What the robot said of its motion over the present connection.
+"""What the robot said about its motion on the present connection.
 
-These are facts about the lines. `attribution` decides whose a line is, and `drives` what follows.
+This module states facts about the lines. `attribution` decides which command or client a line
+belongs to, and `drives` records the consequences.
 """
 from __future__ import annotations
 
@@ -11,14 +12,14 @@ from omron_arcl import replies
 from omron_arcl.activity import MOVING, STANDING, Activity, ActivityKind, activity_of
 from omron_arcl.replies import Reply
 
-# Lines that say what the robot does from now on; the others are answers, or belong to a command.
+# Lines that say what the robot does from now on. Other lines are answers, or belong to a command.
 _TELLING = (
     replies.GoingTo, replies.GoingToPoint, replies.ArrivedAt, replies.ArrivedAtPoint,
     replies.FailedGoingTo, replies.Stopping, replies.Stopped, replies.Patrolling,
     replies.FinishedPatrolling, replies.Parking, replies.DoingTask, replies.CompletedTask,
     replies.ExecutingMacro, replies.CompletedMacro, replies.ExecutingList, replies.FinishedList,
     replies.EStop)
-# The robot begins a new motion. If no command of ours asked for it, another client did.
+# Lines that begin a motion. If no command of ours requested it, another client did.
 _SETTING_OUT = (replies.GoingTo, replies.GoingToPoint, replies.Patrolling, replies.ExecutingMacro,
                 replies.DoingTask)
 
@@ -32,7 +33,7 @@ class SelfStop(Enum):
 
 
 class StopOf(Enum):
-    """Whose a `Stopping` is."""
+    """The cause of a `Stopping`."""
 
     US = 'a stop of ours'
     ROBOT = 'the robot itself, which stands after it'
@@ -42,12 +43,12 @@ class StopOf(Enum):
 
 
 class RobotWords:
-    """The robot's words about its motion, since the connection was made.
+    """The robot's words about its motion since the connection was made.
 
     Each attribute is one fact.
 
-    emergency_before -- what was told of the emergency stop before the connection
-    since -- number of the newest record before the connection
+    emergency_before -- whether the emergency stop was pressed according to the last connection
+    since -- number of the newest record of `drives` when the connection was made
     """
 
     def __init__(self, emergency_before: bool = False, since: int = 0) -> None:
@@ -57,21 +58,21 @@ class RobotWords:
         self.shown: Optional[Activity] = None
         """The last activity of a status."""
         self.strange = False
-        """Whether the last status showed a motion that is not ours; it may have crossed a line."""
+        """Whether the last status showed a motion that is not ours; it may be older than a line."""
         self.emergency = False
         """Whether the emergency stop is pressed, or the motors are still off after it."""
         self.moved = False
         """Whether the robot moved, or may have moved, before its last line."""
         self.broke_off = False
-        """Whether the robot broke off a motion, and has not said yet what it does now."""
+        """Whether the robot broke off a motion, and has not said yet what it does instead."""
         self.sets_out = False
         """Whether the last line begins a motion."""
         self.powered: Optional[bool] = None
-        """Whether the motors are on; None: the robot has not said it."""
+        """Whether the motors are on; None: the robot has not said whether they are."""
         self.unheard_stops = 0
-        """Number of stops that were sent and whose `Stopping` has not come."""
-        self._stops: List[int] = []  # by order of sending: those whose `Stopping` may still come
-        self._answered = 0  # order of the question that the robot answered last
+        """Number of stops that were sent and for which no `Stopping` has come."""
+        self._stops: List[int] = []  # numbers of the stops whose `Stopping` may still come
+        self._answered = 0  # number of the query that the robot answered last
         self.stopped_by_us = False
         """Whether the last `Stopped` may end a stop of ours."""
         self.will_not_stand = False
@@ -80,12 +81,14 @@ class RobotWords:
         """Why the robot may say `Stopping` next."""
         self._docking: Optional[replies.DockingState] = None
         self._released = False  # whether the emergency stop was released while the motors are off
-        self._halts: Set[StopOf] = set()  # whose the `Stopping`s are that the next `Stopped` ends
+        self._halts: Set[StopOf] = set()  # the causes of each `Stopping` since the last `Stopped`
 
     @property
     def emergency_told(self) -> bool:
-        """Whether the emergency stop is pressed as far as the robot has said, on this connection or
-        else on the one before."""
+        """Whether the emergency stop is pressed according to the robot's words.
+
+        Its words on the last connection count until it has said something on this one.
+        """
         return self.emergency or self._emergency_before and self.activity is None
 
     @property
@@ -94,7 +97,7 @@ class RobotWords:
         return self.activity is not None and self.activity.kind not in STANDING
 
     def said(self, reply: Reply) -> None:
-        """Notes that the robot sends a line that is no status."""
+        """Notes that the robot sent a line that is not a status."""
         self.moved, self.sets_out = self.moves, isinstance(reply, _SETTING_OUT)
         if isinstance(reply, replies.DockingStatus):
             self._docking_said(reply)
@@ -115,7 +118,7 @@ class RobotWords:
                 self.stops_itself, self.will_not_stand = None, False
 
     def showed(self, activity: Activity) -> None:
-        """Notes that the robot sends a status."""
+        """Notes that the robot sent a status."""
         self.activity = self.shown = activity
         self.moved = self.broke_off = False
         if activity.kind in (ActivityKind.EMERGENCY_STOP, ActivityKind.MOTORS_DISABLED):
@@ -124,15 +127,17 @@ class RobotWords:
             self.powered, self.emergency = True, False
 
     def _motors_said(self, enabled: bool) -> None:
-        """Takes up a change of the motors. The same state again says nothing: it is also sent as an
-        answer."""
+        """Notes the state of the motors.
+
+        Only a change is an event: the robot also sends the state as an answer to a query.
+        """
         if enabled and not self.powered:
             self.stops_itself = SelfStop.MOTORS_ENABLED
         self.powered, self.emergency = enabled, self.emergency and not enabled
 
     def _emergency_stop_said(self, reply: Union[replies.EStop, replies.RobotError]) -> None:
         if reply.pressed:
-            self.emergency = self.emergency and not self._released  # else it is pressed once more
+            self.emergency = self.emergency and not self._released  # after a release: pressed anew
             self.powered, self._released = False, False
         elif isinstance(reply, replies.EStop):
             self.powered, self._released = False, True
@@ -152,15 +157,15 @@ class RobotWords:
         self.unheard_stops += 1
 
     def stops_left(self, number: int) -> None:
-        """Notes that this number of the stops that were sent has still to be answered."""
+        """Notes how many of the stops that were sent the robot has still to answer."""
         self.unheard_stops = min(number, len(self._stops))
 
     def answered(self, order: int) -> None:
-        """Notes that the robot answers a question with a status.
+        """Notes that the robot answers a query with a status.
 
-        It answers in the order of sending, but may obey a command a moment after the next answer.
-        So with the second answer after a stop its `Stopping` does not come any more: some robots
-        say it once for several stops.
+        The robot answers in the order of sending, but it may obey a stop a moment after its answer
+        to the next query. After the second answer, the `Stopping` for this stop does not come any
+        more: some robots say `Stopping` once for several stops.
         """
         self._stops = [stop for stop in self._stops if stop > self._answered]
         self.unheard_stops, self._answered = min(self.unheard_stops, len(self._stops)), order
@@ -171,15 +176,15 @@ class RobotWords:
 
     def _stands(self) -> None:
         ours = self._halts & {StopOf.US, StopOf.CLEARED_FAULT}
-        if ours != self._halts:  # else the robot's own pair is still to come
+        if ours != self._halts:  # if equal: the robot's own `Stopping` and `Stopped` will follow
             self.stops_itself = None
         self.stopped_by_us, self._halts = bool(ours) or not self._halts, set()
         self.will_not_stand = False
 
     def _docking_said(self, reply: replies.DockingStatus) -> None:
-        """Takes up a change of the docking state.
+        """Notes the docking state.
 
-        The same state again says nothing: it is also sent as an answer.
+        Only a change is an event: the robot also sends the state as an answer to a query.
         """
         before, self._docking = self._docking, reply.docking
         if before is reply.docking:

@@ -12,8 +12,8 @@ _ENTRY = re.compile(r'\s*([A-Za-z]\w*)(?:\s+(\S.*))?$')
 class HelpList:
     """The robot's own help list; names are compared without case.
 
-    The list informs and forbids nothing: a robot may accept commands that it does not list, and
-    the layout of a list may be only partly readable. `complete`: whether its end was received.
+    The list is only information and forbids nothing: a robot may accept commands that it does not
+    list, and some lines of the list may be unreadable. `complete`: whether its end was received.
     """
 
     def __init__(self, descriptions: Mapping[str, str], complete: bool = True) -> None:
@@ -26,9 +26,9 @@ class HelpList:
                 self._names.setdefault(shortcut.group(1).lower(), name)
 
     def full_name(self, name: str) -> Optional[str]:
-        """Returns the command that `name`, or the shortcut `name`, stands for.
+        """Returns the full name of the command with the name or shortcut `name`.
 
-        None if there is none.
+        None: the list has no such command.
         """
         return self._names.get(name.lower())
 
@@ -37,7 +37,7 @@ class HelpList:
 
 
 def read_entry(text: str) -> Optional[Tuple[str, str]]:
-    """Returns the name and description in a line of the list, in any layout; None if it is no
+    """Returns the name and description from a line of the list, in any layout. None: the line is no
     entry.
 
     The known robots write a name right-aligned in 15 columns, 10 blanks, and the description.

@@ -16,9 +16,9 @@ _log = logging.getLogger(__name__)
 class HostAddresses:
     """The addresses of `host`, from `start` until `close`.
 
-    They are looked up at the start, after every failure, and when `belongs` needs a newer answer.
-    Known addresses stay valid while the name server does not answer. `on_answer` runs after each
-    look-up, in the look-up thread. A host given by its address is not looked up.
+    The addresses are looked up at the start, after every failure, and when `belongs` needs a newer
+    answer. While the name server does not answer, the last known addresses stay valid. `on_answer`
+    runs after each look-up, in the look-up thread. If `host` is an address, nothing is looked up.
     """
 
     def __init__(self, host: str, on_answer: Callable[[], None]) -> None:
@@ -41,14 +41,16 @@ class HostAddresses:
             self._thread.start()
 
     def close(self) -> None:
-        """Ends the thread; if it waits for a name server, it ends after that."""
+        """Ends the thread. A thread that waits for a name server ends after the answer."""
         with self._change:
             self._is_closed = True
             self._change.notify()
 
     def belongs(self, address: str, since: float) -> Optional[bool]:
-        """Returns whether `address` is an address of the host. None: unknown until a look-up that
-        begins after `since` (s, monotonic) has ended; `on_answer` is called then.
+        """Returns whether `address` is an address of the host.
+
+        None: this is unknown until a look-up has ended that began after `since` (s, monotonic).
+        `on_answer` is called at the end of that look-up.
         """
         with self._change:
             if self._thread is None or self._answered >= since:

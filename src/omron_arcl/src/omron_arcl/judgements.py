@@ -1,14 +1,15 @@
 """What the robot's reported activity says about a drive or stop that is under way.
 
-The robot does not always name a drive that ends. If another client stops it, it may say no more
-than `Stopping`, `Stopped`, or name a point instead of the goal. Every line and status about the
-robot's activity is therefore compared with the drive that it was sent on. One contradiction is not
-enough: right after a command the status may be out of date, or be `Stopping`, `Stopped` for an
-instant (observed). No line says which of the two it is; only that it lasts shows it. So an activity
-that contradicts a command makes it doubted, and a doubt that lasts ends it; see `drives`.
+When a drive ends, the robot does not always name it. If another client stops the robot, the robot
+may say no more than `Stopping`, `Stopped`, or it may name a point instead of the goal. Therefore
+every line and status about the robot's activity is compared with each command under way. A single
+contradiction does not end the command: right after a command the status may be out of date, or be
+`Stopping` or `Stopped` for an instant (observed). No line tells such a status from a real end; only
+a contradiction that lasts does. So an activity that contradicts a command begins a doubt, and a
+doubt that lasts ends the command; see `drives`.
 
-These are tables and pure functions. A drive that is not acknowledged is judged only by the rules
-that say so.
+The module consists of tables and pure functions. Before a drive is acknowledged, only the rows of
+JUDGEMENTS whose `begun` is not True judge it.
 """
 from __future__ import annotations
 
@@ -22,20 +23,20 @@ from omron_arcl.execution import Execution, Outcome
 from omron_arcl.records import Doubt
 from omron_arcl.replies import Reply, coordinates
 
-# s after which an activity that contradicted a command at least twice ends it
+# s from the first contradiction until the command ends, if there were at least two
 SETTLE: Mapping[DriveCourse, float] = {
     DriveCourse.TO_A_PLACE: 4.0,
     DriveCourse.INTO_THE_DOCK: 30.0,  # between two attempts the robot stands and is undocked
     DriveCourse.OUT_OF_THE_DOCK: 10.0,
     DriveCourse.OF_TASKS: 30.0,  # between two steps the robot may stand
 }
-SETTLE_CERTAIN = 4.0  # s, the same for an arrival and for an emergency stop
+SETTLE_CERTAIN = 4.0  # s, instead of SETTLE for an arrival or an emergency stop
 SETTLE_STOP = 2.0  # s of standing after which a stop without `Stopped` counts as obeyed
 SETTLE_OVERTAKEN = 6.0  # s of driving elsewhere after which a stop counts as overtaken
-SETTLE_ONCE = 5.0  # s more after a single contradiction: the robot answers no status requests
+SETTLE_ONCE = 5.0  # s more after a single contradiction, as of a robot that sends no status
 
-# Activities of a drive that the robot has not acknowledged by its goal's name yet: the robot leaves
-# the dock for the drive, or drives to the dock.
+# In these activities a robot may begin a drive before it names the goal: it leaves its dock for the
+# drive, or drives to the dock.
 ABOUT_THE_DOCK = frozenset((ActivityKind.UNDOCKING, ActivityKind.DOCKING))
 
 
@@ -52,8 +53,8 @@ Verdict = Union[DriveSign, Outcome]
 class Observation(NamedTuple):
     """An activity that the robot reports, in a status or in a line sent when it changes.
 
-    asked -- the number, in the order of sending, of the question that a status answers; None: the
-        robot sent it unasked
+    asked -- the number, in the order of sending, of the query that a status answers; None: the
+        robot sent the activity unasked
     """
 
     activity: Activity
@@ -63,7 +64,7 @@ class Observation(NamedTuple):
 
     @property
     def words(self) -> str:
-        """The words for the giver of the command."""
+        """The words that describe the activity to the giver of the command."""
         return f'the robot\'s status is "{self.text}"' if self.is_status else self.text
 
     def is_line_of(self, kind: ActivityKind) -> bool:
@@ -85,7 +86,7 @@ _STANDS_OR_DRIVES_ELSEWHERE: Dict[ActivityKind, Verdict] = {
     _K.FAILED: Outcome.FAILED,
     _K.LOST: Outcome.FAILED,
 }
-# The verdict of an activity on a drive that has begun, if no row of JUDGEMENTS holds.
+# What an activity means for a drive that has begun, if no row of JUDGEMENTS holds.
 VERDICTS: Mapping[DriveCourse, Dict[ActivityKind, Verdict]] = {
     DriveCourse.TO_A_PLACE: {
         **_STANDS_OR_DRIVES_ELSEWHERE, _K.UNDOCKING: DriveSign.CONFIRMED},
@@ -108,9 +109,10 @@ VERDICTS: Mapping[DriveCourse, Dict[ActivityKind, Verdict]] = {
 
 
 class ObservationRule(NamedTuple):
-    """What an observation says about a drive if `holds`.
+    """A rule for drives: an observation has this verdict if `holds` returns a true value.
 
-    begun -- whether the rule is about a drive that has begun; None: about each drive
+    begun -- True: the rule is only for drives that have begun; False: only for drives that have
+        not; None: for all drives
     """
 
     name: str
@@ -122,14 +124,14 @@ class ObservationRule(NamedTuple):
 def _to_a_point(execution: Execution, seen: Observation, kind: ActivityKind) -> bool:
     """Returns whether the robot shows coordinates for a drive to a place.
 
-    Some robots show those of a goal instead of its name (ARCL manual I617-E-02 p. 243). A command
-    that names a point itself is confirmed by no other point.
+    Some robots show the coordinates of a goal instead of its name (ARCL manual I617-E-02 p. 243).
+    If the command itself names a point, only the row `its goal` compares coordinates.
     """
     return (seen.activity.kind is kind and execution.command.spec.course is DriveCourse.TO_A_PLACE
             and bool(execution.command.goals or not seen.point))
 
 
-# The first row that holds decides; without one, VERDICTS does.
+# The first row that holds decides. If no row holds, VERDICTS decides.
 JUDGEMENTS: Tuple[ObservationRule, ...] = (
     ObservationRule('emergency stop', Outcome.EMERGENCY_STOPPED,
               lambda execution, seen: seen.activity.kind is _K.EMERGENCY_STOP),
@@ -158,7 +160,7 @@ JUDGEMENTS: Tuple[ObservationRule, ...] = (
 
 
 def fits(predicate: Optional[Predicate], execution: Execution, reply: Reply) -> bool:
-    """Returns whether a line is the one that this predicate of a command awaits."""
+    """Returns whether a command has this predicate, and the line fulfils it."""
     return predicate is not None and predicate(execution.command, reply)
 
 
@@ -174,7 +176,7 @@ def judge(execution: Execution, seen: Observation, begun: bool, drives: Sequence
     drives -- all drives that were sent
     """
     if seen.asked is not None and seen.asked < execution.order:
-        return DriveSign.NONE  # the status answers an older question
+        return DriveSign.NONE  # the status answers a query that was sent before the command
     if execution.command.spec.stops:
         return _judge_stop(execution, seen, drives)
     for row in JUDGEMENTS:
@@ -187,7 +189,7 @@ def judge(execution: Execution, seen: Observation, begun: bool, drives: Sequence
 
 
 def _judge_stop(stop: Execution, seen: Observation, drives: Sequence[Execution]) -> Verdict:
-    """Judges a stop: obeyed if the robot stands, overtaken if the robot drives elsewhere."""
+    """Judges a stop: it is obeyed if the robot stands, and overtaken if it drives elsewhere."""
     kind = seen.activity.kind
     if seen.is_status and kind in STANDING:
         return Outcome.SUCCEEDED
@@ -213,9 +215,9 @@ def next_doubt(doubt: Optional[Doubt], outcome: Outcome, seen: Observation, now:
 
 
 def is_settled(doubt: Doubt, course: Optional[DriveCourse], now: float) -> bool:
-    """Returns whether a doubt has lasted so long that it ends its command.
+    """Returns whether the doubt about a command has lasted long enough to end that command.
 
-    Course: None for a stop.
+    course -- of the drive; None: the command is a stop
     """
     certain: Tuple[Outcome, ...] = (Outcome.SUCCEEDED, Outcome.EMERGENCY_STOPPED)
     if course is None:

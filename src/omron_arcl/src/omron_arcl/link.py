@@ -6,7 +6,8 @@
     LOGGING_IN      the session is ready                                CONNECTED
                     the robot refuses the password                      WRONG_PASSWORD
     WRONG_PASSWORD  the longer waiting time is over                     CONNECTING
-    all             no connection, its end, or no line for too long     DISCONNECTED
+    all             the connection fails or ends, or no line comes      DISCONNECTED
+                    for too long
 
 A listener is only DISCONNECTED or CONNECTED. Lines and commands are exchanged only while CONNECTED.
 """
@@ -33,7 +34,7 @@ class LinkPhase(Enum):
 class Link:
     """State of a link.
 
-    `peer`: host:port; `reason`: why it is not connected, or what is wrong with the connection.
+    `peer` is host:port. `reason` says why the link is not connected, or what is wrong with it.
     """
 
     phase: LinkPhase
@@ -47,9 +48,10 @@ class Link:
 
 
 class Backoff:
-    """Seconds until the next attempt: doubling from `first` to `cap`, varied by the share `jitter`.
+    """The waiting time (s) before the next attempt to connect.
 
-    After a wrong password the next attempt follows after `wrong_password` s: a person has to
+    The time doubles after each attempt, from `first` to `cap`; `jitter` is the share by which it
+    varies at random. After a wrong password, the waiting time is `wrong_password`: a person has to
     correct the password first, and robots may count the attempts.
     """
 
@@ -62,9 +64,7 @@ class Backoff:
         self._next = first
 
     def after(self, cause: LinkError) -> float:
-        """Returns the waiting time in s after a connection that ended or failed
-        because of `cause`.
-        """
+        """Returns the waiting time (s) after a connection failed or ended because of `cause`."""
         if isinstance(cause, WrongPassword):
             return self.wrong_password
         delay = self._next * random.uniform(1.0 - self.jitter, 1.0 + self.jitter)

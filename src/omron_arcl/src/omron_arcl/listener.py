@@ -1,4 +1,4 @@
-"""The connection that the robot opens to us: accepts it, keeps it alive, passes on its lines."""
+"""Accepts the connection that the robot opens to us, keeps it alive, and passes on its lines."""
 from __future__ import annotations
 
 import contextlib
@@ -18,9 +18,9 @@ from omron_arcl.transport import Transport
 
 KEEP_ALIVE = 2.0  # s; the robot drops a listener that is silent for 6 s by default
 RETRY = 1.0  # s between two attempts to listen on a port, or to accept a connection
-RIVALS = 3  # live connections that were replaced within RIVAL_TIME s: by another robot
+RIVALS = 3  # if so many live connections are replaced within RIVAL_TIME s, two robots compete
 RIVAL_TIME = 30.0
-_LIVELY = 1.0  # s since its last line in which a connection is alive
+_LIVELY = 1.0  # s after the last line during which a connection counts as alive
 _RIVALRY = ('two robots, or two programs, connect from this address in turn: give each robot an '
             'address and a port of its own')
 _MAXIMUM_UNSENT = 64  # bytes of keep-alive to a robot that does not read
@@ -41,13 +41,15 @@ class Listener(Transport):
     """Waits for the robot's outgoing connection until `close`; a new one replaces the last one.
 
     robot: name or address of the only host that may connect. on_line(Received): a line came.
-    on_link(Link): the link changed. on_refused(str): a peer with this other address was rejected.
-    timeout: seconds without a line after which the connection counts as dead. If live connections
-    replace each other in turn, the reason of the connected link says so.
-    If another program uses the port, the listener tries again until the port is free, and says so
-    in the reason of the link. Raises OSError if it can never listen at (bind, port).
+    on_link(Link): the link changed. on_refused(str): a peer with this address was rejected, because
+    it is not the robot. timeout: seconds without a line after which the connection counts as dead.
 
-    It has many attributes because one thread keeps one port: its parts, callbacks and times.
+    If live connections replace each other in turn, the reason of the connected link says so. If
+    another program uses the port, the reason of the link says so, and the listener tries again
+    until the port is free. Raises OSError if it can never listen at (bind, port).
+
+    The class has many attributes because one thread keeps one port with its parts, callbacks and
+    times.
     """
 
     def __init__(self, bind: str, port: int, robot: str, *,

@@ -1,8 +1,8 @@
 """Turns a line of the robot into a reply, with one table.
 
-A row is a phrase at the beginning of a line, and the reader of the text after it. The first row
-whose phrase matches and whose reader does not raise ValueError wins. Case is ignored. A line that
-matches no row is an UnknownLine. Nothing here raises an exception, for any line.
+A row has a phrase, which is the beginning of a line, and a reader for the rest of the line. The
+first row decides whose phrase matches and whose reader does not raise ValueError. Case is ignored.
+A line that matches no row is an UnknownLine. `parse_line` raises no exception for any line.
 """
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from omron_arcl.replies import Reply, UnknownLine
 
 
 def parse_line(text: str) -> Reply:
-    """Returns the reply that a line (without its end) represents."""
+    """Returns the reply for a line, which is given without its line end."""
     line = text.strip()
     head, _, rest = line.partition(' ')
     for tail, length, reader in _RULES.get(head.lower(), ()):
@@ -182,7 +182,7 @@ _TABLE: Tuple[Row, ...] = (
 
 
 def _index(table: Tuple[Row, ...]) -> Dict[str, List[Tuple[str, int, Reader]]]:
-    """Returns the table by first word, so that a line is compared with few rows only."""
+    """Returns the rows grouped by first word, so that a line is compared with few rows only."""
     rules: Dict[str, List[Tuple[str, int, Reader]]] = {}
     for phrase, reader in table:
         head, _, tail = phrase.lower().partition(' ')

@@ -1,4 +1,4 @@
-"""Predicates for the table of commands: whether a reply is the one that a command awaits."""
+"""Predicates for the table of commands: each says whether a command awaits a reply."""
 from __future__ import annotations
 
 import re
@@ -10,7 +10,7 @@ from omron_arcl.replies import Reply, coordinates
 
 
 def never(command: Command, reply: Reply) -> bool:
-    """Matches no line: for a command that goes on until it is stopped."""
+    """Matches no line. This is for commands that go on until they are stopped."""
     return False
 
 
@@ -44,7 +44,7 @@ def says(phrase: str) -> Predicate:
 
 
 def end_of(what: str) -> Predicate:
-    """Matches the end of this list, also with the suffix `local` that a fleet manager uses."""
+    """Matches the end of this list, with or without the suffix `local` of a fleet manager."""
     ends = (what.lower(), f'{what.lower()}local')
     return lambda command, reply: isinstance(reply, replies.EndOf) and reply.what in ends
 
@@ -79,7 +79,7 @@ def at_the_point(kind: type) -> Predicate:
 
 
 def same_task(*kinds: type) -> Predicate:
-    """Matches the robot's repetition of a task and its arguments, as typed or as understood."""
+    """Matches a reply that repeats the command's task and arguments, in any notation."""
     def fits(command: Command, reply: Reply) -> bool:
         return (isinstance(reply, kinds) and isinstance(reply, _NAMING_A_TASK)
                 and _same_task(_words(reply.task), _words(command.rest)))
@@ -95,8 +95,10 @@ def _words(task: str) -> List[str]:
 
 
 def _same_task(said: List[str], given: List[str]) -> bool:
-    """Returns whether both are equal, except for the notation of numbers and for variables,
-    which the robot replaces.
+    """Returns whether both texts mean the same task.
+
+    Numbers may have different notations. If `given` has variables (`$`), only the first words must
+    be equal, because the robot replaces variables.
     """
     return (said == given or any('$' in word for word in given) and said[:1] == given[:1]
             or len(said) == len(given) and all(map(_same_word, said, given)))

@@ -1,6 +1,6 @@
-"""Readers of the text after a line's phrase, for the rows of the parser's table.
+"""Functions that read the rest of a line after its first phrase; the parser's table names them.
 
-Each takes that text and returns the reply, or raises ValueError if the text does not fit.
+Each reader takes this rest and returns the reply. It raises ValueError if the rest does not fit.
 """
 from __future__ import annotations
 
@@ -16,7 +16,9 @@ Row = Tuple[str, Reader]
 
 
 def named(kind: Callable[[str], Reply]) -> Reader:
-    """Reads a name or text that must not be empty; quotes around all of it are removed."""
+    """Returns a reader of a name or text that must not be empty. Quotes around the whole text are
+    removed.
+    """
     def read(text: str) -> Reply:
         if not text:
             raise ValueError
@@ -25,13 +27,13 @@ def named(kind: Callable[[str], Reply]) -> Reader:
 
 
 def unquoted(text: str) -> str:
-    """Reads `text` without the quotes around all of it that some robots put around names."""
+    """Returns `text` without the quotes around it: some robots put names in quotes."""
     inner = text[1:-1]
     return inner if text == f'"{inner}"' and inner and '"' not in inner else text
 
 
 def exactly(reply: Reply) -> Reader:
-    """Reads nothing more: the phrase is the whole line."""
+    """Returns a reader that accepts only an empty rest: the phrase is the whole line."""
     def read(text: str) -> Reply:
         if text:
             raise ValueError
@@ -47,7 +49,7 @@ def number(text: str, minimum: float = -1e15, maximum: float = 1e15) -> float:
     return value
 
 
-# Limits of possible measurements; values outside are rejected. All fit into a message's float32.
+# Limits of possible measurements. Other values are rejected. All limits fit into a float32.
 _PERCENT = (0.0, 100.0)
 _VOLTS = (0.0, 1000.0)
 _SCORE = (0.0, 1.0)
@@ -57,7 +59,7 @@ _MAXIMUM_DEGREES = 360.0
 
 
 def measured(kind: Callable[[float], Reply], limits: Tuple[float, float]) -> Reader:
-    """Reads one number within `limits`."""
+    """Returns a reader of one number within `limits`."""
     minimum, maximum = limits
     return lambda text: kind(number(text, minimum, maximum))
 
@@ -97,9 +99,10 @@ _STATUS_KEYWORD = re.compile(
 
 
 def one_line_status(first: str) -> Reader:
-    """Reads several status fields on one line, in any order. The status text may contain colons.
+    """Returns a reader of several status fields on one line, in any order. The status text may
+    contain colons.
 
-    A field with an impossible value counts as not sent; the status names it.
+    A field with an impossible value counts as not sent; `OneLineStatus.ignored` has it.
     """
     def read(text: str) -> Reply:
         if ':' not in text:
@@ -139,9 +142,9 @@ def estop(text: str) -> replies.EStop:
 
 
 def to_point(reply: Reply) -> Reader:
-    """Reads `point`, with or without coordinates.
+    """Returns a reader of what follows `point`: nothing, or two or three coordinates.
 
-    A goal may be named `point 7`, but not `point 1 2`.
+    So a goal may be named `point 7`, but not `point 1 2`.
     """
     def read(text: str) -> Reply:
         if text and not coordinates(text):
@@ -192,7 +195,7 @@ def map_object_coord(text: str) -> replies.MapObjectCoord:
 
 
 def key_and_value(kind: Callable[[str, str], Reply]) -> Reader:
-    """Reads `<key> <value>`; the value may be missing, or contain blanks."""
+    """Returns a reader of `<key> <value>`; the value may be missing, or contain blanks."""
     def read(text: str) -> Reply:
         key, _, value = text.partition(' ')
         return named(lambda key: kind(key, value))(key)
@@ -200,7 +203,7 @@ def key_and_value(kind: Callable[[str, str], Reply]) -> Reader:
 
 
 def localizing(done: bool, head: str) -> Reader:
-    """Reads any rest of the line, because the wording differs between robots."""
+    """Returns a reader that accepts any rest, because the wording differs between robots."""
     return lambda text: replies.Localizing(done, f'{head} {text}'.strip())
 
 

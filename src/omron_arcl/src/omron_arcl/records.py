@@ -1,4 +1,4 @@
-"""The values of `drives`: a record of a drive or stop, what is stored, and what is published."""
+"""The values of `drives`: the record of a drive or stop, the stored and the published state."""
 from __future__ import annotations
 
 from dataclasses import dataclass, field
@@ -9,7 +9,7 @@ from omron_arcl.execution import NO_GIVER, Giver, Outcome
 
 
 class MotionCause(IntEnum):
-    """Why a new epoch began; as in omron_ld90_msgs/Motion."""
+    """Why a new epoch began, with the numbers of omron_ld90_msgs/Motion."""
 
     OTHER_GIVER = 1
     STOP = 2
@@ -22,7 +22,7 @@ class MotionCause(IntEnum):
 
 
 class MotionState(IntEnum):
-    """The motion of the robot; as in omron_ld90_msgs/Motion."""
+    """The motion of the robot, with the numbers of omron_ld90_msgs/Motion."""
 
     UNKNOWN = 0
     STANDING = 1
@@ -50,7 +50,7 @@ _DRIVEN = (RecordKind.DRIVE, RecordKind.FOREIGN_DRIVE)
 
 
 class Fate(Enum):
-    """What became of a drive or stop; see the table in `drives`."""
+    """The fate of a drive or stop; see the table in `drives`."""
 
     GIVEN = 'given'
     OBEYED = 'obeyed'
@@ -59,7 +59,7 @@ class Fate(Enum):
 
 
 class CommandFate(IntEnum):
-    """What became of the last command of a giver; as in omron_ld90_msgs/LastCommand."""
+    """The fate of the last command of a giver, with the numbers of omron_ld90_msgs/LastCommand."""
 
     GIVEN = 1
     OBEYED = 2
@@ -73,10 +73,12 @@ class CommandFate(IntEnum):
 class Doubt:
     """The robot reports an activity that contradicts a command.
 
-    since, why -- when it first contradicted the command, and in which words
-    outcome -- how the command ends if the doubt lasts; `count`: how often it was contradicted
-    broken_off -- the robot sent an `Interrupted` that names something unknown
-    is_certain -- it sent such an `Interrupted`, and then said `Stopped`
+    since -- when an activity first contradicted the command
+    why -- the robot's words for this activity
+    outcome -- how the command ends if the doubt lasts
+    count -- how often an activity contradicted the command
+    broken_off -- an unclear interruption was among the contradictions; see `drives`
+    is_certain -- after this interruption the robot said `Stopped`
     """
 
     since: float
@@ -89,13 +91,13 @@ class Doubt:
 
 @dataclass(frozen=True)
 class DriveRecord:
-    """One drive or stop, or what others did.
+    """One drive or stop of ours, or the newest motion or stop that others caused.
 
-    All that is known of a drive is in this one value, because its parts change together.
+    All that is known about a drive is in this one value, because its parts change together.
 
-    goal -- the goal for people
-    names -- the names by which the robot may confirm a drive, in lower case: `` if the robot needs
-        no name for it
+    goal -- the goal as people read it
+    names -- the names with which the robot may confirm a drive, in lower case; an empty name means
+        that the robot confirms the drive without a name
     """
 
     number: int
@@ -106,55 +108,55 @@ class DriveRecord:
     names: Tuple[str, ...] = ()
     words: str = ''
     command: int = 0
-    """Number of the command at its giver; 0: the giver does not number its commands."""
+    """The number that the giver gave to the command; 0: the giver does not number its commands."""
     ending: CommandFate = CommandFate.NOT_OBEYED
     """How a drive that is OVER ended."""
     shown: str = ''
-    """The motion of a drive of others, by which it is recognised. A stop has it, too, if the robot
-    shows since that it is in its dock.
+    """For a drive of others: the motion that the robot showed, by which the drive is recognised.
+    For a stop: `DOCKED` and the dock, if the robot has shown after the stop that it is docked.
     """
     acknowledged_by: str = ''
     """The line or status by which the robot acknowledged a drive."""
     verb: str = ''
-    """The name of its command."""
+    """The name of the command of a drive, such as `goto`."""
     stands_for: Tuple[Tuple[str, int], ...] = ()
-    """Giver and number of earlier stops that a stop has replaced: it tells what becomes of them."""
+    """Giver and number of each earlier stop that this stop has replaced; they share its fate."""
     is_cancelled: bool = False
-    """Whether its giver has cancelled a drive that a newer one was about to replace."""
+    """Whether the giver has cancelled this drive while a newer drive was about to replace it."""
     doubt: Optional[Doubt] = field(default=None, compare=False)
     """Set while the robot seems not to obey a command under way. It is not stored."""
 
     @property
     def commands(self) -> Tuple[Tuple[str, int], ...]:
-        """Giver and number of each command of which it tells what became."""
+        """Giver and number of each command whose fate this record shows."""
         return ((self.giver.name, self.command), *self.stands_for)
 
     @property
     def command_fate(self) -> CommandFate:
-        """What became of its commands."""
+        """The fate of the commands of this record."""
         if self.fate is not Fate.OVER:
             return CommandFate[self.fate.name]
         return self.ending if self.kind is RecordKind.DRIVE else CommandFate.COMPLETED
 
     @property
     def pending(self) -> bool:
-        """Whether it is a drive that the robot has not answered."""
+        """Whether this is a drive that the robot has not answered."""
         return self.kind is RecordKind.DRIVE and self.fate is Fate.GIVEN
 
     @property
     def was_broken_off(self) -> bool:
-        """Whether it is a drive that ended before its goal, and not because the robot gave up."""
+        """Whether this drive ended before its goal, although the robot did not give up."""
         return (self.kind is RecordKind.DRIVE and self.fate is Fate.OVER
                 and self.ending is CommandFate.NOT_OBEYED)
 
     @property
     def owed(self) -> bool:
-        """Whether it is a stop that the robot has not obeyed."""
+        """Whether this is a stop that the robot has not obeyed."""
         return self.kind is RecordKind.STOP and self.fate is not Fate.OVER
 
     @property
     def may_move(self) -> bool:
-        """Whether it is a drive that the robot carries out, or may carry out."""
+        """Whether this is a drive that the robot carries out, or may carry out."""
         return self.kind is RecordKind.DRIVE and self.fate is not Fate.OVER
 
 
@@ -174,11 +176,11 @@ class LastCommand:
 
 @dataclass(frozen=True)
 class DriveMemory:
-    """The state that survives a restart: the epoch, why it began, the records, and what became of
-    the last command of each giver.
+    """The state that survives a restart: the epoch, why it began, the records, and the fate of the
+    last command of each giver.
 
-    foreign_epoch -- the newest epoch that is not the mere start of a controller, for a giver that
-        has no last command; see `LastCommand`
+    foreign_epoch -- the foreign epoch of givers that have no last command; see `LastCommand`. It is
+        the newest epoch that did not begin by a mere start of the controller
     """
 
     epoch: int
@@ -196,13 +198,13 @@ class DriveMemory:
 
     @property
     def giver(self) -> Giver:
-        """The program that drives or has stopped the robot; empty: none, or unknown."""
+        """The program that drives the robot, or has stopped it; empty: none, or unknown."""
         ruling = self.ruling
         return NO_GIVER if ruling is None or ruling.fate is Fate.UNKNOWN else ruling.giver
 
     @property
     def drives(self) -> bool:
-        """Whether a drive, not a stop, was the last that moved or stopped the robot."""
+        """Whether the ruling record is a drive (of ours or of others), not a stop."""
         return self.ruling is not None and self.ruling.kind in _DRIVEN
 
     @property
@@ -217,12 +219,12 @@ class DriveMemory:
 
     @property
     def names(self) -> Tuple[str, ...]:
-        """The names of the goals to which the robot may drive because of us."""
+        """The names of all drives in the records."""
         return tuple(name for record in self.records for name in record.names)
 
 
 class RobotMotion(NamedTuple):
-    """The published state."""
+    """The state of the robot's motion that is published."""
 
     memory: DriveMemory
     state: MotionState

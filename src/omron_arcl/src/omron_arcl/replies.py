@@ -1,12 +1,12 @@
-"""The lines of the robot: one frozen dataclass for each kind of line, grouped by subject.
+"""The replies: one frozen dataclass for each kind of line of the robot, grouped by subject.
 
     from omron_arcl import parse_line, replies
     reply = parse_line('Going to 12')
     assert isinstance(reply, replies.GoingTo)
 
-Lengths are in mm, angles in degrees, in the robot's map frame, as in ARCL (the ROS nodes convert
-them to SI). Names (goals, routes, ...) are spelt as the robot spelt them. Compare them with
-`same_name`, because the robot ignores case.
+As in ARCL, lengths are in mm and angles in degrees, in the robot's map frame. The ROS nodes convert
+them to SI units. Names of goals, routes and other objects are spelt as the robot spelt them.
+Compare names with `same_name`, because the robot ignores case.
 """
 from __future__ import annotations
 
@@ -31,8 +31,8 @@ class Reply:
 def readable(name: str) -> str:
     """Returns a name as people read it, and as the robot's lines contain it.
 
-    Names from files may contain bytes that are not valid UTF-8 as surrogates (`surrogateescape`).
-    Such a name is read as Latin-1, as in `framing.decode`.
+    In names from files, surrogates may stand for bytes that are not valid UTF-8
+    (`surrogateescape`). Such a name is read as Latin-1, as in `framing.decode`.
     """
     if name.isascii():
         return name
@@ -52,7 +52,7 @@ def same_name(one: str, other: str) -> bool:
 
 
 def coordinates(name: str) -> Tuple[float, ...]:
-    """Returns the two or three numbers (mm, mm, degrees) that `name` consists of; else empty."""
+    """Returns the numbers (mm, mm, and perhaps degrees) if `name` consists of them; else empty."""
     words = name.replace(',', ' ').split()
     try:
         numbers = tuple(map(float, words)) if len(words) in (2, 3) and '_' not in name else ()
@@ -62,8 +62,7 @@ def coordinates(name: str) -> Tuple[float, ...]:
 
 
 def names_emergency_stop(text: str) -> bool:
-    """Returns whether the robot's words are about its emergency stop, which it spells in many ways.
-    """
+    """Returns whether a text is about the emergency stop, which robots spell in many ways."""
     return bool(_EMERGENCY_STOP.search(text))
 
 
@@ -118,7 +117,7 @@ class Location(Reply):
 
 @dataclass(frozen=True)
 class LocalizationScore(Reply):
-    """How well the laser scan fits the map, 0..1."""
+    """The degree to which the laser scan fits the map, 0..1."""
 
     score: float
 
@@ -132,9 +131,9 @@ class Temperature(Reply):
 
 @dataclass(frozen=True)
 class OneLineStatus(Reply):
-    """`oneLineStatus`: several status fields on one line; None: the field was not sent.
+    """`oneLineStatus`: several status fields on one line. None means that a field was not sent.
 
-    ignored -- the fields with impossible values, as they were sent; they count as not sent
+    ignored -- the fields with impossible values, as the robot sent them; they count as not sent
     """
 
     status: str
@@ -187,8 +186,9 @@ class Stopping(Reply):
 
 @dataclass(frozen=True)
 class Stopped(Reply):
-    """The robot halted. This does not prove that a `stop` was obeyed: undocking and enabling the
-    motors end in the same way."""
+    """The robot halted. This does not prove that it obeyed a `stop`: the robot also says so after
+    undocking, and after its motors were enabled.
+    """
 
 
 @dataclass(frozen=True)
@@ -200,20 +200,22 @@ class Parking(Reply):
 
 @dataclass(frozen=True)
 class Interrupted(Reply):
-    """A motion was replaced or stopped; `text` is the status text it had, e.g. `Going to 12`."""
+    """A motion was replaced or stopped. `text` is the status text of that motion, such as
+    `Going to 12`.
+    """
 
     text: str
 
 
 @dataclass(frozen=True)
 class RobotError(Reply):
-    """`Error: <text>`: something failed while it ran; the line names no command."""
+    """`Error: <text>`: something failed during its execution. The line names no command."""
 
     text: str
 
     @property
     def pressed(self) -> bool:
-        """Whether it tells of the emergency stop."""
+        """Whether the error is that the emergency stop is pressed."""
         return names_emergency_stop(self.text)
 
 
@@ -241,7 +243,7 @@ class FinishedPatrolling(Reply):
 
 @dataclass(frozen=True)
 class LapCompleted(Reply):
-    """A patrol begins again (sent by older robots)."""
+    """A lap of a patrol has ended, and the next one begins (sent by older robots)."""
 
 
 class DockingState(Enum):
@@ -255,9 +257,9 @@ class DockingState(Enum):
 
 @dataclass(frozen=True)
 class DockingStatus(Reply):
-    """The docking state; `charge`: the charger's state, Not, Bulk, Overcharge, Float, Unknowable.
+    """The docking state. `charge` is the charger's state: Not, Bulk, Overcharge, Float, Unknowable.
 
-    Only `docking` says whether the robot is docked: `charge` is unreliable while undocking.
+    To see whether the robot is docked, use only `docking`: `charge` is unreliable during undocking.
     """
 
     docking: DockingState
@@ -356,7 +358,7 @@ class Motors(Reply):
 
 @dataclass(frozen=True)
 class Fault(Reply):
-    """A fault was raised (`cleared`: has ended); sent when it happens, or as an item of a list."""
+    """A fault was raised, or has ended (`cleared`). The robot sends it at once, or in a list."""
 
     kind: str
     name: str
@@ -372,14 +374,14 @@ class Fault(Reply):
 
 @dataclass(frozen=True)
 class CommandError(Reply):
-    """The robot refused a command line; `CommandErrorDescription` follows, possibly later."""
+    """The robot refused a command line. A `CommandErrorDescription` follows, at once or later."""
 
     command: str
 
 
 @dataclass(frozen=True)
 class CommandErrorDescription(Reply):
-    """Why the command named by the last `CommandError` was refused."""
+    """The reason why the command of the last `CommandError` was refused."""
 
     text: str
 
@@ -393,7 +395,7 @@ class UnknownCommand(Reply):
 
 @dataclass(frozen=True)
 class SetUpError(Reply):
-    """A command came in the wrong order, or something that it needs is missing or not set up."""
+    """A command came in the wrong order, or lacks something that must be set up before."""
 
     text: str
 
@@ -462,7 +464,7 @@ class ConfigurationChanged(Reply):
 class RangeReading(Reply):
     """Points that a range device sees: (N, 2) int64, mm, in the map frame; read only.
 
-    `cumulative` points are remembered for some time, others belong to one scan.
+    If `cumulative`, the robot remembers the points for some time; otherwise they are one scan.
     """
 
     device: str
@@ -494,7 +496,7 @@ class ExternalIOUpdate(Reply):
     name: str
 
 
-# --- items, confirmations and notices that are not parsed further, and the connection itself ------
+# --- items, confirmations and notices that are not parsed further; the connection -----------------
 
 @dataclass(frozen=True)
 class Item(Reply):

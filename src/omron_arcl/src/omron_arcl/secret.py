@@ -1,7 +1,7 @@
 """Redacts passwords in lines that are stored or passed on.
 
-Besides the password of our own login, the robot's configuration contains passwords:
-`getConfigSectionValues ARCL server setup` prints the password of the login.
+The robot's configuration contains passwords, even that of our own login:
+`getConfigSectionValues ARCL server setup` prints it.
 """
 from __future__ import annotations
 
@@ -17,8 +17,8 @@ _READS_OR_WRITES = re.compile(rb'\s*(commanderror:\s*)?'
 
 
 def redact_passwords(line: bytes) -> bytes:
-    """Returns `line`, with the value redacted if it reads or writes a password of the
-    configuration.
+    """Returns `line`. If the line reads or writes a password of the configuration, the password is
+    redacted.
     """
     if not _READS_OR_WRITES.match(line):
         return line

@@ -1,10 +1,10 @@
 """One connection as a state machine without I/O: takes bytes and time, returns events.
 
 There are two kinds of connection. On port 7171 the robot first asks for a password and lists its
-commands. On the connection that the robot opens itself (7179) it sends lines at once. In both,
-`read` takes the bytes of the socket and returns their meaning. `on_time` passes the time during
-the login. `pop_output` returns the lines that the session itself sends: the password and
-`echo off`.
+commands. The robot itself opens the other connection (port 7179), and sends lines on it at once.
+For both kinds, `read` takes the bytes of the socket and returns their meaning. `on_time` tells the
+session the time, which it needs during the login. `pop_output` returns the lines that the session
+itself sends: the password and `echo off`.
 
 The login of a real LD-90 consists of a prompt on a separate line, `Welcome to the server.` and a
 help list with an end line. After a wrong password the robot closes the connection without a
@@ -18,7 +18,7 @@ message. Other robots differ, so these rules apply:
     LOGGING_IN          a line that complains, or that asks once more     CLOSED
                         another line, but not the echo of the password    DRAINING_HELP_LIST
     DRAINING_HELP_LIST  its end line; HELP_TIMEOUT; LONGEST_HELP          READY, `LoggedIn`
-                        it does not end                                   CLOSED
+                        more than _MAXIMUM_ENTRIES entries                CLOSED
     all                 end of the connection; a line that is too long;   CLOSED, `Closed`
                         a web browser
 
@@ -56,9 +56,9 @@ from omron_arcl.replies import (
 from omron_arcl.secret import REDACTED, redact_passwords
 
 PROMPT_TIMEOUT = 1.0  # s of silence after which the password is sent without a prompt
-WELCOME_TIMEOUT = 1.0  # s of silence after the password until a status is requested
-HELP_TIMEOUT = 1.5  # s of silence in the help list until it counts as read
-LONGEST_HELP = 10.0  # s from the welcome until the help list counts as read
+WELCOME_TIMEOUT = 1.0  # s of silence after the password, after which a status is requested
+HELP_TIMEOUT = 1.5  # s of silence in the help list, after which it counts as read
+LONGEST_HELP = 10.0  # s after the welcome, after which the help list counts as read
 _PROBE = b'oneLineStatus'
 _MAXIMUM_ENTRIES = 2000
 _MAXIMUM_WORDS = 150  # characters of the robot's words in the reason for a failed login
@@ -91,10 +91,12 @@ class LoggedIn(NamedTuple):
 
 
 class Received(NamedTuple):
-    """A line of the robot: exactly as received, and its meaning.
+    """A line of the robot.
 
-    `late`: the line may be old, because it waited while this process was suspended, or while the
-    network stalled.
+    raw -- the line exactly as it was received; passwords are redacted
+    reply -- its meaning
+    late -- the line may be old: it may have waited while this process was suspended, or while the
+        network stalled
     """
 
     raw: bytes
@@ -114,15 +116,14 @@ class Closed(NamedTuple):
 
 
 Event = Union[LoggedIn, Received, Closed]
-Trace = Callable[[str, bytes], None]  # side, 'C' (client) or 'S' (server), and a line; no secrets
+Trace = Callable[[str, bytes], None]  # 'C' (client) or 'S' (server), and its line; no secrets
 
 
 class Session:
-    """The client's end of one connection; `password` None: a connection without a login.
+    """The client's end of one connection. If `password` is None, the connection has no login.
 
-    `lines_read` counts the received lines: only a complete line is a sign of life.
-
-    Its attributes are what the login of one connection needs to remember.
+    `lines_read` counts the received lines, because only a complete line is a sign of life. The
+    other attributes are what the login of one connection has to remember.
     """
 
     def __init__(self, password: Optional[bytes], longest_line: int = LONGEST_LINE,
@@ -153,8 +154,8 @@ class Session:
     def read(self, data: bytes) -> Iterator[Event]:
         """Yields the events in `data` from the socket, one by one; iterate to the end.
 
-        A line is read only when the caller has processed the line before it. So no line waits for
-        the lines behind it.
+        A line is read only when the caller has processed the line before it. So a line need not
+        wait until the lines behind it are read.
         """
         self._stirred = True
         for raw in self._lines.feed(data):
@@ -182,7 +183,7 @@ class Session:
         return [self._close(self._cause_of_eof())]
 
     def on_time(self, now: float) -> List[Event]:
-        """Passes the time `now` (s, any clock). In the login, missing lines time out."""
+        """Notes the time `now` (s, any clock). In the login, missing lines time out."""
         if self.state in (SessionState.READY, SessionState.CLOSED):
             return []
         if self._stirred:
@@ -210,7 +211,7 @@ class Session:
     # --- the login --------------------------------------------------------------------------------
 
     def _asks_in_the_tail(self) -> bool:
-        """Returns whether the unfinished line is a prompt: a prompt need not end its line."""
+        """Returns whether the unfinished line is a prompt: a prompt may have no line end."""
         tail = self._lines.tail.rstrip()
         return bool(tail) and tail.endswith(_PROMPT_ENDS) and bool(_ASKS.search(tail))
 

@@ -10,10 +10,10 @@ import threading
 import time
 from typing import Callable, TextIO
 
-SIZE = 50_000_000  # bytes, the most in one file
+SIZE = 50_000_000  # bytes, maximum size of one file
 OUTGOING = 0  # number of the connection that the robot opens itself
 
-_LINE = re.compile(rb'\d+\.\d{3} [CS]\d*> ')  # the begin of each line
+_LINE = re.compile(rb'\d+\.\d{3} [CS]\d*> ')  # the beginning of each line
 
 _ESCAPED = {byte: f'\\x{byte:02x}' for byte in (*range(32), *range(127, 256))}
 _ESCAPED[ord('\\')] = '\\\\'
@@ -22,11 +22,12 @@ _ESCAPED[ord('\\')] = '\\\\'
 class SessionLog:
     """Writes the lines of both sides in the format of docs/reference/session_log.md.
 
-    Times are seconds since 1970. Passwords are already redacted in the lines. An existing file is
-    kept as `<path>.old`. A file that has grown to `size` bytes is kept in the same way, so both
-    together never take more than twice `size`. A `<path>.old` that is no session log is never
-    replaced. Raises OSError if the file cannot be opened or is no regular file, or the older one
-    cannot be kept. A full disk ends the log, not the session: `failure` then has the reason.
+    Times are seconds since 1970. The lines that come here have no passwords. At the start, an
+    existing file becomes `<path>.old`. A file that has grown to `size` bytes becomes `<path>.old`
+    as well, so both files together never take more than twice `size`. But a `<path>.old` that is
+    not a session log is never replaced. Raises OSError if the file cannot be opened or is not a
+    regular file, or if the older file cannot be kept. A full disk ends the log, but not the
+    session; `failure` then has the reason.
     """
 
     def __init__(self, path: str, size: int = SIZE) -> None:
@@ -41,7 +42,7 @@ class SessionLog:
         self._file = self._begin()
 
     def _begin(self) -> TextIO:
-        """Opens a new file; the last one becomes the old one."""
+        """Opens a new file. The last file becomes `<path>.old`."""
         older = f'{self.path}.old'
         if os.path.exists(self.path):
             if os.path.exists(older) and not _is_session_log(older):
@@ -86,7 +87,7 @@ class SessionLog:
 
 
 def _is_session_log(path: str) -> bool:
-    """Returns whether a program of this class can have written the file. It may be empty."""
+    """Returns whether the file looks like a session log. An empty file does."""
     with open(path, 'rb') as file:
         begin = file.readline(100)
     return not begin or _LINE.match(begin) is not None

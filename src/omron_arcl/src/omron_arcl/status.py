@@ -43,11 +43,11 @@ def ignored_fields(reply: Reply) -> Tuple[str, ...]:
 
 
 class StatusAssembler:
-    """Collects status lines; returns each whole status once, as a OneLineStatus.
+    """Collects status lines, and returns each whole status once, as a OneLineStatus.
 
-    A field that comes again begins the next status; so the assembler learns which fields there are.
-    From then on a status is whole when it has the fields of the last one. `located`: when the
-    location of the last whole status came, by the caller's clock.
+    If a field comes a second time, a new status has begun. So the assembler learns which fields a
+    status has. After that, a status is whole when it has the fields of the last status. `located`
+    is the time, by the caller's clock, when the location of the last whole status came.
     """
 
     def __init__(self) -> None:
@@ -58,7 +58,7 @@ class StatusAssembler:
         self._expected: Optional[Set[str]] = None
 
     def add(self, reply: Reply, now: Any = None) -> Optional[OneLineStatus]:
-        """Adds a line; returns the status that this line completes, or shows to be complete."""
+        """Adds a line. Returns a status if the line completes it, or begins the next status."""
         if isinstance(reply, OneLineStatus):
             self.located = now
             return reply

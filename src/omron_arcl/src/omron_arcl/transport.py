@@ -13,7 +13,7 @@ from omron_arcl.connection import reason_of
 from omron_arcl.errors import ConnectionLost, LinkError
 from omron_arcl.link import Link, LinkPhase
 
-TICK = 0.2  # s between looks at the clock
+TICK = 0.2  # s, longest wait for an event
 _log = logging.getLogger(__name__)
 _Own = TypeVar('_Own', bound='Transport')
 
@@ -32,7 +32,7 @@ class Waker:
             self._writer.send(b'\0')
 
     def drain(self) -> None:
-        """Clears the wakes so far."""
+        """Clears the requests of `wake` until now."""
         with contextlib.suppress(OSError):
             self.reader.recv(1024)
 
@@ -61,7 +61,7 @@ class Transport:
         self._ready: Set[object] = set()
 
     def start(self: _Own) -> _Own:
-        """Begins to connect or to listen; works once, and not after `close`."""
+        """Begins to connect or to listen. Does nothing at a second call, or after `close`."""
         with self._starting:
             if not (self._started or self._closing.is_set()):
                 self._started = True
@@ -113,9 +113,9 @@ class Transport:
         self._call(self._on_link, self.link)
 
     def _cause(self, error: Exception) -> LinkError:
-        """Returns why a connection ended on `error`.
+        """Returns the cause to report for a connection that ended because of `error`.
 
-        An internal error is logged, and ends it, too.
+        An internal error is also logged.
         """
         if isinstance(error, LinkError):
             return error

@@ -1,1 +1,1 @@
-"""ROS driver of the OMRON LD-90: routes (`bridge`), clicks (`operator`), nodes."""
+"""ROS driver of the OMRON LD-90: routes (`bridge`), clicks (`operator`), ROS nodes (`nodes`)."""

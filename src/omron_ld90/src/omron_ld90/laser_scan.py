@@ -1,7 +1,8 @@
-"""Computes the ranges that a laser measured from its hits in the map. No ROS; metres, radians.
+"""Computes, from a laser's hits in the map, the ranges that the laser measured.
 
-ARCL sends a scan's hits in the map frame, already transformed with the robot's localization. The
-measured ranges follow from the hits and the pose of the laser.
+No ROS; metres, radians. ARCL sends the hits of a scan in the map frame: the robot has already
+transformed them with its localization. The measured ranges follow from the hits and the pose of the
+laser.
 """
 from __future__ import annotations
 
@@ -28,10 +29,12 @@ class LaserPlace:
 
 
 def ranges_of(hits: np.ndarray, laser: LaserPlace) -> np.ndarray:
-    """Returns (BEAMS,) ranges from right to left: the nearest of the `hits` (N, 2) in each
-    direction.
+    """Returns (BEAMS,) ranges from right to left: the distance of the nearest hit per direction.
 
-    Infinite if there is none. Hits outside the field of view or the range are ignored.
+    The range is infinite if there is no hit in a direction. Hits outside the field of view or the
+    range are ignored.
+
+    hits -- (N, 2), m, in the map
     """
     right, up = (np.asarray(hits, float).reshape(-1, 2) - (laser.x, laser.y)).T
     distances = np.hypot(right, up)

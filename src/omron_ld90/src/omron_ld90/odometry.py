@@ -1,8 +1,9 @@
 """Estimates a robot's motion from its successive locations. No ROS; metres, radians, seconds.
 
-An ARCL robot sends the pose of its own localization, two to ten times a second, and no wheel
-counts. Between two locations it drove an arc. Its mean speed and turn rate are known, but not its
-present motion. The variances express this: they grow with the time between locations.
+An ARCL robot sends the pose of its own localization two to ten times a second, and no wheel counts.
+The module assumes that the robot drove an arc between two locations. So its mean speed and turn
+rate are known, but not its present motion. The variances express this: they grow with the time
+between locations.
 """
 from __future__ import annotations
 
@@ -14,11 +15,11 @@ from omron_ld90 import robot_model
 
 MAX_GAP = 2.0  # s between two locations; a longer gap gives no velocity
 
-#: Standard deviations of one location: the localization's own (data sheet: 100 mm, taken as two
-#: sigma), and the change from one location to the next, with rounding to 1 mm and 1 degree.
+#: Standard deviations of one location (data sheet: 100 mm, taken as two sigma), and then of the
+#: change from one location to the next, including the rounding to 1 mm and 1 degree.
 POSITION_SIGMA, HEADING_SIGMA = 0.05, math.radians(1.0)
 STEP_SIGMA, TURN_SIGMA = 0.005, math.radians(0.5)
-SIDEWAYS = 0.1  # m; no robot moves sideways, but errors of the locations look like it
+SIDEWAYS = 0.1  # m of sideways motion that errors of the locations may pretend
 TURN_ACCELERATION = math.radians(180.0)  # rad/s2
 
 
@@ -34,7 +35,7 @@ class TimedPose:
 
 @dataclass(frozen=True)
 class MeanMotion:
-    """The motion since the location before: mean values and their variances."""
+    """The motion from the previous location to this one: mean values and their variances."""
 
     speed: float
     """m/s ahead, negative backwards; the robot cannot drive sideways."""
@@ -43,7 +44,7 @@ class MeanMotion:
     speed_variance: float
     turn_rate_variance: float
     position_variance: float
-    """m2, of x and of y of the location at its time."""
+    """m2, for x and for y of the location."""
     yaw_variance: float
 
 
@@ -54,10 +55,10 @@ class MotionMeter:
         self._last: Optional[TimedPose] = None
 
     def add(self, location: TimedPose) -> Optional[MeanMotion]:
-        """Returns the motion since the location before.
+        """Returns the motion since the previous location.
 
-        None if there was no location within MAX_GAP. None also if the robot cannot have driven
-        here from there: it was relocalized.
+        None: there was no location within the last MAX_GAP s. None, too, if the robot cannot have
+        driven from the previous location to this one, because then it was relocalized.
         """
         last, self._last = self._last, location
         if last is None or not 0.0 < location.time - last.time <= MAX_GAP:

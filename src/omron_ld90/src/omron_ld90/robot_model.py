@@ -1,8 +1,8 @@
-"""The dimensions of the OMRON LD-90 beside its footprint; bridge and pictures take them from here.
+"""The data of the OMRON LD-90, except its footprint; the bridge and the pictures use them.
 
 Metres, radians, seconds. Sizes, speeds and the laser's range are from the data sheet; accelerations
-are from the configurations of real robots. `urdf/ld90.urdf` and the simulator, which does not
-depend on this package, have the same values: a test compares them.
+are from the configurations of real robots. `urdf/ld90.urdf` and the simulator have copies of these
+values. A test compares them.
 """
 from __future__ import annotations
 

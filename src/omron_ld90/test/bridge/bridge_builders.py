@@ -1,4 +1,4 @@
-"""Common parts of the bridge's tests: small graphs, and a robot that needs no sockets."""
+"""Common parts of the bridge's tests: small graphs, and a robot without sockets."""
 from __future__ import annotations
 
 import heapq
@@ -19,14 +19,14 @@ BRIDGE = '/bridge'
 DOCK_VERTEX = 90
 NANOSECONDS = 1_000_000_000
 
-# maps the outcomes to those that the bridge is told of
+# maps each outcome to the outcome that the bridge gets in a message
 ENDINGS = {**{outcome: outcome for outcome in Outcome}, **dict.fromkeys(
     (Outcome.REJECTED, Outcome.NO_GOAL, Outcome.UNKNOWN_COMMAND, Outcome.TIMED_OUT),
     Outcome.FAILED)}
 
 
 def told_of(motion: RobotMotion) -> p.MotionTold:
-    """The event for the bridge: what the controller tells of the robot's motion."""
+    """Returns the event with which the bridge learns the robot's motion from the controller."""
     memory = motion.memory
     last = next((one for one in memory.last_commands if one.giver == BRIDGE),
                 LastCommand(BRIDGE, 0, CommandFate.NOT_OBEYED, memory.foreign_epoch))
@@ -43,13 +43,17 @@ def told_of(motion: RobotMotion) -> p.MotionTold:
 
 
 def graph_of(places: Dict[int, Tuple[float, float]], ends: Dict[int, Tuple[int, int]]) -> Graph:
-    """Straight edges `ends` {id: (origin, destination)} between vertices `places` {id: (x, y)}."""
+    """Returns a graph of straight edges.
+
+    places -- {id of a vertex: (x, y)}
+    ends -- {id of an edge: (origin, destination)}
+    """
     return Graph([Vertex(id, x, y, 0.0) for id, (x, y) in places.items()],
                  [Edge(id, *pair) for id, pair in ends.items()])
 
 
 def yard() -> Graph:
-    """A block of 4 x 4 m (vertices 1 2 3 4), a tail east of 2 (5, 6) and a dock south of 1.
+    """Returns a block of 4 x 4 m (vertices 1 to 4), a tail in the east (5, 6), a dock in the south.
 
         4 --3-- 3
         |4      |2
@@ -63,7 +67,7 @@ def yard() -> Graph:
 
 
 def dissertation_graph() -> Graph:
-    """Route [E1, E4, E5] leads from V1 over V2 and V7 to V6."""
+    """Returns the dissertation's graph, on which edges 1, 4, 5 lead from 1 over 2 and 7 to 6."""
     return graph_of({1: (0, 0), 2: (4, 0), 7: (8, 0), 6: (12, 2), 3: (4, 4)},
                     {1: (1, 2), 4: (2, 7), 5: (7, 6), 2: (2, 3)})
 
@@ -90,8 +94,8 @@ class GraphRobot:
         self.motion = ActivityKind.DOCKED if self.docked else ActivityKind.STOPPED
         self.emergency = False
         self.number: Optional[int] = None  # number of the present drive
-        self.last = 0, CommandFate.NOT_OBEYED  # of our commands, as the controller tells
-        self.foreign = False  # whether another client drove or stopped it
+        self.last = 0, CommandFate.NOT_OBEYED  # number and fate of our last command
+        self.foreign = False  # whether another client gave the last command
         self._way: List[Tuple[float, float]] = []
         self._since_status = period
 
@@ -119,11 +123,11 @@ class GraphRobot:
         return events
 
     def halt(self, motion: ActivityKind) -> None:
-        """The robot stands, and its status says so."""
+        """Makes the robot stand, and show this in its status."""
         self.goal, self._way, self.speed, self.motion = None, [], 0.0, motion
 
     def press_emergency_stop(self) -> List[p.Event]:
-        """A person presses the button."""
+        """Presses the emergency stop for a person."""
         self.emergency = True
         self.halt(ActivityKind.STOPPED)
         number, self.number = self.number, None
@@ -155,7 +159,7 @@ class GraphRobot:
         return events
 
     def seen(self, now: float) -> p.RobotSeen:
-        """The robot's present status."""
+        """Returns the robot's present status."""
         docking = {ActivityKind.DOCKED: DockingState.DOCKED,
                    ActivityKind.DOCKING: DockingState.DOCKING}
         return p.RobotSeen(int(now * NANOSECONDS), self.motion,
@@ -178,7 +182,7 @@ class GraphRobot:
         self.trail.append(self.position)
 
     def _shortest_way(self, vertex: int) -> List[Tuple[float, float]]:
-        """The points of the shortest path to a vertex, over the straight edges of the graph."""
+        """Returns the points of the shortest path to a vertex over the straight edges."""
         edge, projection = self.graph.nearest_edge(*self.position)
         queue = [(projection.arc_length, self.graph.start_vertex(edge).id, ()),
                  (self.graph.curve(edge).length - projection.arc_length,
@@ -200,7 +204,7 @@ class GraphRobot:
 
 
 class Bench:
-    """A follower joined to a robot, with a clock that the test moves on."""
+    """A follower that commands a robot, with a clock that the test moves on."""
 
     def __init__(self, graph: Graph, vertex: int, strategy: str = 'vertex_by_vertex',
                  period: float = GraphRobot.STATUS_PERIOD, links: Sequence[p.RobotLink] = (),
@@ -216,7 +220,7 @@ class Bench:
         self.refusals: List[RouteRefusal] = []
         self.notes: List[str] = []
         self.epoch = 1
-        self._heard: object = None  # what the present bridge has heard of its last command
+        self._heard: object = None  # the news (`_news`) that the present bridge has heard
         self.hear_links()
         self.hear_motion('')
         self.look()
@@ -226,14 +230,14 @@ class Bench:
         return int(1000.0 * self.now)
 
     def hear_motion(self, reason: str) -> None:
-        """The controller reports the present epoch."""
+        """Lets the controller report the present epoch."""
         self._heard = self._news
         self.tell(p.MotionTold(self.epoch, reason=reason,
                                number=self.robot.last[0], fate=self.robot.last[1],
                                emergency_stop=self.robot.emergency))
 
     def press(self, pressed: bool) -> None:
-        """A person presses the emergency stop or releases it, and the controller reports it."""
+        """Presses or releases the emergency stop for a person; the controller reports it."""
         self.robot.emergency = pressed
         self.hear_motion('')
 
@@ -242,8 +246,8 @@ class Bench:
         return self.follower, self.robot.last, self.robot.emergency
 
     def hear_news(self) -> None:
-        """The controller reports what has changed: another client's act, our last command, or the
-        emergency stop.
+        """Lets the controller report a change: another client's act, the fate of our last command,
+        or the emergency stop.
         """
         if self.robot.foreign:
             self.robot.foreign = False
@@ -255,7 +259,7 @@ class Bench:
             self.hear_motion('')
 
     def overrule(self, reason: str = '"stop" of /rviz', command: str = '') -> None:
-        """Another giver stops or drives the robot, and the controller reports it."""
+        """Stops or drives the robot for another giver; the controller reports it."""
         self.epoch += 1
         if command:
             self.robot.obey(None, command)
@@ -268,11 +272,11 @@ class Bench:
             self._act(self.follower.handle(event, self.now))
 
     def look(self) -> None:
-        """The robot reports its place and its motion."""
+        """Lets the robot report its place and its motion."""
         self.tell(self.robot.seen(self.now))
 
     def hear_links(self) -> None:
-        """The nodes report the state of their links, as they do every second."""
+        """Lets the nodes report the state of their links, as they do every second."""
         for link, up in self.link_is_up.items():
             if up is not None:
                 self.tell(p.LinkReported(link, up, '' if up else 'connection refused'))
@@ -281,8 +285,7 @@ class Bench:
         self.tell(RouteOrder(route_id, edges, int(stamp * NANOSECONDS)))
 
     def run(self, until: Optional[Callable[[Bench], bool]] = None, seconds: float = 300.0) -> None:
-        """Runs until the condition is true (by default: until no route runs, and no order waits).
-        """
+        """Runs until the condition is true; by default until no route runs and no order waits."""
         until = until or (lambda bench: not bench.follower.running
                           and bench.follower.orders.waiting is None)
         end = self.now + seconds
@@ -315,7 +318,7 @@ class Bench:
             self._act(self.follower.tick(self.now))
 
     def restart(self, away: float = 0.0) -> None:
-        """The bridge's process dies and is back after `away` s, in which the robot drives on."""
+        """Restarts the bridge's process after `away` s, in which the robot drives on."""
         record = self.follower.record
         follower = self.follower
         end = self.now + away

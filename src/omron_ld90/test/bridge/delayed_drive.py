@@ -46,9 +46,10 @@ AnyRobot = Union[SpeakingRobot, SimulatedRobot]
 class DelayedDrive:
     """A route on which a person may stop the robot.
 
-    passed -- drives of the route that the bridge gave, or the controller let through, although it
-    knew of the person's stop crossed -- a drive that reached the robot after a person had stopped
-    it at the robot itself; it was already on its way and could not be stopped any more
+    passed -- drives of the route that the bridge gave, or that the controller let through, although
+        it knew of the person's stop
+    crossed -- whether a drive reached the robot after a person had stopped it with another client:
+        the drive was already on its way, so that nobody could hold it back
     """
 
     def __init__(self, graph: Graph, vertex: int, strategy: str, delays: Delays,
@@ -71,7 +72,7 @@ class DelayedDrive:
         self._drives: List[Execution] = []  # drives of the route, let through
         self.bridge: Optional[RouteFollower] = None
         self._told: Optional[RobotMotion] = None  # latched message of the controller
-        self._motion_connection = 0  # number of its connection to the bridge; odd: it is broken
+        self._motion_connection = 0  # counts the breaks and repairs of `motion`; odd: it is broken
         self._controller = self.make_controller(delays)
         self.robot = self.make_robot(vertex, interruption, braking)
         self.bridge = RouteFollower(
@@ -100,12 +101,12 @@ class DelayedDrive:
 
     @property
     def is_well(self) -> bool:
-        """True if the links are connected and the bridge runs."""
+        """Whether the links are connected and the bridge runs."""
         return self.bridge is not None and all(self.up.values())
 
     @property
     def has_ended(self) -> bool:
-        """True if the bridge knows that its route has ended."""
+        """Whether the bridge knows that its route has ended."""
         return self.bridge is not None and not self.bridge.running
 
     def _tick(self) -> None:
@@ -121,11 +122,10 @@ class DelayedDrive:
         for watch in list(self.watchers):
             watch(moment)
 
-    # --- acts of people and the fleet manager
-    # --------------------------------------------------------
+    # --- acts of people and the fleet manager -----------------------------------------------------
 
     def order(self, route_id: int, *edges: int) -> None:
-        """The fleet manager sends a route, and knows of everything that has happened."""
+        """Sends a route of a fleet manager that knows of everything that has happened."""
         stamp = int(self.now * NANOSECONDS)
         self.stopped_at = None
         self.bridge_knows = self.controller_knows = self._stopped_at_robot = False
@@ -134,12 +134,12 @@ class DelayedDrive:
         self._tell(RouteOrder(route_id, edges, stamp, stamp))
 
     def stop_by_topic(self) -> None:
-        """A person stops the robot in RViz, on `send_command` or on `execute_command`."""
+        """Stops the robot for a person in RViz, on `send_command` or on `execute_command`."""
         self._begin_stop('topic')
         self.later(self.delays.to_controller, partial(self._give_for_person, 'stop'))
 
     def stop_by_cancelling(self) -> None:
-        """A person cancels the goals of `execute_command`."""
+        """Cancels the goals of `execute_command` for a person."""
         self._begin_stop('cancellation')
         self.later(self.delays.to_controller, self._take_cancellation)
 
@@ -149,7 +149,7 @@ class DelayedDrive:
                                  if execution.result is None], PERSON)
 
     def send_elsewhere(self) -> None:
-        """A person sends the robot to a vertex that is not on its route, on `send_command`."""
+        """Sends the robot for a person, on `send_command`, to a vertex that is not on its route."""
         self._begin_stop('another drive')
         self.later(self.delays.to_controller, self._take_drive)
 
@@ -167,7 +167,7 @@ class DelayedDrive:
             self.controller_knows = True
 
     def stop_at_robot(self) -> None:
-        """A person stops the robot in MobilePlanner, or with another client of the robot."""
+        """Stops the robot for a person in MobilePlanner, or with another client of the robot."""
         self._begin_stop('another client')
         self._stopped_at_robot = True
         self.robot.hear_another('stop')
@@ -177,7 +177,7 @@ class DelayedDrive:
         self._note(f'stop by {how}')
 
     def cut(self, link: p.RobotLink, seconds: float) -> None:
-        """A link is down for some seconds."""
+        """Breaks a link for some seconds."""
         if self.spared:
             return
         self.up[link] = False
@@ -195,7 +195,7 @@ class DelayedDrive:
         self.later(seconds, mend)
 
     def restart_bridge(self, seconds: float) -> None:
-        """The bridge dies, and is back after some seconds with its stored memory."""
+        """Kills the bridge, and starts it after some seconds with its stored memory."""
         if self.bridge is None or self.spared:
             return
         dead, record = self.bridge, self.bridge.record
@@ -213,7 +213,7 @@ class DelayedDrive:
         self.later(seconds, start)
 
     def restart_controller(self) -> None:
-        """The controller dies, and is back at once with its stored memory."""
+        """Kills the controller, and starts it at once with its stored memory."""
         if self.spared or not self._controller.connected:
             return
         self._note('controller dies')
@@ -229,7 +229,7 @@ class DelayedDrive:
             self._act(self.bridge.handle(event, self.now))
 
     def _judge(self, event: p.Event) -> None:
-        """Notes if the bridge can know of the person's stop by this event."""
+        """Notes whether the bridge can know of the person's stop from this event."""
         self.bridge_knows = self.bridge_knows or (self.stopped_at is not None and (
             isinstance(event, p.CommandEnded) and event.number == self._last_number
             and event.ending in (Outcome.INTERRUPTED, Outcome.CANCELLED, Outcome.OVERRULED)))
@@ -295,7 +295,7 @@ class DelayedDrive:
         self._controller.say(line)
 
     def _on_motion(self, motion: RobotMotion) -> None:
-        """The controller publishes the robot's giver, also to a bridge that starts later."""
+        """Publishes the motion of the controller, also to a bridge that starts later."""
         self._told = motion
         if motion.memory.cause is MotionCause.OTHER_CLIENT and self.stopped_at is not None:
             self.controller_knows = True
@@ -306,12 +306,12 @@ class DelayedDrive:
 
     @property
     def hears_motions(self) -> bool:
-        """True if messages of `motion` reach the bridge."""
+        """Whether messages of `motion` reach the bridge."""
         return self._motion_connection % 2 == 0
 
     def lose_motions(self, seconds: float) -> None:
-        """Loses all messages of `motion` for some seconds. Then the newest one comes: it is
-        latched.
+        """Loses all messages of `motion` for some seconds. After that the newest message comes,
+        because it is latched.
         """
         def mend() -> None:
             self._motion_connection += 1

@@ -1,4 +1,4 @@
-"""omron_controller without ROS and sockets: its cores, joined to a robot by a link with delays."""
+"""omron_controller without ROS and sockets; a link with delays connects it to a robot."""
 from __future__ import annotations
 
 import math
@@ -13,12 +13,12 @@ from omron_arcl.dispatcher import Dispatcher
 from omron_arcl.drives import Drives
 from omron_arcl.records import DriveMemory, RobotMotion
 
-HEARTBEAT = 1.5  # s between its status requests
+HEARTBEAT = 1.5  # s between two requests for a status
 
 
 @dataclass(frozen=True)
 class Delays:
-    """Seconds that a message takes on each way."""
+    """The seconds that a message takes, for each sender and receiver."""
 
     commands: float = 0.0        # bridge -> controller
     ends: float = 0.0  # controller -> bridge: ends of commands
@@ -32,8 +32,8 @@ class Delays:
 class ModelledController:
     """Gives commands to a robot, and reports how they end.
 
-    send -- called with each line that arrives at the robot on_motion -- called with each published
-    `RobotMotion`
+    send -- called with each line that arrives at the robot
+    on_motion -- called with each published `RobotMotion`
     """
 
     def __init__(self, timeline: Timeline, delays: Delays, send: Callable[[str], None],
@@ -50,7 +50,7 @@ class ModelledController:
         timeline.every(HEARTBEAT, self._ask_status)
 
     def start(self) -> None:
-        """Starts its process with the memory that the previous process stored."""
+        """Starts the controller with the memory that its previous process stored."""
         self._told: Optional[RobotMotion] = None
         self._dispatcher = Dispatcher(Drives(self._memory, self._keep))
         if self.connected:
@@ -101,7 +101,7 @@ class ModelledController:
         self.turn()
 
     def connect(self) -> None:
-        """The link is connected again."""
+        """Connects the link again."""
         self.connected = True
         self._dispatcher.on_connected(self._timeline.now)
         self._ask_status()
@@ -112,7 +112,7 @@ class ModelledController:
             self._on_motion(self.motion)
 
     def turn(self) -> None:
-        """One turn of the client's loop: checks the clock, sends, reports."""
+        """Makes one turn of the client's loop: checks the clock, sends, reports."""
         self._dispatcher.on_time(self._timeline.now)
         self._send()
         self.call_back()
@@ -131,20 +131,20 @@ class ModelledController:
         self.call_back()
 
     def stall(self, seconds: float) -> None:
-        """The link holds all lines back for some time, and then delivers them at once."""
+        """Holds back all lines on the link for some time, and then delivers them at once."""
         self._stalled_until = max(self._stalled_until, self._timeline.now + seconds)
 
     @property
     def is_stalled(self) -> bool:
-        """True while the link holds lines back."""
+        """Whether the link holds lines back."""
         return self._timeline.now < self._stalled_until
 
     def on_the_way(self, seconds: float) -> float:
-        """The time that a line needs which usually needs `seconds`."""
+        """Returns how long a line takes now; without a stall it takes `seconds`."""
         return max(seconds, self._stalled_until - self._timeline.now)
 
     def say(self, line: str) -> None:
-        """The robot sends a line."""
+        """Sends a line of the robot."""
         self.carry(self._delays.from_robot, partial(self._hear, line))
 
     def _hear(self, line: str) -> None:
@@ -166,7 +166,7 @@ class ModelledController:
 
     def carry(self, seconds: float, call: Callable[[], None],
               lost: Callable[[], None] = lambda: None) -> None:
-        """Calls at the arrival of a line that is sent now; `lost`, if the link is lost before."""
+        """Calls `call` when a line that is sent now arrives; `lost` if the link breaks before."""
         connection = self._connection if self.connected else None
         self._timeline.later(
             self.on_the_way(seconds),

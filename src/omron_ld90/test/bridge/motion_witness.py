@@ -1,4 +1,4 @@
-"""A witness that independently records commands, and what each giver knew, and finds violations."""
+"""A witness that records commands and what each giver knows, and finds violations of the rules."""
 from __future__ import annotations
 
 from collections import Counter
@@ -26,34 +26,34 @@ from omron_ld90.bridge import events as p
 
 YARD = yard()
 AT_ONCE = 1.0  # s in which commands of two clients may cross
-LATE = 0.5  # s after enabling the motors in which the robot stops by itself
-OBEYED_WITHIN = 6.0  # s after a stop has reached the robot, at each speed
-SENT_WITHIN = LOOK + RETRY + 1.0  # s for which an owed stop may wait while the robot can be reached
-TRUE_WITHIN = 6.0  # s until what is told of a drive is true of the robot
+LATE = 0.5  # s after the motors are enabled, within which the robot stops by itself
+OBEYED_WITHIN = 6.0  # s within which the robot obeys a stop that has reached it, at any speed
+SENT_WITHIN = LOOK + RETRY + 1.0  # s within which an owed stop is sent if the robot can be reached
+TRUE_WITHIN = 6.0  # s within which the published state of a drive becomes true
 GIVEN_WITHIN = 4.0  # s until the controller has the bridge's stop, if all links are connected
 
 
 @dataclass(eq=False)
 class Word:
-    """A command that the controller took, or learnt of from another client (`giver` None)."""
+    """A command that the controller took, or that it noticed of another client (`giver` None)."""
 
     giver: Optional[Giver]
     drives: bool
     is_refused: bool = False
 
     def refuse(self) -> None:
-        """The robot refuses it, so it changes nothing."""
+        """Notes that the robot refuses the command, so that it changes nothing."""
         self.drives, self.is_refused = False, True
 
     def is_drive_of(self, giver: Giver) -> bool:
-        """True if it is a drive of this giver."""
+        """Returns whether the command is a drive of this giver."""
         return self.drives and self.giver == giver
 
 
-NO_WORD = Word(None, False)  # stands before the first word
+NO_WORD = Word(None, False)  # the word before the first command
 REFUSED_OUTCOMES = (Outcome.REJECTED, Outcome.NO_GOAL, Outcome.UNKNOWN_COMMAND,
                     Outcome.EMERGENCY_STOPPED)
-# The outcomes of a drive after which the robot may carry it out all the same.
+# After one of these outcomes of a drive, the robot may still carry the drive out.
 OPEN_OUTCOMES = (Outcome.LOST, Outcome.TIMED_OUT)
 
 
@@ -96,81 +96,82 @@ class WitnessedController(ModelledController):
 class Witness(DelayedDrive):
     """A drive that a witness watches.
 
-    robot -- a dialect of the simulator; empty: the model of a robot, which obeys in stranger ways
-    broken -- the violations found
+    dialect -- of the simulator; empty: not the simulator but a `SpeakingRobot`, which differs more
+        from a real robot
+    broken -- the violations that were found
     """
 
     def __init__(self, strategy: str, delays: Delays, interruption: str = '',
                  braking: float = 0.0, dialect: str = '') -> None:
         self.words: List[Word] = []
-        # by epoch: the last word when the epoch was published
+        # for each epoch, the last word when the epoch was published
         self.words_of_epoch: Dict[int, Word] = {}
-        # the published epochs, and those of others that the bridge was not told of
+        # the published epochs; and the epochs of others of which the bridge was not told
         self._epochs: List[int] = []
         self._foreign: Set[int] = set()
-        self._overruled_in = 0  # epoch of the bridge's reports in which it was told such an epoch
-        # by stop on its way to the robot: the last word when it was sent; and of the last to arrive
+        self._overruled_in = 0  # epoch of the bridge's reports when it was told an epoch of others
+        # the last word at the sending of each stop: of stops on their way, and of the last arrived
         self._stops_sent: List[Word] = []
         self._stopped = NO_WORD
-        # words of other clients that were put before a stop which has not reached the robot yet
+        # words of other clients that stand before a stop which has not reached the robot yet
         self._before_stops: List[Word] = []
         self.broken: List[str] = []
         self.lines: List[str] = []  # drives that reached the robot from the controller
-        self.persons, self.came = '', False  # the last drive, and True if it has reached the robot
-        self._taken: Counter[str] = Counter()    # drives, by their text
-        # of these, the number that reached the robot, or was lost
+        self.persons, self.came = '', False  # a person's last drive; whether it reached the robot
+        self._taken: Counter[str] = Counter()    # number of drives with each text
+        # number of these drives that reached the robot or were lost
         self._arrived: Counter[str] = Counter()
-        self._is_number = 0  # number of the person's last drive among drives with the same text
+        self._is_number = 0  # number of a person's last drive among the drives with its text
         self.given_at = -100.0
         self.drives = 0  # number of drives that were taken
         self.foreign = False
         self._powered_at = -100.0
-        # time of the last command of another client, by its text; lines may be held back since then
+        # for each text, time of another client's last command, or of the end of a stall after it
         self._another_gave: Dict[str, float] = {}
-        # time when a drive of ours reached the robot that another client had sent to the same goal
+        # time when a drive of ours reached the robot, just after another client's drive to its goal
         self._mixed_up_at = -100.0
         self._stalls = 0.0  # time in s for which the link stalls after the robot's next line
         self._dialect = dialect
         self.is_alone = True  # no other client, outage or person at the robot has acted
-        # time since when a stop is owed and the robot can be reached
+        # since this time a stop is owed and the robot can be reached
         self._owed_since: Optional[float] = None
         self._stop_came_at = -100.0
-        # time since when the robot drives although the last command is a stop
+        # since this time the robot drives although the last command is a stop
         self._disobeys_since: Optional[float] = None
-        self._anothers = False  # True if another client sent it where it drives
-        self._unheard_until = -100.0  # until then, no command reaches the controller
+        self._anothers = False  # whether the robot drives for another client
+        self._unheard_until = -100.0  # until this time, no command reaches the controller
         self._forgotten: Set[int] = set()  # epochs of earlier controllers
         self._bridge_knows = NO_WORD  # the last word that the bridge knows of
         # True from a stop of the fleet manager until the bridge has stopped the robot, or drives it
         self._is_ordered = False
-        # the last known word, by process and number of the stop
+        # the last word that the bridge knew when it gave a stop, by process and number of the stop
         self._known_to_stops: Dict[Tuple[str, int], Word] = {}
-        self._known_to_stop: Optional[Word] = None  # the same word for the stop that arrives now
-        # drives of all but the bridge that the controller took; by epoch: how many of them the
-        # robot had answered when the epoch was published, so that it tells of them
+        self._known_to_stop: Optional[Word] = None  # this word for the stop that arrives now
+        # drives that others than the bridge gave; for each epoch, the number of them that the robot
+        # had answered when the epoch was published
         self._others_drives: List[Execution] = []
         self._others_of_epoch: Dict[int, int] = {}
-        # the last word that the giver of the bridge's stop knew, and the number of the drives of
-        # others before it, until the bridge drives
+        # of the bridge's stop, until the bridge drives: the last word that the bridge knew, and the
+        # number of drives of others before it
         self._demanded: Optional[Tuple[Word, int]] = None
-        self._ignored_since: Optional[float] = None  # time since when that stop is ignored
-        # goal of each drive of the bridge that the controller took, or `stop`, and the time
+        self._ignored_since: Optional[float] = None  # since this time the robot ignores this stop
+        # by number of a command of the bridge: the goal, or `stop`, and the time when it was taken
         self._sent_to: Dict[int, Tuple[str, float]] = {}
         self._driven_at = -100.0  # time of the last drive of any client
         self._arrived_at: Dict[str, float] = {}  # time of the last arrival at each goal
-        self._heard_arrival_at: Dict[str, float] = {}  # the same, of the controller
+        self._heard_arrival_at: Dict[str, float] = {}  # when the controller heard of the arrival
         self._stood_at = -100.0
         self._given: List[Execution] = []  # drives and stops that have not reached the robot
-        self._drives_of: Dict[Word, List[Execution]] = {}  # those of one word
-        # the drive that the robot carries out; None: none of ours
+        self._drives_of: Dict[Word, List[Execution]] = {}  # the drives of each word
+        # our drive that the robot carries out; None: it carries out none of ours
         self._obeyed: Optional[Execution] = None
         self._newest_drive: Optional[Execution] = None
         self._cancelled: List[Execution] = []  # drives that their own givers have cancelled
-        # time since when the robot carries out one of them
+        # since this time the robot carries out a cancelled drive
         self._cancelled_since: Optional[float] = None
-        # time since when something else is told of it than what the robot does
+        # since this time the published state differs from what the robot does
         self._untrue_since: Optional[float] = None
-        # time since when the robot drives for the bridge without a route
+        # since this time the robot drives for the bridge without a route
         self._routeless_since: Optional[float] = None
         # the last word when another client acted during an outage, until the next status
         self._unheard: Optional[Word] = None
@@ -233,17 +234,18 @@ class Witness(DelayedDrive):
 
     def _on_taken(self, giver: Giver, drives: bool) -> None:
         last = self._last_word()
-        if not (drives and last and last.is_drive_of(giver)):  # else the same drive continues
+        if not (drives and last and last.is_drive_of(giver)):  # if it is: the same word continues
             self.words.append(Word(giver, drives))
         self.given_at, self.drives = self.now, self.drives + drives
 
     def _judge_stop(self, giver: Giver, known: Word) -> None:
-        """A stop may not end a drive of which its giver did not know and that the robot has
-        acknowledged, unless another stop is on its way already."""
+        """Checks that a stop does not end an acknowledged drive of which the giver of the stop does
+        not know. If another stop is on its way already, it may.
+        """
         records = self._controller.motion.memory.records
         pending = [record.giver for record in records if record.pending]
         last = next((word for word in self.words[-2::-1] if not word.is_refused), NO_WORD)
-        if not self._controller.drove or last.is_drive_of(giver):  # it ends a drive of its own
+        if not self._controller.drove or last.is_drive_of(giver):  # it ends its own drive
             return
         unknown = [word for word in self._words_after(known)
                    if word.drives and word.giver not in (giver, None, *pending)]
@@ -252,14 +254,14 @@ class Witness(DelayedDrive):
 
     @property
     def is_heard(self) -> bool:
-        """True if commands reach the controller."""
+        """Whether commands reach the controller."""
         return self.now >= self._unheard_until
 
     def restart_controller(self, seconds: float = 0.0) -> None:
-        """The controller dies, and is back.
+        """Kills the controller and starts it again.
 
-        It receives commands only after some seconds, because topics and actions reconnect one by
-        one.
+        The new process receives commands only after some seconds, because topics and actions
+        connect again one after the other.
         """
         if not self.spared and self._controller.connected:
             self._forgotten = set(self.words_of_epoch)
@@ -280,10 +282,9 @@ class Witness(DelayedDrive):
         super()._hear_motion(motion, generation)
 
     def _note_told(self, motion: RobotMotion) -> None:
-        """Notes that the bridge is told an epoch, and by that of those before it that others began.
-        """
+        """Notes that the bridge is told an epoch. So it also learns of earlier epochs of others."""
         memory, bridge = motion.memory, self.bridge
-        if bridge and memory.cause is not MotionCause.INTERRUPTED:  # else the next one tells why
+        if bridge and memory.cause is not MotionCause.INTERRUPTED:  # if so, the next tells why
             told = self._epochs[:self._epochs.index(memory.epoch) + 1]
             if bridge.robot.epoch and self._foreign.intersection(told):
                 self._overruled_in = bridge.vehicle.state.epoch
@@ -315,7 +316,7 @@ class Witness(DelayedDrive):
 
         self._known_to_stop = self._known_to_stops.get((giver.process, give.number))
         if self.is_heard:
-            if give.command != 'stop' or not self._anothers:  # else it may be left to others
+            if give.command != 'stop' or not self._anothers:  # a robot of others may drive on
                 self._sent_to[give.number] = give.command.split()[-1], self.now
             super()._take_from_bridge(give, giver, ended)
         else:
@@ -327,22 +328,23 @@ class Witness(DelayedDrive):
             self.is_alone = False
             self._arrived = Counter(self._taken)
             if self._obeyed and self._obeyed.command in [one.command for one in self._given]:
-                self._obeyed = None  # it cannot be told from the lost drive to its goal
+                self._obeyed = None  # a drive is lost that cannot be told from this one
             self._forget_lost_drives()
             self._given.clear()
             self._stops_sent.clear()
             if not self._seems_ours:
-                for word in self._before_stops:  # the robot does not obey those stops after them
+                for word in self._before_stops:  # the stops after these words are lost
                     self.words.remove(word)
-                    if self.robot.goal is None or self._anothers:  # else it has obeyed us since
+                    if self.robot.goal is None or self._anothers:  # otherwise it obeyed us later
                         self.words.append(word)
             self._before_stops.clear()
         super().cut(link, seconds)
 
     def _forget_lost_drives(self) -> None:
-        """Drives that are lost with the link change nothing if the robot carries out, or has
-        completed, that of another giver, which nobody had stopped before. Nobody can tell a drive
-        of others to the goal of a lost one.
+        """Marks lost drives as refused if the robot shows that it obeys the giver before them.
+
+        This requires that the robot carries out, or has completed, the drive of that giver, that
+        nobody stopped this drive before, and that no lost drive leads to the goal that it shows.
         """
         goal = self.robot.status.split()[-1]
         for word, drives in self._drives_of.items():
@@ -355,7 +357,7 @@ class Witness(DelayedDrive):
                 word.refuse()
 
     def stall(self, seconds: float) -> None:
-        """The link of commands holds all lines back for some seconds."""
+        """Holds back all lines on the link of commands for some seconds."""
         if not self.spared:
             self._note(f'stall of {seconds} s')
             crossing = [one for one in self._another_gave if self._crosses_anothers(one)]
@@ -366,7 +368,7 @@ class Witness(DelayedDrive):
                 self._mixed_up_at = self.now + self._controller.on_the_way(0.0)
 
     def take_cancellation(self, canceller: Giver) -> None:
-        """A giver cancels everything."""
+        """Cancels everything for a giver."""
         if not self.is_heard:
             return
         self.words.append(Word(canceller, False))
@@ -378,7 +380,7 @@ class Witness(DelayedDrive):
         return [drive for drive in self._others_drives if drive.result is None]
 
     def cancel_own(self, drive: Execution) -> None:
-        """The giver of a drive cancels it: a stop, unless a newer drive is to replace it."""
+        """Cancels a drive for its giver. This is a stop, unless a newer drive replaces it."""
         if not self.is_heard:
             return
         self._cancelled.append(drive)
@@ -387,9 +389,9 @@ class Witness(DelayedDrive):
         self._controller.cancel_own(drive)
 
     def another_client(self, command: str, stalls: float = 0.0) -> None:
-        """A client of the robot's own server gives a command.
+        """Gives a command for another client of the robot's server.
 
-        stalls -- time in s for which the link holds back all lines of the answer but the first
+        stalls -- time in s for which the link holds back all lines of the answer except the first
         """
         self._stalls = stalls
         self.foreign, self.is_alone = True, False
@@ -425,34 +427,37 @@ class Witness(DelayedDrive):
         super()._on_motion(motion)
 
     def _judge_last_command(self, last: LastCommand) -> None:
-        """Only a drive whose goal the robot has reached is told as completed."""
+        """Checks that a drive is published as completed only if the robot has reached its goal."""
         goal, given_at = self._sent_to.get(last.number, ('stop', 0.0))
         if (last.fate is CommandFate.COMPLETED and goal != 'stop'
                 and not self._was_done(goal, given_at)):
             self.broken.append(f'{self.now:.1f} {last} is told, but the robot is not at {goal}')
 
     def _judge_answer(self, command: str, given_at: float, result: Result) -> None:
-        """Only what the robot has done since a command was given has succeeded."""
+        """Checks that a command succeeds only if the robot has done it since it was given."""
         if result.outcome is Outcome.SUCCEEDED and not self._was_done(
                 command.split()[-1], given_at):
             self.broken.append(f'{self.now:.1f} "{command}" is answered by {result}, but the robot '
                                f'shows {self.robot.status}')
 
     def _was_done(self, goal: str, since: float) -> bool:
-        """True if the robot has reached the goal, or stood for a `stop`, since then or before."""
+        """Returns whether the robot is at the goal, or has reached it since `since`.
+
+        For the goal `stop`, returns whether the robot stands, or has stood since `since`.
+        """
         if goal == 'stop':
-            # which of two stops that cross a robot answers cannot be told apart; see `_reach_robot`
+            # if two stops cross, it is unknown which one the robot answers; see `_reach_robot`
             crosses = max(self._another_gave.get('stop', -100.0) + AT_ONCE,
                           self._powered_at + LATE) >= since
             return self.robot.goal is None or self._stood_at >= since or crosses
-        # nor whose drive to one goal a robot completes; see `_reach_robot`
+        # if two drives to one goal cross, it is unknown which one the robot completes
         crosses = self._another_gave.get(f'goto {goal}', -100.0) + AT_ONCE >= since
         return (self._arrived_at.get(goal, -1.0) >= since
                 or crosses and self._heard_arrival_at.get(goal, -1.0) >= since
                 or self.robot.status.startswith((f'Arrived at {goal}', 'DockingState: Docked')))
 
     def _watch_what_is_told(self) -> None:
-        """Checks what `motion` tells, and the answer to the drive that the robot carries out."""
+        """Checks `motion`, and the answer to the drive that the robot carries out."""
         untrue = self._what_is_told_wrongly() if self._can_be_reached else ''
         if not untrue:
             self._untrue_since = None
@@ -487,9 +492,10 @@ class Witness(DelayedDrive):
                          f'{drive.giver.name}')
 
     def _say(self, line: str) -> None:
-        """A command of another client counts from the time at which the controller learns of it.
+        """Sends a line of the robot.
 
-        The same applies to an emergency stop.
+        A command of another client, or an emergency stop, counts from the time at which the
+        controller hears of it.
         """
         if line.startswith('Arrived at '):
             self._arrived_at[line.split()[-1]] = self.now
@@ -498,7 +504,7 @@ class Witness(DelayedDrive):
         seconds, arrives = self.delays.from_robot, self._controller.carry
         if line.startswith('Arrived at '):
             arrives(seconds, lambda: self._heard_arrival_at.update({line.split()[-1]: self.now}))
-        if line == 'Stopped':  # which of two stops it answers cannot be told if they cross
+        if line == 'Stopped':  # if two stops cross, it is unknown which one this answers
             arrives(seconds, self._hear_stopped)
         if line == 'Motors enabled':
             arrives(seconds, self._hear_motors)
@@ -519,7 +525,7 @@ class Witness(DelayedDrive):
             self._stalls = 0.0
 
     def _heard_broken_off(self, line: str, drive: Optional[Execution]) -> None:
-        """Notes that the robot says by name that it has broken off the drive that rules."""
+        """Notes that the robot has broken off the ruling drive, if the line names this drive."""
         record, = self._controller.motion.memory.records[-1:] or (None,)
         if (drive is not None and drive.result is None and record is not None
                 and (record.kind, record.fate) == (RecordKind.DRIVE, Fate.OBEYED)
@@ -533,8 +539,10 @@ class Witness(DelayedDrive):
         self._powered_at = self.now
 
     def _hear_status(self) -> None:
-        """Notes what another client did during an outage, if the status shows it: the robot neither
-        carries out a drive of ours, nor stands as we stopped it, and nobody gave a command since.
+        """Notes what another client did during an outage, if the status shows it.
+
+        It does if the robot neither carries out a drive of ours nor stands as we stopped it, and if
+        nobody has given a command since.
         """
         before, self._unheard, status = self._unheard, None, self.robot.status
         last = self._last_word()
@@ -546,16 +554,16 @@ class Witness(DelayedDrive):
 
     @property
     def _seems_ours(self) -> bool:
-        """True if the robot shows the goal of a drive of ours: another client's drive to it cannot
-        be told apart.
+        """Whether the robot shows the goal of a drive of ours. Another client's drive to this goal
+        looks the same.
         """
         return self.robot.status.split()[-1] in self._controller.motion.memory.names
 
     def _heard(self, line: str, stopped: Word) -> None:
-        """Notes another client's command, unless ours has the same effect at the same time.
+        """Notes another client's command, unless a command of ours has the same effect now.
 
-        stopped -- as `self._stopped` was when the robot took that command; the robot obeys after it
-        all later stops that have reached it meanwhile, or are on their way
+        stopped -- value of `self._stopped` when the robot took the other client's command. All
+            later stops of ours come after this command.
         """
         memory, state, _ = self._controller.motion
         if line == 'Stopping':
@@ -570,21 +578,21 @@ class Witness(DelayedDrive):
             if line != 'EStop pressed' and self._put_before_stops(word, stopped):
                 return
             self.words.append(word)
-            # a drive that is on its way reaches the robot after that
+            # a drive of ours that is on its way reaches the robot after the other client's drive
             self.words += [Word(record.giver, True) for record in memory.records[-1:]
                            if record.pending and word.drives]
 
     def _is_shown(self, line: str) -> bool:
-        """True if the next status shows what a line said that was lost with the link. Nobody can
-        know of a drive that the robot has replaced since.
+        """Returns whether the next status shows what a lost line said. It does not if the robot has
+        replaced the drive since.
         """
         return self.robot.status == line or (
             line == 'EStop pressed' and self.robot.status.startswith('EStop'))
 
     def _put_before_stops(self, word: Word, stopped: Word) -> bool:
-        """Puts another client's word before our first stop that the robot obeys after it.
+        """Inserts another client's word before our first stop that the robot obeys later.
 
-        False: there is no such stop.
+        Returns False if there is no such stop.
         """
         newest = (self._stops_sent or [self._stopped])[-1]
         after_newest = self._words_after(newest)
@@ -613,8 +621,8 @@ class Witness(DelayedDrive):
         else:
             self._stop_came_at, self._stopped = self.now, self._stops_sent.pop(0)
             self._before_stops.clear()
-            # A stop of another client that crosses a drive is given again, after the drive. One of
-            # ours seems to be another client's if that client's drive seemed to be ours.
+            # If a stop of another client crosses a drive, the controller sends a stop after the
+            # drive. If another client's drive seemed to be ours, our stop seems to be another's.
             crosses = (any(map(self._crosses_anothers, self._anothers_stops))
                        or self.now <= self._mixed_up_at + AT_ONCE)
             if (not crosses and self._controller.motion.memory.drives
@@ -625,19 +633,19 @@ class Witness(DelayedDrive):
         self._note_obeyed(line)
 
     def _note_obeyed(self, line: str) -> None:
-        """Notes which drive the robot carries out after it has taken a line."""
+        """Notes which drive the robot carries out after it has received a line."""
         given = next((e for e in self._given if e.sent and e.command.text == line), None)
         if given is not None:
             self._given.remove(given)
         if self.robot.goal is None or any(
                 self._crosses_anothers(command) for command in self._another_gave):
-            self._obeyed = None  # drives to one goal cannot be told apart if they cross
+            self._obeyed = None  # crossing drives to the same goal cannot be told apart
         elif given is not None and line.split()[-1] == self.robot.goal:
             self._obeyed = given
 
     @property
     def _anothers_stops(self) -> Sequence[str]:
-        """What another client gave and the robot answers by `Stopping`; in one dialect, all."""
+        """The other client's commands that the robot answers with `Stopping`."""
         return list(self._another_gave) if self._dialect == 'replacing stopping' else ['stop']
 
     def _crosses_anothers(self, command: str) -> bool:
@@ -645,11 +653,11 @@ class Witness(DelayedDrive):
 
     @property
     def _can_be_reached(self) -> bool:
-        """True if lines reach the robot now."""
+        """Whether lines reach the robot now."""
         return self._controller.connected and not self._controller.is_stalled
 
     def _watch_robot(self) -> None:
-        """Checks, from the controller's view: after a stop the robot must not drive for us."""
+        """Checks that the robot does not drive for us if our last command is a stop."""
         last = self._last_word()
         if (not self._can_be_reached or self._anothers or self.robot.goal is None
                 or last is None or last.drives or last.giver is None):
@@ -671,7 +679,7 @@ class Witness(DelayedDrive):
             self.broken.append(f'{self.now:.1f} the robot drives on after a stop of the bridge')
 
     def _watch_drive_without_route(self) -> None:
-        """Checks that a robot which obeys a drive of a route that has ended is stopped."""
+        """Checks that the robot is stopped if it obeys a drive of a route that has ended."""
         if (self._obeyed is None or self._obeyed.giver.name != BRIDGE or self.robot.goal is None
                 or not self.has_ended or not self.is_well or not self.is_heard
                 or not (self._can_be_reached and self.hears_motions)):
@@ -682,7 +690,7 @@ class Witness(DelayedDrive):
             self.broken.append(f'{self.now:.1f} the robot drives for a route that has ended')
 
     def _watch_cancelled_drive(self) -> None:
-        """Checks that a robot is stopped which carries out a drive that its giver has cancelled."""
+        """Checks that the robot is stopped if it carries out a drive that its giver cancelled."""
         if (self._obeyed not in self._cancelled or self.robot.goal is None
                 or not self._can_be_reached):
             self._cancelled_since = None
@@ -692,10 +700,10 @@ class Witness(DelayedDrive):
             self.broken.append(f'{self.now:.1f} the robot carries out a cancelled drive')
 
     def _came_later(self, known: Word, drives: int) -> bool:
-        """Tells whether somebody drives of whom the bridge did not know when it gave its stop.
+        """Returns whether a giver drives of which the bridge did not know when it gave its stop.
 
-        Drives of one giver that follow each other are one word, but the later one may have begun
-        an epoch.
+        Successive drives of one giver are one word, but the later one may have begun an epoch.
+        Therefore the drives of others are also counted.
         """
         return any(word.drives for word in self._words_after(known)) or any(
             drive.result is None or drive.result.outcome not in REFUSED_OUTCOMES
@@ -708,7 +716,7 @@ class Witness(DelayedDrive):
             return
         if self._owed_since is None:
             self._owed_since = self.now
-        # whether the robot stands after a stop is judged anew when it arrives for another client
+        # if the robot arrives for another client, it gets time again in which the stop is sent
         arrived_at = max(self._heard_arrival_at.values(), default=-100.0) if self._anothers else 0.0
         waits_since = max(self._owed_since + SENT_WITHIN, self._stop_came_at + OBEYED_WITHIN,
                           arrived_at + SENT_WITHIN)

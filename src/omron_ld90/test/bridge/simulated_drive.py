@@ -1,7 +1,7 @@
-"""The bridge's core joined to the simulated LD-90, without ROS, sockets or waiting.
+"""The bridge's core drives the simulated LD-90, without ROS, sockets or waiting.
 
-Both are free of input and output. So a drive of minutes takes a second or two, and the same drive
-gives the same figures each time.
+Bridge and simulator have no input and output. So a drive of minutes takes a second or two, and the
+same drive gives the same figures each time.
 """
 from __future__ import annotations
 
@@ -56,13 +56,13 @@ def _laboratory() -> Graph:
 
 @lru_cache(maxsize=2)
 def _site(map_file: Path) -> Tuple[MapDocument, SimFloor]:
-    """A map and its floor, which no drive changes."""
+    """Returns a map and its floor. No drive changes them."""
     document = MapDocument.load(str(map_file))
     return document, SimFloor.from_map(document)
 
 
 class SimulatedDrive:
-    """One robot on `lab.map` that drives the routes it is ordered."""
+    """One robot on `lab.map` that drives the routes that the test orders."""
 
     def __init__(self, strategy: str = 'vertex_by_vertex', vertex: Optional[int] = None,
                  heading: float = 0.0, map_file: Path = MAPS / 'lab.map',
@@ -104,7 +104,7 @@ class SimulatedDrive:
         return self.clock.now
 
     def order(self, route_id: int, *edges: int) -> None:
-        """The fleet manager publishes a route."""
+        """Publishes a route of the fleet manager."""
         self._act(self.follower.handle(RouteOrder(route_id, edges), self.now))
 
     def drive(self, route_id: int, *edges: int, seconds: float = 600.0) -> float:
@@ -137,7 +137,7 @@ class SimulatedDrive:
         self._faults.inject(fault)
 
     def enable_motors(self) -> None:
-        """A person enables the motors, and the robot's status shows it."""
+        """Enables the motors for a person; the robot's status shows it."""
         self._client.receive(b'enableMotors\n')
         self.wait(2.0 * STATUS_PERIOD)
 
@@ -158,15 +158,15 @@ class SimulatedDrive:
                 self.reports.append(self.follower.report())
 
     def distance_from(self, edges: Tuple[int, ...], since: int = 0) -> float:
-        """The greatest distance (m) from the edges' curves to the path from sample `since` on."""
+        """Returns the maximum distance (m) of the path from the edges; from sample `since` on."""
         curves = cKDTree(np.concatenate([self.graph.curve(edge).sample(0.01) for edge in edges]))
         return float(curves.query(self.path[since:])[0].max())
 
     def first_nearest_to(self, vertex: int, since: int = 0) -> Tuple[float, int]:
-        """The nearest distance (m) of the path from sample `since` on to a vertex, and its sample.
+        """Returns the smallest distance (m) of the path from a vertex, and the sample there.
 
-        Only the first time counts at which the path came within a metre of it. If it never did:
-        infinity and the last sample.
+        The search begins at sample `since`. Only the first approach to less than a metre counts. If
+        there is none, returns infinity and the last sample.
         """
         away = np.hypot(*(np.array(self.path[since:]) - self.graph.vertex(vertex).position).T)
         near = np.flatnonzero(away < 1.0)

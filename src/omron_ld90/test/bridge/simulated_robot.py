@@ -28,7 +28,7 @@ _WALLS = ((-2000, -5500, 14000, -5500), (-2000, 6000, 14000, 6000), (-2000, -550
 
 @lru_cache(maxsize=None)
 def _hall() -> Tuple[MapDocument, SimFloor]:
-    """A hall around the yard, with a goal at each of its vertices."""
+    """Returns a hall around the yard, with a goal at each vertex of the yard."""
     lines = ['2D-Map', 'LineMinPos: -2000 -5500', 'LineMaxPos: 14000 6000',
              f'NumLines: {len(_WALLS)}', 'LinesAreSorted: false',
              'MapInfo: DockType Name=DockLynx', 'MapInfo: GoalType Name=Goal']
@@ -43,9 +43,9 @@ def _hall() -> Tuple[MapDocument, SimFloor]:
 
 
 class SimulatedRobot:
-    """The simulator's core on a clock of its own, which follows the test's clock.
+    """The simulator's core with its own clock, which follows the test's clock.
 
-    say -- called with each line that a client of its server receives
+    say -- called with each line that a client of the robot's server receives
     """
 
     def __init__(self, vertex: int, say: Callable[[str], None], time: Callable[[], float],
@@ -69,30 +69,30 @@ class SimulatedRobot:
 
     @property
     def status(self) -> str:
-        """The status, as the receiver gets it."""
+        """The status text that the receiver gets."""
         return self._robot.status
 
     @property
     def is_stopped_by_button(self) -> bool:
-        """Whether its emergency stop is pressed, whatever its status shows."""
+        """Whether the emergency stop is pressed, regardless of the status text."""
         return self._robot.permission.motors is MotorState.ESTOP
 
     @property
     def goal(self) -> Optional[str]:
-        """The goal to which it drives; `point` if it drives to a point."""
+        """The goal to which the robot drives; `point` if it drives to a point; None: it stands."""
         activity = self._robot.activity
         if activity is None or activity.status.startswith(('Arrived', 'Undocking')):
             return None
         return 'dock' if 'dock' in activity.status else activity.status.split()[-1]
 
     def receive(self, line: str) -> None:
-        """Takes a command over our connection."""
+        """Receives a command on our connection."""
         self._catch_up()
         self._session.receive(f'{line}\n'.encode())
         self._speak()
 
     def hear_another(self, line: str) -> None:
-        """Takes a command of another client."""
+        """Receives a command of another client."""
         self.inject(f'other {line}')
 
     def inject(self, fault: str) -> None:

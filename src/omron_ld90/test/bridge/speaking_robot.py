@@ -16,12 +16,12 @@ _DOCKED = 'DockingState: Docked ForcedState: Unforced ChargeState: Bulk'
 
 
 class SpeakingRobot(GraphRobot):
-    """Takes lines of ARCL, and answers as an LD-90 would; brakes for a while during a drive.
+    """Takes lines of ARCL, and answers like an LD-90. After a stop during a drive it brakes.
 
     When it leaves its dock, it does not name its goal until it has undocked.
 
-    interruption -- its answer about a drive that another command ends: its goal's `name`, the
-    `coordinates`, the `status` that it had shown, or `nothing`
+    interruption -- what it says about a drive that another command ends: the `name` of the goal,
+        the `coordinates`, the `status` before, or `nothing`
     """
 
     def __init__(self, graph: Graph, vertex: int, say: Callable[[str], None],
@@ -66,7 +66,7 @@ class SpeakingRobot(GraphRobot):
             self._say(self.status)
 
     def hear_another(self, line: str) -> None:
-        """Takes a command of another client; all clients receive the result."""
+        """Takes a command of another client. All clients receive the result."""
         self.receive(line)
 
     def _leave_dock(self, words: int) -> None:
@@ -76,7 +76,7 @@ class SpeakingRobot(GraphRobot):
             self._say(self.status)
 
     def _coast(self) -> None:
-        """Ends its path at a point where it can stand."""
+        """Shortens the path, so that it ends where the robot can stand."""
         way, left, here = self._way, self.speed * self._braking_time / 2.0, self.position
         self.goal, self._way = None, []
         for point in way:
@@ -89,7 +89,7 @@ class SpeakingRobot(GraphRobot):
             here, left = point, left - length
 
     def _stand(self, words: int) -> None:
-        if words == self._words:  # no giver has sent it elsewhere while it braked
+        if words == self._words:  # nobody has sent it elsewhere while it braked
             self.halt(ActivityKind.STOPPED)
             self.status = 'Stopped'
             self._say('Stopped')

@@ -1,4 +1,4 @@
-"""A bridge that was not told each epoch knows by one value whether it was told all that counts."""
+"""From `foreign_epoch` alone, a bridge that missed epochs knows whether others acted."""
 from __future__ import annotations
 
 import pytest
@@ -19,7 +19,7 @@ LOST = ('lose',)
 
 
 class Told:
-    """A bridge and a controller; each act is told to the bridge, or the next one replaces it."""
+    """A bridge and a controller. The bridge hears of an act only if the test calls `tell`."""
 
     def __init__(self) -> None:
         self.memory = None

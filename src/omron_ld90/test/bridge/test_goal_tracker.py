@@ -1,4 +1,4 @@
-"""How the drive to the last goal ends: by its result, or by `motion` if the result is lost."""
+"""The drive to the last goal ends by its result, or by `motion` if the result is lost."""
 from __future__ import annotations
 
 import pytest
@@ -12,7 +12,7 @@ HERE, THERE = (0.0, 0.0), (3.0, 0.0)
 
 
 def sent(goal: str = '12') -> GoalTracker:
-    """A tracker whose command, number 1, was given."""
+    """Returns a tracker whose command was given with the number 1."""
     tracker = GoalTracker()
     tracker.send(goal, f'goto {goal}')
     tracker.word.give(1, 0)
@@ -20,7 +20,7 @@ def sent(goal: str = '12') -> GoalTracker:
 
 
 def ended(ending: Outcome, text: str = '', goal: str = '12') -> GoalTracker:
-    """A tracker whose command has ended so at 5 s."""
+    """Returns a tracker whose command has had this end at 5 s."""
     tracker = sent(goal)
     tracker.ended(CommandEnded(1, ending, text), 5.0)
     return tracker

@@ -1,4 +1,4 @@
-"""The place of a location on the graph, by the widths and tolerances of the bridge."""
+"""The place of a location on the graph, with the width and the tolerance of the bridge."""
 from __future__ import annotations
 
 from typing import Optional, Tuple

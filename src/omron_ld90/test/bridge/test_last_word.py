@@ -1,4 +1,4 @@
-"""The last command of the bridge: each row of its table, and how often it is given."""
+"""The last command of the bridge: each row of its table; it is never carried out twice."""
 from __future__ import annotations
 
 from random import Random
@@ -15,7 +15,7 @@ from omron_ld90.bridge.last_word import RETRY, STOP, LastWord
 
 
 def given_once(command: str = 'goto 12', epoch: Optional[int] = None) -> LastWord:
-    """A command that was given as number 5 at time 0."""
+    """Returns a command that was given as number 5 at time 0."""
     word = LastWord(command, epoch)
     assert word.due(False, 0.0), 'the first attempt needs no link'
     word.give(5, 77)
@@ -42,7 +42,7 @@ def test_what_was_never_sent_is_given_again_once_the_link_stands(command):
 @pytest.mark.parametrize('ending', [Outcome.NEVER_SENT, Outcome.LOST])
 @pytest.mark.parametrize('told_first', [True, False])
 def test_a_stop_that_the_controller_owes_is_not_given_again(ending, told_first):
-    """A second one, as the link comes back, would hide what others did during the outage."""
+    """A second stop when the link comes back would hide what others did during the outage."""
     word = given_once(STOP)
     news = [lambda: word.told((5, CommandFate.GIVEN), 1.0),
             lambda: word.ended(CommandEnded(5, ending, 'no link'), 1.0)]

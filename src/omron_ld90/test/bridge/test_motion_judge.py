@@ -1,4 +1,4 @@
-"""What the robot does, as its reports tell it."""
+"""The motion of the robot in the reports of the route protocol."""
 from __future__ import annotations
 
 from typing import Optional, Tuple
@@ -38,7 +38,7 @@ class Watched:
 
 @pytest.fixture
 def watched() -> Watched:
-    """A robot that was seen standing."""
+    """Returns the judge of a robot that was seen standing."""
     watched = Watched()
     watched.see(RESTING + 0.5)
     assert watched.motion() is Motion.STANDING

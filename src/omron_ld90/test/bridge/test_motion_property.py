@@ -1,6 +1,6 @@
-"""Many givers drive and stop one robot, with losses and restarts.
+"""Many givers drive and stop one robot; messages are lost, and programs are restarted.
 
-No command of a giver is passed by a giver that does not know of it, and no stop is forgotten.
+No giver drives the robot after a command that it does not know of, and no stop is forgotten.
 """
 from __future__ import annotations
 
@@ -32,11 +32,11 @@ DELAYS = st.builds(Delays, commands=SECONDS, ends=SECONDS, motions=SECONDS,
 STRATEGIES = st.sampled_from(['rolling', 'rolling', 'vertex_by_vertex'])
 GOALS = st.sampled_from(['3', '4', '5', '6'])
 COMMANDS = ['stop', 'goto 3', 'goto 4']  # of another client
-WITHOUT_A_GOAL = ['gotoPoint 3000 3000 0', 'dock', 'undock']  # the same
+WITHOUT_A_GOAL = ['gotoPoint 3000 3000 0', 'dock', 'undock']  # of another client
 PROGRAMS = ['/adapter', '/joystick']
 IN_AN_OUTAGE = [('person_stops',), ('person_cancels',), *((program,) for program in PROGRAMS),
                 *(('another_client', command) for command in COMMANDS)]
-SETTLED = 20.0  # s in which a robot that can be reached has obeyed, in any dialect
+SETTLED = 20.0  # s within which a robot that can be reached has obeyed, in any dialect
 
 
 class Robots(RuleBasedStateMachine):
@@ -58,8 +58,7 @@ class Robots(RuleBasedStateMachine):
         self.route_id = 6
         self.last: List[Tuple[Giver, str, int]] = []  # commands of programs that may arrive again
 
-    # --- events
-    # ---------------------------------------------------------------------------------------
+    # --- events -----------------------------------------------------------------------------------
 
     @rule(seconds=st.sampled_from([0.01, 0.3, 1.0, 4.0]))
     def passes(self, seconds: float) -> None:
@@ -86,8 +85,8 @@ class Robots(RuleBasedStateMachine):
 
     @rule(program=st.sampled_from(PROGRAMS))
     def program_restarts(self, program: str) -> None:
-        """The new process has the knowledge of the old one; the old one's commands may still
-        arrive.
+        """Restarts a program. The new process knows what the old one knew. Commands of the old
+        process may still arrive.
         """
         self.starts[program] += 1
 
@@ -102,13 +101,13 @@ class Robots(RuleBasedStateMachine):
     @precondition(lambda self: self.last)
     @rule(which=st.integers(0, 20))
     def comes_again(self, which: int) -> None:
-        """An old message arrives again, because its publisher's connection was restored."""
+        """Lets an old message arrive again, because the connection of its publisher came back."""
         self.take(*self.last[which % len(self.last)])
 
     @rule(goal=GOALS)
     def person_drives(self, goal: str) -> None:
         self.take(PERSON, f'goto {goal}', 0)
-        self.world.run(0.0)  # so that it is clear which drive reaches the robot
+        self.world.run(0.0)  # earlier drives arrive first, so that no two drives cross
 
     @rule()
     def person_stops(self) -> None:
@@ -164,13 +163,13 @@ class Robots(RuleBasedStateMachine):
 
     @rule(seconds=st.sampled_from([0.3, 1.5, 4.0]))
     def motions_are_lost(self, seconds: float) -> None:
-        """The bridge hears only the newest message."""
+        """Loses messages of `motion`. After that the bridge hears only the newest one."""
         self.world.lose_motions(seconds)
 
     @precondition(lambda self: self.world.is_well and self.world._controller.connected)
     @rule(act=st.sampled_from(IN_AN_OUTAGE))
     def epoch_of_others_is_replaced_by_one_of_the_bridge(self, act: Sequence[str]) -> None:
-        """The bridge stops the robot for its own reason, before it hears of the other epoch."""
+        """Lets the bridge stop the robot for its own reason before it hears of the other epoch."""
         self.order(0, 2, True)
         self.world.run(1.5)
         self.world.lose_motions(7.0)
@@ -197,7 +196,7 @@ class Robots(RuleBasedStateMachine):
     @precondition(lambda self: self.world.is_well)
     @rule(goal=GOALS, link=st.sampled_from(list(p.RobotLink)))
     def person_drives_as_a_route_fails(self, goal: str, link: p.RobotLink) -> None:
-        """The bridge gives a stop, which is on its way meanwhile."""
+        """Drives for a person while a stop of the bridge, for its failed route, is on its way."""
         if not self.world.bridge.running:
             self.order(0, 2, True)
             self.world.run(1.0)
@@ -210,7 +209,7 @@ class Robots(RuleBasedStateMachine):
     @rule(program=st.sampled_from(PROGRAMS), goal=GOALS, command=st.sampled_from(COMMANDS))
     def program_drives_before_the_robot_has_said_why_it_broke_off(
             self, program: str, goal: str, command: str) -> None:
-        """Another client breaks off a drive, and the link holds back all lines but the first."""
+        """Lets another client break off a drive. The link holds back all lines except the first."""
         self.reads(program)
         self.give(program, f'goto {goal}', 0.0)
         self.world.run(1.0)
@@ -218,12 +217,12 @@ class Robots(RuleBasedStateMachine):
         self.world.run(0.3)
         self.reads(program)
         self.give(program, f'goto {goal}', 0.0)
-        self.world.run(3.0)  # commands that cross could not be told apart
+        self.world.run(3.0)  # so that no commands cross, which could not be told apart
 
     @precondition(lambda self: self.world.is_well and self.world.bridge.running)
     @rule(link=st.sampled_from(list(p.RobotLink)))
     def route_fails_without_a_controller(self, link: p.RobotLink) -> None:
-        """The stop that the bridge gives fails at first."""
+        """Lets a route fail while there is no controller, so that the bridge's first stop fails."""
         self.world.restart_controller(9.0)
         self.world.cut(link, 5.0)
         self.world.run(8.0, lambda: self.world.has_ended)
@@ -231,15 +230,15 @@ class Robots(RuleBasedStateMachine):
     @precondition(lambda self: self.world.up[p.RobotLink.COMMANDS])
     @rule(act=st.sampled_from(IN_AN_OUTAGE), goal=GOALS, restarts=st.booleans())
     def somebody_acts_in_an_outage(self, act: Sequence[str], goal: str, restarts: bool) -> None:
-        """A program drives the robot; it does not know what others do in an outage, or just before
-        the controller is restarted.
+        """Lets somebody act in an outage, or just before a restart of the controller.
 
-        It drives to other goals than another client, because nobody could tell these drives apart.
+        A program that does not know of this act drives the robot. Program and other client use
+        different goals, because otherwise nobody could tell their drives apart.
         """
         program, (doer, *command) = PROGRAMS[0], act
         goals = [one for one in (str((int(goal) + k) % 4 + 3) for k in range(4))
                  if command != [f'goto {one}']]
-        for goal in goals[:2]:  # a robot at its goal already sets out for the next one
+        for goal in goals[:2]:  # two goals: the robot may be at the first one already
             self.reads(program)
             self.give(program, f'goto {goal}', 0.0)
             self.world.run(1.0)
@@ -253,11 +252,11 @@ class Robots(RuleBasedStateMachine):
             getattr(self, doer)(*command)
         if restarts:
             self.controller_restarts(0.0)
-        self.world.run(6.5)  # long enough that the robot must have obeyed each stop
+        self.world.run(6.5)  # after this time the robot must have obeyed each stop
         self.give(program, f'goto {goal}', 0.0)
 
     def help(self) -> None:
-        """People make the robot able to drive again."""
+        """Makes the robot able to drive again, as people would."""
 
     def give(self, program: str, command: str, late: float) -> None:
         giver, known = Giver(program, str(self.starts[program])), self.known[program]
@@ -270,8 +269,7 @@ class Robots(RuleBasedStateMachine):
         with suppress(ArclError):
             self.world._controller.give(command, giver, known_epoch, lambda result: None)
 
-    # --- invariants
-    # -----------------------------------------------------------------------------------
+    # --- invariants -------------------------------------------------------------------------------
 
     @invariant()
     def nobody_is_passed(self) -> None:
@@ -291,14 +289,14 @@ class Robots(RuleBasedStateMachine):
             self.check_end()
 
     def settle(self) -> None:
-        """Nothing fails any more, and the robot can drive."""
+        """Lets nothing fail any more, and makes the robot able to drive."""
         self.world.spared = True
         self.help()
         self.world.run(SETTLED, lambda: self.world.is_well)
         self.world.run(SETTLED)
 
     def check_end(self) -> None:
-        """At the end, each stop that no later drive has replaced must be obeyed."""
+        """Checks that at the end the robot obeys each stop that no later drive has replaced."""
         world = self.world
         assert not world.broken, world.broken
         memory = world._controller.motion.memory
@@ -315,7 +313,7 @@ class Robots(RuleBasedStateMachine):
 
 
 class SimulatedRobots(Robots):
-    """The same with the simulated LD-90, in every dialect; its emergency stop is also pressed."""
+    """The same with the simulated LD-90 in every dialect, and with emergency stops."""
 
     @initialize(strategy=STRATEGIES, dialect=st.sampled_from(DIALECTS), delays=DELAYS)
     def begin(self, strategy: str, dialect: str, delays: Delays) -> None:
@@ -339,7 +337,7 @@ class SimulatedRobots(Robots):
     @precondition(lambda self: self.world.up[p.RobotLink.COMMANDS])
     @rule(seconds=st.sampled_from([0.3, 1.0]))
     def robot_leaves_its_dock_for_a_cancelled_drive(self, seconds: float) -> None:
-        """The link breaks before the drive that replaces it reaches the robot."""
+        """Lets the robot undock for a drive that is cancelled. The newer drive is lost."""
         self.take(PERSON, 'dock', 0)
         self.world.run(25.0, lambda: self.world.robot.status.startswith('DockingState: Docked'))
         self.person_drives('6')

@@ -1,4 +1,4 @@
-"""The witness puts another client's command where the robot took it among our stops."""
+"""The witness puts another client's command in the order in which the robot took it."""
 from __future__ import annotations
 
 import pytest
@@ -21,7 +21,7 @@ def _stop(world: Witness) -> None:
 
 
 def _givers(world: Witness) -> list:
-    """The giver of each command, in order; None: another client."""
+    """Returns the giver of each command, in order; None: another client."""
     return [word.giver for word in world.words]
 
 
@@ -59,7 +59,7 @@ def test_a_foreign_drive_stands_last_if_our_stop_was_lost_with_the_link():
     world = _world()
     world.another_client('goto 3')
     _stop(world)
-    world.run(0.1)  # the foreign drive is heard, and the stop has not reached the robot yet
+    world.run(0.1)  # the foreign drive is heard, but the stop has not reached the robot yet
     assert _givers(world) == [None, PERSON]
     world.cut(p.RobotLink.COMMANDS, 1.0)
     assert _givers(world) == [PERSON, None]
@@ -69,7 +69,7 @@ def test_a_foreign_drive_stands_last_if_our_stop_was_lost_with_the_link():
                                              ('5', [PERSON, PERSON, None])])
 def test_a_foreign_drive_does_not_stand_last_if_the_robot_drives_to_a_goal_of_ours_after_it(
         goal, heard):
-    """Nobody can tell a further foreign drive from ours, which was lost with the link."""
+    """A further foreign drive to the goal of our lost drive looks the same as our drive."""
     robots = Robots()
     robots.begin('rolling', 'name', 0.0, Delays())
     robots.another_client_is_heard_in_parts('goto 4', 3.0)
@@ -130,12 +130,12 @@ def test_what_another_client_does_in_an_outage_is_heard_by_the_first_status_afte
                                               (['4', '5'], [None])])
 def test_of_what_another_client_does_in_an_outage_only_what_the_robot_shows_after_it_is_heard(
         goals, heard):
-    """A robot that drives to a goal of ours again shows nothing of the drive in between."""
+    """If the robot drives to a goal of ours again, it does not show the drive in between."""
     robots = Robots()
     robots.begin('rolling', 'status', 0.3, Delays())
     robots.person_drives('3')
     robots.passes(1.0)
-    robots.world.stall(3.0)  # the lines are lost later than the link comes back
+    robots.world.stall(3.0)  # the lines are still under way when the link comes back
     robots.world.cut(p.RobotLink.COMMANDS, 1.0)
     for goal in goals:
         robots.another_client(f'goto {goal}')
@@ -144,7 +144,7 @@ def test_of_what_another_client_does_in_an_outage_only_what_the_robot_shows_afte
 
 
 def _robots_with_an_unheard_stop_of_the_bridge() -> Robots:
-    """A person drives, the bridge fails to follow its route, and no controller hears its stop."""
+    """Returns robots with a person's drive, a failed route, and a stop that no controller hears."""
     robots = Robots()
     robots.begin('rolling', 'name', 0.0, Delays(ends=0.05))
     robots.person_drives('3')

@@ -1,4 +1,4 @@
-"""Numbered orders at the bridge: what it takes, refuses and ignores, and where the robot drives."""
+"""Which numbered orders the bridge takes, refuses and ignores, and where the robot drives."""
 from __future__ import annotations
 
 import math
@@ -39,7 +39,7 @@ class Fleet(Bench):
 
     def send(self, *edges: int, first: int = 0, number: Optional[int] = None,
              epoch: Optional[int] = None, master: str = 'fleet', route_id: int = 7) -> RouteOrder:
-        """Orders a route, or without edges a stop; returns the order."""
+        """Orders a route, or a stop if there are no edges. Returns the order."""
         self.number += 1
         order = RouteOrder(
             route_id, edges, known_epoch=self.report.epoch if epoch is None else epoch,
@@ -51,7 +51,7 @@ class Fleet(Bench):
         self.run(lambda bench: bench.follower.report().pose.edge == edge)
 
     def started_anew(self, is_sure: bool) -> None:
-        """The bridge restarts, with its memory or with one that is not sure."""
+        """Restarts the bridge, with a memory that is sure or not."""
         record, dead = self.follower.record, self.follower
         self.robot.number = None
         self.follower = RouteFollower(dead.settings, dead.graph, tuple(self.link_is_up), self.draw,
@@ -369,14 +369,15 @@ HAPPENINGS = st.one_of(
 
 
 class WatchedFleet(Fleet):
-    """A fleet that knows the goals of the last order that the vehicle took, and where it was."""
+    """A fleet that checks each report and each goal against the robot's path and the last order."""
 
     def __init__(self, strategy: str) -> None:
         super().__init__(1, strategy)
         self._said, self._seen = self.report, 0
 
     def check(self) -> None:
-        """Numbers only grow within an epoch, and an edge is complete if the robot was at its end.
+        """Checks that numbers only grow within an epoch, and that the robot was at the end of each
+        complete edge.
         """
         before, now = self._said, self.report
         self._said = now
@@ -408,7 +409,7 @@ class WatchedFleet(Fleet):
         return 'dock' if vertex == DOCK_VERTEX else str(vertex)
 
     def way(self, edges: Sequence[int], turns: Sequence[int]) -> Tuple[int, ...]:
-        """These edges and some more, or some from where the robot is."""
+        """Returns these edges and further ones; without edges, some from the robot's place."""
         graph, found = self.follower.graph, list(edges)
         for turn in turns:
             if found:
@@ -464,7 +465,7 @@ def test_the_robot_is_never_sent_outside_of_the_last_order_that_was_taken(happen
 # -- masters with and without numbers --------------------------------------------------------------
 
 def rolling() -> Fleet:
-    """A robot that comes to rest after the stop of its master."""
+    """Returns a fleet whose robot comes to rest after the stop of its master."""
     fleet = Fleet()
     fleet.send(1, 5)
     fleet.until_on(5)

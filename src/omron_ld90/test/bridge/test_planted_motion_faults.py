@@ -1,7 +1,7 @@
 """The search of test_motion_property.py finds each of these planted faults.
 
-Each is also found in a scene: a few rules of the search, one after the other. test_last_word.py
-finds a bridge that gives its stop only once.
+A scene finds each fault as well: it calls a few rules of the search, one after the other.
+test_last_word.py finds one more fault: a bridge that gives its stop only once.
 """
 from __future__ import annotations
 

@@ -14,7 +14,7 @@ from route_protocol.values import EpochCause, Reason, ReasonCode
 
 
 def monitor() -> RobotMonitor:
-    """Both links are connected and the robot has been seen, at time 0."""
+    """Returns a monitor at time 0: both links are up, and the robot has been seen."""
     robot = RobotMonitor(RouteSettings(), RobotLink)
     for link in RobotLink:
         robot.update(LinkReported(link, True), 0.0)
@@ -223,12 +223,12 @@ def test_numbers_of_commands_grow_also_above_one_that_only_the_controller_knows(
 
 
 def own(epoch: int) -> MotionTold:
-    """The robot obeys a drive of ours."""
+    """Returns the event that the robot obeys a drive of ours."""
     return MotionTold(epoch, 5, is_ours=True, obeys_us=True)
 
 
 def others(epoch: int, cause: EpochCause, number: int) -> MotionTold:
-    """Somebody else did something, and the robot does not obey our last drive."""
+    """Returns the event that others have acted and the robot does not obey our last drive."""
     return MotionTold(epoch, reason='why', cause=cause,
                       is_ours=cause is EpochCause.EMERGENCY_STOP, number=number,
                       fate=CommandFate.NOT_OBEYED)
@@ -246,7 +246,7 @@ def others(epoch: int, cause: EpochCause, number: int) -> MotionTold:
 @pytest.mark.parametrize('told_first', [True, False])
 def test_the_epoch_tells_why_a_drive_ended_before_and_after_its_result(
         cause, why, ending, obeyed_before, told_first):
-    """However late either message comes, the drive is not given again."""
+    """The drive is not given again, however late the epoch or the result comes."""
     robot = monitor()
     robot.update(MotionTold(5), 0.0)
     robot.tracker.send('12', 'goto 12')
@@ -265,7 +265,7 @@ def test_the_epoch_tells_why_a_drive_ended_before_and_after_its_result(
 
 @pytest.mark.parametrize('cause, again', [(EpochCause.RESTART, True), (EpochCause.STOP, False)])
 def test_a_drive_for_an_epoch_that_ended_with_the_controller_is_given_again(cause, again):
-    """The controller tells it as not obeyed."""
+    """The controller publishes NOT_OBEYED for such a drive."""
     robot = monitor()
     robot.update(MotionTold(5), 0.0)
     robot.tracker.send('12', 'goto 12')

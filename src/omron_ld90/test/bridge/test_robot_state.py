@@ -1,4 +1,4 @@
-"""The last known place of the robot, and the state of its links and their nodes."""
+"""The last known place of the robot, and the state of its links and of their nodes."""
 from __future__ import annotations
 
 import pytest
@@ -36,7 +36,7 @@ class TestRobotLinks:
 
     @staticmethod
     def links() -> RobotLinks:
-        """Both links are connected at time 0."""
+        """Returns two links that are up at time 0."""
         links = RobotLinks(RobotLink, link_timeout=2.0, restart_timeout=20.0)
         for link in RobotLink:
             links.update(LinkReported(link, True), 0.0)

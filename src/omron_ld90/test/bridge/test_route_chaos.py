@@ -1,4 +1,4 @@
-"""For all events in any order: the follower survives, and its reports never take anything back."""
+"""Whatever the events, the follower survives, and no report contradicts an earlier one."""
 from __future__ import annotations
 
 from typing import Sequence, Tuple
@@ -17,7 +17,7 @@ from trajectory_graph import Graph
 
 PART_OF_THE_YARD = graph_of({1: (0, 0), 2: (4, 0), 5: (8, 0), DOCK_VERTEX: (0, -4)},
                             {1: (1, 2), 5: (2, 5), 9: (1, DOCK_VERTEX)})
-# index of the edge to take, vertex by vertex
+# for each vertex, the index of the edge to drive next
 TURNS = st.lists(st.integers(0, 3), min_size=1, max_size=4)
 
 DISTURBANCES = st.one_of(
@@ -116,7 +116,7 @@ def test_no_happenings_confuse_the_follower(strategy, happenings):
 
 
 def check_states(report: RouteReport) -> None:
-    """States come in the order of the edges, and a failure has a reason."""
+    """Checks that the states are in the order of the edges, and that a failure has a reason."""
     done = report.states.count(EdgeState.COMPLETE)
     assert set(report.states[:done]) <= {EdgeState.COMPLETE}
     assert len(set(report.states[done:])) <= 1
@@ -126,7 +126,7 @@ def check_states(report: RouteReport) -> None:
 
 
 def check_change(before: RouteReport, after: RouteReport) -> None:
-    """Within one route, a complete edge stays complete, and a failed edge stays failed."""
+    """Checks that within a route a complete edge stays complete, and a failed edge failed."""
     if after.route_id == before.route_id and after.edges == before.edges:
         assert after.states.count(EdgeState.COMPLETE) >= before.states.count(EdgeState.COMPLETE)
         if EdgeState.FAILED in before.states:

@@ -16,7 +16,7 @@ from route_protocol.values import EdgeState, EpochCause, ReasonCode
 LINKS = (RobotLink.COMMANDS, RobotLink.OUTGOING)
 
 def under_way(strategy: str = 'vertex_by_vertex', links=(), **settings) -> Bench:
-    """A bench whose robot is half way along the second of three edges."""
+    """Returns a bench whose robot is half way along the second of three edges."""
     bench = Bench(dissertation_graph(), 1, strategy, links=links, **settings)
     bench.order(7, 1, 4, 5)
     bench.run(lambda bench: bench.last is not None and bench.last.pose.percentage > 50.0
@@ -31,7 +31,7 @@ def assert_failed(bench: Bench, reason: str, stopped: bool = True) -> None:
     assert bench.reports[-1].reason.text == reason  # reported at once
 
 def end_of_drive(bench: Bench, ending: Outcome, text: str = '') -> None:
-    """The controller reports the end of the present drive."""
+    """Lets the controller report the end of the present drive."""
     number, bench.robot.number = bench.robot.number, None
     bench.tell(p.CommandEnded(number, ending, text))
 
@@ -54,7 +54,7 @@ def test_an_emergency_stop_fails_the_route_before_its_drive_ends():
     assert_failed(bench, 'emergency stop')
 
 class TestWhatSomebodyElseDoes:
-    """Another giver takes over at once; the controller's duty is that the robot obeys a stop."""
+    """Another giver takes over at once. That the robot obeys a stop is up to the controller."""
 
     @pytest.mark.parametrize('command', ['stop', 'goto 3'])
     def test_ends_the_route_and_nothing_more_is_given(self, command):
@@ -136,7 +136,7 @@ def test_an_interruption_by_the_emergency_stop_is_called_so():
 @pytest.mark.parametrize('restarts', [False, True])
 def test_a_drive_that_the_robot_broke_off_waits_until_the_controller_knows_why(
         why, reason, restarts):
-    """Only from an emergency stop the robot comes back to the fleet without a person."""
+    """After an emergency stop, unlike other causes, the robot returns to the fleet by itself."""
     def tell(**what):
         bench.epoch += 1
         bench.tell(p.MotionTold(bench.epoch, reason='Interrupted: Going to 7',
@@ -184,7 +184,7 @@ def the_robot_obeys_us(bench):
 
 
 def test_a_robot_that_obeys_us_after_the_route_was_taken_over_is_stopped():
-    """D5: otherwise it would drive without an owner."""
+    """Otherwise the robot would drive without a giver."""
     bench = under_way()
     another_client_drives(bench)
     assert bench.follower.report().reason.text == 'taken over'
@@ -269,7 +269,7 @@ def test_an_arrival_is_not_judged_by_late_locations_of_a_robot_that_turns_on_the
     bench = under_way()
     number = bench.robot.number
     bench.tell(p.CommandEnded(number, Outcome.SUCCEEDED, 'Arrived at 7'))
-    for _ in range(5):  # earlier reports of the robot: on its way, and for a while at one place
+    for _ in range(5):  # earlier reports of the robot: it drives, and then turns at one place
         bench.now += 0.2
         assert bench.robot.motion is ActivityKind.GOING_TO_GOAL
         bench.look()
@@ -277,7 +277,7 @@ def test_an_arrival_is_not_judged_by_late_locations_of_a_robot_that_turns_on_the
 
 def test_an_arrival_is_judged_by_the_locations_after_it_however_late_they_come():
     bench = under_way(location_timeout=60.0)
-    # the controller reports, the robot does not
+    # the controller reports, but the robot does not
     while bench.robot.motion is not ActivityKind.ARRIVED_AT_GOAL:
         bench.now += 0.1
         bench.tell(*[event for event in bench.robot.step(bench.now)
@@ -295,7 +295,7 @@ def test_locations_out_of_order_are_left_out():
     assert replace(bench.follower.report(), number=before.number) == before
 
 def drive_by(bench: Bench, *places) -> None:
-    """The robot is seen at these places, a second apart."""
+    """Lets the robot be seen at these places, one per second."""
     for place in places:
         bench.now += 1.0
         bench.robot.position = place
@@ -424,7 +424,7 @@ class TestLinks:
         assert 'commands: its node has reported nothing for 2' in reason.text
 
 class Unreachable:
-    """Takes the place of the bench's controller: no controller receives the commands."""
+    """Replaces the controller of the bench, so that no controller receives the commands."""
 
     def __init__(self, bench: Bench) -> None:
         self.bench = bench

@@ -169,7 +169,7 @@ def test_off_the_graph_the_edge_is_zero():
 
 @st.composite
 def journeys(draw):
-    """A random continuous route over the yard, without the dock."""
+    """Returns a random continuous route over the yard, without the dock."""
     graph = yard()
     start = at = draw(st.sampled_from([1, 2, 3, 4, 5, 6]))
     route = []

@@ -18,7 +18,7 @@ from route_protocol.values import (
 
 
 def under_way(edges=(1, 4, 5), strategy='vertex_by_vertex') -> Bench:
-    """A bench whose robot is half way along the second edge of the dissertation's route."""
+    """Returns a bench whose robot is half way along the second edge of the dissertation's route."""
     bench = Bench(dissertation_graph(), 1, strategy)
     bench.order(7, *edges, stamp=50.0)
     bench.run(lambda bench: bench.last is not None and bench.last.pose.percentage > 50.0
@@ -133,7 +133,7 @@ def test_another_id_may_begin_on_the_edge_being_driven():
     bench.order(8, 4, 5)
     assert bench.follower.report().route_id == 8
     assert bench.follower.report().pose == before
-    # it is already on its way there, so nothing is sent again
+    # the robot is already on its way there, so nothing is sent again
     assert bench.commands.count('goto 7') == 1
     bench.run()
     assert bench.states() == [2, 2]
@@ -359,7 +359,7 @@ def test_an_old_location_starts_no_route():
     bench.wait(60.0)
     bench.order(7, 1)
     assert bench.commands == []
-    bench.robot.position = (0.0, 30.0)  # meanwhile it was driven off the graph
+    bench.robot.position = (0.0, 30.0)  # somebody has driven it off the graph
     bench.look()
     assert bench.commands == []
     assert 'does not start where the robot is' in refusals(bench, 7)[0].reason.text
@@ -457,7 +457,7 @@ def test_the_old_graph_again_takes_a_refused_one_back():
 
 
 def test_a_complete_route_gets_longer_after_another_program_used_the_robot_meanwhile():
-    """The VDA 5050 adapter does this for an action at a vertex, for which the robot stands."""
+    """The VDA 5050 adapter does this for an action at a vertex at which the robot stands."""
     bench = Bench(dissertation_graph(), 1)
     bench.order(7, 1)
     bench.run()

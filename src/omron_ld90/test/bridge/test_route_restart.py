@@ -14,7 +14,7 @@ from route_protocol.values import OVERRULED, EdgeState, RouteOrder, SymbolicPose
 
 
 def under_way(strategy: str = 'vertex_by_vertex') -> Bench:
-    """A bench whose robot is half way along the second edge of the dissertation's route."""
+    """Returns a bench whose robot is half way along the second edge of the dissertation's route."""
     bench = Bench(dissertation_graph(), 1, strategy)
     bench.order(7, 1, 4, 5, stamp=50.0)
     bench.run(lambda bench: bench.last is not None and bench.last.pose.percentage > 50.0
@@ -171,7 +171,7 @@ def test_a_route_that_has_ended_is_not_driven_again(end):
 
 
 def returned(bench: Bench, is_recent: bool = True) -> Bench:
-    """The same bench with a bridge that has just restarted, and has seen nothing yet."""
+    """Restarts the bridge, which has seen nothing yet. Returns the bench."""
     record = bench.follower.record
     bench.robot.number = None
     bench.follower = RouteFollower(bench.follower.settings, bench.follower.graph)
@@ -301,9 +301,9 @@ def test_a_bridge_that_was_away_for_long_fails_the_route_and_stops_a_robot_on_ou
 
 
 def test_routes_of_long_ago_are_not_driven_again_after_a_restart():
-    """B8: a latching publisher sends its route again, after another route was driven.
+    """A latching publisher sends its route again, although another route has been driven since.
 
-    Such a publisher is a new one to the node, or its message has a stamp.
+    The node knows the publisher from before, and the message has no stamp.
     """
     bench = under_way()
     bench.run()

@@ -1,4 +1,4 @@
-"""One route: the goals that it gives, the complete edges, and its end."""
+"""One route: the goals to which it sends the robot, the complete edges, and its end."""
 from __future__ import annotations
 
 from typing import Tuple
@@ -24,14 +24,14 @@ NEVER = float('-inf')
 
 
 def vehicle_with(*edges: int, first: int = 0) -> Vehicle:
-    """The end of the protocol that has taken a route."""
+    """Returns the vehicle's end of the protocol, which has taken a route."""
     vehicle = Vehicle(lambda: 1, lambda: 0)
     vehicle.take_order(RouteOrder(7, edges, order=1, first=first, master='fleet'), first)
     return vehicle
 
 
 class Drive:
-    """A route over the yard from its first vertex on, vertex by vertex."""
+    """A route over the yard that is driven vertex by vertex from its first vertex on."""
 
     def __init__(self, *edges: int, settings: RouteSettings = SETTINGS, first: int = 0) -> None:
         self.now, self.stamp = 0.0, 0
@@ -51,7 +51,7 @@ class Drive:
         return edge_states(state.edges, state.completed, state.phase)
 
     def replace(self, *edges: int, first: int = 0) -> None:
-        """The vehicle takes another order, which has the same current edge."""
+        """Gives the vehicle another order, which has the same current edge."""
         state = self.vehicle.state
         self.vehicle.take_order(RouteOrder(7, edges, order=state.order + 1, first=first,
                                            master='fleet'), state.done)
@@ -66,7 +66,7 @@ class Drive:
                              SETTINGS.vertex_tolerance, SETTINGS.corridor_width)
 
     def go(self, *places: Tuple[float, float]) -> str:
-        """The robot is seen at these places; returns the notes for people."""
+        """Lets the robot be seen at these places. Returns the notes for people."""
         told = ''
         for place in places:
             told += self.run.locate(self.see(*place), self.now)
@@ -144,7 +144,7 @@ def test_a_longer_route_goes_on_from_what_is_done():
 
 @pytest.mark.parametrize('edges, first', [((1, 5, 6), 0), ((5, 6), 1), ((9, 1, 5, 6), -1)])
 def test_an_order_may_leave_out_or_add_edges_that_are_driven(edges, first):
-    """The progress does not jump, and the robot is not sent again where it drives already."""
+    """The progress does not jump, and the robot is not sent again to its present goal."""
     drive = Drive(1, 5, first=8)
     drive.go((4.0, 0.0))
     drive.arrive()
@@ -162,7 +162,7 @@ def test_an_order_may_leave_out_or_add_edges_that_are_driven(edges, first):
 
 
 def completed(*edges: int) -> Drive:
-    """A route that has been driven, vertex by vertex."""
+    """Returns a route that has been driven vertex by vertex."""
     drive = Drive(*edges)
     for edge in edges:
         drive.go(drive.run.progress.graph.end_vertex(edge).position)
@@ -274,7 +274,7 @@ class TestAVertexThatWasMissed:
         assert drive.go((2.0, 0.0), (2.0, 0.0)) == (
             'The robot missed vertex 2 and is sent back to it.')
         assert drive.tracker.word.command == 'goto 2'
-        drive.now += 25.0  # the robot may take this time
+        drive.now += 25.0  # the robot may take so much time
         drive.go((2.0, 0.0))
 
     def test_but_once_only(self, drive):

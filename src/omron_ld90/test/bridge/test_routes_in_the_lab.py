@@ -18,7 +18,7 @@ ALONG_THE_HALL = (-13, -7, 1, 2, 3)  # vertices: dock - 1 - 8 - 10 - 12 - 14
 
 @lru_cache(maxsize=None)
 def driven(strategy: str) -> Tuple[SimulatedDrive, Tuple[int, ...], float]:
-    """The drive of the mission from the dock and back, its route, and its duration in s."""
+    """Drives from the dock and back. Returns the drive, its route, and its duration in s."""
     drive = SimulatedDrive(strategy)
     route = shortest_route(drive.graph, (DOCK_VERTEX, *MISSION))
     return drive, route, drive.drive(1, *route)
@@ -81,7 +81,7 @@ def test_native_with_a_command_for_the_last_goal_drives_the_shortest_way():
 
 
 def under_way(**settings) -> SimulatedDrive:
-    """A robot that has left vertex 10 for vertex 12."""
+    """Returns a robot that has left vertex 10 for vertex 12."""
     drive = SimulatedDrive('vertex_by_vertex', **settings)
     drive.order(1, *ALONG_THE_HALL)
     drive.run(lambda: list(drive.follower.report().states).count(2) == 3
@@ -156,7 +156,7 @@ def test_a_robot_that_goes_another_way_around_what_blocks_its_own_ends_the_route
 
 
 def test_the_stop_of_a_failed_route_is_obeyed_as_soon_as_the_robot_stands():
-    """The result came after 15 s, as a failure: the enabled motors say `Stopping` as well."""
+    """Once the stop failed after 15 s, because enabling the motors also causes a `Stopping`."""
     drive = under_way()
     drive.inject('estop press')
     drive.run(lambda: not drive.follower.running, 10.0)

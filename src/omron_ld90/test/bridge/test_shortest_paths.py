@@ -1,4 +1,4 @@
-"""Checks if the robot's own path is the route."""
+"""The check of whether the robot's own path is the route."""
 from __future__ import annotations
 
 import itertools
@@ -16,13 +16,13 @@ MARGIN = 0.9
 
 
 def is_the_free_way(graph, edges, arc, corridor_width, tolerance):
-    """True if the robot would drive all the edges by itself."""
+    """Returns whether the robot would by itself drive along all edges."""
     return all(follows_on(graph, edges[:count], arc, corridor_width, tolerance)
                for count in range(1, len(edges) + 1))
 
 
 def is_the_only_short_way(graph, edges, arc, margin=MARGIN):
-    """True if the edges are the robot's only short path, without regard to corners."""
+    """Returns whether the edges are the robot's only short path; corners are ignored."""
     return is_the_free_way(graph, edges, arc, margin, tolerance=math.inf)
 
 
@@ -64,7 +64,7 @@ def test_going_straight_on_passes_the_vertex():
 
 
 def test_at_a_cusp_the_free_way_leaves_the_vertex_out():
-    """Two splines that leave vertex 1 side by side and part slowly."""
+    """Two splines leave vertex 1 side by side and separate slowly."""
     graph = Graph([Vertex(1, 0.0, 0.0, 0.0), Vertex(2, 4.0, 1.0, 0.5), Vertex(3, 4.0, -1.0, -0.5)],
                   [Edge(1, 1, 2, CurveType.SPLINE, 1.5, 1.5),
                    Edge(2, 1, 3, CurveType.SPLINE, 1.5, 1.5)])
@@ -75,7 +75,7 @@ def test_at_a_cusp_the_free_way_leaves_the_vertex_out():
 
 @st.composite
 def grids(draw):
-    """A grid of 3 x 3 vertices with uneven columns and rows, and a simple route over it."""
+    """Returns a grid of 3 x 3 vertices with unequal columns and rows, and a simple route on it."""
     xs = list(itertools.accumulate(draw(st.lists(st.floats(1.0, 6.0), min_size=3, max_size=3))))
     ys = list(itertools.accumulate(draw(st.lists(st.floats(1.0, 6.0), min_size=3, max_size=3))))
     places = {3 * row + column + 1: (xs[column], ys[row])
@@ -94,7 +94,7 @@ def grids(draw):
 
 
 def simple_ways(graph: Graph, start: int, end: int) -> dict:
-    """The length of each simple path, by its edges: slow, but certain."""
+    """Returns the length of each simple path by its edges; the search is slow, but certain."""
     ways, stack = {}, [(start, (), 0.0, {start})]
     while stack:
         at, edges, length, seen = stack.pop()

@@ -33,7 +33,7 @@ def test_it_takes_as_long_on_average_and_about_as_long_on_each_route() -> None:
 
 
 def seconds_of_virtual(graph: Graph, start: int, route: Tuple[int, ...]) -> float:
-    """Seconds until the robot of the virtual fleet has driven the route."""
+    """Returns the seconds that the robot of the virtual fleet needs for the route."""
     robot = DrivenRobot('virtual', graph, KIND, start, LD90, Delays(1.0, NEVER, NEVER), Random(1),
                         1.0)
     robot.receive(RouteOrder(1, route))

@@ -5,7 +5,7 @@ import heapq
 from typing import Callable, List, Tuple
 
 MOST_AT_ONCE = 2000
-"""Calls without a pause between them, after which two parties answer each other for ever."""
+"""If so many calls follow without a pause, two parts of the model answer each other for ever."""
 
 
 class Timeline:
@@ -22,14 +22,14 @@ class Timeline:
         heapq.heappush(self._due, (self.now + seconds, self._count, call))
 
     def every(self, period: float, call: Callable[[], None]) -> None:
-        """Calls a function again and again, for the first time at once."""
+        """Calls a function periodically, the first time at once."""
         def again() -> None:
             self.later(period, again)
             call()
         self.later(0.0, again)
 
     def run(self, seconds: float, until: Callable[[], bool] = lambda: False) -> bool:
-        """Runs for some time; true if the condition became true."""
+        """Runs for some time, or until the condition is true. Returns whether it became true."""
         end, at_once = self.now + seconds, 0
         while not until():
             if not self._due or self._due[0][0] > end:

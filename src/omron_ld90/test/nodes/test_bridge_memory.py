@@ -45,7 +45,7 @@ class Parameters:
         self.memories: List[RouteMemory] = []
 
     def memory(self, launch: str = 'launch_1', file: object = '') -> RouteMemory:
-        """The memory of a bridge that this launch has just started."""
+        """Returns the memory of a bridge that this launch has just started."""
         self.memories.append(RouteMemory(launch, str(file)))
         return self.memories[-1]
 
@@ -86,7 +86,7 @@ def test_a_record_comes_back_with_its_age(parameters, record):
 
 
 def test_no_clock_that_is_set_makes_a_record_younger(parameters, monkeypatch):
-    """B6: after a power cut and a clock set back, a route of hours ago was continued."""
+    """Once, the bridge continued a route of hours ago after a power cut and a clock set back."""
     memory = parameters.memory()
     memory.keep(RECORD)
     memory.close()
@@ -135,7 +135,7 @@ def test_a_master_that_does_not_answer_is_told_again_with_the_next_record(parame
 
 
 def test_the_file_is_written_before_the_robot_acts(parameters, tmp_path, monkeypatch):
-    """A bridge that dies at once must not obey an older order after its restart."""
+    """If the bridge dies at once, it must not obey an older order after its restart."""
     file = tmp_path / 'route.json'
     memory = parameters.memory(file=file)
     monkeypatch.setattr(rospy, 'set_param', lambda *_: None)

@@ -1,4 +1,4 @@
-"""The bridge's reports and refusals carry all fields of the route protocol on the wire."""
+"""The messages of the bridge's reports and refusals carry all fields of the route protocol."""
 from __future__ import annotations
 
 import math
@@ -16,7 +16,7 @@ EPOCH = 2 ** 63 - 1
 
 
 def follower() -> RouteFollower:
-    """A bridge whose robot stands at vertex 1."""
+    """Returns a bridge whose robot stands at vertex 1."""
     bridge = RouteFollower(RouteSettings(), GRAPH, tuple(RobotLink), lambda: EPOCH, lambda: 5000)
     for link in RobotLink:
         bridge.handle(LinkReported(link, True), 0.0)
@@ -28,7 +28,7 @@ def follower() -> RouteFollower:
 
 
 def heard(order: RouteOrder) -> RouteOrder:
-    """The order as the node reads it from its message."""
+    """Returns the order that the node reads from the message of an order."""
     return order_of(fill_order(msg.TargetRoute(), order), 0)
 
 

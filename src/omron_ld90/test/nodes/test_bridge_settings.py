@@ -1,4 +1,4 @@
-"""The bridge uses its parameters in m, s and m/s; a wrong one gives a clear message."""
+"""The bridge uses its parameters in m, s and m/s; a wrong parameter gives a clear message."""
 from __future__ import annotations
 
 from dataclasses import fields
@@ -14,7 +14,7 @@ from trajectory_graph import Edge, Graph, Vertex
 
 DOCK = 47
 GRAPH = Graph([Vertex(DOCK, 0.0, 0.0, 0.0), Vertex(12, 1.0, 0.0, 0.0)], [Edge(1, 12, DOCK)])
-# the least and the greatest value of each number
+# the smallest and the largest value of each number
 LIMITS = {
     'vertex_tolerance': (0.05, 2.0), 'corridor_width': (0.3, 10.0), 'stall_timeout': (1.0, 3600.0),
     'location_timeout': (0.5, 60.0), 'link_timeout': (0.0, 60.0), 'restart_timeout': (0.0, 600.0),
@@ -23,7 +23,7 @@ LIMITS = {
 
 @pytest.fixture
 def given(monkeypatch) -> Dict[str, Any]:
-    """The parameters of the node, by their names without `~`."""
+    """Returns the parameters of the node, by their names without `~`."""
     values: Dict[str, Any] = {}
     monkeypatch.setattr(rospy, 'get_param', lambda name, default: values.get(name[1:], default))
     monkeypatch.setattr(rospy, 'resolve_name', lambda name: f'/bridge/{name[1:]}')
@@ -31,7 +31,7 @@ def given(monkeypatch) -> Dict[str, Any]:
 
 
 def message(graph: Optional[Graph] = GRAPH) -> str:
-    """The message for people about wrong settings."""
+    """Returns the message for people about wrong settings."""
     with pytest.raises(ConfigurationError) as wrong:
         read_settings(graph)
     return str(wrong.value)

@@ -21,10 +21,11 @@ R = ExecuteCommandResult
 
 
 class Handle:
-    """A goal as actionlib passes it; `calls` lists the calls on it, in order.
+    """A goal as actionlib passes it. `calls` lists the calls of its methods, in order.
 
     Each method of actionlib's handle takes the lock that actionlib holds while it calls `_on_goal`.
-    So the handle must not be used under the lock of `CommandActions`: that would be a deadlock.
+    So the handle must not be used under the lock of `CommandActions`, because this could cause a
+    deadlock.
     """
 
     def __init__(self, id: str, command: str, timeout: float = 0.0, caller: str = '/rviz',
@@ -49,7 +50,7 @@ class Handle:
 
     @property
     def ended(self) -> Tuple[str, int, str, str]:
-        """Its final state, outcome, message, and the text of its status."""
+        """The final state, outcome, message and status text of the goal."""
         how, result, text = self.calls[-1]
         return how, result.outcome, result.message, text
 
@@ -76,7 +77,7 @@ class Server:
 
 
 class Old:
-    """Replaces OldMessages: `why` is the reason why messages are too old; stops never are."""
+    """Replaces OldMessages. `why` says why messages are too old; a stop is never too old."""
 
     def __init__(self) -> None:
         self.why: Optional[str] = None
@@ -107,19 +108,19 @@ class Bench:
         if self.refusal:
             raise self.refusal
         self.given.append((text, giver, options))
-        return text  # stands for the execution
+        return text  # instead of an execution
 
     def _cancel(self, execution: object, canceller: Giver) -> None:
         self.cancelled.append((execution, canceller))
 
     def give(self, *words: Any, **more: Any) -> Handle:
-        """A goal arrives."""
+        """Lets a goal arrive. Returns its handle."""
         handle = Handle(f'goal {len(self.given)}', *words, **more)
         self.server.on_goal(handle)
         return handle
 
     def end(self, handle: Handle, result: Result) -> None:
-        """The command of a goal ends, and its result is reported."""
+        """Ends the command of a goal, and waits until the result is reported."""
         text = handle.get_goal().command
         next(options for given, _, options in self.given if given == text)['on_end'](result)
         self.told()
@@ -254,7 +255,7 @@ def test_only_a_stop_is_taken_whatever_was_cancelled_before(bench, command, stop
 
 
 def test_an_empty_result_is_no_outcome():
-    """D10: a goal recalled before its start had the outcome 0, which was SUCCEEDED."""
+    """Once, a goal that was recalled before its start had the outcome 0, which was SUCCEEDED."""
     assert ExecuteCommandResult().outcome == ExecuteCommandResult.NONE
     assert ExecuteCommandResult.NONE not in _OUTCOMES.values()
 

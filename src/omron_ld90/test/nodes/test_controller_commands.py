@@ -1,4 +1,4 @@
-"""The controller's commands: how each can end, what repeats another, and what is refused."""
+"""The controller's commands: their possible ends, repetitions, and refusals."""
 from __future__ import annotations
 
 import math

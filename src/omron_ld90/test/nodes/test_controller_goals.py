@@ -15,7 +15,7 @@ LAB = Path(__file__).resolve().parents[4] / 'maps' / 'lab.map'
 
 
 def compared(goals: GoalComparison) -> DiagnosticStatusWrapper:
-    """The entry in /diagnostics after the comparison."""
+    """Returns the entry in /diagnostics after the comparison."""
     deadline = time.monotonic() + 10.0
     while time.monotonic() < deadline:
         status = goals.diagnose(DiagnosticStatusWrapper())

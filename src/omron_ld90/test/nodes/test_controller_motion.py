@@ -55,7 +55,9 @@ def test_without_a_file_nothing_is_kept(tmp_path):
 
 @pytest.mark.parametrize('before, after', [('sim_1', 'sim_2'), ('sim_1', ''), ('', 'sim_2')])
 def test_what_another_robot_did_says_nothing_about_this_one(tmp_path, before, after):
-    """A simulated robot begins anew at each start: else it seems driven by another client."""
+    """A simulated robot begins anew at each start. With the old memory, it would seem that another
+    client had driven it.
+    """
     path = str(tmp_path / 'motion.json')
     MotionFile(path, before).keep(MEMORY)
     assert MotionFile(path, before).read() == MEMORY
@@ -122,7 +124,7 @@ def test_on_a_disk_without_room_the_newest_memory_takes_the_room_of_the_one_befo
 
 def test_a_memory_that_could_not_be_replaced_is_not_there_when_the_disk_has_room_again(
         on_small_disk, warned, monkeypatch):
-    """With the old file, a restarted controller would let a program pass the stop of a person."""
+    """With the old file, a restarted controller would let a program drive after a person's stop."""
     def act(disk):
         path = str(disk.folder / 'motion.json')
         file = MotionFile(path)
@@ -142,7 +144,7 @@ def test_a_memory_that_could_not_be_replaced_is_not_there_when_the_disk_has_room
 
 def test_of_a_memory_on_a_disk_that_has_become_read_only_only_an_owed_stop_counts(
         on_small_disk, warned):
-    """No giver may continue by an epoch that may have ended long ago."""
+    """No giver may continue in an epoch that may have ended long ago."""
     def act(disk):
         path = str(disk.folder / 'motion.json')
         file = MotionFile(path)

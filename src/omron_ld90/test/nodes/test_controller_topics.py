@@ -1,4 +1,4 @@
-"""A command by topic is carried out once, for its sender; a refused one is reported."""
+"""A command that comes by a topic is carried out once for its sender; a refusal is reported."""
 from __future__ import annotations
 
 import math
@@ -19,7 +19,7 @@ FLEET = 'The fleet drives the robot.'
 
 
 class Bench:
-    """The topics with everything behind them; it replaces OldMessages, Refusals and MoveBase."""
+    """Replaces ROS, OldMessages, Refusals and MoveBase, and keeps the commands that are given."""
 
     def __init__(self, monkeypatch: Any) -> None:
         self.heard: Dict[str, Callable[[Any], None]] = {}

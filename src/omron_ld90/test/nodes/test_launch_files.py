@@ -16,7 +16,7 @@ ROOT = Path(__file__).resolve().parents[4]
 LAUNCH_FILES = sorted([*ROOT.glob('launch/*.launch'), *ROOT.glob('src/*/launch/*.launch')])
 PLACES = {file.name: file for file in LAUNCH_FILES}
 REFUSALS = (RLException, LoadException, XmlParseException)
-#: Values for arguments without a default, as a user would give them.
+#: Values for arguments that have no default, as a user would give them.
 GIVEN = {
     'edit.launch': ['map_file:=/nowhere/site.map', 'graph_file:=/nowhere/graph.yaml'],
     'editor_rviz.launch': ['map_file:=/nowhere/site.map'],
@@ -37,7 +37,7 @@ def arguments(file: Path):
 
 
 def expand(name: str, *given: str):
-    """The nodes that roslaunch would start, by name, and their parameters."""
+    """Returns the nodes that roslaunch would start, by name, and their parameters."""
     config = ROSLaunchConfig()
     # without roscore's own launch file, which runs a program for each of its parameters
     XmlLoader().load(str(PLACES[name]), config, argv=[*GIVEN.get(name, []), *given], verbose=False)
@@ -94,7 +94,7 @@ def test_a_start_says_what_to_do_with_a_robot_that_is_ready(given, advice):
 @pytest.mark.parametrize('given, expected', [
     (None, '[${severity}] [${time}] ${node}: ${message}'), ('${message}', '${message}')])
 def test_of_two_robots_every_line_on_the_screen_tells_whose_it_is(monkeypatch, given, expected):
-    """The lines of a fleet do the same, see fleet_bringup; a user's own format is kept."""
+    """This also holds for a fleet, see fleet_bringup. The format that a user has set is kept."""
     monkeypatch.delenv('ROSCONSOLE_FORMAT', raising=False)
     if given:
         monkeypatch.setenv('ROSCONSOLE_FORMAT', given)
@@ -123,7 +123,7 @@ def test_the_interface_reference_has_every_argument_with_its_default_and_meaning
         default, meaning = rows[arg.get('name')]
         assert meaning == arg.get('doc')
         set_to = arg.get('default', arg.get('value'))
-        if set_to is None or not set_to.startswith('$(eval'):  # these are printed as text
+        if set_to is None or not set_to.startswith('$(eval'):  # $(eval ...) is described in words
             assert default == {None: 'required', '': 'empty'}.get(set_to, f'`{set_to}`')
 
 
@@ -200,8 +200,9 @@ BRIDGE, ROUTES = '/omron_ld90/omron_edges_to_vertices', '/omron_ld90/route_visua
 
 
 def graph_and_dock(*given: str):
-    """The graph and the dock of the bridge, and of the nodes that show its routes, for these
-    arguments.
+    """Returns the graph and the dock of the bridge for these arguments.
+
+    The nodes that show the routes must have the same graph and dock.
     """
     _, parameters = expand('full_stack.launch', *given)
     bridge, shown = ((parameters[f'{node}/graph_file'], parameters[f'{node}/dock_vertex'])
@@ -295,7 +296,7 @@ def test_another_robot_name_moves_every_node():
     assert {name.split('/')[1] for name in nodes} == {'robot7'}
 
 
-#: Topics of RViz's tools, by the program that subscribes to them.
+#: For each program, the topics of RViz's tools to which it subscribes.
 TOOLS = {
     'omron_controller': ('move_base_simple/goal', 'initialpose'), 'goal_sender': ('clicked_point',),
     'route_visualisation': ('move_base_simple/goal',), 'vda5050_vehicle': ('initialpose',),
@@ -303,7 +304,7 @@ TOOLS = {
 
 
 def tools_of(name: str, *given: str):
-    """The final names of the tools' topics, by node."""
+    """Returns the resolved names of the tools' topics, by node."""
     called = {}
     for path, node in expand(name, *given)[0].items():
         namespace = path.rsplit('/', 1)[0]

@@ -1,4 +1,4 @@
-"""The messages of the largest site are read; a limit leaves out mistakes and attacks only."""
+"""The messages of the largest site are read; the limits refuse only mistakes and attacks."""
 from __future__ import annotations
 
 import io

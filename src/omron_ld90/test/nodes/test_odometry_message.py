@@ -1,4 +1,4 @@
-"""A motion as nav_msgs/Odometry: the frame of each half, and the places of the variances."""
+"""A motion as nav_msgs/Odometry: the frames of pose and twist, and the places of the variances."""
 from __future__ import annotations
 
 import pytest

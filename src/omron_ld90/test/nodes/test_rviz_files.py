@@ -1,4 +1,4 @@
-"""The RViz configurations and the URDF must be complete and correct."""
+"""The RViz configurations and the URDF are complete and correct."""
 from __future__ import annotations
 
 import xml.etree.ElementTree as ElementTree
@@ -15,7 +15,7 @@ def configuration(name: str) -> dict:
 
 
 def topics(node) -> list:
-    """All topics and parameters that displays and tools name, at any depth."""
+    """Returns all topics and parameters that displays and tools name, at any depth."""
     if isinstance(node, list):
         return [topic for item in node for topic in topics(item)]
     if not isinstance(node, dict):

@@ -26,7 +26,7 @@ SHIPPED = (REPOSITORY / 'rviz/omron_ld90.rviz').read_text()
 
 
 def room(west: int, south: int, east: int, north: int) -> MapDocument:
-    """A map that contains the two opposite corners of a room, in mm."""
+    """Returns a map that contains two opposite corners of a room, in mm."""
     return MapDocument.from_bytes(
         f'2D-Map\nNumPoints: 2\nDATA\n{west} {south}\n{east} {north}\n'.encode())
 
@@ -80,7 +80,7 @@ def test_a_view_that_is_not_from_above_is_left_alone():
 
 @pytest.fixture
 def site(tmp_path) -> tuple:
-    """A map outside the shipped view, and the path for its RViz configuration."""
+    """Returns a map outside the shipped view, and the path for its RViz configuration."""
     room(0, 0, 90000, 90000).save(str(tmp_path / 'site.map'))
     return str(tmp_path / 'site.map'), tmp_path / 'site.rviz'
 

@@ -32,7 +32,7 @@ def taken_port():
 
 @pytest.fixture
 def free_port():
-    # bound, but no program listens: no other program can use the port
+    # the port is bound, so that no other program can use it; but no program listens
     with socket.socket() as holder:
         holder.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         holder.bind(('127.0.0.1', 0))
@@ -51,7 +51,7 @@ def test_a_taken_port_is_named_with_the_way_out(
 
 
 def test_who_has_a_port_is_not_connected_to(taken_port, free_port, tmp_path):
-    """A connection to the port of another run would take the place of that run's robot."""
+    """A connection to the port of another run would replace the robot of that run."""
     run(f'outgoing_port:={taken_port.getsockname()[1]}', f'arcl_port:={free_port}',
         folder=tmp_path)
     taken_port.setblocking(False)
@@ -146,7 +146,7 @@ def test_the_workspace_is_built_again_where_something_new_has_to_be_found(
 
 
 def progress_of(tmp_path, output):
-    """Begins a command that waits after its first line, with its progress on `output`."""
+    """Begins a command that waits after its first line, and shows its progress on `output`."""
     os.mkfifo(tmp_path / 'go_on')
     command = f'echo Unpacking python3-x; read -r word <{tmp_path}/go_on; exit 3'
     return subprocess.Popen(
@@ -155,7 +155,7 @@ def progress_of(tmp_path, output):
 
 
 def test_the_workspace_is_built_from_any_folder(tmp_path):
-    """catkin_make takes the working directory from the variable PWD, unless it is told a folder."""
+    """Without an explicit folder, catkin_make takes the working directory from the variable PWD."""
     for folder in ('scripts', 'src', 'elsewhere'):
         (tmp_path / folder).mkdir()
     shutil.copy(ROOT / 'scripts' / 'common.sh', tmp_path / 'scripts')
@@ -215,7 +215,7 @@ def test_a_namespace_of_the_shell_is_refused_in_a_sentence(tmp_path, monkeypatch
 
 
 def test_a_computer_without_localhost_is_told_before_anything_is_installed(tmp_path, monkeypatch):
-    """As in a system that debootstrap has made."""
+    """A system that debootstrap has made has no localhost."""
     monkeypatch.setenv('BASH_FUNC_getent%%', '() { return 2; }')
     result = run(folder=tmp_path)
     assert result.returncode == 1
@@ -224,7 +224,7 @@ def test_a_computer_without_localhost_is_told_before_anything_is_installed(tmp_p
 
 def test_a_computer_without_an_address_for_its_own_name_is_told_what_other_terminals_need(
         tmp_path, monkeypatch):
-    """As in a system that debootstrap has made: `rostopic pub` would not be heard."""
+    """This is so in a system that debootstrap has made: `rostopic pub` would not be heard."""
     monkeypatch.setenv('BASH_FUNC_getent%%', '() { [ "$2" = localhost ]; }')
     told = "run 'export ROS_IP=127.0.0.1' there"
     monkeypatch.setenv('ROS_IP', '127.0.0.1')
@@ -242,7 +242,7 @@ def test_without_a_variable_home_the_home_is_that_of_the_account(tmp_path, monke
 
 
 def test_new_site_works_in_an_install_space_too(tmp_path):
-    """There, installed_common.sh is its common.sh, and roslaunch starts the robot."""
+    """There, installed_common.sh replaces common.sh, and roslaunch starts the robot."""
     programs = tmp_path / 'lib' / 'ld90_bringup'
     programs.mkdir(parents=True)
     shutil.copy(ROOT / 'scripts' / 'new_site.sh', programs)

@@ -1,4 +1,4 @@
-"""scripts/test.sh adds up results: a second try counts, is named, and hides no failure."""
+"""scripts/test.sh adds up results: a second try counts and is named, but hides no failure."""
 from __future__ import annotations
 
 import subprocess

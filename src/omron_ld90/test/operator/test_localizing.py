@@ -1,4 +1,4 @@
-"""A robot is localized only if its scan fits the map there, by the score that it reports next."""
+"""The next score of a robot decides whether it is localized: the scan must fit the map."""
 from __future__ import annotations
 
 import pytest

@@ -1,4 +1,4 @@
-"""Tells if the fleet manager drives the robot, and which route to show."""
+"""The decision whether the fleet manager drives the robot, and which route to show."""
 from __future__ import annotations
 
 import pytest

@@ -1,1 +1,1 @@
-"""Drives one LD-90 along the routes of a fleet manager: takes orders, gives commands, reports."""
+"""Drives one LD-90 along the routes of a fleet manager, and reports to the fleet manager."""

@@ -18,14 +18,14 @@ from route_protocol.vehicle import VehicleState
 
 @dataclass(frozen=True)
 class BridgeMemory:
-    """All that a restarted bridge needs: what `Vehicle` knows, and where the robot was sent."""
+    """All that a restarted bridge needs: the state of `Vehicle`, and where the robot was sent."""
 
     vehicle: VehicleState
     target: Optional[int] = None  # index of the edge to whose end the robot was sent
-    number: int = 0          # of the command that sent it there; 0: it was not given yet
+    number: int = 0          # of the command for this; 0: the command was not given yet
     owes_stop: bool = False  # the controller has not taken the stop that ended the route
     epoch: int = 0           # the controller's last epoch that the bridge knew
-    foreign_epoch: int = 0   # the newest one that the bridge did not begin, as it knew
+    foreign_epoch: int = 0   # the newest known epoch that the bridge did not begin
     last: Optional[RouteOrder] = None  # the last order that was taken; see `OldMasters`
 
 
@@ -33,7 +33,7 @@ class BridgeMemory:
 
 @dataclass(frozen=True)
 class RobotSeen:
-    """One status of the robot; `activity` and `docking` are those at its place and stamp."""
+    """One status of the robot. `activity` and `docking` belong to the same moment as `place`."""
 
     stamp: int
     activity: ActivityKind = ActivityKind.UNKNOWN
@@ -46,7 +46,7 @@ class RobotSeen:
 
 @dataclass(frozen=True)
 class CommandEnded:
-    """A command given as `Give` has ended; `text` are the robot's words or the controller's."""
+    """A command that was given by `Give` has ended. `text` has words of robot or controller."""
 
     number: int
     ending: Outcome
@@ -60,17 +60,17 @@ class MotionTold:
     """The controller reports the epoch and the motion of the robot (omron_ld90_msgs/Motion).
 
     foreign_epoch -- the newest epoch that the bridge did not begin: another giver, another client,
-        the robot itself or its emergency stop did; 0: this one
+        the robot itself or its emergency stop did; 0: the present epoch
     is_ours -- the robot obeys the bridge, or is in its emergency stop
-    obeys_us -- the robot has acknowledged a drive of the bridge
-    reason -- why the epoch is a new one, for a person
-    cause -- the same for programs
-    is_unexplained -- the robot broke off a drive, and the next epoch tells why
+    obeys_us -- the epoch began because the robot obeys a drive of the bridge
+    reason -- why the epoch began, for a person
+    cause -- why the epoch began, for programs
+    is_unexplained -- the robot broke off a drive; the next epoch has the cause
     emergency_stop -- the emergency stop is pressed, or the motors are off after it
-    number, fate -- the last command of the bridge that the controller has, and what became of it;
-        0, None: nothing was told yet
+    number -- of the last command of the bridge that the controller has; 0: none is known
+    fate -- of this command; None: none is known
 
-    Its attributes are fields of the message `Motion`.
+    The attributes are fields of the message `Motion`.
     """
 
     epoch: int
@@ -88,7 +88,7 @@ class MotionTold:
 
 
 class RobotLink(Enum):
-    """The two connections to the robot, by their names in omron_ld90_msgs/LinkState."""
+    """The two connections to the robot, with their names in omron_ld90_msgs/LinkState."""
 
     COMMANDS = 'commands'
     OUTGOING = 'outgoing'
@@ -96,7 +96,7 @@ class RobotLink(Enum):
 
 @dataclass(frozen=True)
 class LinkReported:
-    """The report on a link by the node that owns it; sent at least once a second."""
+    """A report about a link, which the node that owns the link sends at least once a second."""
 
     link: RobotLink
     up: bool
@@ -110,7 +110,9 @@ Event = Union[RouteOrder, RobotSeen, CommandEnded, MotionTold, LinkReported]
 
 @dataclass(frozen=True)
 class Give:
-    """Give the robot this ARCL command; a `CommandEnded` with this number must report its end.
+    """The request to give the robot this ARCL command.
+
+    A `CommandEnded` with this number must report the end of the command.
 
     known_epoch -- the epoch in which the command is valid; 0: any
     """

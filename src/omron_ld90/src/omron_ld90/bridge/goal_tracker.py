@@ -1,13 +1,15 @@
-"""The goal that we last sent the robot to, and how the drive to it ends.
+"""The last goal to which we sent the robot, and how the drive to this goal ends.
 
-    event                                                under way
-    SUCCEEDED, COMPLETED                                 reached
-    EMERGENCY_STOPPED, FAILED                            failed
-    LOST, INTERRUPTED, CANCELLED, OVERRULED              `motion` tells what became of it (lost)
-    lost: COMPLETED, FAILED, NOT_OBEYED                  reached, failed, given again
+    the drive is   event                                       the drive becomes
+    under way      SUCCEEDED                                   reached
+    under way      EMERGENCY_STOPPED, FAILED                   failed
+    under way      LOST, INTERRUPTED, CANCELLED, OVERRULED     lost: `motion` will show its fate
+    lost           `motion` shows COMPLETED                    reached
+    lost           `motion` shows FAILED                       failed
+    lost           `motion` shows NOT_OBEYED                   under way: it is given again
 
-Invariants: only the last command counts; a new one forgets how the one before ended. A drive is
-given again only if the robot does not carry it out; see `last_word`.
+Invariants: only the last command counts; a new command replaces all that is known about the command
+before. A drive is given again only if the robot does not carry it out; see `last_word`.
 """
 from __future__ import annotations
 
@@ -28,7 +30,7 @@ _FAILED = Reason(ReasonCode.DRIVE_FAILED, 'the robot failed to reach its goal')
 
 
 class RouteFailed(Exception):
-    """The route cannot go on; `reason` is for the fleet manager, `detail` for a person here."""
+    """The route cannot go on. `reason` is for the fleet manager, `detail` for a person."""
 
     def __init__(self, reason: Reason, detail: str = '') -> None:
         super().__init__(reason, detail)
@@ -49,21 +51,21 @@ class TakenOver(RouteFailed):
 class GoalTracker:
     """Tracks the last goal from the command to the arrival.
 
-    It has one method for each event of a command, and one for each of ours.
+    There is one method for each command of ours, and one for each event.
     """
 
     def __init__(self) -> None:
         self.goal: Optional[str] = None
-        """Name of the goal last sent; DOCK for the dock, None if we sent the robot nowhere."""
+        """Name of the last goal; DOCK for the dock, None if we sent the robot to no goal."""
         self.word = LastWord()
         """The last command: the drive to the goal, or a stop."""
         self.reached = False
         """Whether the robot has reported its arrival."""
         self.failure: Optional[RouteFailed] = None
-        """Why the robot does not obey the command, if it does something else."""
+        """Why the drive has failed; None: it has not."""
         self.rested_at_goal = 0
-        """How many locations in a row since its arrival show the robot at the same place."""
-        # number and fate of our last command
+        """Number of successive locations since the arrival that show the robot at one place."""
+        # number and fate of our last command, as `motion` shows them
         self._told: Tuple[int, Optional[CommandFate]] = (0, None)
         self._place: Optional[Tuple[float, float]] = None
 
@@ -74,7 +76,7 @@ class GoalTracker:
 
     @property
     def awaits_motion(self) -> bool:
-        """Whether `motion` has still to tell what became of the last command."""
+        """Whether only `motion` can show the fate of the last command, and has not shown it yet."""
         return self.word.is_lost
 
     # --- our commands ----------------------------------------------------------------------------
@@ -84,14 +86,17 @@ class GoalTracker:
         self._begin(goal, LastWord(command))
 
     def resume(self, goal: str, command: str, number: int, now: float) -> None:
-        """Notes that the robot was sent to `goal` before a restart of this program, with a command
-        of this number; 0: the command was not given yet.
+        """Notes that the robot was sent to `goal` before a restart of this program.
+
+        number -- of the command; 0: the command was not given yet
         """
         self._begin(goal, LastWord(command, number=number))
         self._judge(now)
 
     def stop(self, epoch: int) -> None:
-        """Stops the motion of this epoch as soon as the robot can be reached; 0: any epoch."""
+        """Gives a stop as soon as the robot can be reached. The stop ends no drive of another giver
+        that began after `epoch`; 0: it ends any drive.
+        """
         self._begin(None, LastWord(STOP, epoch))
 
     def forget(self) -> None:
@@ -112,7 +117,7 @@ class GoalTracker:
     # --- how the command goes on -----------------------------------------------------------------
 
     def ended(self, event: CommandEnded, now: float) -> None:
-        """Notes that a command has ended; all but the last one are ignored."""
+        """Notes that a command has ended. Ends of older commands are ignored."""
         if event.number != self.word.number or self.word.must_be_given:
             return
         self.word.ended(event, now)
@@ -128,7 +133,7 @@ class GoalTracker:
             self._judge(now)
 
     def told(self, number: int, fate: Optional[CommandFate], now: float) -> None:
-        """Notes that the controller tells what became of our last command."""
+        """Notes the fate of our last command, as the controller has published it."""
         self._told = number, fate
         self._judge(now)
 
@@ -143,7 +148,7 @@ class GoalTracker:
 
     def located(self, place: Tuple[float, float], activity: ActivityKind = ActivityKind.UNKNOWN
                 ) -> None:
-        """Takes a location (m); while the robot still drives, it dates from before the arrival."""
+        """Takes a location (m). While the robot moves, a location is older than its arrival."""
         stands = (activity not in MOVING and self._place is not None
                   and math.dist(self._place, place) <= UNMOVED)
         self._place = place

@@ -15,7 +15,7 @@ DOCK_ZONE = 2.0  # m around the dock vertex, in which the robot manoeuvres outsi
 
 @dataclass(frozen=True)
 class GraphLocation:
-    """A location (m) on a graph, judged with the widths and tolerances of the bridge."""
+    """A location (m) on a graph, with the width and the tolerance (m) that decide what it is on."""
 
     graph: Graph
     position: Tuple[float, float]
@@ -44,7 +44,8 @@ class GraphLocation:
         """Returns the reason why a route cannot begin here with `edge`; empty if it can.
 
         A route can begin at the edge's first vertex and anywhere on the edge. It can begin at the
-        last vertex only while the edge is `being_driven`: the order may have crossed our report.
+        last vertex only if the edge is `being_driven`: then the order may have been sent before our
+        report that the edge is complete.
         """
         start, end = self.graph.start_vertex(edge).id, self.graph.end_vertex(edge).id
         curve, name = self.graph.curve(edge), edge_name(self.graph, edge)
@@ -69,7 +70,7 @@ class GraphLocation:
     def nearest_of(self, edges: Sequence[int]) -> Optional[int]:
         """Returns the index of the nearest edge whose corridor contains this location.
 
-        The first of equals.
+        Of equally near edges it returns the first. None: no corridor contains the location.
         """
         distances = [self.graph.curve(edge).project(*self.position).distance for edge in edges]
         if not distances or min(distances) > self.corridor_width / 2.0:
@@ -78,7 +79,9 @@ class GraphLocation:
                     if distance <= min(distances) + 0.01)
 
     def symbolic_pose(self) -> SymbolicPose:
-        """Returns the nearest edge, driven forwards; edge 0 if the location is in no corridor."""
+        """Returns the place on the nearest edge, in its forward direction. Edge 0 means that the
+        location is in no corridor.
+        """
         if self._dock is not None and self.is_docked and self.graph.edges:
             way_out = self.graph.edges_from(self._dock)[0]
             return SymbolicPose(abs(way_out), 0.0 if way_out > 0 else 100.0)

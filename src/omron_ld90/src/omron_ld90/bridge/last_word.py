@@ -1,28 +1,31 @@
 """The last command for the robot, a drive or a stop, until its fate is known.
 
-A command is given to the controller, which says how it ends. That answer may be lost, with a link,
-the controller or a restart of this program. Or a drive was interrupted, cancelled or overruled.
-Then `motion` says what became of it: the number and the fate of our last command.
+A command is given to the controller, which answers how the command ends. The answer may be lost
+with a link, with the controller, or by a restart of this program. Or the answer says that a drive
+was interrupted, cancelled or overruled; this counts as a lost answer. In both cases `motion` shows
+the fate: it contains the number and the fate of our last command that the controller has.
 
     | the answer                        | what follows                                             |
     |-----------------------------------|----------------------------------------------------------|
-    | it was never sent                 | it is given again, unless it is a stop that `motion`     |
-    |                                   | tells                                                    |
-    | lost; `motion` tells an older one | it is given again: the controller never had it; unless   |
-    |                                   | it answered: then `motion` has still to tell             |
-    | lost; `motion` tells a newer one  | this program forgot it, and decides anew where to drive  |
-    | lost; NOT_OBEYED                  | a drive is given again: the robot does not carry it out  |
-    | lost; COMPLETED, FAILED           | a drive has ended so                                     |
-    | lost; any other                   | `motion` will say it                                     |
-    | others ended a drive              | as if the answer was lost                                |
-    | a stop that `motion` tells        | the controller has it, and sees to it                    |
+    | the command was never sent; or    | the command is given again, unless it is a stop whose    |
+    | the answer to a stop is lost      | number `motion` has shown                                |
+    | lost; `motion` has an older       | the command is given again, because the controller never |
+    | number                            | had it; if the controller has answered, it is not given  |
+    |                                   | again, but `motion` will show its fate                   |
+    | lost; `motion` has a newer number | this program had forgotten the newer command, and        |
+    |                                   | decides anew where to drive                              |
+    | lost; `motion` has NOT_OBEYED     | the drive is given again: the robot does not carry it out|
+    | lost; COMPLETED or FAILED         | this is how the drive has ended                          |
+    | lost; any other fate              | `motion` will show the end                               |
+    | of a stop whose number `motion`   | the controller has the stop, and sends it until the      |
+    | has shown                         | robot obeys                                              |
 
-If another giver did something, its epoch ends the route before anything is given again
+If another giver has acted, its epoch ends the route before any command is given again
 (`RobotMonitor`).
 
-A command that is given again gets a new number, so that the controller refuses the one before if it
-still comes. Each command carries the epoch in which it is valid, so that a stop ends no newer drive
-of another giver.
+A command that is given again gets a new number. So the controller refuses the old one if it arrives
+late. Each command carries the epoch in which it is valid, so that a stop ends no newer drive of
+another giver.
 """
 from __future__ import annotations
 
@@ -39,17 +42,17 @@ RETRY = 1.0  # s between two attempts
 
 
 class LastWord:
-    """A command, until its fate is known. `epoch` is None for the present one."""
+    """A command, until its fate is known. `epoch` None means the epoch at which it is given."""
 
     def __init__(self, command: str = '', epoch: Optional[int] = None, number: int = 0) -> None:
         self.command, self.epoch = command, epoch
         self.number = number
-        """Number under which it was given; 0: it was not given yet."""
+        """The number with which it was given; 0: it was not given yet."""
         self.is_lost = bool(number)
-        """Whether `motion` says what became of it, not the controller's answer."""
+        """Whether its fate will come from `motion`, not from the controller's answer."""
         self.must_be_given = bool(command) and not number
         self.is_taken = False
-        """Whether the controller has it, for certain."""
+        """Whether the controller certainly has the command."""
         self.problem = ''
         """Why the last attempt failed."""
         self._was_tried = False
@@ -57,16 +60,16 @@ class LastWord:
 
     @property
     def is_stop(self) -> bool:
-        """Whether it stops the robot."""
+        """Whether the command is a stop."""
         return self.command == STOP
 
     def due(self, link_stands: bool, now: float) -> bool:
-        """Returns whether to give it now; the first attempt is made regardless of the link."""
+        """Returns whether to give the command now. The first attempt needs no link."""
         return self.must_be_given and (
             not self._was_tried or link_stands and now >= self._not_before)
 
     def give(self, number: int, epoch: int) -> Give:
-        """Gives it under this number; `epoch`: the present one."""
+        """Gives the command with this number. epoch -- the present epoch"""
         self.number, self.must_be_given, self.is_lost = number, False, False
         self._was_tried = True
         return Give(number, self.command, epoch if self.epoch is None else self.epoch)
@@ -74,7 +77,7 @@ class LastWord:
     def ended(self, event: CommandEnded, now: float) -> None:
         """Notes that the controller's answer came, or was lost."""
         if event.ending is Outcome.NEVER_SENT or self.is_stop and event.ending is Outcome.LOST:
-            if not (self.is_stop and self.is_taken):  # else the controller sends it when it can
+            if not (self.is_stop and self.is_taken):  # a taken stop is sent by the controller
                 self.give_again(now + RETRY)
             self.problem = event.text or event.ending.value
         elif not self.is_stop and event.ending in _TOLD_BY_MOTION:
@@ -85,14 +88,14 @@ class LastWord:
             self.problem = (event.text or event.ending.value) if failed else ''
 
     def give_again(self, not_before: float) -> None:
-        """Notes that it must be given once more."""
+        """Notes that the command must be given again, not before the time `not_before`."""
         self.must_be_given, self.is_lost, self.is_taken, self._was_tried = True, False, False, True
         self._not_before = not_before
 
     def told(self, last: Tuple[int, Optional[CommandFate]], now: float) -> Optional[CommandFate]:
-        """Returns how a lost drive has ended, as `motion` tells; None: it has not, or is not lost.
+        """Returns how a lost drive has ended according to `motion`; None: not yet, or not lost.
 
-        last -- number and fate of our last command; None: nothing was told yet
+        last -- number and fate of our last command that the controller has; fate None: unknown
         """
         number, fate = last
         if self.is_stop:

@@ -1,19 +1,20 @@
-"""Judges what the robot does, as the reports of the route protocol tell it (`Motion`).
+"""Decides what the reports of the route protocol say about the robot's motion (`Motion`).
 
     | the first condition that holds                                         | motion            |
     |------------------------------------------------------------------------|-------------------|
     | a route runs                                                           | ON_ROUTE          |
     | a link is down, or the location is unknown or old                      | UNKNOWN           |
-    | another giver or a person's hand drives it, as the controller tells    | MOVED             |
-    | it rests, and owes no stop                                             | STANDING          |
-    | a route was complete, and nothing else happened since                  | ON_ROUTE          |
-    | a route was lost or stopped, and nothing else happened since           | COMING_TO_REST    |
-    | it moved without a drive of ours                                       | MOVED             |
-    | nothing is known from before the start of this program                 | UNKNOWN           |
+    | according to the controller, another giver or a person drives it       | MOVED             |
+    | the robot rests, and owes no stop                                      | STANDING          |
+    | the robot rests, and owes a stop                                       | COMING_TO_REST    |
+    | the last event was the end of a complete route                         | ON_ROUTE          |
+    | the last event was the end of a lost or stopped route                  | COMING_TO_REST    |
+    | the last event was a motion without a drive of ours                    | MOVED             |
+    | nothing has happened since the start of this program                   | UNKNOWN           |
 
-It rests if its status shows no motion and its locations stay within STILL for RESTING. Only
-locations count that come after the end of the route, and after the last time that it moved. The
-first of them is the centre, so a slow movement is seen as well.
+The robot rests if its status shows no motion and its locations stay within STILL m for RESTING s.
+Only locations count that come after the end of the route, and after the last motion. The first of
+these locations is the centre to which all others are compared, so a slow motion is seen as well.
 """
 from __future__ import annotations
 
@@ -35,7 +36,7 @@ _MOVING = MOVING | {ActivityKind.STOPPING}
 
 
 class MotionJudge:
-    """Knows whether the robot rests, and if not, why it moves."""
+    """Finds out whether the robot rests, and otherwise why it moves."""
 
     def __init__(self) -> None:
         self._rests = False
@@ -44,26 +45,24 @@ class MotionJudge:
         self._is_driven = False  # by another giver or by hand
 
     def route_ended(self, phase: Phase) -> None:
-        """Notes that a route is complete, or was lost or stopped:
-        the robot may roll on for a while.
-        """
+        """Notes that a route has ended. The robot may still roll on for a while."""
         self._move(Motion.ON_ROUTE if phase is Phase.COMPLETE else Motion.COMING_TO_REST)
 
     def taken_over(self) -> None:
-        """Notes that something else than a route of ours moves the robot now, or may do so."""
+        """Notes that something other than a route of ours moves the robot, or may move it."""
         self._move(Motion.MOVED)
 
     def told(self, motion: p.MotionTold) -> None:
-        """Notes that the controller tells what the robot does, and which giver drives it."""
+        """Notes the robot's motion and its giver, as the controller reports them."""
         self._is_driven = motion.state is MotionState.MANUAL or (
             motion.state in _DRIVEN and not motion.is_ours)
         if self._is_driven:
             self.taken_over()
 
     def seen(self, status: p.RobotSeen, location: Optional[MapLocation], runs: bool) -> None:
-        """Notes that the robot tells what it did at its last location; `location` is None if that
-        is no new one.
+        """Notes a status of the robot.
 
+        location -- the robot's location if it is a new one, otherwise None
         runs -- a route of ours runs
         """
         if location is None or runs:
@@ -84,7 +83,7 @@ class MotionJudge:
         """Returns what the robot does.
 
         runs      -- a route runs
-        is_known  -- the links are up, and the location is a recent one
+        is_known  -- the links are up, and the location is recent
         owes_stop -- a stop is not obeyed yet
         """
         if runs:

@@ -1,4 +1,4 @@
-"""Notes for people about the orders of the fleet manager, each of them once."""
+"""Writes notes for people about ignored and refused orders, each note once."""
 from __future__ import annotations
 
 from typing import Callable
@@ -7,7 +7,7 @@ from route_protocol.values import Reason, RouteOrder, RouteRefusal
 
 
 class OrderNotes:
-    """Notes which orders are ignored and refused, and why."""
+    """Writes notes about orders that are ignored or refused, with the reasons."""
 
     def __init__(self, note: Callable[[str], None]) -> None:
         self._note = note
@@ -15,20 +15,22 @@ class OrderNotes:
         self._emergency_told = False  # whether a refusal in the emergency stop was noted
 
     def ignored(self, order: RouteOrder, reason: Reason) -> None:
-        """Notes once why an order is ignored, if a person should know it."""
+        """Writes once why an order is ignored, if there is a reason that a person should know."""
         note = f'Route {order.route_id} is ignored: {reason}.'
         if reason and note != self._ignored:
             self._ignored = note
             self._note(note)
 
     def refused(self, refusal: RouteRefusal, emergency: bool) -> None:
-        """Notes a refusal; in an emergency stop only the first one, as givers repeat."""
+        """Writes a note about a refusal. In an emergency stop it writes only about the first one,
+        because givers repeat their orders.
+        """
         if not (emergency and self._emergency_told):
             self._note(f'Route {refusal.route_id} was refused: {refusal.reason}.')
         self._emergency_told = emergency
 
     def taken(self, order: RouteOrder) -> None:
-        """Notes the first route that is driven after refusals in an emergency stop."""
+        """Writes a note about the first route that is driven after such refusals."""
         if self._emergency_told:
             self._emergency_told = False
             self._note(f'Route {order.route_id} is driven: the emergency stop is over.')

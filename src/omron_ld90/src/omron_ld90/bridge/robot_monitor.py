@@ -1,4 +1,4 @@
-"""The state of the robot, its links and other givers, and the commands that we gave."""
+"""The known state of the robot, of its links and of other givers, and the commands that we gave."""
 from __future__ import annotations
 
 import math
@@ -13,15 +13,18 @@ from route_protocol.values import EMERGENCY_STOP, EpochCause, Reason, ReasonCode
 
 
 class RobotMonitor:
-    """Takes every event except orders; `check` raises when the running route must end.
+    """Takes every event except orders; `check` raises an exception when the running route must end.
 
-    It is all that is known of one robot: one attribute for each fact, one method for each question.
+    The class contains all that is known about one robot, with one attribute for each fact and one
+    method for each question.
     """
 
     def __init__(self, settings: RouteSettings, links: Iterable[p.RobotLink] = (),
                  number: int = 0) -> None:
-        """`links`: the links that must be up before the robot can be driven. `number`: larger than
-        that of each command given before."""
+        """links -- the links that must be up before the robot can be driven
+
+        number -- not smaller than the number of any command that was given before
+        """
         self.location = RobotLocation()
         self.links = RobotLinks(links, settings.link_timeout, settings.restart_timeout)
         self.tracker = GoalTracker()
@@ -37,12 +40,12 @@ class RobotMonitor:
         self.epoch = 0
         """The controller's last known epoch; 0: none is known yet."""
         self.foreign_epoch = 0
-        """The newest epoch that this program did not begin, as it knows."""
+        """The newest epoch that this program did not begin, as far as it knows."""
         self.drives_for_us = False
         """Whether the present epoch began because the robot obeys a drive of ours."""
         self.overruled: Optional[EpochCause] = None
-        """Why orders that were on their way must not be obeyed any more; None: they may be."""
-        self._is_unexplained = False  # the robot broke off a drive; the next epoch tells why
+        """Why orders that were on their way must not be obeyed any more; None: they may."""
+        self._is_unexplained = False  # the robot broke off a drive; the next epoch has the cause
         self._taken_over: Optional[TakenOver] = None
         self._number = number  # of the last command
         self._handlers: Dict[Type[object], Callable[..., None]] = {
@@ -53,11 +56,13 @@ class RobotMonitor:
     # --- our commands ----------------------------------------------------------------------------
 
     def stop(self, epoch: int) -> None:
-        """Stops the motion of this epoch as soon as the robot can be reached; 0: any epoch."""
+        """Gives a stop as soon as the robot can be reached. The stop ends no drive of another giver
+        that began after `epoch`; 0: it ends any drive.
+        """
         self.tracker.stop(epoch)
 
     def leave(self) -> None:
-        """Notes that another giver drives the robot: this route does not control it any more."""
+        """Notes that another giver drives the robot: our route does not control it any more."""
         self.tracker.end()
 
     def begin(self) -> None:
@@ -66,14 +71,16 @@ class RobotMonitor:
         self.tracker.forget()
 
     def route_extended(self) -> None:
-        """Notes that a complete route gets longer. A giver that drove the robot meanwhile does not
-        count as a take-over.
+        """Notes that a complete route gets longer. If another giver has driven the robot since the
+        end of the route, this does not count as a take-over.
         """
         self._taken_over = None
 
     def due_commands(self, now: float) -> List[p.Give]:
-        """Returns the commands to give now; they count as given. No drive is given after another
-        giver's epoch, nor while it is unknown why the robot broke off a drive.
+        """Returns the commands to give now; they count as given.
+
+        No drive is given if another giver has begun an epoch, nor while it is unknown why the robot
+        broke off a drive.
         """
         word = self.tracker.word
         if (self._taken_over or self._is_unexplained) and not word.is_stop or not word.due(
@@ -90,10 +97,7 @@ class RobotMonitor:
     # --- judging the robot's state ----------------------------------------------------------------
 
     def why_unknown(self, now: float) -> Reason:
-        """Returns the reason why it is unknown whether the robot can drive.
-
-        Empty if it is known.
-        """
+        """Returns the reason why it is unknown whether the robot can drive; empty: it can."""
         if self.location.last is None:
             return Reason(ReasonCode.NO_LOCATION, 'the robot has not reported its location')
         unusable = self.links.why_unusable(now)
@@ -114,24 +118,22 @@ class RobotMonitor:
 
     @property
     def owes_stop(self) -> bool:
-        """Whether the robot may not have obeyed a stop yet, ours or another giver's."""
+        """Whether a stop (ours or another giver's) may not have been obeyed yet."""
         return self.must_stop or self.stop_owed_by_controller
 
     @property
     def must_stop(self) -> bool:
-        """Whether the controller has not taken our stop yet."""
+        """Whether we have given a stop that the controller has not taken yet."""
         return self.tracker.word.is_stop and not self.tracker.word.is_taken
 
     @property
     def stop_problem(self) -> str:
-        """Why our stop is not obeyed yet; empty: it is, or nothing has gone wrong."""
+        """Why our stop is not obeyed yet; empty: it is obeyed, or no problem is known."""
         word = self.tracker.word
         return word.problem if word.is_stop and self.owes_stop else ''
 
     def is_location_overdue(self, now: float) -> bool:
-        """Returns whether the last location is too old, provided that its link was up for
-        that long.
-        """
+        """Returns whether no location has come for too long although the link was up."""
         heard = max(self.location.heard, self.links.up_since(p.RobotLink.OUTGOING))
         return now - heard > self._settings.location_timeout
 
@@ -156,7 +158,7 @@ class RobotMonitor:
     # --- events ----------------------------------------------------------------------------------
 
     def update(self, event: p.Event, now: float) -> bool:
-        """Takes an event; returns whether a new location of the robot came with it."""
+        """Takes an event. Returns whether the event contained a new location of the robot."""
         before = self.location.heard
         self._handlers[type(event)](event, now)
         return self.location.heard != before
@@ -186,18 +188,18 @@ class RobotMonitor:
             return
         self.drives_for_us, self._is_unexplained = event.obeys_us, event.is_unexplained
         known, self.epoch = self.epoch, event.epoch
-        if not event.is_unexplained:  # else the next epoch tells what happened
+        if not event.is_unexplained:  # if it is unexplained, the next epoch shows what happened
             self._judge_foreign_epoch(known, event)
 
     def _judge_foreign_epoch(self, known: int, event: p.MotionTold) -> None:
-        """Notes whether another giver, another client or the robot itself acted since the `known`
-        epoch. Epochs that were not told here may lie between the two.
+        """Notes whether another giver, another client or the robot itself acted after the `known`
+        epoch. Before the epoch of the event there may have been others, of which no message came.
         """
         before, self.foreign_epoch = self.foreign_epoch, event.foreign_epoch or event.epoch
         if not known or self.foreign_epoch == before:
             return
         cause, reason = event.cause, event.reason
-        if self.foreign_epoch != event.epoch:  # an earlier one, whose cause is not told
+        if self.foreign_epoch != event.epoch:  # it began before this one, and its cause is unknown
             cause, reason = EpochCause.OTHER_GIVER, 'an epoch that was not told here'
         if cause is not EpochCause.EMERGENCY_STOP:
             self._taken_over = TakenOver(f'Another giver came first: {reason}.')

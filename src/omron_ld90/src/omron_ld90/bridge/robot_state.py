@@ -1,4 +1,4 @@
-"""The last location of the robot, and the state of its links and their nodes.
+"""The last location of the robot, and the state of its links and of the nodes that watch them.
 
 Times are in seconds of a monotonic clock, stamps in nanoseconds of ROS time, lengths in m.
 """
@@ -12,9 +12,9 @@ from omron_ld90.bridge.events import LinkReported, RobotLink
 from route_protocol.values import NO_REASON, Reason, ReasonCode
 
 NANOSECONDS = 1e-9
-CLOCK_SET_BACK = 5_000_000_000  # ns: a stamp older by more than this is not late: the clock was set
+CLOCK_SET_BACK = 5_000_000_000  # ns: if a stamp is older by more than this, the clock was set back
 USUAL_PERIOD = 0.5              # s between two statuses of the robot, until it is measured
-NODE_SILENCE = 2.0              # s without a report, due every second: the node counts as gone
+NODE_SILENCE = 2.0              # s without a report (one is due every second): the node is away
 
 
 @dataclass(frozen=True)
@@ -45,7 +45,7 @@ class RobotLocation:
         """Time between the last two locations, s."""
 
     def update(self, location: MapLocation, now: float) -> bool:
-        """Takes a location; returns False if it came late or twice and is ignored."""
+        """Takes a location. Returns False if the location came late or twice, and ignores it."""
         if self.last is not None:
             step = location.stamp - self.last.stamp
             if -CLOCK_SET_BACK < step <= 0:
@@ -60,14 +60,14 @@ class RobotLocation:
 
 
 class _LinkState:
-    """One link, and the node that reports on it."""
+    """One link, and the node that reports about it."""
 
     def __init__(self) -> None:
         self.up = False
         self.reason = ''
         self.heard: Optional[float] = None   # time of the last report
         self.changed = -math.inf             # when the link last went up or down
-        self.spared_until = -math.inf        # until then a link may be down: its node was gone
+        self.spared_until = -math.inf        # until then it may be down, because its node was away
 
     def update(self, report: LinkReported, now: float, restart_timeout: float) -> None:
         if self.heard is not None and now - self.heard > NODE_SILENCE:
@@ -84,8 +84,9 @@ class _LinkState:
 class RobotLinks:
     """The links to the robot.
 
-    A link that its node reports as down counts as lost after `link_timeout` (s). A node that stops
-    reporting is being restarted or is suspended: it and then its link get `restart_timeout` (s).
+    A link that its node reports as down counts as lost after `link_timeout` (s). If a node stops
+    reporting, it is being restarted or is suspended. Then its link counts as lost only if it is not
+    up `restart_timeout` (s) after the last report.
     """
 
     def __init__(self, expected: Iterable[RobotLink], link_timeout: float,
@@ -96,32 +97,32 @@ class RobotLinks:
 
     @property
     def are_expected(self) -> bool:
-        """Whether the robot is driven over at least one link."""
+        """Whether at least one link must be up to drive the robot."""
         return bool(self._links)
 
     def update(self, report: LinkReported, now: float) -> None:
-        """Takes a node's report on its link."""
+        """Takes a report about a link from the node that watches it."""
         if report.link in self._links:
             self._links[report.link].update(report, now, self._restart_timeout)
 
     def stands(self, link: RobotLink, now: float) -> bool:
-        """Returns whether the link is up and its node alive.
+        """Returns whether the link is up and its node reports.
 
-        Always True for a link not expected.
+        True for a link that is not expected.
         """
         state = self._links.get(link)
         return state is None or (state.up and not state.node_is_away(now))
 
     def up_since(self, link: RobotLink) -> float:
-        """Returns when the link last came up, or its node came back.
+        """Returns when the link last changed, or its node came back.
 
-        -inf for a link not expected.
+        -inf for a link that is not expected.
         """
         state = self._links.get(link)
         return -math.inf if state is None else state.changed
 
     def why_unusable(self, now: float) -> Reason:
-        """Returns the reason why the robot cannot be driven at this moment; empty if it can."""
+        """Returns the reason why the links do not allow driving now; empty if they do."""
         for link, state in self._links.items():
             if state.heard is None:
                 return Reason(ReasonCode.NOT_READY,
@@ -133,7 +134,7 @@ class RobotLinks:
         return NO_REASON
 
     def why_lost(self, now: float) -> Reason:
-        """Returns the reason why a link counts as lost; empty if none does."""
+        """Returns the reason why a link counts as lost; empty if no link does."""
         for link, state in self._links.items():
             if state.heard is None:
                 continue

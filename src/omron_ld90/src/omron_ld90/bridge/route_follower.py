@@ -1,12 +1,12 @@
 """The core of the bridge: turns orders and robot events into commands and reports.
 
-It uses neither ROS nor sockets: every event comes with its time (s, monotonic), and every answer is
-a list of actions. Lengths are in m, in the map frame. Events update the known state
-(`robot_monitor`). `route_protocol.intake` says which orders count, and which one waits; here they
-become routes. The running route is judged and driven on (`route_run`). The fleet
+The module uses neither ROS nor sockets: every event comes with its time (s, monotonic), and every
+answer is a list of actions. Lengths are in m, in the map frame. Events update the known state of
+the robot (`robot_monitor`). `route_protocol.intake` decides which orders count, and which order
+waits. This module makes routes of the orders, and `route_run` drives the running route. The fleet
 manager gets reports.
 
-The epoch of the reports is the vehicle's own. Commands carry the controller's epoch instead
+The reports carry an epoch of the vehicle; the commands carry an epoch of the controller
 (`RobotMonitor.epoch`). The vehicle's epoch ends when
 - another giver, a person or an emergency stop began a new epoch of the controller,
 - a route ended because another giver drives the robot, or because the link was lost,
@@ -14,17 +14,20 @@ The epoch of the reports is the vehicle's own. Commands carry the controller's e
 - the bridge started without its memory.
 
     event                            no route runs                 a route runs
-    a stop                           the robot is stopped          the same; the route is STOPPED
-    an order                         begins, waits or is refused   changes it, waits or is refused
+    a stop                           the robot is stopped          the robot is stopped, the route
+                                                                   becomes STOPPED
+    an order                         begins a route, waits, or is  changes the route, waits, or is
+                                     refused                       refused
     another giver or person drives   a new epoch begins            FAILED, the robot is left alone
     a failure (`RouteFailed`)        -                             FAILED, the robot is stopped
     the last edge is complete        -                             COMPLETE
-    a restart                        the place is restored         it goes on as soon as the robot
-                                                                   is known, or is FAILED
+    a restart                        the place is restored         the route goes on as soon as the
+                                                                   robot's state is known, or is
+                                                                   FAILED
 
-Invariants: a robot that drives for us without a route is stopped. An order is taken only while it
-is known where the robot is, that it can be reached, and that it is not coming to rest. Commands
-come before the reports about them.
+Invariants: if the robot obeys a drive of ours and no route runs, the robot is stopped. An order is
+taken only while the robot's place is known, its links are up, and it is not coming to rest.
+Commands come before the reports about them.
 """
 from __future__ import annotations
 
@@ -74,19 +77,19 @@ _ROLLS = Reason(ReasonCode.NOT_READY, 'the robot is still coming to rest')
 _FORGOTTEN = Reason(ReasonCode.RESTARTED, 'the bridge was started without a sure memory')
 _WAS_AWAY = Reason(ReasonCode.RESTARTED, 'the bridge was away for too long')
 _STOPS = {EpochCause.STOP, EpochCause.CANCEL, EpochCause.EMERGENCY_STOP}
-"""After a new epoch for one of these reasons the robot only rolls on along our route."""
+"""After a new epoch with one of these causes, the robot only rolls on along our route."""
 
 
 class RouteFollower:
     """Drives one robot along the routes of a fleet manager.
 
-    It has many attributes because it puts the parts of the bridge together.
+    The class has many attributes because it connects the parts of the bridge.
     """
 
     def __init__(self, settings: RouteSettings, graph: Optional[Graph] = None,
                  links: Iterable[p.RobotLink] = (), draw: Callable[[], int] = draw_epoch,
                  clock: Callable[[], int] = milliseconds) -> None:
-        """`links`: the links that must be up before an order is accepted.
+        """links -- the links that must be up before an order is accepted
 
         draw, clock -- see `Vehicle`
         """
@@ -97,8 +100,8 @@ class RouteFollower:
         self.vehicle = Vehicle(draw, clock)
         """The vehicle's end of the route protocol."""
         self.route: Optional[RouteRun] = None
-        """How the vehicle's route is driven, or was; None: it has none, or not on this graph."""
-        # to continue, and the time to give that up
+        """The driving of the vehicle's present or last route; None: no such route on this graph."""
+        # the record of a route to continue, and the time at which to give that up
         self._restored: Optional[Tuple[p.BridgeMemory, float]] = None
         self.orders = Intake(self.vehicle, self._begin_route, self._report_refusal,
                              settings.location_timeout)
@@ -111,24 +114,28 @@ class RouteFollower:
     # --- interface --------------------------------------------------------------------------------
 
     def handle(self, event: p.Event, now: float) -> List[p.Action]:
-        """Takes an event; the answer lists commands before reports and notes about them."""
+        """Takes an event. In the answer, commands come before the notes and reports about them."""
         if isinstance(event, RouteOrder):
             return self._answer(partial(self._on_order, event, now), now)
         return self._answer(partial(self._on_event, event, now), now)
 
     def tick(self, now: float) -> List[p.Action]:
-        """Passes the time; to be called about ten times a second."""
+        """Notes that time has passed; to be called about ten times a second."""
         return self._answer(partial(self._drive_on, now), now)
 
     def use_graph(self, graph: Graph, now: float) -> List[p.Action]:
-        """Replaces the graph; if it changes edges of the running route, waits for the end of it."""
+        """Replaces the graph. If the new graph changes edges of the running route, it is used only
+        when the route has ended.
+        """
         return self._answer(partial(self._use_graph, graph, now), now)
 
     def restore(self, record: p.BridgeMemory, is_recent: bool, now: float,
                 is_sure: bool = True) -> None:
         """Takes the record from before a restart.
 
-        The bridge continues a route that was running, unless it did not run for too long.
+        The bridge continues a route that was running, unless the bridge was away for too long.
+
+        is_recent -- the bridge was not away for too long
         is_sure -- no later record can have been lost
         """
         self.orders.old_masters.last = record.last
@@ -157,7 +164,7 @@ class RouteFollower:
 
     @property
     def record(self) -> p.BridgeMemory:
-        """The record for `restore` after a restart."""
+        """The record that `restore` takes after a restart."""
         if self._restored:  # nothing newer is known yet
             target, number = self._restored[0].target, self._restored[0].number
         else:
@@ -176,7 +183,7 @@ class RouteFollower:
 
     @property
     def _unready(self) -> ReasonCode:
-        """Why the robot would refuse each route now."""
+        """The reason why the robot would refuse any route now."""
         if self.robot.emergency:
             return ReasonCode.EMERGENCY_STOP
         return self._why_unknown(self._now).code
@@ -202,8 +209,9 @@ class RouteFollower:
                                    self.robot.owes_stop)
 
     def _answer(self, handle: Callable[[], None], now: float) -> List[p.Action]:
-        """Runs a handler; returns commands, notes, and a report if more than the percentage of the
-        pose has changed."""
+        """Runs a handler. Returns commands and notes, and a report if a value of `_reported` has
+        changed.
+        """
         self._now = now
         try:
             handle()
@@ -222,7 +230,7 @@ class RouteFollower:
 
     @property
     def _reported(self) -> Tuple[object, ...]:
-        """What is reported at once if it changes."""
+        """The values whose changes are reported at once."""
         return self.vehicle.state, self._stop_problem, self.motion, self.robot.emergency
 
     @property
@@ -233,7 +241,7 @@ class RouteFollower:
 
     @property
     def _here(self) -> GraphLocation:
-        """The robot's location on the graph; requires that both are known."""
+        """The robot's location on the graph. The location and the graph must be known."""
         last = self.robot.location.last
         assert self.graph is not None and last is not None
         return GraphLocation(self.graph, last.position, self.robot.docking,
@@ -271,7 +279,7 @@ class RouteFollower:
         return self.robot.why_unknown(now)
 
     def _begin_route(self, due: DueOrder) -> None:
-        """Changes the route or begins a new one; raises RouteRefused or NotYet."""
+        """Changes the route, or begins a new route. Raises RouteRefused or NotYet."""
         now = self._now
         check_order(due.given, 'the robot')
         if self.robot.emergency:
@@ -296,7 +304,7 @@ class RouteFollower:
             route.drive()
 
     def _check_way(self, due: DueOrder) -> None:
-        """Raises RouteRefused if the robot cannot drive the order from where it is."""
+        """Raises RouteRefused if the robot cannot drive the order from its place."""
         here, route = self._here, self.route
         check_edges(here.graph, due.order.edges)
         if due.goes_on and not due.given.order:
@@ -307,7 +315,7 @@ class RouteFollower:
             check_braking(due, self.vehicle.state, route, self._now)
 
     def _run(self, current: int, now: float) -> RouteRun:
-        """Returns the driving of the vehicle's route, from the edge with this index on."""
+        """Returns an object that drives the vehicle's route from the edge with this index on."""
         dock = () if self.settings.dock_vertex is None else (self.settings.dock_vertex,)
         here = self._here
         progress = RouteProgress(here.graph, self.vehicle.state.edges,
@@ -323,7 +331,7 @@ class RouteFollower:
 
     @property
     def _driven(self) -> Optional[RouteRun]:
-        """The route if it is running and its edges belong to a graph, else None."""
+        """The route if it is running and its edges belong to a graph, otherwise None."""
         return self.route if self.running else None
 
     def _on_event(self, event: p.Event, now: float) -> None:
@@ -341,14 +349,12 @@ class RouteFollower:
         self._drive_on(now)
 
     def _drives_without_route(self) -> bool:
-        """Returns whether the robot has just begun to obey a drive of ours,
-        but no route needs it.
-        """
+        """Returns whether the robot obeys a drive of ours that no route needs."""
         return (self.robot.drives_for_us and not self.running and self._restored is None
                 and not self.robot.must_stop and not self.robot.stop_problem)
 
     def _drive_on(self, now: float) -> None:
-        """Judges the known state, and drives on."""
+        """Checks the known state, and continues the route."""
         self._end_epoch(now)
         self._consider_restored(now)
         self.orders.answer(now)
@@ -360,7 +366,7 @@ class RouteFollower:
                 self._motion.route_ended(Phase.COMPLETE)
 
     def _end_epoch(self, now: float) -> None:
-        """Begins a new epoch if another giver did anything, as soon as no route runs."""
+        """Begins a new epoch if another giver has acted and no route runs."""
         cause = self.robot.overruled
         if cause is not None and not self.running:
             self.robot.overruled = None
@@ -407,8 +413,9 @@ class RouteFollower:
         self._drive_on(now)
 
     def _fail(self, failure: RouteFailed, now: float) -> None:
-        """Ends the route, and stops the robot unless it already obeys another giver. It may obey us
-        although another giver came first.
+        """Ends the route, and stops the robot unless it already obeys another giver.
+
+        After a take-over the robot may still obey us; then it is stopped as well.
         """
         cause = self.robot.overruled
         self.robot.overruled = None
@@ -431,7 +438,7 @@ class RouteFollower:
 
 
 def _location_of(last: Optional[MapLocation]) -> Optional[VehicleLocation]:
-    """Returns the location as reports tell it."""
+    """Returns the location in the form of a report."""
     if last is None:
         return None
     return VehicleLocation(last.x, last.y, math.nan if last.heading is None else last.heading)

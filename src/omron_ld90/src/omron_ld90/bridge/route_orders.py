@@ -24,7 +24,7 @@ def check_edges(graph: Graph, edges: Tuple[int, ...]) -> None:
 
 def check_change(order: RouteOrder, state: VehicleState, route: Optional[RouteRun],
                  here: GraphLocation) -> None:
-    """Raises RouteRefused if an order without a number cannot change the route with its id."""
+    """Raises RouteRefused if an order without a number cannot change the route of the same id."""
     if state.phase is Phase.FAILED:
         raise _refused(ReasonCode.WRONG_CHANGE,
                        f'route {order.route_id} has failed: a new route needs a new id')
@@ -45,7 +45,7 @@ def check_change(order: RouteOrder, state: VehicleState, route: Optional[RouteRu
 
 
 def check_braking(due: DueOrder, state: VehicleState, route: RouteRun, now: float) -> None:
-    """Raises RouteRefused if the robot cannot stop before the first edge that is taken away."""
+    """Raises RouteRefused if the robot cannot stop before the first edge that the order removes."""
     kept = 0
     for before, after in zip(state.ahead, due.rest):
         if before != after:
@@ -59,9 +59,9 @@ def check_braking(due: DueOrder, state: VehicleState, route: RouteRun, now: floa
 
 
 def check_start(first: int, route: Optional[RouteRun], here: GraphLocation) -> None:
-    """Raises RouteRefused if a new route with the edge `first` does not start `here`.
+    """Raises RouteRefused if a new route that begins with the edge `first` does not start `here`.
 
-    route -- the route before
+    route -- the previous route
     """
     why_not = here.why_not_from(first, being_driven=route is not None and route.is_on(first))
     if why_not:
@@ -73,10 +73,9 @@ def _refused(code: ReasonCode, text: str) -> RouteRefused:
 
 
 def first_change(graph: Graph, other: Graph, edges: Tuple[int, ...]) -> str:
-    """Returns a clause that says how `graph` changes the first changed edge of these `edges` of
-    `other`.
+    """Compares `edges` in the graphs `other` and `graph`. Returns a clause about the first change.
 
-    Empty if all are the same, except for their speeds.
+    Empty: all edges are the same, except perhaps for their speeds.
     """
     return next((f'{edge_name(other, abs(edge))} {change}' for edge in edges
                  for change in [change_of(other, graph, edge)] if change), '')

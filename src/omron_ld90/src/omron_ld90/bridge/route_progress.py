@@ -1,6 +1,6 @@
 """The progress of a robot along a route, computed from its locations.
 
-Metres, map frame. Uses only geometry and the order of the edges: no commands, no time.
+Metres, map frame. The module uses only geometry and the order of the edges: no commands, no time.
 """
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ from trajectory_graph import Curve, Graph, Vertex
 
 Point = Tuple[float, float]
 
-SLACK = 0.5  # m on the curve that the robot may advance beyond twice its observed movement
-MOST = 99.9  # per cent, the most on an edge that is not complete
+SLACK = 0.5  # m along the curve that the robot may advance in addition to twice its movement
+MOST = 99.9  # per cent, the maximum on an edge that is not complete
 
 
 class RouteProgress:
@@ -21,16 +21,17 @@ class RouteProgress:
 
     def __init__(self, graph: Graph, edges: Sequence[int], tolerance: float, by_word: Sequence[int],
                  place: Point, current: int = 0) -> None:
-        """Begins on `edges[current]`, at its point nearest to `place`.
+        """Begins on `edges[current]`, at the point of the edge that is nearest to `place`.
 
-        tolerance -- m, distance to a vertex within which the robot passes it
-        by_word   -- vertices that only `complete_current` passes (the dock)
+        tolerance -- m, distance to a vertex within which the robot passes the vertex
+        by_word   -- vertices (the dock) that the robot passes only by its word, with
+                     `complete_current`
         """
         self.graph = graph
         self.edges = tuple(edges)
         self.tolerance = tolerance
         self.current = current
-        """Index of the edge being driven; len(edges) when the route is done."""
+        """Index of the edge that is driven; len(edges) when the route is done."""
         self._by_word = frozenset(by_word)
         self._place = place
         self._arc = 0.0 if self.done else self._curve().project(*place).arc_length
@@ -42,12 +43,12 @@ class RouteProgress:
 
     @property
     def arc(self) -> float:
-        """Arc length in m reached on the current edge."""
+        """The arc length (m) that is reached on the current edge."""
         return self._arc
 
     @property
     def pose(self) -> SymbolicPose:
-        """The position on the route; 100 % on the last edge only if that edge is complete."""
+        """The position on the route. 100 % is reached only when the last edge is complete."""
         if self.done:
             return SymbolicPose(self.edges[-1], 100.0)
         fraction = self._arc / self._curve().length
@@ -55,12 +56,12 @@ class RouteProgress:
 
     @property
     def travelled(self) -> float:
-        """Length of the route that was driven, m."""
+        """Length (m) of the part of the route that was driven."""
         return self._lengths(0, self.current) + (0.0 if self.done else self._arc)
 
     @property
     def next_stop(self) -> int:
-        """Index of the edge at whose end the robot must stop: the next dock, or the last one."""
+        """Index of the edge at whose end the robot must stop next: the next dock or the end."""
         for index in range(self.current, len(self.edges)):
             if self.end(index).id in self._by_word:
                 return index
@@ -71,9 +72,7 @@ class RouteProgress:
         return self.graph.end_vertex(self.edges[index])
 
     def distance_to_end(self, index: int) -> float:
-        """Returns the length of the route from the robot to the end of the edge with this index,
-        m.
-        """
+        """Returns the length (m) of the route from the robot to the end of the edge `index`."""
         return self._lengths(self.current, index + 1) - self._arc
 
     def move_to(self, x: float, y: float) -> None:
@@ -81,11 +80,11 @@ class RouteProgress:
 
         A vertex is passed under these conditions:
         - The segment from the last location to this one comes within the tolerance of the vertex.
-        - It does so no sooner than at the vertex before.
+        - Along the segment, it comes there after it has passed the previous vertex.
         - The edge that leads to the vertex has been driven.
-        An edge shorter than two tolerances uses a tolerance of half its length, so that a location
-        near two vertices skips no edge. The last vertex is never passed here: only the robot can
-        report that it has arrived (`complete_current`).
+        On an edge shorter than two tolerances, the tolerance is half of the edge's length, so that
+        a location near two vertices skips no edge. The last vertex is never passed here, because
+        only the robot can report its arrival (`complete_current`).
         """
         before, self._place = self._place, (x, y)
         from_t = 0.0
@@ -105,11 +104,11 @@ class RouteProgress:
         self._arc = 0.0
 
     def replace_edges(self, edges: Sequence[int], current: int) -> None:
-        """Continues with other edges, of which `edges[current]` is the current one."""
+        """Continues with other edges; `edges[current]` is the current edge."""
         self.edges, self.current = tuple(edges), current
 
     def has_overshot(self) -> bool:
-        """Returns whether the robot went on to the next edge without passing the vertex between."""
+        """Returns whether the robot is on the next edge but has not passed the vertex before it."""
         if self.current + 1 >= len(self.edges) or self.end(self.current).id in self._by_word:
             return False
         vertex = self.end(self.current)
@@ -119,8 +118,8 @@ class RouteProgress:
                 and math.dist(self._place, vertex.position) > 2.0 * self.tolerance)
 
     def _entry(self, before: Point, from_t: float) -> Optional[float]:
-        """Returns the fraction (0..1) of the segment from `before` at
-        which the next vertex is passed.
+        """Returns the fraction (0..1) of the segment from `before` at which the robot passes the
+        next vertex. None: it does not pass the vertex.
         """
         length = self._curve().length
         tolerance = min(self.tolerance, length / 2.0)
@@ -133,7 +132,7 @@ class RouteProgress:
         return t if length - arc <= 2.0 * tolerance else None
 
     def _arc_at(self, place: Point, moved: float) -> float:
-        """Returns the arc length of `place` on the current edge, reached by moving `moved` m."""
+        """Returns the arc length of `place` on the current edge, after a movement of `moved` m."""
         return self._curve().project(
             *place, start=self._arc, end=self._arc + 2.0 * moved + SLACK).arc_length
 
@@ -150,8 +149,8 @@ def _between(a: Point, b: Point, t: float) -> Point:
 
 def _first_within(a: Point, b: Point, centre: Point, radius: float,
                   from_t: float) -> Optional[float]:
-    """Returns the least t in from_t..1 at which the segment a-b is within `radius` of `centre`,
-    or None.
+    """Returns the smallest t from `from_t` to 1 at which the segment a-b is within `radius` of
+    `centre`. None: there is none.
     """
     if math.dist(_between(a, b, from_t), centre) <= radius:
         return from_t

@@ -1,4 +1,7 @@
-"""Continues a route that was running at a restart of the bridge; the robot may have driven on."""
+"""Continues a route that was running when the bridge was restarted.
+
+The robot may have driven on in the meantime.
+"""
 from __future__ import annotations
 
 from typing import Callable, Optional
@@ -14,10 +17,12 @@ from route_protocol.values import Reason, ReasonCode
 
 def continued_route(record: BridgeMemory, here: GraphLocation,
                     run: Callable[[int], RouteRun], now: float) -> Optional[RouteRun]:
-    """Returns the route of `record`, continued; None if it had ended on another graph.
+    """Returns the continued route of `record`. None: the route had ended, on another graph.
 
-    `run` makes the route, with the index of the current edge. If the route had ended, only the
-    position on it is restored. Raises RouteFailed if a running route cannot continue.
+    If the route had ended on this graph, only the position on it is restored. Raises RouteFailed if
+    a running route cannot continue.
+
+    run -- makes the route from the index of its current edge
     """
     state = record.vehicle
     try:
@@ -38,10 +43,10 @@ def continued_route(record: BridgeMemory, here: GraphLocation,
 
 
 def _current_edge(record: BridgeMemory, here: GraphLocation) -> int:
-    """Returns the index of the edge on which the robot is; raises RouteFailed if the robot is
-    elsewhere.
+    """Returns the index of the edge on which the robot is. Raises RouteFailed if it is on no edge
+    that leads to its last goal.
 
-    If the robot is on the edges that lead to its last goal, the edges before that were driven.
+    All edges before the returned one have been driven.
     """
     completed = record.vehicle.completed
     last = completed if record.target is None else record.target

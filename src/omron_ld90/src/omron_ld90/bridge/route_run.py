@@ -1,18 +1,18 @@
 """Drives one route: decides where to send the robot next, and what ends the route.
 
-The phase of the route is that of the vehicle's end of the route protocol. Here it ends so:
+`Vehicle` keeps the phase of the route. This module completes edges, and ends the route, as follows:
 
     event                                                   what follows
     the location shows the end of the current edge          the edge is complete
-    the robot says that it is there, and is near            the edge is complete
+    the robot reports its arrival there, and is near        the edge is complete
     the last edge is complete                               the route is COMPLETE
-    it passes a vertex without coming near it               it is sent back, once
-    the same again, or it rests far away from its goal      failed: NOT_ARRIVED
+    the robot passes a vertex without coming near it        it is sent back, once
+    it misses this vertex again, or rests far from its goal failed: NOT_ARRIVED
     two locations in a row outside the corridors            failed: OFF_GRAPH
     no progress for `stall_timeout`                         failed: NO_PROGRESS
 
-Invariants: the robot is sent to no edge behind the current one. No command is repeated while the
-robot is on its way. Nothing is sent while it is unknown whether the robot obeys.
+Invariants: the robot is never sent back to an edge that is complete. No command is repeated while
+the robot is on its way. Nothing is sent while it is unknown whether the robot obeys.
 """
 from __future__ import annotations
 
@@ -31,17 +31,18 @@ from trajectory_graph import Graph
 from trajectory_graph.drawn_names import vertex_name
 
 PROGRESS = 0.05  # m along the route that count as progress
-LEAD = 2.0       # s from our command until the robot drives on a new path, with a reserve
-RESTS_TO_JUDGE = 2  # locations after the reported arrival; the first may date from before it
+LEAD = 2.0       # s from our command until the robot drives on a new path, including a reserve
+RESTS_TO_JUDGE = 2  # locations after the reported arrival; the first may be older than it
 
 
 class RouteRun:
-    """The driving of the route that `vehicle` follows, or followed last.
+    """Drives the route that `vehicle` follows, or followed last.
 
-    `locate` and `drive_on` raise RouteFailed if the route cannot go on. Indices are those in
-    `progress.edges`, which are the edges of the order.
+    `locate` and `drive_on` raise RouteFailed if the route cannot go on. Indices of edges are
+    indices in `progress.edges`, which are the edges of the order.
 
-    It is the state of one route: where it was sent, what it may pass, how far it came.
+    The attributes are the state of one route: the target, the edges that the robot may be on, and
+    the progress.
     """
 
     def __init__(self, vehicle: Vehicle, settings: RouteSettings, tracker: GoalTracker,
@@ -68,17 +69,19 @@ class RouteRun:
         return self._vehicle.state.is_running
 
     def _count_edges(self) -> None:
-        """Tells the vehicle's end of the protocol which edges are complete."""
+        """Reports to `Vehicle` which edges are complete."""
         self._vehicle.complete(self.progress.current)
 
     @property
     def edges_under_way(self) -> Tuple[int, ...]:
-        """The edges on which the robot may brake: the one just driven to the one after `target`."""
+        """The edges on which the robot may brake: from the last complete edge to the edge after
+        `target`.
+        """
         current = self.progress.current
         return self.progress.edges[max(current - 1, 0):max(current, self.target or 0) + 2]
 
     def is_on(self, edge: int) -> bool:
-        """Returns whether the robot is on this edge or just past it, or failed on it."""
+        """Returns whether the robot is on this edge or just past it, or the route failed on it."""
         if self._vehicle.state.phase not in (Phase.RUNNING, Phase.FAILED):
             return False
         current = self.progress.current
@@ -86,7 +89,7 @@ class RouteRun:
             max(current - 1, 0) if self.running else current:current + 1]
 
     def decides_pose(self, here: GraphLocation) -> bool:
-        """Returns whether the robot is driving the route, or has stayed where the route ended."""
+        """Returns whether the robot is driving the route, or is still at its end."""
         if self._vehicle.state.phase is not Phase.COMPLETE:
             return self.running
         end = self.progress.end(-1)
@@ -97,7 +100,7 @@ class RouteRun:
     # --- driving ---------------------------------------------------------------------------------
 
     def allow(self, edges: Tuple[int, ...]) -> None:
-        """Lets the robot be on these `edges` for braking, while it is on the current edge."""
+        """Lets the robot brake on these `edges`, until the current edge is complete."""
         self._allowed = (self.progress.current, edges)
 
     def use_graph(self, graph: Graph) -> None:
@@ -107,9 +110,10 @@ class RouteRun:
         self._allowed = (until, tuple(edge for edge in allowed if abs(edge) in graph.edges))
 
     def can_stop_within(self, edges: int, now: float) -> bool:
-        """Returns whether the robot stops within this number of edges, the current one included.
+        """Returns whether the robot can stop within this number of edges; the current edge is the
+        first of them.
 
-        It does if it was sent no farther, or if it is far enough from their end to brake.
+        It can if it was sent no farther, or if it is far enough from their end to brake.
         """
         last = self.progress.current + edges - 1
         if self.target is not None and self.target <= last:
@@ -133,17 +137,17 @@ class RouteRun:
             self.drive()
 
     def resume(self, target: int, number: int, now: float) -> None:
-        """Continues after a restart; the robot had been sent to the end of edge `target`, by the
-        command with this number.
+        """Continues after a restart. Before the restart, the robot was sent to the end of edge
+        `target` by the command with this number.
         """
         self.target = target
         self._tracker.resume(self._goal_of(target), self._command_to(target), number, now)
 
     def drive(self) -> None:
-        """Sends the robot where the strategy wants it, unless it is on its way there.
+        """Sends the robot to the target of the strategy, unless it is on its way there.
 
-        With each strategy, the robot first drives to a vertex that it missed. Nothing is sent while
-        it is unknown whether the robot obeys the last command.
+        If the robot missed a vertex, it drives there first, for any strategy. Nothing is sent
+        while it is unknown whether the robot obeys the last command.
         """
         if self.progress.done or self._tracker.awaits_motion:
             return
@@ -168,10 +172,11 @@ class RouteRun:
         return ''
 
     def drive_on(self, now: float, docking_changed: float) -> str:
-        """Accepts a reported arrival once the robot is seen there, and drives on.
+        """Accepts a reported arrival when the robot's location confirms it, and drives on.
 
-        Also checks the progress in time. Returns a message for a person, or an empty text.
-        `docking_changed`: when the docking state last changed, which counts as progress.
+        Checks also that the robot makes progress. Returns a message for a person, or an empty text.
+
+        docking_changed -- when the docking state last changed; a change counts as progress
         """
         self._best_at = max(self._best_at, docking_changed)
         tracker = self._tracker
@@ -222,7 +227,7 @@ class RouteRun:
         return f'goto {goal}'
 
     def _send_back(self, now: float) -> str:
-        """Sends the robot back, once, to a vertex that it missed by cutting a corner."""
+        """Sends the robot back to a vertex that it missed. Raises RouteFailed the second time."""
         current = self.progress.current
         name = vertex_name(self.progress.graph, self.progress.end(current).id)
         if current in self._sent_back:
@@ -248,24 +253,21 @@ class RouteRun:
         self._strayed = strays
 
     def _horizon(self) -> float:
-        """Returns the distance in m in which the robot may begin to brake
-        before its next location.
+        """Returns the distance (m) from a goal within which the robot may begin to brake before its
+        next location comes.
         """
         return self._braking_distance(self._location.period + LEAD)
 
     def _braking_distance(self, seconds: float) -> float:
-        """Returns the distance in m that the robot drives until it stands, if it brakes
-        after `seconds`.
+        """Returns the distance (m) that the robot drives until it stands if it brakes after
+        `seconds`.
         """
         settings = self._settings
         speed = min(settings.top_speed, self._location.speed + settings.acceleration * seconds)
         return speed * speed / (2.0 * settings.braking) + speed * seconds
 
     def _distance_to_target(self) -> float:
-        """Returns the distance to the target in m.
-
-        Infinite while the location or the target is unknown.
-        """
+        """Returns the distance to the target (m); infinite if location or target are unknown."""
         last = self._location.last
         if last is None or self.target is None:
             return math.inf

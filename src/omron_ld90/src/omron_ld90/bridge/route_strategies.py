@@ -1,8 +1,8 @@
 """The strategies: where to send the robot, and when, so that it drives a route's edges in order.
 
-A strategy uses the progress and the vertex that the robot was last sent to. It returns the index of
-the edge to whose end the robot should drive. The strategies differ in how far ahead they look, and
-in when they send the next goal:
+A strategy gets the progress and the vertex to which the robot was last sent. It returns the index
+of the edge to whose end the robot should drive. The strategies differ in how far ahead they look,
+and in when they send the next goal:
 | strategy           | looks ahead                                      | sends the next goal     |
 |--------------------|--------------------------------------------------|-------------------------|
 | `vertex_by_vertex` | one vertex                                       | once the robot stops    |
@@ -19,7 +19,7 @@ from omron_ld90 import robot_model
 from omron_ld90.bridge.route_progress import RouteProgress
 from omron_ld90.bridge.shortest_paths import follows_on
 
-LONGEST_PIECE = 100.0  # m: looking farther ahead takes long on large graphs
+LONGEST_PIECE = 100.0  # m: on large graphs, looking farther ahead takes too long
 
 
 @dataclass(frozen=True)
@@ -29,19 +29,20 @@ class StrategyContext:
     progress: RouteProgress
     target: Optional[int]  # index of the edge to whose end the robot was sent; None: nowhere
     arrived: bool          # whether the robot has stopped there
-    horizon: float         # m: for a nearer target the robot may brake before its next location
+    horizon: float         # m: if the target is nearer, the robot may brake before it reports again
     corridor_width: float  # m
 
     @property
     def target_is_behind(self) -> bool:
-        """Whether there is no target any more: none was sent, or its vertex was passed."""
+        """Whether there is no target ahead: none was sent, or the robot has passed it."""
         return self.target is None or self.progress.current > self.target
 
     def farthest_free(self, first: int, wanted: Callable[[int], bool]) -> int:
-        """Returns the last index from `first` on to which the robot's own path would follow the
-        route.
+        """Returns the farthest index, from `first` on, for which the robot's own path to the end of
+        that edge follows the route.
 
-        The search continues from an index only if it is `wanted`, and never beyond the next stop.
+        The search goes on from an index only if the index is `wanted`, and never beyond the next
+        stop.
         """
         progress, index = self.progress, first
         while (index < progress.next_stop and wanted(index) and follows_on(
@@ -52,18 +53,18 @@ class StrategyContext:
 
 
 Strategy = Callable[[StrategyContext], int]
-"""Returns the index of the target edge; the same as before means that nothing is sent."""
+"""Returns the index of the target edge. If it is the present target, nothing is sent."""
 
 
 def vertex_by_vertex(context: StrategyContext) -> int:
-    """Sends one goto per vertex; the robot stops at each."""
+    """Sends one goto per vertex, so that the robot stops at each vertex."""
     if context.target is None or (context.target_is_behind and context.arrived):
         return context.progress.current
     return context.target
 
 
 def direct(context: StrategyContext) -> int:
-    """Sends as few goals as possible: one for each piece on which the robot's path is the route."""
+    """Sends one goal for each piece on which the robot's own path follows the route."""
     if context.target is None or (context.target_is_behind and context.arrived):
         return context.farthest_free(
             context.progress.current,
@@ -72,7 +73,7 @@ def direct(context: StrategyContext) -> int:
 
 
 def rolling(context: StrategyContext) -> int:
-    """Sends the next goal before the robot brakes, if its path still passes the present goal."""
+    """Sends the next goal before the robot brakes, if its path to it passes the present goal."""
     progress = context.progress
     first = (progress.current if context.target is None or context.target_is_behind
              else context.target)
@@ -95,9 +96,9 @@ STRATEGIES: Mapping[str, Strategy] = {
 
 @dataclass(frozen=True)
 class RouteSettings:
-    """The settings for driving routes, in m and s; the motion values are those of the LD-90.
+    """The settings for driving routes, in m and s. The default motion values are of the LD-90.
 
-    Each attribute is a parameter.
+    Each attribute is a parameter of the node.
     """
 
     dock_vertex: Optional[int] = None

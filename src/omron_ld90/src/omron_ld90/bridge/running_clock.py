@@ -1,18 +1,18 @@
 """A clock that stops while this process is suspended.
 
-While a process is suspended, or gets no processor time for seconds, messages arrive that it has not
-read yet. So no timeout may count that time.
+If a process is suspended, or gets no processor time for seconds, messages arrive that it cannot
+read. So no timeout may count this time.
 """
 from __future__ import annotations
 
 import time
 from typing import Callable
 
-LONGEST_STEP = 0.5  # s, the most that counts between two readings
+LONGEST_STEP = 0.5  # s, maximum time that counts between two readings
 
 
 class RunningClock:
-    """Seconds since some moment; advances at most `LONGEST_STEP` at a time."""
+    """A clock in seconds that advances by at most `LONGEST_STEP` from one reading to the next."""
 
     def __init__(self, monotonic: Callable[[], float] = time.monotonic) -> None:
         self._monotonic = monotonic

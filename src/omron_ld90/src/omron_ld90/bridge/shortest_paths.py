@@ -1,10 +1,10 @@
 """Decides whether the robot's own path to a goal follows the edges of a route.
 
-The LD-90 plans its own path to a goal. Fences keep it in the corridors of the graph. Its path is
-therefore assumed to be a shortest path over the graph, with the lengths of the edges' curves, that
-cuts every corner as far as the corridors allow. Lengths that differ by less than a corridor's width
-count as equal. A path is relied upon only if every other path is longer by more than that. Without
-fences, or with gates between corridors that the graph does not have, the assumption is wrong.
+The LD-90 plans its own path to a goal, and fences keep it in the corridors of the graph. Therefore
+the module assumes that the path is a shortest path over the curves of the edges, and cuts every
+corner as far as the corridors allow. It relies on a path only if every other path is longer by more
+than a corridor's width. The assumption is wrong if there are no fences, or if there are gaps
+between corridors that are not in the graph.
 """
 from __future__ import annotations
 
@@ -24,11 +24,11 @@ FARTHEST_CUT = 3.0       # m before a vertex at which the robot may begin to cut
 
 def follows_on(graph: Graph, edges: Sequence[int], arc: float, corridor_width: float,
                tolerance: float) -> bool:
-    """Returns whether the robot's path from `arc` m on `edges[0]` also follows the last edge to its
-    end.
+    """Returns whether the robot's path from `arc` m on `edges[0]` follows all edges to the end of
+    the last one.
 
-    Its path along the edges before that is known. It must come within `tolerance` (m) of the vertex
-    before the last edge.
+    The caller knows already that the path follows all edges before the last one. The path must come
+    within `tolerance` (m) of the vertex before the last edge.
     """
     slack = max(corridor_width / 2.0 - HALF_WIDTH, 0.0) + PLANNING_ERROR
     return (len(edges) == 1 or corner_cut(graph, edges[-2], edges[-1], slack) <= tolerance
@@ -40,12 +40,13 @@ _cuts: MutableMapping[Graph, Dict[Tuple[int, int, float], float]] = WeakKeyDicti
 
 
 def corner_cut(graph: Graph, first: int, second: int, slack: float) -> float:
-    """Returns the distance (m) of the shortest path from edge `first` to edge `second` from their
-    vertex.
+    """Returns how far (m) the shortest path from edge `first` to edge `second` stays away from the
+    vertex between them.
 
-    The robot's centre may be `slack` m off the curves. The inner corner of its path is the point
-    farthest from the vertex that is within `slack` of both curves. At a right angle this is 1.4
-    times the slack; at a cusp, where the robot need not drive to the vertex at all, it is very far.
+    The robot's centre may be `slack` m off the curves. Of all points within `slack` of both curves,
+    the inner corner of the path is the one that is farthest from the vertex. At a right angle, its
+    distance is 1.4 times the slack. At a cusp it is very large, because the robot need not drive to
+    the vertex at all.
     """
     known = _cuts.setdefault(graph, {})
     corner = (first, second, slack)
@@ -72,12 +73,12 @@ def _corner_cut(graph: Graph, first: int, second: int, slack: float) -> float:
 
 
 def has_detour(graph: Graph, edges: Sequence[int], arc: float, margin: float) -> bool:
-    """Returns whether another path to the end of `edges[-1]` bypasses some edges and is equally
+    """Returns whether another path to the end of `edges[-1]` bypasses some edges and is about as
     short.
 
-    The robot is `arc` m along `edges[0]`. A path is equally short if it is not longer than the
-    bypassed part by more than `margin` (m). A path that leaves the edges joins them again
-    somewhere. So a path that joins them before the last vertex is also a detour to that vertex.
+    The robot is `arc` m along `edges[0]`. A path is about as short if it is at most `margin` (m)
+    longer than the part that it bypasses. Every path that leaves the edges must join them again. If
+    it does so before the last vertex, it still counts as a detour to the last vertex.
     """
     lengths = accumulate((graph.curve(edge).length for edge in edges), initial=0.0)
     vertices = [graph.start_vertex(edges[0]).id] + [graph.end_vertex(edge).id for edge in edges]
@@ -86,6 +87,6 @@ def has_detour(graph: Graph, edges: Sequence[int], arc: float, margin: float) ->
     ahead = {vertex: length - arc for vertex, length in zip(vertices, lengths)}
     end = ahead.pop(vertices[-1])
     around = distances(graph, vertices[-1], end + margin, {abs(edge) for edge in edges})
-    # To turn off at the first vertex, which is behind it, the robot must drive back: hence abs.
+    # The first vertex is behind the robot: to turn off there, it must drive back. Therefore abs.
     return any(around.get(vertex, math.inf) + abs(position) <= end + margin
                for vertex, position in ahead.items())

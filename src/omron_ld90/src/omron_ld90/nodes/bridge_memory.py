@@ -1,12 +1,12 @@
 """Keeps what the bridge must know after a restart: the numbers of orders, and its last route.
 
-The file is not forced to the disk, so it is sure within one boot of the computer only. After
-another boot, orders may have been taken that it does not contain. Then the bridge begins a new
-epoch, its route has failed, and the robot is stopped.
+The file is not forced to the disk, so it is reliable only within one boot of the computer. After
+another boot, the file may lack the last orders that were taken. Then the bridge begins a new epoch,
+its route has failed, and the robot is stopped.
 
-The bridge continues a route only if the same launch has restarted the bridge. The ROS master may
-outlive a launch, and after a person ends a launch and starts it again, the robot must not drive by
-itself.
+The bridge continues a route only if the same launch has restarted the bridge. After a person has
+ended a launch and started it again, the robot must not drive by itself. But the ROS master, which
+keeps the record, may outlive the launch.
 """
 from __future__ import annotations
 
@@ -30,9 +30,9 @@ REFRESHED = 5.0     # s after which an unchanged record is written again
 
 
 class Recalled(NamedTuple):
-    """What the program before this one left.
+    """The record that an earlier run of this program left.
 
-    age     -- s since it was written; infinite if it is of another launch
+    age     -- s since the record was written; infinite for a record of another launch
     is_sure -- no later record can have been lost
     """
 
@@ -44,16 +44,16 @@ class Recalled(NamedTuple):
 class RouteMemory:
     """Keeps the record, with its time, in a private parameter and in a file.
 
-    `keep` writes the file before it returns, so that the robot does not act on an order that a
-    restarted bridge would not know. A separate thread writes the parameter, because the master may
-    be slow to answer.
+    `keep` writes the file before it returns. So the robot never acts on an order that a restarted
+    bridge would not know. A separate thread writes the parameter, because the ROS master may answer
+    slowly.
     """
 
     def __init__(self, launch: str = '', file: str = '') -> None:
-        """`launch`: an id that changes with a new launch, but not with a restart of the node.
+        """launch -- an id that changes with a new launch, but not with a restart of the node
 
-        `file`: unlike the parameter, it survives a restart of the ROS master; empty: no file. A
-        relative path begins in ROS_HOME.
+        file -- path of the file, which survives a restart of the ROS master; a relative path begins
+            in ROS_HOME; empty: no file
         """
         self._launch = launch
         self._file = in_ros_home(file)
@@ -65,14 +65,14 @@ class RouteMemory:
         self._thread = start_worker('route-memory', self._run)
 
     def hold(self) -> None:
-        """Raises ConfigurationError if another bridge keeps its route in that file."""
+        """Reserves the file. Raises ConfigurationError if another bridge uses it."""
         hold(self._file, '~route_file')
 
     def recall(self) -> Optional[Recalled]:
-        """Returns what the program before this one left; None if it left nothing.
+        """Returns the record that an earlier run left; None if there is none.
 
-        A record of another launch counts as infinitely old. Exception: it is in the file and no
-        person ended that launch, so it died.
+        A record of another launch counts as infinitely old, with one exception: if no person ended
+        that launch (it crashed), the age of its record in the file counts.
         """
         found: List[Tuple[Moment, BridgeMemory, bool]] = []
         for text, outlives in ((rospy.get_param(PARAMETER, ''), False), (self._read(), True)):
@@ -91,7 +91,7 @@ class RouteMemory:
                         written.boot == now.boot)
 
     def keep(self, record: BridgeMemory) -> None:
-        """Writes a record, if it tells anything new; see the text of the class."""
+        """Writes a record if it differs from the last one; see the text of the class."""
         with self._changed:
             is_new = record != self._record
             self._record = record
@@ -120,7 +120,7 @@ class RouteMemory:
                 self._write_parameter(self._write_file())
 
     def _write_file(self) -> Dict[str, Any]:
-        """Writes the last record, and returns what was written. Two threads do so, in any order."""
+        """Writes the last record, and returns the written content. Two threads call this."""
         with self._writing:
             assert self._record is not None
             content = {'launch': self._launch, 'closed': self._closed,

@@ -37,7 +37,8 @@ _FATES: Dict[int, CommandFate] = {int(fate): fate for fate in CommandFate}
 _DOCKING: Dict[str, DockingState] = {state.value: state for state in DockingState}
 _CAUSES: Dict[int, EpochCause] = {getattr(Motion, cause.name): cause for cause in EpochCause
                                   if hasattr(Motion, cause.name)}
-# In a report, STOP is a stop on the fleet manager's own way that came past it: it stops the fleet.
+# In a report, STOP means a stop that came as an order, but not from the fleet manager: it stops the
+# fleet. A stop in `motion` concerns only this robot.
 _CAUSES[Motion.STOP] = EpochCause.OTHER_GIVER
 _LINKS: Dict[str, RobotLink] = {link.value: link for link in RobotLink}
 
@@ -72,7 +73,7 @@ def motion_told(message: Motion, own_name: str) -> MotionTold:
 
 
 def link_reported(message: LinkState) -> Optional[LinkReported]:
-    """Returns the event for the state of a link; None if the link is not one of the robot's."""
+    """Returns the event for the state of a link; None if it is not a link of the robot."""
     link = _LINKS.get(message.link)
     if link is None:
         return None

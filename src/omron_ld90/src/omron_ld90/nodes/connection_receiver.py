@@ -4,23 +4,24 @@ Topics out, each line byte for byte (std_msgs/String):
   status/state, status/extended_status, status/state_of_charge, status/battery_voltage,
   status/location, status/localization_score, status/temperature
   laser_points: `RangeDeviceGetCurrent: <device> x y ...`, of every device
-Topics out, typed, in SI units, stamped when received (lines that waited while this node was
+Topics out, typed, in SI units, with the time of reception (lines that waited while this node was
 suspended, or while the network stalled, are not published):
   robot_status (omron_ld90_msgs/RobotStatus), battery_state (sensor_msgs/BatteryState)
   laser_cloud (sensor_msgs/PointCloud2, frame `~map_frame`): scans of `~laser_device`
-  laser_cloud/<device>: scans of each other device; laser_cloud/<device>_cumulative
+  laser_cloud/<device>: scans of each other device; laser_cloud/<device>_cumulative: its cumulative
+      points
   link_state (omron_ld90_msgs/LinkState, latched): link `outgoing`
   /diagnostics
 Parameters:
   ~robot_ip (required): name or address of the robot, the only host that may connect
   ~port (7179): port to listen on
   ~bind_address (''): address to listen on; '': the loopback address for a robot on this computer,
-      else every address
+      otherwise every address
   ~map_frame (map), ~laser_device (Laser_1)
   ~laser_height (0.203 m): height of the laser above the floor
   ~silence (4.0 s): seconds without a line after which the link counts as dead
-  ~session_log (''): file for all that the robot sends; an older one is kept as <file>.old
-  ~session_log_size (50.0 MB): a file that has grown to this size becomes the older one
+  ~session_log (''): file for all that the robot sends; an older file is kept as <file>.old
+  ~session_log_size (50.0 MB): a file that has grown to this size becomes <file>.old
 """
 from __future__ import annotations
 
@@ -83,7 +84,7 @@ _MAXIMUM_DEVICES = 16
 class ConnectionReceiver:
     """The node; `make_listener` makes its listener with the given callbacks.
 
-    It has many attributes because it puts the parts of the node together.
+    The class has many attributes because it connects the parts of the node.
     """
 
     def __init__(self, make_listener: Callable[..., Listener], map_frame: str,
@@ -122,7 +123,7 @@ class ConnectionReceiver:
 
     def _on_line(self, line: Received) -> None:
         reply = line.reply
-        if line.late:  # its time of sending is unknown, so it must not be published as new
+        if line.late:  # the time of sending is unknown, so the line must not be published as new
             self._assembler.drop()
             warn('late', 'This node was suspended, or the network stalled, for a while. The lines '
                  'that the robot sent meanwhile are not published, because their time is unknown.')
@@ -182,8 +183,8 @@ def _on_refused(address: str) -> None:
 
 
 def _bind_address(robot: str) -> str:
-    """Returns the loopback address for a robot on this computer, so
-    that no other computer can connect.
+    """Returns the loopback address if the robot is on this computer, so that no other computer can
+    connect. Otherwise returns an empty text.
     """
     try:
         addresses = {entry[4][0] for entry in resolve(robot)}

@@ -4,11 +4,12 @@ Topics in:
   send_command (std_msgs/String): one ARCL command, e.g. `goto 12`
   move_base_simple/goal (geometry_msgs/PoseStamped): pose to drive to; becomes a goal of `move_base`
   initialpose (geometry_msgs/PoseWithCovarianceStamped): where the robot is (`localizeToPoint`)
-  /fleet_state (itrci_nav_msgs/FleetState), execution_route_states (.../ExecutionRouteStates): while
-      a fleet drives the robot, the two topics above, which are clicks in RViz, are refused
+  /fleet_state (itrci_nav_msgs/FleetState), execution_route_states (.../ExecutionRouteStates): show
+      whether a fleet drives the robot; if so, the two topics above (clicks in RViz) are refused
 Topics out:
   arcl_response (std_msgs/String): every line that the robot sends after the login, byte for byte
-  command_refused (omron_ld90_msgs/CommandRefused): a command by topic that was refused or failed
+  command_refused (omron_ld90_msgs/CommandRefused): a command that came by a topic was refused or
+      failed
   motion (omron_ld90_msgs/Motion, latched): the giver that drives the robot, the robot's motion, and
       the owed stop
   link_state (omron_ld90_msgs/LinkState, latched): link `commands`
@@ -18,20 +19,20 @@ Actions:
   move_base (move_base_msgs/MoveBase): drive to a pose (`gotoPoint`)
 Parameters:
   ~robot_ip (required), ~port (7171): address of the robot's ARCL server
-  ~password_file (''): file that contains its password and nothing else; '': take the environment
-      variable OMRON_LD90_PASSWORD, which roslaunch writes into its own log
+  ~password_file (''): file that contains the password of the server and nothing else; '': take the
+      environment variable OMRON_LD90_PASSWORD, which roslaunch writes into its own log
   ~map_file (''): `.map` file whose goals are compared with the robot's
   ~base_map (''), ~graph_file (''): if base_map is set, the node first waits for map_file
   ~map_frame (map): frame of incoming poses
   ~allowed_commands ([motion, query]): kinds and names of commands that may be sent; the kinds are
       query, motion, device, configuration, dangerous, unknown
-  ~session_log (''): file for all lines of both sides, passwords redacted; an older one is kept as
+  ~session_log (''): file for all lines of both sides, passwords redacted; an older file is kept as
       <file>.old; ld90_sim --replay can play it back
-  ~session_log_size (50.0 MB): a file that has grown to this size becomes the older one
-  ~motion_file (omron_ld90/<namespace>_motion.json): file that keeps over a restart which giver
-      drives the robot, and an owed stop; relative to ROS_HOME; '': no file
-  ~robot_id (''): of a simulated robot, another one at each start of its simulator: what another
-      robot did is no memory of this one; '': a real robot
+  ~session_log_size (50.0 MB): a file that has grown to this size becomes <file>.old
+  ~motion_file (omron_ld90/<namespace>_motion.json): file that keeps the driver of the robot and an
+      owed stop over a restart; relative to ROS_HOME; '': no file
+  ~robot_id (''): id of a simulated robot, which changes at each start of the simulator: a stored
+      state with another id is not used; '': a real robot
   ~allow_takeover (false): true: the two click topics also move a robot that a fleet drives
   ~stop_on_shutdown (false): true: send `stop` when the node ends, e.g. by Ctrl-C; false: the robot
       drives on to its goal
@@ -98,7 +99,7 @@ STOP_WITHIN = 1.5  # s that a stop may take at shutdown
 class Controller:
     """The node; `make_client` makes its client with the given callbacks.
 
-    It has many attributes because it puts the parts of the node together.
+    The class has many attributes because it connects the parts of the node.
     """
 
     def __init__(self, make_client: Callable[..., Client], guard: Guard, goals: GoalComparison,
@@ -189,7 +190,7 @@ class Controller:
         self._ask_goals()
 
     def _ask_goals(self) -> None:
-        """Sends the node's own query; ~allowed_commands does not apply to it."""
+        """Queries the goals of the robot. ~allowed_commands does not apply to this query."""
         self._guard.goals = None
         self._client.execute('getGoals', on_end=self._on_goals)
 

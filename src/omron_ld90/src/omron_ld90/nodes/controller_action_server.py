@@ -1,8 +1,9 @@
-"""An actionlib server that differs where a driven robot requires it.
+"""An actionlib server with two changes that a driven robot requires.
 
-actionlib refuses goals, including stops, whose stamp is not newer than the last cancellation; their
-result is empty. A clock that is ahead would therefore lock out all givers. Its timer for the status
-follows ROS time; under /use_sim_time without /clock, clients would believe that it is gone.
+actionlib refuses goals (also stops) whose stamp is not newer than the last cancellation, and gives
+an empty result. So a canceller whose clock is ahead would lock out all givers. And the timer with
+which actionlib publishes the status follows ROS time: under /use_sim_time without /clock, clients
+would believe that the server is gone.
 """
 from __future__ import annotations
 
@@ -20,9 +21,11 @@ from omron_ld90.nodes.support.callers import giver_of
 class ActionServer(actionlib.ActionServer):
     """A server on which a cancellation affects neither later goals nor a stop.
 
-    always_taken -- whether a goal, such as a stop, is accepted regardless of earlier cancellations
-    on_cancel_all -- called when everything is cancelled, even if no goal is under way
     `canceller` is the program whose cancellation is being carried out.
+
+    always_taken -- returns whether a goal is accepted regardless of earlier cancellations; True for
+        a stop
+    on_cancel_all -- called when everything is cancelled, even if no goal is under way
     """
 
     status_frequency: float  # Hz, of actionlib, which reads it from the parameter server

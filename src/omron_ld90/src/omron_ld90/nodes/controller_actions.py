@@ -1,16 +1,16 @@
-"""The common base of the controller's actions: each goal is a command, carried out to its end.
+"""The common base of the controller's actions: each goal becomes one command for the robot.
 
 The states of a goal at its end:
 - SUCCEEDED: the command succeeded.
 - PREEMPTED: the command was cancelled, or replaced by another command.
 - ABORTED: the command ended in another way; the text says how.
 - REJECTED: the command was never sent.
-A goal with the same command of the same giver as the drive that the robot obeys takes that drive
-over: the robot is not interrupted, and the earlier goal becomes PREEMPTED.
-Commands may run side by side. Queries do so; a driving command replaces the one before it in the
-robot.
+If a giver gives the command again that the robot obeys already, the new goal takes over the drive:
+the robot is not interrupted, and the earlier goal becomes PREEMPTED.
+Several queries may be under way at the same time. A driving command replaces the driving command
+before it in the robot.
 
-Locks: actionlib calls `_on_goal` and `_on_cancel` while it holds its own lock, and takes that lock
+Locks: actionlib calls `_on_goal` and `_on_cancel` while it holds its own lock, and takes this lock
 in every method of a goal handle. So this module holds no lock of its own while it uses a handle.
 The robot's thread uses no handle: a `CallQueue` makes these calls.
 """
@@ -33,9 +33,9 @@ from omron_ld90.nodes.support.old_messages import OldMessages
 _QUEUE_PARAMETER = 'actionlib_server_pub_queue_size'  # read by actionlib, for all servers here
 _RESULTS_QUEUED = 1000
 
-# Gives a command; raises ArclError. (text, giver, known_epoch, number, ...)
+# Gives a command; raises ArclError. Arguments: text, giver, known_epoch, number, ...
 Execute = Callable[..., Execution]
-# The drive that a command of a giver would only repeat. (text, giver, known_epoch)
+# Returns the drive that a command would only repeat, or None. Arguments: text, giver, known_epoch
 Obeyed = Callable[..., Optional[Execution]]
 Cancel = Callable[[Execution, Giver], None]  # cancels a command for a giver
 
@@ -43,7 +43,7 @@ _PREEMPTED = (Outcome.INTERRUPTED, Outcome.CANCELLED)
 
 
 class GoalRefused(Exception):
-    """No command can be made of a goal or pose; the text says why."""
+    """A goal or pose cannot become a command; the text says why."""
 
 
 class NeverSent(GoalRefused):
@@ -91,7 +91,7 @@ class CommandActions:
             self._goal_ended(handle.get_goal_id().id, str(error))
 
     def _start(self, handle: actionlib.ServerGoalHandle, text: str, timeout: float) -> None:
-        """Gives the command and accepts the goal; on ArclError the goal stays pending.
+        """Gives the command, and accepts the goal. Raises ArclError; then the goal stays pending.
 
         The command may end before the goal is accepted here. Its result is still set afterwards,
         because actionlib holds its lock until this method returns.
@@ -118,7 +118,7 @@ class CommandActions:
         handle.set_accepted()
 
     def _adopt_drive(self, handle: actionlib.ServerGoalHandle, drive: Optional[Execution]) -> bool:
-        """Gives a goal the drive of an earlier goal of this action; returns whether it has one."""
+        """Gives a goal the `drive` of an earlier goal. Returns False if no earlier goal has it."""
         goal_id = handle.get_goal_id().id
         with self._lock:
             earlier = next((id for id, goal in self._running.items()
@@ -171,13 +171,13 @@ class CommandActions:
         return 0
 
     def _number(self, goal: Any) -> int:
-        """Returns the number of the command at its giver; 0: none."""
+        """Returns the number that the giver gave to the command; 0: none."""
         return 0
 
     def _command_of(self, goal: Any) -> Tuple[str, float]:
-        """Returns the command of a goal, and its timeout in s (0: the command's own).
+        """Returns the command of a goal and its timeout (s). Raises GoalRefused.
 
-        Raises Refused.
+        A timeout of 0 means the timeout of the kind of command.
         """
         raise NotImplementedError
 
@@ -186,7 +186,7 @@ class CommandActions:
         return False
 
     def _on_line(self, handle: actionlib.ServerGoalHandle, line: str) -> None:
-        """Takes a line that belongs to the command; by default it is not passed on."""
+        """Takes a line that belongs to the command. By default the line is ignored."""
 
     def _result(self, result: Result) -> object:
         raise NotImplementedError
@@ -196,10 +196,13 @@ class CommandActions:
         raise NotImplementedError
 
     def _goal_ended(self, goal_id: str, reason: Optional[str]) -> None:
-        """Takes the end of a goal; `reason`: why it failed, if it did. By default ignored."""
+        """Takes the end of a goal. By default it is ignored.
+
+        reason -- why the goal failed; None: it did not fail
+        """
 
 
 def _keep_results() -> None:
-    """Raises the number of results that may wait for a client; actionlib drops all above 50."""
+    """Sets how many results may wait for a client to _RESULTS_QUEUED, instead of actionlib's 50."""
     if not rospy.has_param(_QUEUE_PARAMETER):
         rospy.set_param(_QUEUE_PARAMETER, _RESULTS_QUEUED)

@@ -1,4 +1,4 @@
-"""The action `execute_command`: takes any command, and reports its end in the robot's words."""
+"""The action `execute_command`: carries out a command, and reports its end in the robot's words."""
 from __future__ import annotations
 
 import math
@@ -73,8 +73,10 @@ class ExecuteCommandServer(CommandActions):
                                     lines=list(result.lines))
 
     def _refusal(self, reason: Exception) -> ExecuteCommandResult:
-        """Returns NEVER_SENT if the command is valid and may be given again; OVERRULED if the
-        command of another giver came first.
+        """Returns the result of a refused goal.
+
+        OVERRULED: the command of another giver came first. NEVER_SENT: the command is valid and may
+        be given again. REFUSED: otherwise.
         """
         if isinstance(reason, Overruled):
             outcome = ExecuteCommandResult.OVERRULED

@@ -91,9 +91,9 @@ class GoalComparison:
 
 
 def _without(names: FrozenSet[str], others: FrozenSet[str]) -> List[str]:
-    """Returns `names` that are not in `others`, for a person.
+    """Returns the `names` that are not in `others`, in printable form.
 
-    Case is ignored, as the robot does.
+    Case is ignored, because the robot ignores it.
     """
     folded = {name.casefold() for name in others}
     return sorted(printable(name) for name in names if name.casefold() not in folded)

@@ -1,5 +1,7 @@
-"""Reports commands that the robot's help list lacks. The list forbids nothing: see
-`omron_arcl.HelpList`."""
+"""Reports sent commands that are not in the robot's help list.
+
+The list forbids nothing; see `omron_arcl.HelpList`.
+"""
 from __future__ import annotations
 
 import threading
@@ -29,7 +31,7 @@ class HelpReport:
             self._help, self._unlisted = help_list, []
 
     def sent(self, command: Command) -> None:
-        """Takes a sent command; logs it once if the robot does not list it."""
+        """Takes a sent command. Logs its name once if the robot does not list it."""
         with self._lock:
             name = command.name
             if (not is_unlisted(command, self._help) or name in self._unlisted

@@ -19,10 +19,10 @@ ROBOT_ID = 'robot_id'
 
 
 class MotionFile:
-    """Keeps the `DriveMemory` of one robot; a relative path begins in ROS_HOME, an empty one means
-    no file.
+    """Keeps the `DriveMemory` of one robot in a file.
 
-    robot_id -- of a simulated robot, another one at each start of its simulator; empty: a real one
+    path -- of the file; a relative path begins in ROS_HOME; empty: no file
+    robot_id -- of a simulated robot; it changes at each start of the simulator; empty: a real robot
     """
 
     def __init__(self, path: str, robot_id: str = '') -> None:
@@ -30,16 +30,16 @@ class MotionFile:
         self._kept: Optional[DriveMemory] = None
 
     def hold(self) -> None:
-        """Raises ConfigurationError if another controller keeps its memory in the file."""
+        """Reserves the file. Raises ConfigurationError if another controller uses it."""
         hold(self._path, '~motion_file')
 
     def read(self) -> Optional[DriveMemory]:
-        """Returns the stored memory; None if there is none, it is of another robot, or it cannot be
+        """Returns the stored memory. None: there is none, it is of another robot, or it cannot be
         read.
 
-        If the folder is read-only, the stored epoch may be out of date. Then epoch 0 is returned,
-        which no program knows, so that no program drives on because of it. An owed stop still
-        counts.
+        If the folder is read-only, the stored epoch may be out of date. Then the memory is returned
+        with epoch 0. No program knows this epoch, so no program drives on because of it. An owed
+        stop still counts.
         """
         try:
             with open(self._path, encoding='utf-8') as stream:
@@ -61,10 +61,11 @@ class MotionFile:
         return dataclasses.replace(memory, epoch=0, previous_epoch=0)
 
     def keep(self, memory: DriveMemory) -> None:
-        """Replaces the file by a complete new one.
+        """Replaces the file with a new one.
 
-        The file is not forced to the disk, because a stop must not wait for a disk. If it cannot be
-        written, the robot is still driven; only a restart would know less.
+        The file is not forced to the disk, because a stop must not wait for a disk. If the file
+        cannot be written, the robot is still driven, but after a restart its last driver is
+        unknown.
         """
         if not self._path or memory == self._kept:
             return
@@ -76,7 +77,7 @@ class MotionFile:
                 replace_json(self._path, content)
             except OSError:
                 with suppress(OSError):
-                    os.unlink(self._path)  # it is out of date, and its space may be enough
+                    os.unlink(self._path)  # it is out of date, and its space may be sufficient
                 replace_json(self._path, content)
         except OSError as error:
             self._kept = None

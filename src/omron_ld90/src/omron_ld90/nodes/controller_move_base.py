@@ -23,11 +23,11 @@ from omron_ld90.nodes.controller_refusals import Refusals
 from omron_ld90.nodes.support.old_messages import OldMessages
 from omron_ld90.nodes.support.poses import pose_to_robot
 
-OWN_CONNECTION = 5.0  # s to wait until the node is connected to its own topic of goals
+OWN_CONNECTION = 5.0  # s, maximum wait until the node is connected to its own goal topic
 
 
 def robot_pose(pose: PoseStamped, map_frame: str) -> Tuple[int, int, int]:
-    """Returns x, y (mm), heading (degrees) of a pose in the map frame; raises Refused."""
+    """Returns x, y (mm), heading (degrees) of a pose in the map frame; raises GoalRefused."""
     frame = pose.header.frame_id.lstrip('/')
     if frame != map_frame:
         raise GoalRefused(f'the pose is in the frame "{frame}", not in "{map_frame}"')
@@ -42,24 +42,24 @@ def robot_pose(pose: PoseStamped, map_frame: str) -> Tuple[int, int, int]:
 
 
 class MoveBaseServer(CommandActions):
-    """The action `move_base`; its feedback is each reported pose of the robot.
+    """The action `move_base`. Each reported pose of the robot is its feedback.
 
-    As with the original move_base, a goal that comes by topic becomes a goal of the action. So a
-    program that watches `move_base/status` sees it.
+    As with the original move_base, a pose that comes by a topic becomes a goal of the action. So a
+    program that watches `move_base/status` sees this goal.
     """
 
     def __init__(self, execute: Execute, cancel: Cancel, cancel_all: Callable[[Giver], None],
                  obeyed: Obeyed, old: OldMessages, refusals: Refusals, map_frame: str) -> None:
         self._map_frame = map_frame
         self._refusals = refusals
-        self._forwarded: Dict[str, Giver] = {}  # goal id -> its giver by topic
+        self._forwarded: Dict[str, Giver] = {}  # goal id -> giver, for goals that came by a topic
         self._count = 0
         super().__init__('move_base', MoveBaseAction, execute, cancel, cancel_all, obeyed, old)
         self._goals = rospy.Publisher(self._topic, MoveBaseActionGoal, queue_size=10)
         self._await_own_connection()
 
     def _await_own_connection(self) -> None:
-        """Waits until goals published here arrive here; else the first one might be lost."""
+        """Waits until this node can receive its own goals; otherwise the first may be lost."""
         deadline = time.monotonic() + OWN_CONNECTION
         while not self._goals.get_num_connections() and time.monotonic() < deadline:
             time.sleep(0.01)
@@ -71,7 +71,7 @@ class MoveBaseServer(CommandActions):
                                     MoveBaseFeedback(base_position=pose)), optional=True)
 
     def forward(self, pose: PoseStamped, giver: Giver) -> None:
-        """Turns a pose that `giver` gave by topic into a goal of the action."""
+        """Turns a pose that `giver` sent by a topic into a goal of the action."""
         goal = MoveBaseActionGoal()
         goal.header.stamp = goal.goal_id.stamp = rospy.Time.now()
         with self._lock:
@@ -98,7 +98,7 @@ class MoveBaseServer(CommandActions):
         return MoveBaseResult()
 
     def _goal_ended(self, goal_id: str, reason: Optional[str]) -> None:
-        """Reports a failure of a goal that came by topic: its giver gets no result."""
+        """Reports the failure of a goal that came by a topic, because its giver gets no result."""
         with self._lock:
             giver = self._forwarded.pop(goal_id, None)
         if giver and reason:

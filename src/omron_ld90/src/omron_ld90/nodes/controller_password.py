@@ -14,9 +14,9 @@ PASSWORD_VARIABLE = 'OMRON_LD90_PASSWORD'
 def read_password(path: str, is_simulated: bool = False) -> bytes:
     """Returns the password from `path`, or from the environment; raises ConfigurationError.
 
-    No message ever contains it. The variable is removed from this process's environment, so that no
-    program inherits it from here. But roslaunch has already written it into its own log. The
-    password of a simulated robot is in the repository, so it is no secret.
+    No message ever contains the password. The variable is removed from the environment of this
+    process, so that no program inherits it from this node. But roslaunch has already written it
+    into its own log. The password of a simulated robot is in the repository, so it is no secret.
     """
     password = os.environb.pop(PASSWORD_VARIABLE.encode(), b'')
     if path:

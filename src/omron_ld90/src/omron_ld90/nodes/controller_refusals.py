@@ -9,7 +9,7 @@ from node_lifecycle import warn
 from omron_arcl import Outcome, Result, printable
 from omron_ld90_msgs.msg import CommandRefused
 
-# Words for failed commands; an interruption or a cancellation is no failure.
+# The words for a failed command. An interruption or a cancellation is not a failure.
 _FAILURES: Mapping[Outcome, str] = {
     Outcome.REJECTED: 'was refused by the robot',
     Outcome.NO_GOAL: 'was refused by the robot',
@@ -24,7 +24,7 @@ _FAILURES: Mapping[Outcome, str] = {
 
 
 def failure(text: str, result: Result) -> Optional[str]:
-    """Returns a sentence for a person if the command failed, else None."""
+    """Returns a sentence for a person if the command failed, otherwise None."""
     if result.outcome not in _FAILURES:
         return None
     return (f'Command {printable(text)!r} {_FAILURES[result.outcome]}: '
@@ -39,7 +39,7 @@ class Refusals:
                                           tcp_nodelay=True)
 
     def refused(self, text: str, caller: str, reason: str) -> None:
-        """Reports that a command or pose by topic failed; `reason` is a sentence."""
+        """Reports that a command or pose that came by a topic failed; `reason` is a sentence."""
         warn('refused', f'{reason} Requested by {caller}.')
         refusal = CommandRefused(command=printable(text), caller=caller, reason=reason)
         refusal.header.stamp = rospy.Time.now()

@@ -1,7 +1,7 @@
 """Recognises a drive that is given again while the robot obeys it.
 
-Programs publish the same goal again and again, some five times a second. If each became a command,
-the robot would be interrupted each time, and would need three times as long.
+Some programs publish the same goal five times a second. If each message became a command, it would
+interrupt the robot, and the drive would take three times as long.
 """
 from __future__ import annotations
 
@@ -14,23 +14,24 @@ _HARMLESS = (Category.QUERY, Category.DEVICE)
 
 
 class ObeyedDrive:
-    """The newest drive of this node that ends at a place, until something else moves the robot.
+    """The newest command of this node that may move or stop the robot.
 
-    Relative moves are not included: a `move` given twice is meant twice.
+    Only a drive to a place can be repeated without effect. A relative `move` that is given twice is
+    meant twice.
     """
 
     def __init__(self) -> None:
         self._newest: Optional[Execution] = None
 
     def given(self, execution: Execution) -> None:
-        """Takes each command that is given to the robot; all that may move or stop it counts."""
+        """Takes a command that is given to the robot. Queries and device commands do not count."""
         if execution.command.spec.category not in _HARMLESS:
             self._newest = execution
 
     def same_as(self, text: str, giver: Giver, known_epoch: int = 0) -> Optional[Execution]:
         """Returns the drive that this command of this giver would only repeat, or None.
 
-        Another giver's command is never a repetition: it may take the robot over.
+        The command of another giver is never a repetition, because it may take over the robot.
         """
         drive = self._newest
         if drive is None or not drive.command.spec.may_repeat:

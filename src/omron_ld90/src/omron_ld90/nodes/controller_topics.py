@@ -21,7 +21,7 @@ class TopicCommands:
 
     execute       -- gives a command; raises ArclError
     obeyed        -- returns the drive that a command would only repeat, or None
-    refuse_click  -- returns why a person's click must not move the robot now, or None if it may;
+    refuse_click  -- returns why a click must not move the robot now, or None if it may; the
                      messages of 2D Nav Goal and 2D Pose Estimate are clicks
     """
 
@@ -63,7 +63,9 @@ class TopicCommands:
         self._send(message.data, giver)
 
     def _on_goal_pose(self, message: PoseStamped, giver: Giver) -> None:
-        """Makes a goal of the action `move_base`, so that an observer of the action sees it."""
+        """Turns the pose into a goal of the action `move_base`, so that observers of the action see
+        it.
+        """
         try:
             robot_pose(message, self._map_frame)
         except GoalRefused as error:
@@ -82,7 +84,7 @@ class TopicCommands:
             self._send(f'localizeToPoint {x} {y} {heading}', giver)
 
     def _send(self, text: str, giver: Giver) -> None:
-        """Sends a command for whose result no caller waits; failures are reported."""
+        """Sends a command, and reports its failure, because no caller waits for the result."""
         if self._obeyed(text, giver):
             return
         def on_end(result: Result) -> None:

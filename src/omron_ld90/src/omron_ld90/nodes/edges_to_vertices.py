@@ -1,16 +1,17 @@
 """The bridge between the fleet manager, which uses edges, and the LD-90, which uses goals.
 
-It takes routes of edges, sends the robot over their vertices, and reports the progress, as
-docs/reference/route_protocol.md says. The decisions are in `omron_ld90.bridge.route_follower`.
+The node takes routes of edges, sends the robot over their vertices, and reports the progress, as
+docs/reference/route_protocol.md says. `omron_ld90.bridge.route_follower` makes the decisions.
 
 Subscribes
     target_route (itrci_nav_msgs/TargetRoute): the route to drive
     /graph (itrci_nav_msgs/Graph): replaces the graph of ~graph_file
     robot_status (omron_ld90_msgs/RobotStatus), link_state (omron_ld90_msgs/LinkState)
-    motion (omron_ld90_msgs/Motion): giver that drives the robot; another giver ends the route
+    motion (omron_ld90_msgs/Motion): giver that drives the robot; if another giver drives it, the
+        route ends
 Publishes
     execution_route_states (itrci_nav_msgs/ExecutionRouteStates, latched): 10 Hz and on change
-        while a route runs, else 1 Hz
+        while a route runs, otherwise 1 Hz
     route_refused (itrci_nav_msgs/RouteRefused): a route, or a change of it, that was refused
     /diagnostics
 Client of
@@ -21,7 +22,8 @@ Parameters
     ~strategy          string  rolling  or vertex_by_vertex, direct, native
     ~native_command    string  (empty)  for strategy native: {goals} = names in order, {last}
     ~vertex_tolerance  float   0.3 m    a vertex is passed within this distance
-    ~corridor_width    float   0.9 m    the route fails at more than half of this distance from it
+    ~corridor_width    float   0.9 m    the route fails if the robot is more than half of this width
+                                        away from its edge
     ~stall_timeout     float   30 s     the route fails after this time without progress
     ~location_timeout  float   5 s      the route fails after this time without a location
     ~link_timeout      float   2 s      the route fails after this time without a link to the robot
@@ -30,11 +32,11 @@ Parameters
     ~top_speed         float   1.35 m/s
     ~acceleration      float   0.5 m/s2
     ~braking           float   0.2 m/s2, deceleration towards a goal
-    ~launch_id         string  (empty)  id of the launch: a route of another launch, which a person
-                                        has ended, is not continued
+    ~launch_id         string  (empty)  id of the launch; a route of an earlier launch is not
+                                        continued if a person has ended that launch
     ~route_file        string  (empty)  file that keeps the route over a restart of the whole
                                         computer; a relative path begins in ROS_HOME
-Uses its private parameter ~route_record to continue a route after a restart.
+The node keeps the route in its private parameter ~route_record, to continue it after a restart.
 """
 from __future__ import annotations
 
@@ -74,7 +76,7 @@ from route_protocol.messages import fill_refusal, fill_report, order_of
 from route_protocol.values import RouteRefusal, RouteReport
 from trajectory_graph import Graph
 
-TICK = 0.1          # s between two steps of the follower, and two reports while a route runs
+TICK = 0.1          # s between two steps of the follower, and between reports of a running route
 IDLE_PERIOD = 1.0   # s between two reports without a route
 QUEUE_SIZE = 1000   # events; if the queue is full, the topics wait and drop their oldest messages
 
@@ -84,10 +86,10 @@ Diagnosis = Tuple[bytes, str, Dict[str, str]]  # level, summary and values
 class EdgesToVertices:
     """The node: see the module's text.
 
-    One thread owns the follower and calls rospy and actionlib. Callbacks only queue events for it.
-    So no lock is held during any of this work.
+    One thread owns the follower and calls rospy and actionlib. Callbacks only queue events for this
+    thread, so it needs no lock.
 
-    It has many attributes because it puts the parts of the node together.
+    The class has many attributes because it connects the parts of the node.
     """
 
     def __init__(self) -> None:
@@ -134,7 +136,9 @@ class EdgesToVertices:
     # --- callbacks -------------------------------------------------------------------------------
 
     def _on_event(self, event: p.Event) -> None:
-        """Queues an event from a topic; waits while the queue is full, so the topic drops some."""
+        """Queues an event from a topic. Waits while the queue is full; then the topic drops its
+        oldest messages.
+        """
         self._loop.put_if_room(
             lambda: self._act(self._follower.handle(event, self._clock.read())), QUEUE_SIZE,
             lambda: rospy.logwarn_throttle(10.0, '%s cannot keep up with its topics.',

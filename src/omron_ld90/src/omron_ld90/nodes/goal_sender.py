@@ -1,15 +1,16 @@
 """Lets clicks in RViz drive the robot to a goal or dock of the displayed map.
 
 - A click with the Publish Point tool selects the nearest goal or dock within `~click_tolerance`; a
-  handle of `interactive_goals` selects its own.
-- Both use the map that `map_visualisation` reports as displayed, never another one.
-- A robot in `/fleet_state` is managed: a click on a goal that is a vertex sends it a mission, any
-  other click is refused.
+  handle of `interactive_goals` selects its own goal or dock.
+- Both use only the map that `map_visualisation` reports as displayed.
+- A robot in `/fleet_state` is managed: a click on a goal that is a vertex sends the robot a
+  mission; any other click is refused.
 - A managed robot that waits for a person (`fleet out`, taken over, failed, off the graph) is driven
   directly.
 - While a fleet drives a route, only stop is accepted.
-- With `~allow_takeover` all clicks drive the robot: a route then ends as `taken over`.
-- A command is given once, and not again while the robot obeys it. Its result is shown in RViz.
+- With `~allow_takeover` all clicks drive the robot; a running route then ends as `taken over`.
+- While the robot obeys a command, the same command is not given again. The result of a command is
+  shown in RViz.
 
 Subscribes
     clicked_point (geometry_msgs/PointStamped), in any frame that TF knows
@@ -18,7 +19,7 @@ Subscribes
     /fleet_state (itrci_nav_msgs/FleetState), /mission_status (itrci_nav_msgs/MissionStatus)
     command_refused (omron_ld90_msgs/CommandRefused)
     link_state (omron_ld90_msgs/LinkState), pose (geometry_msgs/PoseStamped)
-    arcl_response (std_msgs/String): the score after the robot was localized
+    arcl_response (std_msgs/String): contains the score after the robot was localized
     interactive_goals/feedback (visualization_msgs/InteractiveMarkerFeedback)
 Client of
     execute_command (omron_ld90_msgs/ExecuteCommand)
@@ -31,8 +32,8 @@ Publishes
 Parameters
     ~click_tolerance  float   0.5 m  a click farther than this from all goals and docks does nothing
     ~allow_takeover   bool    false  true: a click also drives a managed robot
-    ~ready_advice     string  command  what the log says once the robot is ready, besides a click:
-                                     command, mission, or nothing: another node says it
+    ~ready_advice     string  command  advice in the log when the robot is ready, besides a click:
+                                     command, mission, or nothing (another node gives it)
     ~handle_size      float   0.7 m  diameter of the handles on goals; different for each robot
     ~map_frame        string  map
     ~base_frame       string  <namespace>/base_link
@@ -82,12 +83,12 @@ from omron_map import MapDocument
 TRANSFORM_TIMEOUT = 0.3  # s
 CHECK_PERIOD = 0.5  # s
 
-# The commands of those menu entries that have the same command everywhere.
+# The commands of the menu entries whose command does not depend on the goal.
 COMMANDS = {HandleAction.DOCK: 'dock', HandleAction.UNDOCK: 'undock', HandleAction.STOP: 'stop'}
 
 LOCALIZE = 'localizeToPoint'
 
-# The messages for the end of a command; if the robot gave no words, {words} is the command.
+# The messages for the end of a command. If the robot gave no words, {words} is the command.
 ENDINGS: Dict[int, Tuple[NoticeSeverity, str]] = {
     ExecuteCommandResult.SUCCEEDED: (NoticeSeverity.GOOD, '{words}'),
     ExecuteCommandResult.FAILED: (NoticeSeverity.BAD, '{command} failed: {words}'),
@@ -112,7 +113,7 @@ class Given(NamedTuple):
 class GoalSender:
     """The node: see the module's text.
 
-    It has many attributes because it puts the parts of the node together.
+    The class has many attributes because it connects the parts of the node.
     """
 
     def __init__(self) -> None:
@@ -188,7 +189,7 @@ class GoalSender:
             announce_ready(words)
 
     def _on_response(self, message: String) -> None:
-        """Takes the robot's score, which comes with each of its statuses."""
+        """Takes the robot's localization score, which comes with each status."""
         reply = parse_line(message.data)
         with self._lock:
             self._say_judged(self._localizing.observe(reply))

@@ -21,8 +21,8 @@ from node_lifecycle.clouds import places_in
 from node_lifecycle.headings import yaw_from_quaternion
 from omron_ld90 import laser_scan, robot_model
 
-MAX_SKEW = rospy.Duration(0.5)  # between a cloud and the location nearest in time
-REFUSALS_TOLD = 60.0  # s between two log lines about them
+MAX_SKEW = rospy.Duration(0.5)  # maximum time between a cloud and the location used for it
+REFUSALS_TOLD = 60.0  # s between two log lines about refused clouds
 
 
 class StampedPose(NamedTuple):
@@ -35,9 +35,9 @@ class StampedPose(NamedTuple):
 class LaserScans:
     """Publishes a scan for each cloud that has a location near enough in time.
 
-    A cloud waits for the first location that is not older than the cloud. That location or the one
-    before is used, whichever is nearer in time. The scan has the stamp of the location, so the
-    transform of that time puts every point where the robot reported it.
+    A cloud waits for the first location that is not older than the cloud. This location or the
+    previous one is used, whichever is nearer in time to the cloud. The scan gets the stamp of that
+    location. So the transform at this stamp puts every point where the robot reported it.
     """
 
     def __init__(self, map_frame: str, base_frame: str, laser_frame: str,
@@ -94,14 +94,14 @@ class LaserScans:
 
 def nearest_in_time(stamp: rospy.Time, *candidates: Optional[StampedPose]
                     ) -> Optional[StampedPose]:
-    """Returns the pose nearest to `stamp`, if one is within MAX_SKEW."""
+    """Returns the candidate nearest in time to `stamp`; None if none is within MAX_SKEW."""
     known = [candidate for candidate in candidates if candidate is not None]
     nearest = min(known, key=lambda pose: abs(pose.stamp - stamp), default=None)
     return nearest if nearest is not None and abs(nearest.stamp - stamp) <= MAX_SKEW else None
 
 
 def scan_of(ranges: np.ndarray, stamp: rospy.Time, frame: str) -> LaserScan:
-    """Returns the message for ranges from right to left; infinite without a hit (REP 117)."""
+    """Returns the message for ranges from right to left. No hit means infinite (REP 117)."""
     message = LaserScan(
         angle_min=laser_scan.FIRST_ANGLE, angle_increment=laser_scan.INCREMENT,
         angle_max=laser_scan.FIRST_ANGLE + (len(ranges) - 1) * laser_scan.INCREMENT,

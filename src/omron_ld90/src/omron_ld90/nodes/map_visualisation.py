@@ -4,12 +4,12 @@ The file is loaded again when it has changed and is complete. If a new file is b
 stays on display, and /diagnostics and the log give the reason.
 
 Topics out, all latched except `laser_markers`, all in the frame `~frame_id`:
-  map (nav_msgs/OccupancyGrid), map_metadata (nav_msgs/MapMetaData): cells with the map's own pitch,
-      or a multiple of it if there would be more than 100 million cells
+  map (nav_msgs/OccupancyGrid), map_metadata (nav_msgs/MapMetaData): cells with the pitch of the map
+      file, or a multiple of it if there would be more than 100 million cells
   map_file (std_msgs/String): path of the displayed file, published again after each (re)load
   map_markers/points, lines, goals, docks (visualization_msgs/Marker)
   map_markers/goal_names, goal_headings, forbidden_areas, sectors (visualization_msgs/MarkerArray)
-  laser_markers (visualization_msgs/Marker): in the frame of the cloud
+  laser_markers (visualization_msgs/Marker): in the frame of `laser_cloud`
   /diagnostics
 Topics in:
   laser_cloud (sensor_msgs/PointCloud2)
@@ -68,7 +68,7 @@ from rviz_drawing.fast_messages import GetGridResponse, GridMessage, LoadGridRes
 
 POLL_PERIOD = 0.5  # s between two checks of the file
 MAX_WARNINGS = 10  # in the log, about one file
-REFUSALS_TOLD = 60.0  # s between two log lines about them
+REFUSALS_TOLD = 60.0  # s between two log lines about refused clouds
 BACKGROUNDS = {'unknown': UNKNOWN, 'free': FREE}
 MARKERS = {
     'map_markers/points': map_markers.points,
@@ -106,9 +106,9 @@ class ShownMap:
 class MapVisualisation:
     """The displayed map, its topics and services.
 
-    A request for the displayed map is answered at once: the map is replaced as a whole, so no lock
-    is needed. `_loading` is held while a map is loaded and shown, so that the later one of two maps
-    stays.
+    A request for the displayed map is answered at once. It needs no lock, because a new map
+    replaces the old one in one step. `_loading` is held while a map is loaded and shown, so that of
+    two maps the later one stays.
     """
 
     def __init__(self, settings: MapSettings, path: str, made_from: Tuple[str, ...] = ()) -> None:
@@ -125,7 +125,7 @@ class MapVisualisation:
         self._metadata = rospy.Publisher('map_metadata', MapMetaData, queue_size=1, latch=True)
         self._file = rospy.Publisher('map_file', String, queue_size=1, latch=True)
         self._laser = rospy.Publisher('laser_markers', Marker, queue_size=5, tcp_nodelay=True)
-        # Not in the main thread: it must be free for signals, or shutting down could wait for ever.
+        # Not in the main thread, which must be free for signals; otherwise shutdown may never end.
         threading.Thread(target=self._follow_file, args=(path, made_from), daemon=True).start()
         rospy.Subscriber('laser_cloud', PointCloud2, self._draw_laser, queue_size=2,
                          tcp_nodelay=True)
@@ -134,12 +134,12 @@ class MapVisualisation:
         publish_diagnostics('none', {'map': self._diagnose})
 
     def _follow_file(self, path: str, made_from: Tuple[str, ...]) -> None:
-        """Shows the first map, then each new one; waits for a map that cannot be shown yet."""
+        """Shows the first map, and then each new version of the file."""
         try:
             if made_from:
                 self._wait_for(path, made_from)
             with self._loading:
-                if self._watcher is None:  # else change_map came first
+                if self._watcher is None:  # otherwise change_map came first
                     self._watcher = MapWatcher(path)
                     if not self._watcher.unfinished:
                         self._try_to_show(path)
@@ -149,7 +149,7 @@ class MapVisualisation:
                     if self._watcher.changed():
                         self._try_to_show(self._watcher.path)
         except rospy.ROSException:
-            if not rospy.is_shutdown():  # else the topics were closed during publishing
+            if not rospy.is_shutdown():  # at shutdown, topics may close during publishing
                 raise
 
     def _wait_for(self, path: str, made_from: Tuple[str, ...]) -> None:
@@ -171,7 +171,9 @@ class MapVisualisation:
             rospy.logerr('%s until the file is corrected: %s', shown, error)
 
     def _show(self, path: str) -> ShownMap:
-        """Loads `path` and publishes everything, or raises MapError and publishes nothing."""
+        """Loads `path`, and publishes the map on all topics. If it raises MapError, it publishes
+        nothing.
+        """
         document = MapDocument.load(path)
         frame_id, file = self._settings.frame_id, os.path.abspath(path)
         shown = ShownMap(self._grid_of(document), {

@@ -1,4 +1,4 @@
-"""Makes the receiver's messages from replies, in SI units and by REP 103."""
+"""Makes the receiver's messages from replies, in SI units and according to REP 103."""
 from __future__ import annotations
 
 import math
@@ -28,10 +28,11 @@ _CHARGING = {
 
 def robot_status(status: OneLineStatus, activity: Activity, docking: Optional[DockingStatus],
                  stamp: rospy.Time, frame: str) -> RobotStatus:
-    """Returns the typed status; `activity` is read from its text, `docking` is the last docking
-    state.
+    """Returns the typed status.
 
-    `stamp`: when the location came.
+    activity -- read from the text of the status
+    docking -- the last docking state
+    stamp -- the time when the location came
     """
     message = RobotStatus(
         status=_text(status.status), activity=ACTIVITIES[activity.kind],
@@ -72,7 +73,7 @@ def battery_state(status: OneLineStatus, docking: Optional[DockingStatus],
 
 def point_cloud(reading: RangeReading, stamp: rospy.Time, frame: str,
                 height: float) -> PointCloud2:
-    """Returns the points of a scan in the map frame; `height`: of the laser above the floor, m."""
+    """Returns the points of a scan in the map frame. `height` (m): of the laser above the floor."""
     points = np.empty((len(reading.points), 3), '<f4')
     points[:, :2] = reading.points / MM_PER_M
     points[:, 2] = height
@@ -85,7 +86,7 @@ def point_cloud(reading: RangeReading, stamp: rospy.Time, frame: str,
 
 
 def _text(text: str) -> str:
-    """Returns a text of the robot without characters that a terminal would take for commands."""
+    """Returns a text of the robot without the characters that control a terminal."""
     return printable(text, _LONGEST_TEXT)
 
 

@@ -1,27 +1,27 @@
 """Publishes the robot's pose and motion in the form of ROS, once for each received location.
 
-The LD-90 localizes itself on its own map and sends a location two to ten times a second. There is
-no odometry with a fixed rate for the time between. So the transform goes from `map` directly to the
-robot's base. (REP 105 puts `odom` between the two for continuous odometry, which ARCL does not
-have.) A user with another odometry sets `~odom_frame`: then `map` -> odom is published such that
-the robot is at its reported location. The name `robot_state_publisher` is a part of this
-workspace's interface. The frames of the body come from the standard node of that name, which runs
-as `body_state_publisher`.
+The LD-90 localizes itself on its own map and sends a location two to ten times a second. Between
+two locations there is no odometry. So the transform goes from `map` directly to the robot's base.
+(REP 105 puts the frame `odom` between the two for continuous odometry, which ARCL does not have.)
+A user with another odometry sets `~odom_frame`: then the node publishes `map` -> `~odom_frame` such
+that the robot is at its reported location. The name `robot_state_publisher` is a part of this
+workspace's interface. ROS has a standard node of the same name; it runs here as
+`body_state_publisher`, and publishes the frames of the robot's body.
 
 Nothing is extrapolated or repeated:
 - A location that is older than `~max_age`, or was received before, is not published.
 - A stamp from the future is set back to now.
 - A position where no robot can be (NaN, or beyond every map) is ignored with a warning.
 
-`odom` is for software that only accepts nav_msgs/Odometry. Its pose is the location, so its frame
-is `map` and not REP 105's `odom`: the pose does not drift, and jumps when the robot is relocalized.
-Its twist, in the base frame, is the mean since the location before. There is no message if the
-robot cannot have driven from there, or after more than 2 s. The covariances grow with the time
-between locations.
+The topic `odom` is for software that only accepts nav_msgs/Odometry. Its pose is the location, so
+its frame is `map` and not the frame `odom` of REP 105: the pose does not drift, and it jumps when
+the robot is relocalized. Its twist, in the base frame, is the mean since the previous location.
+There is no message if the robot cannot have driven from the previous location, or if that location
+is more than 2 s older. The covariances grow with the time between locations.
 
-`scan`, off by default, is for software that only accepts sensor_msgs/LaserScan. It is made from
-`laser_cloud`, whose points the robot's own localization has already put into the map. So it cannot
-serve the purposes of a real scan, such as localization. See
+The topic `scan`, off by default, is for software that only accepts sensor_msgs/LaserScan. It is
+made from `laser_cloud`, whose points the robot has already put into the map with its own
+localization. So it cannot replace a real scan, for example for localization. See
 docs/reference/robot_state_publisher.md.
 
 Subscribes
@@ -62,8 +62,8 @@ from omron_ld90.odometry import MeanMotion, MotionMeter, TimedPose
 from omron_ld90_msgs.msg import RobotStatus
 
 SILENCE = 3.0  # s without a location before /diagnostics warns; the robot sends two a second
-REFUSALS_TOLD = 10.0  # s between two log lines about them
-ODOMETRY_TIMEOUT = 0.1  # s in which the odometry of a location comes
+REFUSALS_TOLD = 10.0  # s between two log lines about ignored locations
+ODOMETRY_TIMEOUT = 0.1  # s, maximum wait for the odometry of a location
 UNUSED_AXES = 1e-6  # variance of motions that a robot on a floor cannot make
 
 
@@ -75,11 +75,11 @@ class LocationFilter:
         self._last = rospy.Time(0)
 
     def stamp_for(self, received: rospy.Time, now: rospy.Time) -> Optional[rospy.Time]:
-        """Returns the stamp for a location received at `received`; None if it must not be
+        """Returns the stamp for a location that was received at `received`. None: it must not be
         published.
 
-        A location is refused if it is too old, or not newer than the one before. If `now` is
-        earlier than the last stamp by more than the greatest age, the clock was set back, and the
+        A location is refused if it is too old, or not newer than the previous one. If `now` is
+        earlier than the last stamp by more than the maximum age, the clock was set back. Then the
         last stamp does not count any more.
         """
         if now + self._max_age < self._last:
@@ -94,7 +94,7 @@ class LocationFilter:
 class RobotStatePublisher:
     """The node: see the module's text.
 
-    It has many attributes because it puts the parts of the node together.
+    The class has many attributes because it connects the parts of the node.
     """
 
     def __init__(self) -> None:
@@ -186,10 +186,7 @@ class RobotStatePublisher:
 
 def odometry_of(motion: MeanMotion, pose: Pose, stamp: rospy.Time, map_frame: str,
                 base_frame: str) -> Odometry:
-    """Returns the motion at a location as a message.
-
-    With variances of the position and of the turns.
-    """
+    """Returns the motion at a location as a message, with the variances of pose and motion."""
     message = Odometry(child_frame_id=base_frame)
     message.header.stamp = stamp
     message.header.frame_id = map_frame

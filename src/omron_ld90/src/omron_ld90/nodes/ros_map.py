@@ -1,8 +1,8 @@
 """`omron_ros_map`: makes a `.map` file from a trajectory graph and a base map, once.
 
-With options it is a command line tool that needs no ROS master (`--help` lists them). If roslaunch
-starts it, it reads the same options as private parameters, converts, and ends. Exit status: 0 if
-the map is written, 1 if it could not be made.
+With options it is a command line tool that needs no ROS master (`--help` lists the options). If
+roslaunch starts it, it reads the same options from private parameters, converts, and ends. Exit
+status: 0 if the map was written, 1 if it could not be made.
 
 Parameters
     ~graph (str): file of the trajectory graph (YAML)

@@ -1,8 +1,8 @@
 """Shows the state of the robot and the fleet: graph, route, destination, driven path, status.
 
-The node sends no command, so it may be stopped or changed at any time. In this it differs from
-`goal_sender`, whose clicks move the robot. It differs from `map_visualisation` in that it shows a
-robot. So it is a separate node.
+The node sends no command, so it may be stopped or changed at any time. This is why it is separate
+from `goal_sender`, whose clicks move the robot. `map_visualisation` shows no robot, so it is a
+separate node as well.
 
 Subscribes
     /graph (itrci_nav_msgs/Graph, latched): replaces the graph of ~graph_file
@@ -22,9 +22,9 @@ Parameters
     ~dock_vertex  int     0        id of the graph's dock vertex; 0: none
     ~map_frame    string  map
     ~silence      float   3.0 s    time without a status after which the robot counts as lost
-    ~path_length  int     400      poses kept of the driven path, at least ~path_step apart
+    ~path_length  int     400      number of poses in the driven path, at least ~path_step apart
     ~path_step    float   0.1 m
-    ~status_row   int     0        line above the map for this robot's banner; one for each robot
+    ~status_row   int     0        row above the map for this robot's banner; different per robot
 """
 from __future__ import annotations
 
@@ -59,13 +59,13 @@ from trajectory_graph import Graph
 
 ROW_HEIGHT = 0.8  # m
 LINKS = (LinkState.COMMANDS, LinkState.OUTGOING)
-REFUSALS_TOLD = 60.0  # s between two log lines about them
+REFUSALS_TOLD = 60.0  # s between two log lines about reports that are not shown
 
 
 class RouteVisualisation:
     """The node: see the module's text.
 
-    It has many attributes because it draws all that several topics tell of one robot.
+    The class has many attributes because it draws the contents of several topics about one robot.
     """
 
     def __init__(self) -> None:
@@ -202,7 +202,10 @@ class RouteVisualisation:
 
 def destination(status: RobotStatus, targets: List[Target], point: Optional[drawing.XY]
                 ) -> Optional[drawing.XY]:
-    """Returns the robot's destination (m), if it is known; `point` is the last one ordered."""
+    """Returns the robot's destination (m) if it is known.
+
+    point -- the point to which the robot was last sent
+    """
     target = None
     if status.activity == RobotStatus.GOING_TO_POINT:
         return point

@@ -2,11 +2,12 @@
 
     rviz_view MAP_FILE CONFIGURATION [more arguments of rviz]
 
-If the map fits the view of the configuration, and its window fits the screen, RViz gets that file
-unchanged. Otherwise it gets a copy with another scale and centre of the view, and another size of
-the window. A view that is not from above is not changed, nor is one that cannot be read; the
-latter is reported. On a computer that draws without a graphics card, anti-aliasing is turned off,
-because it would then cost more than all the rest. This program is no ROS node: it becomes RViz.
+If the map fits the view of the configuration, and the window fits the screen, RViz gets the
+configuration unchanged. Otherwise it gets a copy with another scale and centre of the view, and
+another size of the window. A view that is not from above is not changed. A view that cannot be read
+is not changed either, and this is reported. On a computer that draws without a graphics card,
+anti-aliasing is turned off, because it would take more time than all other drawing. This program is
+not a ROS node: its process becomes RViz.
 """
 from __future__ import annotations
 
@@ -25,9 +26,9 @@ from omron_map import MapDocument, MapError, bounds_of
 
 WIDTH, HEIGHT = 1248, 808  # pixels of the 3D view in the configuration's window
 FRAME = (32, 92)  # pixels of the window around the view: bars and tools
-DESKTOP = 60  # pixels that a title and the desktop's bars need on a screen that is too small
+DESKTOP = 60  # pixels for the title and the bars of the desktop if the screen is too small
 BANNER = 1.2  # m above the map for the robot's banner
-BORDER = 0.5  # m around all of it
+BORDER = 0.5  # m around the map and the banner
 FROM_ABOVE = 'rviz/TopDownOrtho'
 
 
@@ -64,14 +65,14 @@ class View(NamedTuple):
 
 
 class CannotFit(Exception):
-    """An RViz configuration whose view cannot be fitted to a map; the text is a clause."""
+    """The view of an RViz configuration cannot be fitted to a map; the text is a clause."""
 
 
 class RvizConfiguration:
     """An RViz configuration: its view from above, and the size of its window."""
 
     def __init__(self, text: str) -> None:
-        """Raises ConfigurationError if the text is no configuration with a view."""
+        """Raises CannotFit if the text is not a configuration with a view."""
         try:
             self._root = yaml.safe_load(text)
             self._view: Dict[str, Any] = self._root['Visualization Manager']['Views']['Current']
@@ -83,7 +84,7 @@ class RvizConfiguration:
 
     @property
     def view(self) -> View:
-        """The view from above; raises ConfigurationError if one of its values is no number."""
+        """The view from above; raises CannotFit if one of its values is not a number."""
         try:
             view = View(*(float(self._view[name]) for name in ('Scale', 'X', 'Y')))
         except (KeyError, TypeError, ValueError):
@@ -97,7 +98,7 @@ class RvizConfiguration:
         self._view.update(zip(('Scale', 'X', 'Y'), (round(value, 3) for value in view)))
 
     def fit_window(self, size: PixelSize) -> bool:
-        """Shrinks the window to what a view of that size needs; returns whether it was larger."""
+        """Shrinks the window so that its view has this size. Returns whether it was larger."""
         window = self._root.get('Window Geometry')
         narrow = {name: pixels + frame for name, pixels, full, frame
                   in zip(('Width', 'Height'), size, FULL, FRAME) if pixels < full}
@@ -118,9 +119,9 @@ def view_size(screen: PixelSize) -> PixelSize:
 
 
 def configuration_for(document: MapDocument, text: str, size: PixelSize = FULL) -> Optional[str]:
-    """Returns the RViz configuration `text` with a view of that size that shows all of the map.
+    """Returns the RViz configuration `text` with a view of this size that shows the whole map.
 
-    None if it already does so, or if its view is not from above. Raises ConfigurationError.
+    None: `text` shows the whole map already, or its view is not from above. Raises CannotFit.
     """
     configuration = RvizConfiguration(text)
     bounds = bounds_of(document.points, document.lines)
@@ -144,11 +145,11 @@ def rendering_arguments() -> List[str]:
 
 
 def screen_size() -> PixelSize:
-    """Returns the size of the screen; without one, ends the program with a clear message, unlike
-    Qt.
+    """Returns the size of the screen.
 
-    libX11 is used because RViz also opens the display with it, so the answer is the same as RViz's.
-    It also saves a package (python3-xlib reads XAUTHORITY in its own way).
+    Without a screen, ends the program with a clear message, which Qt would not give. libX11 is used
+    because RViz opens the display with it, too, so both find the same display. python3-xlib would
+    be a further package, and it reads XAUTHORITY in its own way.
     """
     library = ctypes.CDLL('libX11.so.6')
     library.XOpenDisplay.restype = ctypes.c_void_p
@@ -164,10 +165,10 @@ def screen_size() -> PixelSize:
 
 
 def fitted_copy(map_file: str, path: str, size: PixelSize) -> str:
-    """Returns a copy of the configuration `path` that shows all of the map, or `path` if none is
-    needed.
+    """Returns the path of a copy of the configuration `path` that shows the whole map.
 
-    If the view cannot be fitted, standard error gets the reason.
+    Returns `path` itself if no copy is needed, or if the view cannot be fitted. In the second case
+    the reason is written to standard error.
     """
     try:
         with open(path, encoding='utf-8') as file:
@@ -190,7 +191,7 @@ def fitted_copy(map_file: str, path: str, size: PixelSize) -> str:
 
 
 def main() -> None:
-    """Becomes RViz."""
+    """Replaces this process with RViz."""
     if len(sys.argv) < 3:
         sys.exit('usage: rviz_view MAP_FILE CONFIGURATION [more arguments of rviz]')
     map_file, path, *arguments = sys.argv[1:]

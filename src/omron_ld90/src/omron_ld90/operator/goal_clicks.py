@@ -22,7 +22,7 @@ class TargetKind(enum.Enum):
 
 @dataclass(frozen=True)
 class Target:
-    """A goal or dock of the map, in m and degrees; `heading` is None if any heading will do.
+    """A goal or dock of the map, in m and degrees; `heading` is None if any heading is allowed.
 
     `name` is the readable name, regardless of the encoding of the map file.
     """
@@ -35,9 +35,10 @@ class Target:
 
     @property
     def command(self) -> str:
-        """The ARCL command that drives the robot here; for a dock it is `dock`, without a name.
+        """The ARCL command that drives the robot here. For a dock it is `dock`, without a name.
 
-        Raises InvalidCommand if no ARCL command can contain the name, e.g. one with a quote.
+        Raises InvalidCommand if no ARCL command can contain the name, for example because of a
+        quote in the name.
         """
         return 'dock' if self.kind is TargetKind.DOCK else f'goto {quote(self.name)}'
 
@@ -64,9 +65,9 @@ def target_named(name: str, targets: Iterable[Target]) -> Optional[Target]:
 
 
 def extent_in_x(document: MapDocument) -> Tuple[float, float]:
-    """Returns the smallest and largest x (m) that the robot's laser saw.
+    """Returns the smallest and largest x (m) of the points and lines in a map.
 
-    Infinite if it saw nothing.
+    Without points and lines, returns infinite values.
     """
     xs = np.concatenate([document.points[:, 0], document.lines[:, ::2].ravel()])
     return (metres(xs.min()), metres(xs.max())) if xs.size else (-math.inf, math.inf)
@@ -82,7 +83,7 @@ class Click:
 
 
 def resolve_click(targets: Iterable[Target], x: float, y: float, tolerance: float) -> Click:
-    """Returns the nearest target, and whether a click at (x, y) hits it: within `tolerance`."""
+    """Returns the target nearest to a click at (x, y), and whether it is within `tolerance` (m)."""
     nearest = min(targets, key=lambda t: math.hypot(t.x - x, t.y - y), default=None)
     if nearest is None:
         return Click(None, math.inf, False)
@@ -91,7 +92,7 @@ def resolve_click(targets: Iterable[Target], x: float, y: float, tolerance: floa
 
 
 def explain_miss(click: Click, tolerance: float) -> str:
-    """Returns the reason why a click had no effect, for a person."""
+    """Returns a sentence that tells a person why a click had no effect."""
     if click.target is None:
         return 'Nothing there: the map has no goal and no dock.'
     return (f'Nothing within {tolerance:.2f} m of the click: '

@@ -1,4 +1,4 @@
-"""Localizes a robot where a person says that it is: asks first, and judges by the robot's score."""
+"""Localizes a robot at a place that a person names: asks first, then checks the robot's score."""
 from __future__ import annotations
 
 from typing import NamedTuple, Optional, Tuple
@@ -7,10 +7,10 @@ from omron_arcl import Reply
 from omron_arcl.replies import LocalizationScore, OneLineStatus
 from omron_ld90.operator.notices import NoticeSeverity, OperatorNotice
 
-LOW_SCORE = 0.2   # 0 to 1; below it the scan does not fit the map, so the place is wrong
-SCORE_WITHIN = 5.0  # s within which a robot reports its score: it does so with each status
+LOW_SCORE = 0.2   # 0 to 1; with a lower score, the scan does not fit the map: the place is wrong
+SCORE_WITHIN = 5.0  # s within which a robot reports its score, which comes with each status
 
-ASKED_FOR = 15.0  # s for which a question is open
+ASKED_FOR = 15.0  # s within which the person may answer the question
 
 Place = Tuple[float, float]
 """x, y in m, in the map."""
@@ -24,7 +24,7 @@ class Judged(NamedTuple):
 
 
 class _Awaited(NamedTuple):
-    """The robot's words that it is localized, the place, and when it said so."""
+    """The robot's report that it is localized: words, place, and time of the report."""
 
     words: str
     place: Optional[Place]
@@ -32,15 +32,15 @@ class _Awaited(NamedTuple):
 
 
 class LocalizeQuestion:
-    """Asks once before a robot is localized. With a wrong pose it would drive into things."""
+    """Asks a person before a robot is localized: with a wrong pose, the robot may collide."""
 
     def __init__(self) -> None:
         self._asked: Optional[Tuple[Place, float]] = None
 
     def is_confirmed(self, place: Place, now: float) -> bool:
-        """Returns whether the person has chosen this place a second time; `now` in s.
+        """Returns whether the person has chosen this place a second time within ASKED_FOR s.
 
-        The first time, the question is open from now on.
+        A first choice opens the question at the time `now` (s).
         """
         asked, self._asked = self._asked, (place, now)
         if asked is None or asked[0] != place or now - asked[1] > ASKED_FOR:
@@ -49,24 +49,22 @@ class LocalizeQuestion:
         return True
 
     def forget(self) -> None:
-        """Notes that the person has done something else."""
+        """Closes the question, because the person has done something else."""
         self._asked = None
 
 
 class LocalizingWatch:
-    """Waits for the score of a robot that says that it is localized. Times are in s."""
+    """Waits for the score of a robot that has reported that it is localized. Times are in s."""
 
     def __init__(self) -> None:
         self._awaited: Optional[_Awaited] = None
 
     def begin(self, words: str, place: Optional[Place], now: float) -> None:
-        """Notes that the robot says that it is localized: its next score shows whether
-        that is right.
-        """
+        """Notes that the robot has reported that it is localized. Its next score checks this."""
         self._awaited = _Awaited(words, place, now)
 
     def observe(self, reply: Reply) -> Optional[Judged]:
-        """Takes a reply of the robot. Returns the notice if it was awaited."""
+        """Takes a reply of the robot. Returns the notice if the reply has an awaited score."""
         score = reply.localization_score if isinstance(reply, OneLineStatus) else reply
         return self._judged(score.score) if isinstance(score, LocalizationScore) else None
 

@@ -18,11 +18,11 @@ class Advice(Enum):
     MISSION = 'mission'
     """Send a mission: a fleet manager drives the robot."""
     NOTHING = 'nothing'
-    """Another node says what is ready."""
+    """No advice, because another node gives it."""
 
 
 class ReadyNotice:
-    """Says once that a click drives the robot: a map is displayed, and the robot is reached."""
+    """Says once that a click drives the robot: a map is displayed, and the robot is connected."""
 
     def __init__(self, robot: str, advice: Advice = Advice.COMMAND) -> None:
         """robot -- its namespace"""
@@ -30,7 +30,7 @@ class ReadyNotice:
         self._is_said = advice is Advice.NOTHING
 
     def words(self, targets: Optional[Sequence[Target]], is_connected: bool) -> str:
-        """Returns the sentences; empty: they are said already, or the robot is not ready.
+        """Returns the sentences. Empty: they were returned before, or the robot is not ready.
 
         targets -- goals and docks of the displayed map; None: no map is displayed
         """
@@ -48,13 +48,13 @@ class ReadyNotice:
 
 
 def _vertex(targets: Sequence[Target]) -> str:
-    """Returns the first goal that is a vertex."""
+    """Returns the name of the first goal that is a vertex."""
     return next((target.name for target in _goals_first(targets) if target.name.isdecimal()),
                 'VERTEX')
 
 
 def _example(targets: Sequence[Target]) -> str:
-    """Returns the command for the first goal that a command can name; else one that names none."""
+    """Returns the command for the first goal that a command can name, otherwise `stop`."""
     for target in _goals_first(targets):
         with suppress(InvalidCommand):
             return target.command
@@ -62,5 +62,5 @@ def _example(targets: Sequence[Target]) -> str:
 
 
 def _goals_first(targets: Sequence[Target]) -> Sequence[Target]:
-    """Returns docks last, because at the start a robot often stands in its dock."""
+    """Returns the targets with the docks last: at the start, a robot often stands in its dock."""
     return sorted(targets, key=lambda one: one.kind is TargetKind.DOCK)

@@ -1,4 +1,4 @@
-"""Finds, in the messages about all routes, the route that is driven and the route to display.
+"""Finds the route that is driven, and the route to display, in the messages about routes.
 
 No ROS here; times are in seconds of a steady clock.
 """
@@ -21,10 +21,10 @@ class EdgeProgress(NamedTuple):
 
 
 class RouteWatch:
-    """Knows whether the fleet is driving the robot.
+    """Finds out whether the fleet is driving the robot.
 
-    A running route is reported ten times a second. A route without a report for `SILENCE` is over:
-    the bridge has ended, or its link to this computer is broken.
+    A running route is reported ten times a second. A route without a report for `SILENCE` s is
+    over: the bridge has ended, or its connection to this computer is broken.
     """
 
     def __init__(self) -> None:
@@ -32,7 +32,9 @@ class RouteWatch:
         self._heard = -math.inf
 
     def update(self, route_id: int, states: Sequence[int], now: float) -> bool:
-        """Takes the state of every edge of a route; False for the refusal of another route."""
+        """Takes the state of every edge of a route. Returns False if this is only the refusal of a
+        route other than the running one.
+        """
         failed = any(state == EdgeState.FAILED for state in states)
         if not failed and any(state != EdgeState.COMPLETE for state in states):
             self._running, self._heard = route_id, now
@@ -48,7 +50,7 @@ class RouteWatch:
 
 
 class RouteView:
-    """The route on display: the one being driven, or for a while the one that just ended."""
+    """The route on display: the route that is driven, or for some time the last one."""
 
     def __init__(self) -> None:
         self.shown: Tuple[EdgeProgress, ...] = ()
@@ -57,7 +59,7 @@ class RouteView:
         self._changed = -math.inf
 
     def update(self, route_id: int, edges: Sequence[EdgeProgress], now: float) -> bool:
-        """Takes one message; returns True if the displayed route changed."""
+        """Takes a message. Returns whether the displayed route changed."""
         route = (route_id, tuple(edges))
         if not self._watch.update(route_id, [edge.state for edge in edges], now):
             return False
@@ -68,7 +70,7 @@ class RouteView:
         return True
 
     def expire(self, now: float) -> bool:
-        """Removes a route that ended a while ago; returns True if it was removed now."""
+        """Removes a route that ended SHOWN_AFTER_THE_END s ago. Returns whether it did so now."""
         ended = self._watch.running(now) is None
         if not (self.shown and ended and now - self._changed >= SHOWN_AFTER_THE_END):
             return False

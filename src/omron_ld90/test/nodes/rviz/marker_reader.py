@@ -1,4 +1,4 @@
-"""Markers as their subscribers get them: serialised and read again."""
+"""Markers as subscribers get them: serialised and read again."""
 from __future__ import annotations
 
 import io
@@ -8,19 +8,19 @@ from visualization_msgs.msg import Marker, MarkerArray
 
 
 def received(message: Marker) -> Marker:
-    """A marker after its way over the wire."""
+    """Returns a marker as a subscriber receives it."""
     return _sent(message, Marker())
 
 
 def drawn(array: MarkerArray) -> List[Marker]:
-    """The markers of a complete array, which begins by deleting all earlier markers."""
+    """Returns the markers of a complete array, which begins with DELETEALL."""
     first, *markers = _sent(array, MarkerArray()).markers
     assert first.action == Marker.DELETEALL, 'the array does not begin with DELETEALL'
     return markers
 
 
 def of(array: MarkerArray, namespace: str) -> List[Marker]:
-    """The markers of one namespace."""
+    """Returns the markers of one namespace."""
     return [marker for marker in drawn(array) if marker.ns == namespace]
 
 

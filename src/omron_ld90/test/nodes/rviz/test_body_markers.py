@@ -1,4 +1,4 @@
-"""The body of the shipped URDF as markers; and errors in a URDF."""
+"""The body of the shipped URDF as markers, and errors in a URDF."""
 from __future__ import annotations
 
 import xml.etree.ElementTree as ElementTree

@@ -21,7 +21,7 @@ PAINTS = {tuple(round(part, 2) for part in (paint.r, paint.g, paint.b)): said
 
 @pytest.fixture
 def graph() -> Graph:
-    """1 -> 2 -> 3, the second edge a curve; all driven along +x."""
+    """Returns a graph 1 -> 2 -> 3; the second edge is a curve; both lead along +x."""
     return Graph(
         [Vertex(1, 0.0, 0.0, 0.0), Vertex(2, 4.0, 0.0, 0.0), Vertex(3, 8.0, 2.0, 0.0)],
         [Edge(1, 1, 2), Edge(2, 2, 3, CurveType.SPLINE, 1.0, 1.0)])
@@ -33,7 +33,7 @@ def picture(graph) -> GraphPicture:
 
 
 def seen(array) -> dict:
-    """The begin and the end (x, rounded) of the route as drawn, by its colour."""
+    """Returns for each colour where the drawn part of the route begins and ends (rounded x)."""
     result = {}
     for marker in of(array, 'route'):
         xs = [point.x for point in marker.points]

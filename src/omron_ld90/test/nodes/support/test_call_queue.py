@@ -26,7 +26,7 @@ def logged(monkeypatch) -> List[str]:
 
 
 def held_up(calls: CallQueue) -> threading.Event:
-    """The queue's thread waits in a call until the event is set."""
+    """Makes the queue's thread wait in a call. Returns the event that ends the wait."""
     begun, go_on = threading.Event(), threading.Event()
 
     def wait() -> None:
@@ -48,7 +48,7 @@ def test_calls_are_made_in_their_order_by_a_thread_of_their_own(calls):
 def test_whoever_adds_a_call_does_not_wait_for_it(calls):
     go_on = held_up(calls)
     made = []
-    calls.add(lambda: made.append(1))  # if the call were made here, it would have returned by now
+    calls.add(lambda: made.append(1))  # `add` returns although the thread cannot make the call
     assert made == []
     go_on.set()
     calls.close()

@@ -1,4 +1,4 @@
-"""Points read from clouds: from the receiver, from other nodes, and from invalid messages."""
+"""The points of clouds from the receiver and from other nodes, and of invalid messages."""
 from __future__ import annotations
 
 import numpy as np
@@ -19,7 +19,7 @@ def test_the_receivers_cloud_gives_back_its_points():
 
 
 def cloud(**fields) -> PointCloud2:
-    """Two points of the layout y, x, intensity, big-endian; the second one is not finite."""
+    """Returns two big-endian points with the fields y, x, intensity; the second is not finite."""
     data = np.array([[2.0, 1.0, 9.0], [0.0, np.nan, 9.0]], '>f4').tobytes()
     layout = [PointField(name, offset, PointField.FLOAT32, 1)
               for name, offset in (('y', 0), ('x', 4), ('intensity', 8))]

@@ -14,7 +14,7 @@ from omron_ld90_msgs.msg import ExecuteCommandResult
 
 
 class DoneGoal:
-    """A goal's handle when the goal is done."""
+    """The handle of a goal that is done."""
 
     def __init__(self, status: int, result=None, text: str = '') -> None:
         self.get_terminal_state = lambda: status
@@ -41,7 +41,7 @@ def test_the_empty_result_of_a_goal_that_actionlib_refused_is_no_success(status)
 
 
 class Server:
-    """A controller, as far as actionlib's client sees it."""
+    """Replaces the controller, as actionlib's client sees it."""
 
     def __init__(self) -> None:
         ends = SimpleNamespace(get_num_connections=lambda: 1)

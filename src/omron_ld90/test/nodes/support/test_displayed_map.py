@@ -15,7 +15,7 @@ OURS = rospy.resolve_name('map_visualisation')
 
 @pytest.fixture
 def told() -> list:
-    """The arguments of the callbacks: documents and paths."""
+    """Returns a list for the arguments of the callbacks: documents and paths."""
     return []
 
 

@@ -16,7 +16,7 @@ from omron_ld90.operator.notices import NoticeSeverity, OperatorNotice
 
 
 class Topics:
-    """Replaces ROS: published messages, and the topics that have subscribers."""
+    """Replaces ROS: keeps the published messages, and knows which topics have subscribers."""
 
     def __init__(self) -> None:
         self.listeners = ['/fleet_page', '/path_supervisor']

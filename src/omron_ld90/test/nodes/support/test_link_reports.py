@@ -132,7 +132,7 @@ def test_a_link_that_the_ending_node_closes_is_no_news(monkeypatch):
     reporter._repeat()
     reporter.report(Link(LinkPhase.CONNECTED, ROBOT))
     reporter.report(Link(LinkPhase.DISCONNECTED, ROBOT, 'the simulator has ended'))
-    monkeypatch.setattr(rospy.core, '_in_shutdown', True)  # is_shutdown() becomes true later
+    monkeypatch.setattr(rospy.core, '_in_shutdown', True)  # is_shutdown() becomes True later
     reporter._repeat()
     reporter.report(Link(LinkPhase.DISCONNECTED, ROBOT, 'closed by us'))
     reporter._repeat()

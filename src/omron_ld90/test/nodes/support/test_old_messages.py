@@ -62,7 +62,7 @@ def test_a_publisher_that_does_not_latch_or_came_later_is_heard(old):
 
 
 def test_no_time_makes_a_latched_message_new(old, clock):
-    """A publisher that was away at the start returns and sends its latched message."""
+    """A publisher that is away at the start comes back later, and sends its latched message."""
     for _ in range(1000):
         clock.now += 1.0
         old.tick(clock.now)

@@ -1,8 +1,8 @@
 """The robot's body as markers, made from its URDF.
 
-RViz's RobotModel uses the last known transform, however old, so it keeps the body of a robot that
-is gone. Markers with a lifetime disappear. The few shapes are parsed here: urdf_parser_py is part
-of Noetic, but not of Debian 12.
+RViz's RobotModel uses the last known transform, however old it is. So it would still show a robot
+that has gone. Markers with a lifetime disappear. This module parses the few shapes itself, because
+urdf_parser_py is part of Noetic, but not of Debian 12.
 """
 from __future__ import annotations
 
@@ -19,11 +19,10 @@ PLAIN = drawing.colour(0.6, 0.6, 0.6)  # for shapes without a material
 
 
 def body_markers(urdf: str) -> List[Marker]:
-    """Returns a marker for each visual, in the frame of its link, so that it follows the robot's
-    TF.
+    """Returns a marker for each `visual` of the URDF, in the frame of its link: it moves with TF.
 
-    Boxes and cylinders are drawn if they are not rotated in their link. Raises ParseError, KeyError
-    or ValueError if `urdf` is no XML, or lacks a dimension.
+    Only boxes and cylinders are drawn, and only if they are not rotated in their link. Raises
+    ParseError, KeyError or ValueError if `urdf` is not XML, or lacks a dimension.
     """
     robot = ElementTree.fromstring(urdf)
     paints = {material.get('name', ''): ColorRGBA(*_numbers(colour.attrib['rgba']))

@@ -48,7 +48,7 @@ MENUS = {
     TargetKind.DOCK: (HandleAction.DOCK, HandleAction.UNDOCK, HandleAction.STOP,
                       HandleAction.LOCALIZE),
 }
-"""Localizing comes last, apart from driving: chosen by a slip, it gives the robot a wrong pose."""
+"""Localizing comes last, away from driving: if chosen by mistake, it gives a wrong pose."""
 ROBOT_MENU = (HandleAction.STOP, HandleAction.DOCK, HandleAction.UNDOCK)
 
 
@@ -56,8 +56,8 @@ class InteractiveGoals:
     """The handles of one robot, on `interactive_goals/update` and `/feedback`.
 
     `act(action, target)` is called once for each click or menu choice; `target` is None for the
-    robot's own handle. Handles of several robots differ in `size` (diameter, m): on each goal the
-    smaller ones lie on the larger ones.
+    handle of the robot itself. Handles of different robots have different `size` (diameter, m): on
+    each goal, the smaller handles lie on the larger ones.
     """
 
     def __init__(self, map_frame: str, base_frame: str, size: float,
@@ -69,7 +69,7 @@ class InteractiveGoals:
         self._menus: Dict[str, MenuHandler] = {}
 
     def show(self, targets: Iterable[Target]) -> None:
-        """Replaces all handles by those of `targets`; the robot's handle stays as it is."""
+        """Replaces all handles except the robot's with handles for `targets`."""
         for name in [name for name in self._menus if name != ROBOT_HANDLE]:
             self._remove(name)
         height = HANDLE_Z * (1.0 + math.exp(-self._size))
@@ -104,7 +104,7 @@ class InteractiveGoals:
         marker.controls.append(control)
 
         def on_feedback(feedback: InteractiveMarkerFeedback) -> None:
-            # One click also sends MOUSE_DOWN, MOUSE_UP and others: only this event counts.
+            # A click also sends MOUSE_DOWN, MOUSE_UP and other events: only BUTTON_CLICK counts.
             if feedback.event_type == InteractiveMarkerFeedback.BUTTON_CLICK:
                 self._act(left_click, target)
 

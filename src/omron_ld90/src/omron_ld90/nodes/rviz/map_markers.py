@@ -1,6 +1,6 @@
-"""RViz markers of a map and of the live laser: only their appearance.
+"""Makes the RViz markers of a map and of the live laser.
 
-Each marker keeps its namespace and id, so that a newer one replaces it. An array begins with
+Each marker keeps its namespace and id, so that a newer marker replaces it. An array begins with
 DELETEALL, because a late subscriber gets only the last message. Markers of the map have no stamp,
 so that RViz need not find an old transform. Points and lines are drawn flat on the floor, in layers
 a few millimetres apart.
@@ -43,7 +43,7 @@ LINE_WIDTH = 0.05
 SQUARE = (0.3, 0.3, 0.02)
 ARROW = (0.5, 0.07, 0.07)
 TEXT_HEIGHT = 0.3
-HANDLE, NAME_AWAY = 0.7, 0.5  # m: width of the handle on a goal, and from its middle to its name
+HANDLE, NAME_AWAY = 0.7, 0.5  # m: width of the handle on a goal; from its middle to the name
 AREA_HEIGHT = 0.01
 FENCE_WIDTH = 0.06
 LASER_SIZE = 0.04
@@ -61,7 +61,7 @@ def points(document: MapDocument, frame: str) -> Marker:
 
 
 def lines(document: MapDocument, frame: str) -> Marker:
-    """Returns the wall lines, neutral: red is only for trouble."""
+    """Returns the wall lines, in a neutral colour, because red is only for problems."""
     return _many(frame, 'lines', Marker.LINE_LIST, WALL, (LINE_WIDTH, 0.0, 0.0),
                  document.lines.reshape(-1, 2), LINE_Z)
 
@@ -79,8 +79,9 @@ def docks(document: MapDocument, frame: str) -> Marker:
 
 
 def goal_names(document: MapDocument, frame: str) -> MarkerArray:
-    """Returns the names of goals and docks, white, each at a corner of its handle:
-    edges lead to its sides.
+    """Returns the names of goals and docks, in white, each at a corner of its handle.
+
+    Edges of the graph lead to the sides of the handle.
     """
     names: List[Marker] = []
     places = Places()
@@ -128,7 +129,7 @@ def forbidden_areas(document: MapDocument, frame: str) -> MarkerArray:
 
 
 def sectors(document: MapDocument, frame: str) -> MarkerArray:
-    """Sectors (areas that change how the robot drives) as violet outlines with their names."""
+    """Returns the sectors (areas that change how the robot drives): violet outlines with names."""
     markers: List[Marker] = []
     for number, sector in enumerate(document.sectors):
         outline = sector.outline
@@ -143,9 +144,9 @@ def sectors(document: MapDocument, frame: str) -> MarkerArray:
 
 
 def laser(places: np.ndarray, header: Header, lifetime: float) -> Marker:
-    """Returns the laser's hits at `places` (N, 2), m, light blue.
+    """Returns the laser's hits at `places` (N, 2), m, in light blue.
 
-    Removed after `lifetime` seconds.
+    RViz removes them after `lifetime` seconds.
     """
     marker = drawing.many(Marker.POINTS, 'laser', 0, LIGHT_BLUE,
                           (LASER_SIZE, LASER_SIZE, 0.0), drawing.at_height(places, LASER_Z))
@@ -159,7 +160,7 @@ def _many(frame: str, namespace: str, kind: int, paint: ColorRGBA,
           number: int = 0) -> PointsMarker:
     """Returns a marker of many `positions` (N, 2) in mm.
 
-    If there are none, it deletes an older one.
+    Without positions, the marker deletes an older marker.
     """
     places = drawing.at_height(positions / MM_PER_M, z)
     return drawing.many(kind, namespace, number, paint, size, places, frame)

@@ -1,7 +1,7 @@
 """Draws the trajectory graph and the route for RViz. Metres, in the map frame.
 
-Each edge of the graph is drawn at most once per direction, however long a route is. A curve has at
-most MAX_SAMPLES points, however large a graph is.
+An edge is drawn at most once per direction, however long the route is. A curve has at most
+MAX_SAMPLES points, however large the graph is.
 """
 from __future__ import annotations
 
@@ -21,29 +21,29 @@ from trajectory_graph import Curve, Graph
 STEP = 0.1  # m between the points of a drawn curve
 MAX_SAMPLES = 200  # of a curve
 GRAPH_Z, ROUTE_Z = 0.02, 0.03
-EDGE_WIDTH, ROUTE_WIDTH = 0.05, 0.09  # m; thinner ones vanish on a small screen
+EDGE_WIDTH, ROUTE_WIDTH = 0.05, 0.09  # m; thinner lines vanish on a small screen
 GRAPH_HEAD, ROUTE_HEAD = 0.25, 0.4  # m, arrowheads
 RING, END_RING, DOCK_RING = 0.22, 0.29, 0.36  # m, radii around vertices
-NAMED_WITHIN = 0.3  # m from a vertex within which a goal of the map shows the vertex's name
+NAMED_WITHIN = 0.3  # m: the name of a goal this near to a vertex also serves the vertex
 GRAPH = drawing.colour(0.74, 0.68, 1.0)
 
 COMPLETE = drawing.colour(0.25, 0.75, 0.35)
 COMING = drawing.colour(0.30, 0.60, 1.0)
 FAILED = drawing.colour(1.0, 0.25, 0.2)
 CURRENT = drawing.colour(1.0, 0.85, 0.15)
-#: For an edge that a route passes more than once, the last of these is visible.
+#: If a route passes an edge more than once, the last of these colours is visible.
 _LAYERS = (COMPLETE, COMING, FAILED, CURRENT)
 
 
 class _Shape(NamedTuple):
-    """The drawing of a signed edge: (N, 3) ends of segments, (3, 3) corners of an arrowhead."""
+    """The drawing of a signed edge: (N, 3) ends of segments; (3, 3) corners of an arrowhead."""
 
     segments: np.ndarray
     head: np.ndarray
 
 
 class GraphPicture:
-    """The markers of one graph and of routes on it; empty without a graph."""
+    """Makes the markers of one graph and of routes on it; without a graph they are empty."""
 
     def __init__(self, graph: Optional[Graph], dock_vertex: int, frame: str) -> None:
         self._graph = graph
@@ -52,12 +52,12 @@ class GraphPicture:
         self._route_shapes: Dict[int, _Shape] = {}
 
     def graph_markers(self, named: Optional[Mapping[str, drawing.XY]] = None) -> MarkerArray:
-        """Returns edges as their curves with an arrowhead to the destination, vertices with their
-        ids.
+        """Returns the edges as curves with an arrowhead to their end, and the vertices with ids.
 
-        A vertex has one ring, an end vertex two, the dock three. `named`: the positions (m) of the
-        map's goals and docks by name. If one of them already shows a vertex's id, the id is not
-        drawn again.
+        A vertex has one ring, an end vertex two, the dock three. If the name of a goal or dock of
+        the map already shows the id at a vertex, the id is not drawn again.
+
+        named -- the positions (m) of the map's goals and docks by name
         """
         if self._graph is None:
             return drawing.complete([])

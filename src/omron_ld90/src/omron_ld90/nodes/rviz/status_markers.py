@@ -1,7 +1,7 @@
 """The robot's state for RViz: body, arrow, destination, and a banner above the map.
 
-All markers have the lifetime `LIFETIME` and are sent again before it ends. So nothing remains when
-the robot, its link or this program is gone. Metres, in the map frame.
+All markers have the lifetime `LIFETIME`, and are sent again before it ends. So nothing remains on
+display when the robot, its link or this program has gone. Metres, in the map frame.
 """
 from __future__ import annotations
 
@@ -46,10 +46,10 @@ class Banner(NamedTuple):
 
 def banner(robot: str, status: Optional[RobotStatus], silent_for: float,
            links: Sequence[LinkState], silence_limit: float) -> Banner:
-    """Returns the name, battery, state and link of a robot in one line; also the reason if a link
-    is down.
+    """Returns the name, battery, state and link of a robot in one line. If a link is down, a second
+    line has the reason.
 
-    `silent_for`: seconds since the last status.
+    silent_for -- seconds since the last status
     """
     if status is None:
         parts, paint = ['no status yet'], CARE
@@ -86,7 +86,7 @@ def _told(status: RobotStatus) -> Tuple[List[str], ColorRGBA]:
 def _doing(status: RobotStatus) -> str:
     """Returns the robot's status text.
 
-    At the dock, where it has four fields, a short form of it.
+    At the dock the text has four fields, so a short form is returned.
     """
     if status.activity in AT_THE_DOCK and status.docking_state:
         return f'{status.docking_state}, charger {status.charge_state}'
@@ -98,7 +98,8 @@ def status_markers(frame: str, words: Banner, banner_at: drawing.XY, pose: Optio
                    body: Sequence[Marker] = ()) -> MarkerArray:
     """Returns the banner `words` at `banner_at`, and the robot at `pose`.
 
-    A robot that is `alive` is shown as its body with an arrow, else as a grey box "last seen here".
+    A robot that is `alive` is shown as its body with an arrow; any other robot is shown as a grey
+    box "last seen here".
     """
     markers = [drawing.text('status', 0, words.text, banner_at, 0.42, words.paint, TEXT_Z, frame)]
     if pose is not None and alive:

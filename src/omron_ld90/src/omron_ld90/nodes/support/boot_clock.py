@@ -9,7 +9,12 @@ from node_lifecycle.boot import boot_id
 
 
 class Moment(NamedTuple):
-    """A moment: boot -- id of the computer's boot; since_boot -- s; wall -- s of the wall clock."""
+    """A moment.
+
+    boot -- id of the computer's boot
+    since_boot -- s since the boot
+    wall -- s of the wall clock
+    """
 
     boot: str
     since_boot: float
@@ -30,9 +35,9 @@ class Moment(NamedTuple):
         return {'boot': self.boot, 'since_boot': self.since_boot, 'time': self.wall}
 
     def age(self, now: Moment) -> float:
-        """Returns the seconds since then.
+        """Returns the seconds from this moment to `now`.
 
-        After another boot by the wall clock, infinite if it was set back.
+        If the computer was booted in between, the wall clock counts; infinite if it was set back.
         """
         if self.boot == now.boot:
             return now.since_boot - self.since_boot

@@ -7,14 +7,14 @@ from typing import Callable, Optional
 
 import rospy
 
-_MAXIMUM_OPTIONAL = 1000  # waiting calls, above which optional ones are dropped
+_MAXIMUM_OPTIONAL = 1000  # if more calls wait, optional calls are dropped
 
 
 class CallQueue:
     """Runs the calls that `add` gets, one after the other, until the process ends.
 
-    Use it for calls into actionlib and rospy from a thread that must not block: their locks and
-    waits hold up only this queue. If a call raises, that is logged, and the next call runs.
+    A thread that must not block uses it to call actionlib and rospy: their locks then delay only
+    this queue. If a call raises an exception, it is logged, and the next call runs.
     """
 
     def __init__(self, name: str) -> None:
@@ -23,7 +23,7 @@ class CallQueue:
         self._thread.start()
 
     def add(self, call: Callable[[], object], optional: bool = False) -> None:
-        """Queues `call`; drops an `optional` one if very many are waiting."""
+        """Queues `call`. Drops an `optional` call if _MAXIMUM_OPTIONAL calls are waiting."""
         if not optional or self._calls.qsize() < _MAXIMUM_OPTIONAL:
             self._calls.put(call)
 

@@ -15,7 +15,10 @@ def caller_of(message: rospy.Message) -> str:
 
 
 def header_of(message: rospy.Message) -> Dict[str, str]:
-    """Returns the header of the connection over which a message came; one object per connection."""
+    """Returns the header of the connection on which a message came.
+
+    All messages of one connection have the same header object.
+    """
     header: Dict[str, str] = getattr(message, '_connection_header', {})
     return header
 
@@ -34,5 +37,5 @@ def process_of(message: rospy.Message) -> str:
 
 
 def giver_of(message: rospy.Message) -> Giver:
-    """Returns the program that gave a command by a message."""
+    """Returns the program that sent a command in a message."""
     return Giver(caller_of(message), process_of(message))

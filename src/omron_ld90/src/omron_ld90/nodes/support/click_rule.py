@@ -1,4 +1,4 @@
-"""Decides whether a person's click in RViz may move the robot: not while a fleet drives it."""
+"""Decides whether a click in RViz may move the robot. While a fleet drives it, it may not."""
 from __future__ import annotations
 
 import threading
@@ -18,10 +18,10 @@ WITH_A_PERSON = frozenset((FleetRobot.TAKEN_OVER, FleetRobot.FAILED, FleetRobot.
 
 
 class ClickRule:
-    """Knows from /fleet_state and from the reported routes whether a fleet drives the robot.
+    """Finds out from /fleet_state and from the reported routes whether a fleet drives the robot.
 
-    robot          -- its name in the fleet: that of its namespace
-    allow_takeover -- clicks are always allowed: a route then ends as `taken over`
+    robot          -- its name in the fleet, which is the name of its namespace
+    allow_takeover -- clicks are always allowed; a running route then ends as `taken over`
     """
 
     def __init__(self, robot: str, allow_takeover: bool = False,
@@ -35,9 +35,9 @@ class ClickRule:
 
     @classmethod
     def of_this_node(cls) -> ClickRule:
-        """Returns the rule for the robot of the node's namespace, by `~allow_takeover`.
+        """Returns the rule for the robot of the node's namespace, with `~allow_takeover`.
 
-        Subscribes now.
+        Subscribes to the topics that the rule needs.
         """
         rule = cls(rospy.get_namespace().strip('/'), parameter('~allow_takeover', False, bool))
         rospy.Subscriber('/fleet_state', FleetState, rule.on_fleet, queue_size=1)
@@ -47,7 +47,7 @@ class ClickRule:
 
     @property
     def asks_for_missions(self) -> bool:
-        """Whether a fleet manager manages the robot, so that clicks become missions."""
+        """Whether a fleet manager drives the robot, so that clicks become missions."""
         with self._lock:
             return (not self._allow_takeover and self._managed is not None
                     and self._clock() - self._managed <= SILENCE)
@@ -65,14 +65,14 @@ class ClickRule:
         return None
 
     def on_fleet(self, message: FleetState) -> None:
-        """Takes the fleet manager's report on its robots."""
+        """Takes the fleet manager's report about its robots."""
         own = next((robot for robot in message.robots if robot.name == self.robot), None)
         is_managed = own is not None and own.state not in WITH_A_PERSON
         with self._lock:
             self._managed = self._clock() if is_managed else None
 
     def on_route(self, message: ExecutionRouteStates) -> None:
-        """Takes the robot's report on its route."""
+        """Takes the robot's report about its route."""
         with self._lock:
             self._routes.update(message.route_id, [edge.state for edge in message.edge_states],
                                 self._clock())

@@ -1,7 +1,7 @@
-"""Gives commands to the controller by its action `execute_command`, and reports their ends.
+"""Gives commands to the controller with its action `execute_command`, and reports how they end.
 
-For callers that need the outcome of a command. actionlib calls back while it holds its own lock.
-Here a separate thread calls back, so that callbacks may take locks and give commands.
+actionlib calls back while it holds its own lock. This module calls back from a separate thread, so
+that callbacks may take locks and give commands.
 """
 from __future__ import annotations
 
@@ -30,13 +30,13 @@ OnLine = Callable[[int, str], None]
 
 
 class CommandClient:
-    """Gives commands, and reports each end exactly once: LOST if the controller is gone."""
+    """Gives commands, and reports each end exactly once; LOST if the controller has gone."""
 
     def __init__(self, on_end: OnEnd, on_line: Optional[OnLine] = None,
                  numbers_grow: bool = False) -> None:
-        """`on_end` and `on_line` (for a line of the robot) get the number of the command.
+        """on_end, on_line -- get the number of the command and its end, or a line of the robot
 
-        numbers_grow -- over restarts too, so that the controller may tell commands by them
+        numbers_grow -- numbers always grow, also after a restart, so the controller may use them
         """
         self._numbers_grow = numbers_grow
         self._on_end = on_end
@@ -55,9 +55,10 @@ class CommandClient:
                    for end in (client.pub_goal, client.status_sub, client.result_sub))
 
     def give(self, number: int, command: str, known_epoch: int = 0) -> None:
-        """Gives an ARCL command; `number` identifies it in the callbacks, and is used once.
+        """Gives an ARCL command.
 
-        known_epoch: the epoch in which it is valid; 0 for a person's command, valid in any epoch.
+        number -- identifies the command in the callbacks; each number is used once
+        known_epoch -- the epoch in which the command is valid; 0 (for a person's command): any
         """
         with self._lock:
             self._open[number] = None
@@ -78,8 +79,8 @@ class CommandClient:
     def check(self) -> None:
         """Ends commands that the controller will not end; to be called several times a second.
 
-        Those are all commands once the controller is gone, and commands that were lost: a goal sent
-        to a controller that has just started, or a result.
+        If the controller has gone, these are all commands. Otherwise they are commands whose goal
+        or result was lost; the goal may be lost if the controller has just started.
         """
         self._server.count_status()
         with self._lock:
@@ -116,7 +117,7 @@ class CommandClient:
 def result_of(handle: ClientGoalHandle) -> ExecuteCommandResult:
     """Returns the result of a command whose goal is done.
 
-    If a goal was cancelled before it arrived, actionlib itself ends it, with an empty result.
+    If a goal was cancelled before it arrived, actionlib itself ends the goal, with an empty result.
     """
     result = handle.get_result()
     text = handle.get_goal_status_text()

@@ -14,16 +14,17 @@ from omron_ld90.nodes.support.callers import caller_of
 from omron_map import MapDocument, MapError
 
 SHOWN_BY = 'map_visualisation'
-STRANGERS_TOLD = 60.0  # s between two log lines about them
+STRANGERS_TOLD = 60.0  # s between two log lines about messages of other nodes
 
 
 class DisplayedMap:
     """Calls `on_map(document, path)` each time a map is displayed or loaded again.
 
-    `document` is None if no map is displayed, or its file cannot be read; `without` then says, for
-    a person, what is missing. Only messages of the node `map_visualisation` in the same namespace
-    are accepted: the path of another publisher could make this node read and reveal any file.
-    `on_map` runs in a thread of the subscriber, and must take its own locks.
+    `document` is None if no map is displayed, or if its file cannot be read. In the second case the
+    log gets `without`, which says what is missing now. Only messages of the node
+    `map_visualisation` in the same namespace are accepted: with the path in its message, another
+    publisher could make this node read and reveal any file. `on_map` runs in a thread of the
+    subscriber, and must take its own locks.
     """
 
     def __init__(self, on_map: Callable[[Optional[MapDocument], str], None], without: str) -> None:

@@ -23,7 +23,7 @@ Tell = Callable[[OperatorNotice, Optional[Target]], None]
 class FleetMissions:
     """Sends missions to a robot, and reports how they end.
 
-    robot -- its name in the fleet: that of its namespace
+    robot -- its name in the fleet, which is the name of its namespace
     tell  -- called with the end of a mission, and the target of the mission
     """
 
@@ -51,7 +51,9 @@ class FleetMissions:
                               f'{request.request_id} ...')
 
     def ask(self) -> None:
-        """Queries missions without news: their end may have been missed. This call may block."""
+        """Queries the state of missions without news, because this node may have missed their end.
+        This call may block.
+        """
         for id in self._news.silent():
             if id not in self._sent:
                 continue

@@ -29,8 +29,8 @@ _STATES: Dict[LinkPhase, int] = {
 }
 _WORDS = {**{state: phase.value for phase, state in _STATES.items()},
           LinkState.MISCONFIGURED: 'misconfigured'}
-PATIENCE = 15.0  # s after the start in which a robot that was not reached yet is no trouble
-SETTLED = 0.8    # s after which a lost link is told: at Ctrl-C, a simulator may end before the node
+PATIENCE = 15.0  # s after the start in which no problem is reported if the robot is not reached
+SETTLED = 0.8    # s until a lost link is logged: at Ctrl-C, a simulator may end before the node
 REPEATED = 1.0  # s between two messages about a link that has not changed
 _LASTING = (LinkPhase.DISCONNECTED, LinkPhase.WRONG_PASSWORD, LinkPhase.CONNECTED)
 
@@ -41,7 +41,7 @@ def words_of(state: int) -> str:
 
 
 def robot_host() -> str:
-    """Returns `~robot_ip`: a name or an address; raises ConfigurationError if it can be neither."""
+    """Returns `~robot_ip`. Raises ConfigurationError if it is neither a name nor an address."""
     host = parameter('~robot_ip')
     if not is_host(host):
         raise ConfigurationError(f'Parameter {rospy.resolve_name("~robot_ip")} is '
@@ -50,9 +50,9 @@ def robot_host() -> str:
 
 
 def session_log() -> Optional[SessionLog]:
-    """Returns the session log in the file `~session_log`, of `~session_log_size` MB; None for ''.
+    """Returns the session log in the file `~session_log`, with at most `~session_log_size` MB.
 
-    Raises ConfigurationError.
+    None: `~session_log` is empty. Raises ConfigurationError.
     """
     path, size = parameter('~session_log', ''), number('~session_log_size', 50.0, 0.1)
     try:
@@ -63,8 +63,8 @@ def session_log() -> Optional[SessionLog]:
 
 
 def misconfigured(link: str) -> Callable[[str], rospy.Publisher]:
-    """Returns, for `node_lifecycle.run`, a function
-    that publishes once on `link_state` why `link` cannot be set up.
+    """Returns a function for `node_lifecycle.run`. The function publishes once on `link_state` why
+    `link` cannot be set up.
     """
     def publish(reason: str) -> rospy.Publisher:
         publisher = _publisher()
@@ -80,16 +80,16 @@ def _publisher() -> rospy.Publisher:
 
 
 class _Lost(NamedTuple):
-    """A link that is down, and the time (monotonic, s) from which on the log tells it."""
+    """A link that is down, and the time (monotonic, s) at which this is logged."""
 
     link: Link
     due: float
 
 
 class LinkReporter:
-    """Reports one link: pass `report` as on_link, and call `line` for every received line.
+    """Reports the state of one link. Pass `report` as on_link; call `line` for every received line.
 
-    Its attributes are what one message and one diagnosis need.
+    The attributes are the data of one message and of one diagnosis.
     """
 
     def __init__(self, name: str, log: Optional[SessionLog] = None) -> None:
@@ -124,11 +124,11 @@ class LinkReporter:
 
     @property
     def _is_beginning(self) -> bool:
-        """Whether the robot was not reached yet, and the nodes of a normal start still begin."""
+        """Whether the robot was not reached yet, but the start is not longer ago than PATIENCE."""
         return not self._connections and time.monotonic() - self._began < PATIENCE
 
     def report(self, link: Link) -> None:
-        """Takes and publishes a change of the link."""
+        """Publishes a change of the link, and logs it at once or later."""
         if self._link is None or link.phase is not self._link.phase:
             self._since = rospy.Time.now()
         self._link = link

@@ -15,13 +15,13 @@ LATCHED = ('It was published before this node started, or before its connection 
            'not carried out late: send it again.')
 WAITED = ('It waited while this node was suspended, and is not carried out late: send it '
           'again.')
-STANDSTILL = 2.5  # s without any activity after which the process counts as suspended
-WAITED_WITHIN = 1.0  # s afterwards in which messages that waited may still arrive
+STANDSTILL = 2.5  # s without a call of `tick` after which the process counts as suspended
+WAITED_WITHIN = 1.0  # s after that in which messages that have waited may arrive
 _MOST_PUBLISHERS = 1000
 
 
 class _Connection(NamedTuple):
-    """The last connection of a latching publisher; each has its own `header` object."""
+    """The last connection of a latching publisher. Each connection has its own `header` object."""
 
     header: Dict[str, str]
     process: str
@@ -30,11 +30,11 @@ class _Connection(NamedTuple):
 class OldMessages:
     """Decides which commands and goals are too old to be carried out.
 
-    A latching publisher sends its last message over every new connection. To carry that out after a
-    restart of this node, or after a break of the connection, would repeat a motion. So the first
-    message of such a connection is old, unless its publisher is also new. Messages that waited
-    while this process was suspended, or got no processor time, were meant for another moment and
-    are also old.
+    A latching publisher sends its last message again on every new connection. If this node obeyed
+    this message after its own restart, or after a break of the connection, the robot would repeat a
+    motion. So the first message of such a connection is old, unless the publisher has just started.
+    Messages that waited while this process was suspended, or got no processor time, were meant for
+    another moment, so they are old, too.
     """
 
     def __init__(self, publishers: Callable[[str], Iterable[str]],
@@ -60,7 +60,7 @@ class OldMessages:
     def reason(self, message: rospy.Message, topic: str, is_stop: bool = False) -> Optional[str]:
         """Returns why a message is too old; None if it is not.
 
-        A stop that waited is never too old.
+        A stop is not too old because it waited.
         """
         now = self._clock()
         self.tick(now)
@@ -69,8 +69,8 @@ class OldMessages:
         return WAITED if now < self._waited_until and not is_stop else None
 
     def comes_again(self, message: rospy.Message, topic: str) -> bool:
-        """Returns whether it is the first message of a connection to a latching publisher known
-        before.
+        """Returns whether a message is the first on a new connection of a latching publisher, and
+        the publisher was known before.
         """
         header = header_of(message)
         if header.get('latching') != '1':
@@ -90,7 +90,7 @@ class OldMessages:
         return was_there
 
     def tick(self, now: float) -> None:
-        """Passes the time `now`; called often, unless the process is suspended."""
+        """Notes the time `now`. Called often, unless the process is suspended."""
         if now - self._ticked > STANDSTILL:
             self._waited_until = now + WAITED_WITHIN
         self._ticked = now
@@ -102,7 +102,7 @@ class OldMessages:
 
 
 def publishers_by_master(topic: str) -> Iterable[str]:
-    """Returns the nodes that publish `topic`, from the ROS master."""
+    """Returns the nodes that publish `topic`, according to the ROS master."""
     resolved = rospy.resolve_name(topic)
     published, _, _ = rosgraph.Master(rospy.get_name()).getSystemState()
     return [node for name, nodes in published if name == resolved for node in nodes]

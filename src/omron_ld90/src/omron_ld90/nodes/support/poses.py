@@ -14,7 +14,7 @@ UNIT_TOLERANCE = 0.01  # of the square of a quaternion's length
 
 
 def is_plausible(pose: Pose) -> bool:
-    """Returns whether a robot can be there: not at NaN, nor beyond the range of ARCL and maps."""
+    """Returns whether a robot can have this pose: finite, and in the range of ARCL and maps."""
     place, turn = pose.position, pose.orientation
     norm = turn.x ** 2 + turn.y ** 2 + turn.z ** 2 + turn.w ** 2
     return all(abs(value) <= FARTHEST for value in (place.x, place.y, place.z)) and (
@@ -31,16 +31,14 @@ def pose_from_robot(x_mm: float, y_mm: float, heading_deg: float) -> Pose:
 
 
 def pose_to_robot(pose: Pose) -> Tuple[int, int, int]:
-    """Returns x, y (mm) and heading (degrees, -180..180) in the form of ARCL,
-    for a pose in `map`.
-    """
+    """Returns x, y (mm) and heading (degrees, -180..180) of a pose in `map`, as ARCL uses them."""
     heading = math.degrees(yaw_from_quaternion(pose.orientation))
     return millimetres(pose.position.x), millimetres(pose.position.y), int(round(heading))
 
 
 def map_to_odom(base_in_map: Pose, base_in_odom: Transform) -> Pose:
-    """Returns the pose of the odometry frame in the map
-    that puts the robot's base at `base_in_map`.
+    """Returns the pose of the odometry frame in the map, such that the robot's base is at
+    `base_in_map`.
     """
     yaw = yaw_from_quaternion(base_in_map.orientation) - yaw_from_quaternion(base_in_odom.rotation)
     odom = Pose()

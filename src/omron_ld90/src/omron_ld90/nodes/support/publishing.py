@@ -1,4 +1,4 @@
-"""Messages from a robot's lines: lines byte for byte, and numbers that may not fit."""
+"""Publishes what a robot sends: lines byte for byte, and numbers that may not fit a message."""
 from __future__ import annotations
 
 import struct
@@ -14,7 +14,7 @@ _UNSERIALISABLE = (genpy.SerializationError, struct.error, ArithmeticError, Type
 
 
 class LineMessage(String):
-    """A String whose `data` are bytes. ROS strings are bytes; only rospy's own type needs UTF-8."""
+    """A String whose `data` are any bytes, as ROS allows. rospy's own type needs valid UTF-8."""
 
     def serialize(self, buff: BytesIO) -> None:
         """Writes length and bytes."""
@@ -23,10 +23,11 @@ class LineMessage(String):
 
 
 def publish_checked(publisher: rospy.Publisher, message: genpy.Message) -> bool:
-    """Publishes a message that can be serialized; drops and logs any other. Returns whether it did.
+    """Publishes a message if it can be serialized; otherwise drops it and writes to the log.
 
-    rospy would leave a part of a message that cannot be serialized in the topic's buffer. Then the
-    next message reaches no subscriber, because every subscriber drops the connection.
+    Returns whether the message was published. rospy itself would leave a part of a message that
+    cannot be serialized in the buffer of the topic. Then every subscriber would drop the connection
+    at the next message.
     """
     try:
         message.serialize(BytesIO())

@@ -1,4 +1,4 @@
-"""The robot's own condition for /diagnostics: battery, localization, emergency stop, motors."""
+"""The robot's condition for /diagnostics: battery, localization, emergency stop, motors, faults."""
 from __future__ import annotations
 
 import time
@@ -20,9 +20,9 @@ from omron_arcl.replies import (
 )
 from omron_ld90.operator.localizing import LOW_SCORE
 
-LOW_CHARGE = 25.0  # %, at which the robot's auto-dock begins by default
+LOW_CHARGE = 25.0  # %, at which by default the robot drives to its dock by itself
 EMPTY_CHARGE = 10.0  # %, at which the robot itself warns
-OLD = 10.0  # s
+OLD = 10.0  # s after the last reply until /diagnostics reports that none comes
 
 
 class RobotHealth:
@@ -82,7 +82,7 @@ class RobotHealth:
             self.observe(activity.reply)
 
     def diagnose(self, status: DiagnosticStatusWrapper) -> DiagnosticStatusWrapper:
-        """Fills in a status, as a task for diagnostic_updater: the worst of all conditions."""
+        """Fills in a status with the worst condition, as a task for diagnostic_updater."""
         status.summary(DiagnosticStatus.OK, self._status or 'well')
         if self._observed is None or time.monotonic() - self._observed > OLD:
             status.summary(DiagnosticStatus.STALE, 'no recent line from the robot')

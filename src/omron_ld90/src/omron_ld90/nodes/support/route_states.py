@@ -1,7 +1,7 @@
 """Reads the states of all edges of a route as one array, for routes of any length.
 
-Routes are reported ten times a second. 10,000 edges as objects would take a whole core for that,
-and a forged report of a million edges some hundred megabytes.
+Routes are reported ten times a second. If 10,000 edges became objects each time, this would take a
+whole core. A forged report of a million edges would take some hundred megabytes.
 """
 from __future__ import annotations
 
@@ -19,9 +19,9 @@ _FRAME_ID, _ROUTE_ID = 12, 4  # bytes: where the header's frame_id begins; lengt
 
 
 class RouteStates(ExecutionRouteStates):
-    """The same message with its edges in `edges`, an array of EDGE; `edge_states` stays empty.
+    """An ExecutionRouteStates with its edges in the array `edges` of EDGE; `edge_states` is empty.
 
-    A report of more than MAX_EDGES edges has no `edges`, and is `too_long`.
+    If a report has more than MAX_EDGES edges, `edges` is empty and `too_long` is True.
     """
 
     edges = _NONE

@@ -10,12 +10,12 @@ from trajectory_graph import Graph, GraphError, load_graph
 
 
 def base_frame() -> str:
-    """Returns `~base_frame`: the robot's frame, by default `<namespace>/base_link`."""
+    """Returns `~base_frame`, the frame of the robot; default: `<namespace>/base_link`."""
     return parameter('~base_frame', _frame_of_robot('base_link'))
 
 
 def laser_frame() -> str:
-    """Returns `~laser_frame`: the laser's frame, by default `<namespace>/laser_link`."""
+    """Returns `~laser_frame`, the frame of the laser; default: `<namespace>/laser_link`."""
     return parameter('~laser_frame', _frame_of_robot('laser_link'))
 
 
@@ -25,7 +25,10 @@ def _frame_of_robot(link: str) -> str:
 
 
 def trajectory_graph() -> Optional[Graph]:
-    """Returns the graph in `~graph_file`, None if that is empty; raises ConfigurationError."""
+    """Returns the graph in `~graph_file`; None if the parameter is empty.
+
+    Raises ConfigurationError.
+    """
     file = parameter('~graph_file', '')
     try:
         return load_graph(file) if file else None
@@ -34,9 +37,9 @@ def trajectory_graph() -> Optional[Graph]:
 
 
 def map_sources() -> Tuple[str, ...]:
-    """Returns the source files of `~map_file`, for which a node waits.
+    """Returns the files from which `~map_file` is made; a node waits until the map is newer.
 
-    None if `~base_map` is empty.
+    Empty if `~base_map` is empty.
     """
     base_map = parameter('~base_map', '')
     return (base_map, parameter('~graph_file', '')) if base_map else ()

@@ -15,8 +15,7 @@ Found = TypeVar('Found')
 
 
 def wait_for_transform(seconds: float, look: Callable[[], Found]) -> Found:
-    """Returns the result of `look`, which is called until TF has the transform, at most for
-    `seconds`.
+    """Calls `look` until TF has the transform, at most for `seconds`. Returns the result of `look`.
 
     Raises the tf2_ros.TransformException of the last attempt.
     """
