@@ -1,4 +1,4 @@
-"""`mission --wait` learns of the end of its mission, even if messages were lost."""
+"""`mission --wait` notices the end of its mission, even if messages were lost."""
 from __future__ import annotations
 
 from typing import FrozenSet, List, Optional
@@ -20,7 +20,7 @@ def status(state: MissionState, stamp: float = STAMP) -> MissionStatus:
 
 
 class Fleet:
-    """A fleet manager whose messages are lost: those on the topic, and the stored states."""
+    """A fleet manager whose messages can be lost, and whose stored states can be read."""
 
     def __init__(self) -> None:
         self.topic: List[MissionStatus] = []
