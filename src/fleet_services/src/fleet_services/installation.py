@@ -284,7 +284,7 @@ def _nodes_of(launch: Path) -> List[str]:
     """Returns the nodes of a launch file that have a watchdog of this project.
 
     roslaunch's `load_config_default` is not used: it also reads the file of roscore, which starts
-    two programs to find out versions. This would take most of the time, and add no node of the site.
+    two programs to find out versions. This would take most of the time and add no node of the site.
     """
     read = ROSLaunchConfig()
     try:
