@@ -56,7 +56,7 @@ FAULTS = {STOPPED: ('estop press',), LOST: ('refuse on', 'drop', 'outgoing off')
           STUCK: ('fail 32',)}
 REMEDIES = {STOPPED: ('estop release',), LOST: ('refuse off', 'outgoing on'),
             STUCK: ('mend 32',)}
-# The first two get far vertices, other robots' homes: they may already be parked at their own homes.
+# The first two drive to far vertices: they may already be parked at their own home vertices.
 HOME_OF = {STOPPED: REAL, LOST: 'agv_4', STUCK: STUCK}
 
 

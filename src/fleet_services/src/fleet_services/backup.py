@@ -145,7 +145,7 @@ def _services(home: Path) -> List[int]:
 
 def _owner(folder: Path, home: Path) -> int:
     """Returns the owner of a folder of state. If root does not own ROS_HOME, the owner of ROS_HOME
-    counts, who may have put a link in place of the folder.
+    counts: this user may have put a link in place of the folder.
     """
     return owner_of(home) or owner_of(folder)
 

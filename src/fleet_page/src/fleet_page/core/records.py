@@ -1,4 +1,4 @@
-"""The records of the page: acts and who requested them, favourites, areas, the history's sums, and
+"""The records of the page: acts and their requesters, favourites, areas, the history's sums, and
 the events and the battery of each robot."""
 from __future__ import annotations
 

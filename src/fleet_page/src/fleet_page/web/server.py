@@ -1,6 +1,7 @@
 """The server of the page's process, behind the door: events, site, history and acts.
 
-The door has checked the person, whom it names in two headers. This server checks only the role.
+The door has checked the person, and names the person in two headers. This server checks only the
+role.
 """
 from __future__ import annotations
 

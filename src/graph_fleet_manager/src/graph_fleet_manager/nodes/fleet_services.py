@@ -176,7 +176,7 @@ class FleetServices:
         return self._found(find)
 
     def _explanation(self, request: ExplainMissionRequest) -> ExplainMissionResponse:
-        """Returns what an open mission waits for. Raises ServiceException if nobody answers now."""
+        """Returns what an open mission waits for. Raises ServiceException if it cannot be said."""
         def find(supervisor: Supervisor, now: float) -> ExplainMissionResponse:
             mission = supervisor.book.find(request.request_id)
             if mission is None or not mission.state.is_open:

@@ -1,4 +1,4 @@
-"""A stopped fleet in RViz: a red frame around the graph, and who stopped the fleet."""
+"""A stopped fleet in RViz: a red frame around the graph, and the person who stopped the fleet."""
 from __future__ import annotations
 
 import textwrap
