@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Clicks and handles: a hit is sent once. A miss, another map or a present route sends nothing."""
+"""Clicks and handles: a hit is sent once. A miss, another map or a route under way sends nothing.
+"""
 from __future__ import annotations
 
 import math

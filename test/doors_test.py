@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""A door and a station under a ROS master: robots enter only what they claim, and only open doors.
+"""A door and a station under a ROS master: robots enter only claimed places, and only open doors.
 
 A robot waits before the closed door. The door opens for it and closes behind it. Then the door
 cannot be read, so no robot enters. Then fleet_devices ends while a robot is in the door: an alarm

@@ -76,7 +76,7 @@ class FleetPlannerTest(unittest.TestCase):
         cls.commands.publish(command=EdgeCommand.CLOSE, edges=[3, 99])
         cls.closed.wait_for(lambda _: True, 10, 'closure before there is a graph')
         cls.reports = rospy.Publisher('/agv_1/execution_route_states', ExecutionRouteStates,
-                                      queue_size=10, latch=True)  # like those of robots
+                                      queue_size=10, latch=True)  # as robots do
         wait_until(lambda: cls.reports.get_num_connections() > 0, 20, 'graph_server subscribes')
         rospy.wait_for_service('/reload_graph', 30)
         wait_until(cls.answers.is_connected, 30, 'connection to /plan_answer')

@@ -225,7 +225,7 @@ class Factory:
         return request.request_id
 
     def ends(self, missions: Sequence[int]) -> Dict[int, int]:
-        """Returns those of these missions that have ended, with their final states."""
+        """Returns the final state of each of these missions that has ended."""
         return {status.request_id: status.state for status in list(self.statuses.messages)
                 if status.state in ENDED and status.request_id in missions}
 

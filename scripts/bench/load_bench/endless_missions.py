@@ -19,7 +19,7 @@ _OVER = frozenset((MissionStatus.SUCCEEDED, MissionStatus.FAILED, MissionStatus.
 
 
 class EndlessMissions:
-    """Missions to two random ones of `vertices`; `rings` has the vertices of rings by robot name.
+    """Missions, each to two random vertices. `rings` has the vertices of the rings, by robot name.
     """
 
     def __init__(self, vertices: Sequence[int], rings: Mapping[str, Sequence[int]]) -> None:

@@ -48,7 +48,9 @@ class _Site:
         self._kept: Dict[str, Tuple[PlannedDrive, ...]] = {}
 
     def send(self, count: int, is_new: bool) -> None:
-        """Gives new destinations to `count` robots; `is_new`: to robots that have none yet."""
+        """Gives new destinations to `count` robots: with `is_new` to robots without a destination,
+        otherwise to robots with one.
+        """
         names = [name for name in self._places if (name in self.goals) != is_new]
         for name in self._random.sample(names, count):
             self.goals[name] = self._random.choice(self._vertices)

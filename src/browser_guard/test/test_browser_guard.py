@@ -1,5 +1,4 @@
-"""Requests of browsers are told apart from those of programs by parts that neither can leave out.
-"""
+"""Requests of browsers and requests of programs differ in parts that neither can leave out."""
 from __future__ import annotations
 
 import re

@@ -1,4 +1,5 @@
-"""A person sees one line for each stage of a start, all warnings, and the line that says ready."""
+"""A person sees one line for each stage of a start, all warnings, and the line about what is ready.
+"""
 from __future__ import annotations
 
 import os

@@ -56,7 +56,7 @@ def installed(site: Path, root: Path) -> Path:
 
 @pytest.fixture(autouse=True, scope='module')
 def systemd() -> Iterator[None]:
-    """Makes the version of systemd that of Debian 12, on any machine."""
+    """Sets the version of systemd to the one of Debian 12, on any machine."""
     before = command.systemd_version
     command.systemd_version = lambda: 252
     yield

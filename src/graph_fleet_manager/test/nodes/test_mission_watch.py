@@ -63,7 +63,7 @@ def test_an_end_that_was_told_before_the_program_listened_is_found(fleet):
 def test_an_end_that_died_with_the_fleet_manager_is_found_at_its_restart(fleet):
     fleet.stored = status(MissionState.ACTIVE)
     assert fleet.state() is MissionState.ACTIVE
-    fleet.connections = frozenset()  # the fleet manager dies between commit and message
+    fleet.connections = frozenset()  # the fleet manager is killed between commit and message
     assert fleet.state() is MissionState.ACTIVE
     fleet.connections, fleet.stored = frozenset((2,)), status(MissionState.SUCCEEDED)
     assert fleet.state() is MissionState.SUCCEEDED

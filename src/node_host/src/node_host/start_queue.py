@@ -54,8 +54,8 @@ class StartQueue(Generic[Key]):
         return None
 
     def seconds_to_next(self, now: float) -> Optional[float]:
-        """Returns the seconds until `next` may return a program without a further event; None: it
-        will not.
+        """Returns the seconds until `next` may return a program without a further event; None if
+        it needs a further event.
         """
         if not self._waiting:
             return None

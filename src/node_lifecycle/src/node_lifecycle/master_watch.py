@@ -27,7 +27,7 @@ PERIOD = 3.0  # s
 
 
 class NodeAtMaster(Protocol):
-    """The registrations of a node at a ROS master. Each call raises an error without a master."""
+    """The registrations of a node at a ROS master. If there is no master, each call raises."""
 
     def is_known(self) -> bool:
         """Returns whether the master knows one registration of the node; this query is cheap."""

@@ -34,7 +34,7 @@ class Standstill(NamedTuple):
 
 
 class _Look(NamedTuple):
-    """The state of a thread: its position, frame by frame, and the time for which it has run."""
+    """The state of a thread: its position, frame by frame, and counters that grow while it runs."""
 
     position: Tuple[Tuple[object, int], ...]
     run: str

@@ -13,7 +13,7 @@ from node_lifecycle.master_watch import MasterWatch, ThisNode
 
 
 class Master:
-    """A master that knows all of two registrations of the node, one, or none; or that is away."""
+    """A master that knows two registrations of the node, one of them, or none; or that is away."""
 
     def __init__(self, known: int = 2, there: bool = True) -> None:
         self.known = known

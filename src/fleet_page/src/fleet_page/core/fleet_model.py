@@ -52,7 +52,7 @@ Key = Tuple[int, int]
 
 
 class FleetModel:
-    """Uses the messages of the fleet: writes the state to `live`, and adds to the history's sums.
+    """Reads the messages of the fleet, writes the state to `live`, and adds to the history's sums.
 
     There is one method for each kind of message, because all of them change one shown state.
     """
@@ -114,7 +114,7 @@ class FleetModel:
     # -- robots -----------------------------------------------------------------------------------
 
     def update_robots(self, robots: Iterable[ShownRobot], now: float) -> None:
-        """Uses the states of all robots."""
+        """Updates the model with the states of all robots."""
         found = {robot.name: robot for robot in robots}
         if self._heard is not None:
             self._sum_up(found, min(max(now - self._heard, 0.0), LONGEST_GAP))
@@ -188,7 +188,7 @@ class FleetModel:
                                'why': stop.why} if stop.is_in_force else None)
 
     def update_places(self, places: Mapping[str, ShownPose]) -> None:
-        """Uses the poses of robots."""
+        """Updates the model with the poses of robots."""
         for name, place in places.items():
             before = self.places.get(name)
             if before is not None:

@@ -2,7 +2,7 @@
 known.
 
 So no client needs a queue. A slow client gets the newest state when it reads again. A client that
-does not read needs nothing.
+does not read costs nothing.
 """
 from __future__ import annotations
 

@@ -153,7 +153,7 @@ class Connection(asyncio.Protocol):
                     self._listener.admissions.count(self, self.place)
 
     def work_with(self, work: asyncio.Future[Any]) -> None:
-        """Makes this work end if the connection ends before it."""
+        """Makes the end of the connection cancel this work, if the work still runs then."""
         self._work = work
 
     def end(self) -> None:

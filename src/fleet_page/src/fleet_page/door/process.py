@@ -62,7 +62,7 @@ class DoorProcess:
         may take seconds.
         """
         here, there = socket.socketpair()
-        self._ended, lives = os.pipe()  # the door keeps its end open until it ends
+        self._ended, lives = os.pipe()  # `lives` stays open until the door ends
         self._pid = os.fork()
         if not self._pid:
             here.close()

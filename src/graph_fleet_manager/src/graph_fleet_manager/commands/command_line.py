@@ -11,7 +11,7 @@ LARGEST = 2 ** 31 - 1
 
 
 def whole(text: str) -> int:
-    """Returns the whole number in a text. Raises ArgumentTypeError if no message can hold it."""
+    """Returns a text as a whole number that a message can hold. Raises ArgumentTypeError."""
     try:
         number = int(text)
     except ValueError:

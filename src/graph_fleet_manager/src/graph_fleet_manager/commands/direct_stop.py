@@ -71,7 +71,7 @@ def _stop(topics: Mapping[str, str]) -> StopResult:
     time.sleep(FLUSHED_IN)
     left = missed()
     for route in routes.values():
-        route.unregister()  # else a robot that connects later would be stopped too
+        route.unregister()  # otherwise a robot that connects later would be stopped
     return StopResult(tuple(name for name in routes if name not in left), tuple(left))
 
 

@@ -1,6 +1,6 @@
-"""The command `fleet`: lists all robots, and says what a robot waits for. It stops and resumes the
-fleet, takes a robot out of service, puts it back, lets it charge, and declares it absent or says
-what it carries.
+"""The command `fleet`: lists all robots; says what a robot waits for; stops and resumes the fleet;
+takes a robot out of service and puts it back; lets it charge; declares that it is absent, or what
+it carries.
 
 Exit status 0: done; 1: wrong input, or no fleet manager; 2: not done, with the reason.
 """
@@ -43,7 +43,7 @@ from trajectory_graph import Graph
 from trajectory_graph.drawn_names import place_name, vertex_name
 from trajectory_graph.messages import graph_from_message
 
-EMPTY = 'empty'       # what a robot carries that carries nothing
+EMPTY = 'empty'       # the load of a robot that carries nothing
 GRAPH_PATIENCE = 2.0  # s to wait for the graph, which only gives edges their drawn names
 _NAMES = {int(state): state.name for state in RobotState}
 _WAITS = {int(code): code.name for code in WaitCode}
@@ -94,7 +94,7 @@ def _options(arguments: List[str]) -> Namespace:
 
 
 def _load(text: str) -> Union[str, MissionName]:
-    """Returns what a text says that a robot carries: EMPTY, or a mission.
+    """Returns the load that a text names: EMPTY, or a mission.
 
     Raises ArgumentTypeError.
     """

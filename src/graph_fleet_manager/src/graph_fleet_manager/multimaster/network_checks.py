@@ -139,10 +139,7 @@ class NetworkChecks:
         return Checked('way back', Grade.OK, f'the master there reaches this computer at {address}')
 
     def _check_node_addresses(self) -> Optional[Checked]:
-        """Connects to nodes of the other side at the addresses that they report.
-
-        This also tries different ports.
-        """
+        """Connects to nodes of the other side at the addresses and ports that they report."""
         local = self._local_nodes()
         for name, uri in list(local.items())[:_ASKED]:
             where = urlsplit(uri)

@@ -1,4 +1,4 @@
-"""The parameter ~fleet_file of most nodes of the fleet manager."""
+"""The parameter ~fleet_file, which nearly all nodes of the fleet manager have."""
 from __future__ import annotations
 
 from rosgraph.names import is_legal_base_name

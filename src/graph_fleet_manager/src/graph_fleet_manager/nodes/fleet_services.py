@@ -1,7 +1,8 @@
 """The services of the fleet.
 
-They stop and resume all robots, take one robot out of service and put it back, declare it absent or
-what it carries, and pause a timetable. They return the status of a mission and what it waits for.
+They stop and resume all robots; take one robot out of service and put it back; declare that it is
+absent, or what it carries; and pause a timetable. They return the status of a mission, and what a
+mission waits for.
 """
 from __future__ import annotations
 
@@ -48,7 +49,7 @@ from itrci_nav_msgs.srv import (
 )
 
 PATIENCE = 5.0       # s that a call waits for the supervisor
-STOP_PATIENCE = 0.5  # s that a stop waits for the supervisor before it bypasses it
+STOP_PATIENCE = 0.5  # s after which a stop bypasses a supervisor that does not react
 
 Act = Callable[[Supervisor, float], Tuple[str, Sequence[Action]]]
 """The work of a service. Returns the reason why it is not done (empty if done), and actions."""

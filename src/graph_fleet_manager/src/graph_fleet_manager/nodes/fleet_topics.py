@@ -51,7 +51,7 @@ PublishStatuses = Callable[[MissionStatus], None]
 class FleetTopics:
     """The publishers of path_supervisor.
 
-    There is an attribute for each topic, and others so that a repeated message stays the same.
+    There is an attribute for each topic. Others keep the parts that a repeated message must repeat.
 
     rate        -- factor by which simulated robots are faster than the clock
     improvement -- s in which the planner improves a plan

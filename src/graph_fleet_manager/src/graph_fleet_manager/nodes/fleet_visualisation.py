@@ -17,8 +17,8 @@ Client of (std_srvs/Trigger, except declare_absent)
     /stop_fleet, /resume_fleet, /<robot>/leave_fleet, /<robot>/join_fleet, /<robot>/declare_absent
 Parameters
     ~fleet_file     string  (empty)  fleet file with the radii of the robots; empty: 0.4 m for all
-    ~says_ready     bool    false    tell in the log once when the fleet is ready, and how to give
-                                     it a mission; the page tells it otherwise
+    ~says_ready     bool    false    log once when the fleet is ready, and how to give it a mission;
+                                     not needed with the page, which says so itself
 """
 from __future__ import annotations
 

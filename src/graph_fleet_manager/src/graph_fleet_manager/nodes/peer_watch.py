@@ -42,7 +42,7 @@ LEVELS = {Grade.OK: DiagnosticStatus.OK, Grade.WARN: DiagnosticStatus.WARN,
 
 
 class WatchedPeer:
-    """A peer and the thread that checks it: a peer that is missing blocks it until a timeout."""
+    """A peer with a thread of its own: the check of a missing peer blocks until a timeout."""
 
     def __init__(self, address: str, port: int) -> None:
         self.address = address

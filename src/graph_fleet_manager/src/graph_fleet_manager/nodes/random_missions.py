@@ -12,7 +12,7 @@ Calls
     /get_mission_status (itrci_nav_msgs/GetMissionStatus), if a mission has no news for long
 Parameters
     ~seed          int  0  seed of all random numbers; 0: a new one each time
-    ~destinations  int  2  most destinations of a mission
+    ~destinations  int  2  largest number of destinations of a mission
     ~missions      int  0  number of missions to send in all; 0: without end
 """
 from __future__ import annotations

@@ -4,7 +4,7 @@
 |------------|-----------------------------------------------------------------------------------|
 | a stop     | at once                                                                           |
 | a command  | before reports                                                                    |
-| a tick     | when it is due, no command waits, and no report that arrived before it was due;   |
+| a tick     | when it is due, no command waits, and no report waits from before it was due;     |
 |            | at the latest LATEST after it was due, even if other events wait                  |
 | a report   | when no command waits                                                             |
 | requests   | when nothing else waits, and once before each tick                                |
