@@ -1,12 +1,12 @@
 #!/usr/bin/env bash
-# Runs benchmarks and prints tables. Each figure is the median of several runs; its floor stands beside it.
+# Runs benchmarks and prints tables. Each figure is the median of several runs; its floor is beside it.
 #
 #   scripts/bench.sh all          each topic, the long ones shortened: about 50 minutes on two cores
 #   scripts/bench.sh              each topic as a whole: many hours
 #   scripts/bench.sh TOPIC...     only these topics (scripts/bench/TOPIC.py)
 #   scripts/bench.sh TOPIC --only PART   options go to the topic's program; its --help lists them
 #
-# Exit status: 1 if a topic failed; the other topics run all the same.
+# Exit status: 1 if a topic failed; the other topics still run.
 set -euo pipefail
 . "$(dirname "${BASH_SOURCE[0]}")/common.sh"
 

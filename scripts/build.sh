@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Installs missing packages and builds the workspace, as scripts/run.sh does before it starts. For images, services and packages.
+# Installs missing packages and builds the workspace, like the first part of scripts/run.sh. For images, services and packages.
 #
 #   scripts/build.sh              both
 #   scripts/build.sh --packages   only installs missing packages, for a clone in the src folder of another workspace

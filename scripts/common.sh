@@ -2,9 +2,9 @@
 # This file is sourced, never run. After `prepare` the environment is the same as after `source devel/setup.bash`.
 
 root="$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)"
-[ -n "${HOME:-}" ] || { unset HOME; export HOME=~; }  # services and containers may lack it; then ~ is the home of the user's account
+[ -n "${HOME:-}" ] || { unset HOME; export HOME=~; }  # services and containers may not set HOME; then ~ is the home of the user's account
 
-full_stack=("$root/scripts/run.sh")  # starts a robot; an installed workspace has installed_common.sh in place of this file
+full_stack=("$root/scripts/run.sh")  # starts a robot; in an installed workspace installed_common.sh sets it
 
 # One line per package: its name in Debian, and its name on a system where ROS is in /opt/ros/noetic.
 run_packages=(
@@ -91,8 +91,8 @@ need_localhost() {
 # operating_system: prints the id and the version of the system, such as "debian 12"
 operating_system() { (. /etc/os-release 2>/dev/null; echo "${ID:-an unknown system} ${VERSION_ID:-}"); }
 
-# with_progress LOG COMMAND...: appends the output of a command to LOG, and meanwhile shows the last line of LOG and the time:
-# on a terminal in one line that changes, else in a line every 15 s. The command stays in the foreground, so Ctrl-C ends it.
+# with_progress LOG COMMAND...: appends the output of a command to LOG. Meanwhile it shows the last line of LOG and the time: on
+# a terminal in one line that changes, otherwise in a new line every 15 s. The command stays in the foreground, so Ctrl-C ends it.
 with_progress() {
   local log="$1" status=0; shift
   _tell_progress "$log" $$ &
@@ -104,7 +104,7 @@ with_progress() {
   return "$status"
 }
 
-# _tell_progress LOG SCRIPT: tells until it is ended, or until the process SCRIPT has ended.
+# _tell_progress LOG SCRIPT: shows the progress until it is ended, or until the process SCRIPT has ended.
 _tell_progress() {
   local began=$SECONDS told=0 last
   while sleep 1 && kill -0 "$2" 2>/dev/null; do
@@ -118,14 +118,14 @@ _tell_progress() {
   done
 }
 
-# prepare PACKAGE_LINE...: installs those of these packages that are missing, and builds the workspace.
+# prepare PACKAGE_LINE...: installs the missing ones of these packages, and builds the workspace.
 prepare() {
   install_packages "$@"
   _build
   _source "$root/devel/setup.bash"
 }
 
-# install_packages PACKAGE_LINE...: installs those of these packages that are missing, under their names on this system.
+# install_packages PACKAGE_LINE...: installs the missing ones of these packages, under their names on this system.
 install_packages() {
   export PATH="/usr/bin:$PATH"  # ROS needs /usr/bin/python3, even if another python3 comes first in PATH
   if [ -f /opt/ros/noetic/setup.bash ]; then
@@ -142,8 +142,8 @@ install_packages() {
 
 _source() { set +u; . "$1"; set -u; }  # ROS's own scripts read unset variables
 
-# install_missing COLUMN PACKAGE_LINE...: installs those of these packages that are missing. COLUMN is the column of the
-# package table: 1 for Debian, 2 for Ubuntu with Noetic.
+# install_missing COLUMN PACKAGE_LINE...: installs the missing ones of these packages. COLUMN is the column of the package
+# table: 1 for Debian, 2 for Ubuntu with Noetic.
 install_missing() {
   local column="$1"; shift
   local wanted missing
@@ -172,7 +172,7 @@ _build() {
     *[\'\"\$\`\\]*) die "catkin cannot build in $root: a path with an apostrophe, a quotation mark, \$, \` or \\ breaks its files; move the repository" ;;
   esac
   local stamp="$root/build/.built"
-  # A workspace that was moved or copied has build files that point elsewhere.
+  # If a workspace was moved or copied, its build files contain paths of the old place.
   if [ -f "$root/build/CMakeCache.txt" ] &&
      ! grep -qx "CMAKE_HOME_DIRECTORY:INTERNAL=$root/src" "$root/build/CMakeCache.txt"; then
     say "The workspace has moved: building afresh"
@@ -194,10 +194,10 @@ _build() {
   mv "$begun" "$stamp"
 }
 
-# Prints the files that make a new build necessary. Python modules run from their source folders and need no new build, but
-# new Python packages do.
+# Prints the files that make a new build necessary. Python modules run from their source folders, so a changed module needs no
+# new build; a new Python package does.
 _newer_than() {
-  # -mindepth 2: src/CMakeLists.txt is made by the build itself. -maxdepth 0: __pycache__ changes folders below nodes.
+  # -mindepth 2: the build itself makes src/CMakeLists.txt. -maxdepth 0: __pycache__ changes folders below nodes.
   find "$root/src" -mindepth 2 -not -path '*/.git*' \( -name CMakeLists.txt -o -name package.xml -o -name setup.py \
     -o -name __init__.py -o -name '*.msg' -o -name '*.srv' -o -name '*.action' \) -newer "$1"
   find "$root"/src/*/nodes -maxdepth 0 -newer "$1"
@@ -266,11 +266,11 @@ provide_multimaster() {
     echo "$made_of" >"$workspace/.made_of"
   fi
   _source "$workspace/devel/setup.bash"
-  export PATH="$root/devel/bin:$PATH"  # catkin takes it away if it is there twice; then ROS's own master would be started
+  export PATH="$root/devel/bin:$PATH"  # if it is in PATH twice, catkin removes it, and then ROS's own master would be started
 }
 
 # virtual_environment NAME PYTHON [--system-site-packages] PIP_ARGS...: makes build/NAME with the packages in
-# scripts/pins/NAME.txt, whose files must have the hashes there; it is made again only if they change
+# scripts/pins/NAME.txt, whose files must have the hashes in it; it is made again only if this list changes
 virtual_environment() {
   local folder="$root/build/$1" pins="$root/scripts/pins/$1.txt" python="$2" options=() log="$root/build/pip.log"; shift 2
   if [ "${1:-}" = --system-site-packages ]; then options=("$1"); shift; fi
@@ -315,15 +315,15 @@ provide_axe() { virtual_environment axe /usr/bin/python3 --no-deps || true; }
 # provide_z3: installs the theorem prover z3 in build/z3. The proofs about the interlocking are skipped if it cannot be installed.
 provide_z3() { virtual_environment z3 /usr/bin/python3 || true; }
 
-# provide_vda5050_master: installs vda5050-sdk with all that it needs in build/vda5050_master. The tests with its master are skipped if
-# it cannot be installed, as with Python before 3.10.
+# provide_vda5050_master: installs vda5050-sdk with everything that it needs in build/vda5050_master. If it cannot be installed, for
+# example with Python before 3.10, the tests with its master are skipped.
 provide_vda5050_master() { virtual_environment vda5050_master /usr/bin/python3 || true; }
 
 # record RESULTS passed|failed|skipped NAME [REASON]: records the result of a check that is no test of pytest or rostest
 record() { /usr/bin/python3 "$root/scripts/test_results.py" record "$@"; }
 
-# port_is_free PORT: succeeds if nothing listens on this port of this machine. The check makes no connection: on the port for
-# a robot's outgoing connection the newest connection replaces the running robot's.
+# port_is_free PORT: succeeds if no program listens on this port of this machine. The check makes no connection, because on the
+# port for a robot's outgoing connection a new connection replaces that of the robot.
 port_is_free() {
   /usr/bin/python3 -I - "$1" 2>/dev/null <<'END'
 import socket
@@ -334,7 +334,7 @@ with socket.socket() as probe:
 END
 }
 
-# address_towards HOST: prints this machine's own address on the network route to HOST; fails without such a route.
+# address_towards HOST: prints this machine's own address on the network route to HOST; fails if there is no route.
 address_towards() {
   /usr/bin/python3 -I - "$1" 2>/dev/null <<'END'
 import socket
@@ -345,5 +345,5 @@ with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
 END
 }
 
-# free_port: prints a TCP port that nothing uses now.
+# free_port: prints a TCP port that no program uses now.
 free_port() { /usr/bin/python3 "$root/test/ports.py"; }

@@ -4,8 +4,8 @@
 debian_files.py SOURCE PACKAGE_TABLE
 
 SOURCE is a copy of the repository. PACKAGE_TABLE is the package table of scripts/common.sh. Each of
-its lines holds Debian's name of a package, and its name under /opt/ros/noetic. Each catkin package
-becomes a Debian package, and `omron-ld90` depends on all of them.
+its lines has Debian's name of a package, and the package's name under /opt/ros/noetic. Each catkin
+package becomes a Debian package. The package `omron-ld90` depends on all of them.
 """
 from __future__ import annotations
 
@@ -87,10 +87,10 @@ class Package:
     description: str
     maintainer: str
     run: Tuple[str, ...]
-    """rosdep keys, and names of packages of the workspace, that it needs at run time."""
+    """The rosdep keys, and the packages of the workspace, that it needs at run time."""
     build: Tuple[str, ...]
     is_compiled: bool
-    """True if it has a program or a library in C or C++."""
+    """Whether it has a program or a library in C or C++."""
 
     @property
     def debian_name(self) -> str:
@@ -129,7 +129,7 @@ def debian_names(table: str) -> Dict[str, str]:
 
 
 def needed(keys: Sequence[str], names: Mapping[str, str], own: Mapping[str, str]) -> List[str]:
-    """Returns the run-time dependencies under Debian's names. ROS packages outside the table are
+    """Returns the run-time dependencies with Debian's names. Keys that are not in the table are
     Python modules.
     """
     return sorted({own.get(key) or names.get(key) or (
@@ -138,7 +138,7 @@ def needed(keys: Sequence[str], names: Mapping[str, str], own: Mapping[str, str]
 
 
 def binary(name: str, description: str, depends: Sequence[str], is_compiled: bool = False) -> str:
-    """Returns the paragraph of debian/control about one package."""
+    """Returns the paragraph of debian/control for one package."""
     first, _, rest = description.partition('. ')
     lines = textwrap.wrap(rest or f'{first.rstrip(".")}. A part of the LD-90 workspace.', 75)
     synopsis = first.rstrip('.').split(': ')[0] if len(first) > 78 else first.rstrip('.')

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Draws docs/images/architecture.svg, the picture of the parts in README.
 
-The picture has its own light ground, so that it can be read on a dark page as well.
+The picture has a light background of its own, so that it is readable on a dark page, too.
 """
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ PEOPLE, FLEET, ROBOT, OUTSIDE = '#dbeafe', '#dcfce7', '#fef3c7', '#e5e7eb'
 
 
 class Box(NamedTuple):
-    """A part: its left upper corner and size in px, its name, and what it does."""
+    """A part: its upper left corner and size in px, its name, and what it does."""
 
     x: int
     y: int
@@ -28,7 +28,7 @@ class Box(NamedTuple):
 
 
 class Link(NamedTuple):
-    """A line with an arrow from one point to another, and the words beside its middle."""
+    """An arrow from one point to another, and the words beside its middle."""
 
     start: Tuple[int, int]
     end: Tuple[int, int]

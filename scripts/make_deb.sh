@@ -38,7 +38,7 @@ lintian --fail-on error --tag-display-limit 0 "$here"/*.changes
 say "The packages:" "$here"/*.deb
 [ "${1:-}" = --try ] || exit 0
 
-# A folder with nothing but Debian's base system; apt installs the packages as on a user's machine.
+# A folder with only Debian's base system, in which apt installs the packages as on a user's machine.
 [ "$(id -u)" = 0 ] || die "only root can make the bare Debian system: run this as root."
 install_missing 1 "debootstrap debootstrap" "iproute2 iproute2"
 bare="$here/root"
@@ -59,7 +59,7 @@ inside sh -ec 'apt-get update -q; apt-get install -y -q --no-install-recommends 
   die "the packages could not be installed: see $log"
 say "Driving a simulated robot there"
 cp "$root/scripts/try_packages.sh" "$bare/tmp/"
-# A network namespace of its own: it has no connection to ROS nodes that run on this machine.
+# In a network namespace of its own, it has no connection to ROS nodes on this machine.
 unshare --net sh -c 'ip link set lo up; exec "$@"' - chroot "$bare" env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin HOME=/root \
   timeout 600 bash -eu /tmp/try_packages.sh || die "the installed packages do not work"
 say "Removing the packages"

@@ -1,11 +1,12 @@
 #!/usr/bin/env python3
-"""Makes the pictures of the README: a real RViz shows the simulated robot; the mouse clicks in it.
+"""Makes the pictures of the README: a real RViz shows the simulated robot; a mouse clicks in RViz.
 
 After `source devel/setup.bash`: `PYTHONPATH=test:$PYTHONPATH scripts/make_pictures.py`
 
 Writes rviz_map.png, rviz_route.png, rviz_drive.gif, made_graph.png, graph_editor.png, fleet.gif,
-fleet_work.png, page_map.png and page_missions.png into docs/images. With `stack` it writes only the
-first three, with `graph` the next two, with `fleet` and `work` one each, with `page` the last two.
+fleet_work.png, page_map.png and page_missions.png into docs/images. With the argument `stack` it
+writes only the first three, with `graph` the next two, with `fleet` and `work` one each, and with
+`page` the last two.
 """
 from __future__ import annotations
 
@@ -43,23 +44,23 @@ WINDOW = (0, 0, 1280, 871)
 GIF_WIDTH, GIF_COLOURS = 900, 160
 SCALE = 40.0
 NOTHING_HERE = (640, 440)
-# s between two pictures of the film, and the factor by which it plays faster
+# s between two pictures of the film, and the factor by which the film is faster
 PERIOD, SPEED_UP = 1.0, 5.0
 STATION_SIDE = '-13.2,-7.0,180'  # where the laboratory's charger is
 VERTEX_2 = (600, 198)  # pixel of a vertex of the made graph
 NAVY, YELLOW = (31, 51, 89), (255, 217, 26)
 FLEET_FILM = 45.0  # s
-PALLETS = 5  # so many that robots queue at the press
+PALLETS = 5  # enough for a queue of robots at the press
 PAGE_SIZE = (1440, 900)
 AREA = '33 34'  # edges of the southern shelf
 CHOSEN = 'ld90_3'  # the robot whose laser the page shows
 DOOR = 17  # edge through the door of the press
-CORNER = (1240, 860)  # pixel at which the mouse hides nothing
+CORNER = (1240, 860)  # pixel at which the mouse pointer hides nothing
 ROUTE = (9, 3, 4, 31, 32, 34)  # edges from vertex 4 to 52
 
 
 class Film:
-    """Pictures of the 3D view, with a ring where the mouse has just clicked."""
+    """Pictures of the 3D view. A ring shows where the mouse has just clicked."""
 
     def __init__(self, window: RvizWindow) -> None:
         self._window = window
@@ -85,7 +86,7 @@ class Film:
             time.sleep(max(0.0, begun + PERIOD - time.monotonic()))
 
     def save(self, path: Path) -> None:
-        """Saves the film with one palette, so that unchanged parts need no space."""
+        """Saves the film with one palette, because unchanged parts then need no space."""
         palette = self._pictures[len(self._pictures) // 2].quantize(GIF_COLOURS, Image.MAXCOVERAGE)
         frames = [picture.quantize(palette=palette, dither=0) for picture in self._pictures]
         frames[0].save(path, save_all=True, append_images=frames[1:], loop=0, optimize=True,
@@ -98,7 +99,9 @@ def keep(window: RvizWindow, name: str) -> None:
 
 
 def film(window: RvizWindow) -> None:
-    """Clicks on a goal, films the robot until it arrives, then a route of the fleet manager."""
+    """Clicks on a goal, and films the robot until it arrives. Then films a route of the fleet
+    manager.
+    """
     lab = MapDocument.load(str(ROOT / 'maps/lab.map'))
     clicks = Recorder('/clicked_point', PointStamped)
     lines = Recorder('/omron_ld90/arcl_response', String)
@@ -113,7 +116,7 @@ def film(window: RvizWindow) -> None:
     wait_until(calibrated, 60.0, 'a click lands')
     point = clicks.messages[0].point
     window.calibrate(NOTHING_HERE, (point.x, point.y))
-    time.sleep(9.0)  # until the text about that click has disappeared
+    time.sleep(9.0)  # until the text about the click has disappeared
     keep(window, 'rviz_map')
 
     pictures = Film(window)
@@ -169,8 +172,8 @@ def graph_pictures(screen: Screen) -> None:
 
 
 def fleet_film(screen: Screen) -> None:
-    """Films eight robots at work, as `scripts/run.sh fleet:=4 longest_edge:=1.5 demo:=true`
-    shows.
+    """Films eight robots at work, started like `scripts/run.sh fleet:=4 longest_edge:=1.5
+    demo:=true`.
     """
     with fleet_in_rviz(screen, 'longest_edge:=1.5', 'demo:=true') as (fleet, window):
         wait_until(lambda: sum(robot.has_mission for robot in fleet.state.messages[-1].robots) == 8,
@@ -182,8 +185,8 @@ def fleet_film(screen: Screen) -> None:
 
 
 def work_picture(screen: Screen) -> None:
-    """Takes a picture of doors, and of a station with a queue,
-    as `scripts/run.sh fleet:=4 work:=true` shows them.
+    """Takes a picture of doors, and of a station with a queue, from a fleet that is started like
+    `scripts/run.sh fleet:=4 work:=true`.
     """
     with fleet_in_rviz(screen, 'work:=true') as (fleet, window):
         for _ in range(PALLETS):
@@ -202,8 +205,8 @@ def work_picture(screen: Screen) -> None:
 
 
 def page_pictures(_: Screen) -> None:
-    """Takes pictures of the fleet page at work: the map with its layers,
-    and the missions in a wide panel.
+    """Takes pictures of the fleet page at work: the map with its layers, and a wide panel with the
+    missions.
     """
     ports = free_fleet_ports()
     with running_fleet('work:=true', 'lasers:=true', 'page:=true', f'page_port:={ports + 9}',
@@ -250,7 +253,7 @@ def page_pictures(_: Screen) -> None:
 
 @contextmanager
 def running_fleet(*options: str, **more: int) -> Iterator[Factory]:
-    """Yields eight robots under a ROS master of their own."""
+    """Yields eight running robots under a separate ROS master."""
     port = free_port()
     os.environ['ROS_MASTER_URI'] = f'http://127.0.0.1:{port}'
     master = subprocess.Popen(['roscore', '-p', str(port)], stdout=subprocess.DEVNULL)
@@ -283,7 +286,7 @@ def fleet_in_rviz(screen: Screen, *options: str) -> Iterator[Tuple[Factory, Rviz
 
 
 def main() -> int:
-    """Starts on free ports what is filmed, films it, and ends it."""
+    """Starts the programs on free ports, films them, and ends them."""
     missing = missing_programs()
     if missing:
         print(f'Not installed: {", ".join(missing)}.', file=sys.stderr)
@@ -292,7 +295,7 @@ def main() -> int:
     parts = {'stack': stack_pictures, 'graph': graph_pictures, 'fleet': fleet_film,
              'work': work_picture, 'page': page_pictures}
     if sys.argv[1:] not in [[name] for name in parts]:
-        for name in parts:  # each part in its own process, because a process has one ROS master
+        for name in parts:  # each part in a separate process, because a process has one ROS master
             subprocess.run([sys.executable, __file__, name], check=True)
         return 0
     screen = Screen()
@@ -304,7 +307,7 @@ def main() -> int:
 
 
 def stack_pictures(screen: Screen) -> None:
-    """Takes pictures of the stack with a simulated robot, on ports of its own."""
+    """Takes pictures of the stack with a simulated robot, on ports that only this run uses."""
     port = free_port()
     os.environ['ROS_MASTER_URI'] = screen.environment['ROS_MASTER_URI'] = (
         f'http://127.0.0.1:{port}')

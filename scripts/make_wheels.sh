@@ -21,7 +21,7 @@ mkdir -p "$root/build"
 install_missing 1 "python3-venv python3-venv"
 virtual_environment wheels /usr/bin/python3 --system-site-packages ||
   die "build and setuptools could not be installed from PyPI (offline?): see build/pip.log"
-sources="$root/build/wheel_sources" keys="$root/build/wheel_keys"  # by library, what its files were built from
+sources="$root/build/wheel_sources" keys="$root/build/wheel_keys"  # for each library, the hashes of its sources
 mkdir -p "$here" "$keys"
 for library in "${pure_libraries[@]}"; do
   key="$(cd "$root" && find "src/$library" scripts/pins/wheels.txt scripts/make_wheels.sh -type f -not -name '*.pyc' -print0 |
@@ -31,13 +31,13 @@ for library in "${pure_libraries[@]}"; do
   rm -rf "$sources" "${built[@]}"
   mkdir "$sources"
   cp -r "$root/src/$library" "$sources"  # a copy, because building leaves files beside the sources
-  # without the check of dependencies, which starts two more programs; scripts/pins/wheels.txt has them all
+  # without the check of dependencies, which starts two more programs; scripts/pins/wheels.txt lists all of them
   "$root/build/wheels/bin/python" -I -m build --no-isolation --skip-dependency-check --outdir "$here" "$sources/$library" >>"$log" 2>&1 ||
     die "$library was not built: see $log"
   echo "$key" >"$keys/$library"
 done
 rm -rf "$sources"
-for file in "$here"/*-[0-9]*; do  # of a library that is there no more
+for file in "$here"/*-[0-9]*; do  # of a library that does not exist any more
   library="$(basename "$file")"
   [[ " ${pure_libraries[*]} " = *" ${library%%-*} "* ]] || rm "$file"
 done

@@ -33,14 +33,14 @@ need_localhost
 [ -n "${ROS_IP:-}${ROS_HOSTNAME:-}" ] || getent hosts "$(uname -n)" >/dev/null ||
   say "This computer's own name, $(uname -n), has no address, so commands in other terminals would not be heard: run 'export ROS_IP=127.0.0.1' there, or add the line '127.0.1.1 $(uname -n)' to /etc/hosts"
 
-# master_listens: fails if nothing listens at ROS_MASTER_URI. The tools of ROS find that out, too, but take half a second for it.
+# master_listens: fails if no program listens at ROS_MASTER_URI. The tools of ROS would need half a second to find this out.
 master_listens() {
   [[ "${ROS_MASTER_URI:-http://localhost:11311}" =~ ^http://([^/:]+):([0-9]+)/?$ ]] || return 0  # the tools judge it
   timeout 10 bash -c 'exec 3<>"/dev/tcp/$0/$1"' "${BASH_REMATCH[@]:1:2}" 2>/dev/null
 }
 
-# refuse_what_runs LAUNCH...: fails if one of the launch's nodes runs already. Two launches with nodes of the same name under
-# one ROS master would end each other's nodes for ever.
+# refuse_what_runs LAUNCH...: fails if one of the launch's nodes already runs. Under one ROS master, two launches with nodes of
+# the same names would end each other's nodes for ever.
 refuse_what_runs() {
   local node running
   master_listens || return 0
@@ -72,12 +72,12 @@ start_fleet() {
   exec rosrun fleet_bringup start_output "$launch"
 }
 
-# limit_files: sets the limit of open files. It is high enough for every fleet, and low enough for roscpp, which reserves memory
-# for each file that may be open: in some containers the limit is a thousand million, which takes gigabytes per node.
+# limit_files: sets the limit of open files, high enough for every fleet, and low enough for roscpp, which reserves memory for
+# each file that may be open. In some containers the limit is a thousand million, which would take gigabytes per node.
 limit_files() { ulimit -Sn 16384 2>/dev/null || ulimit -Sn "$(ulimit -Hn)"; }
 limit_files
 
-# keep_private: journals, records and logs are for this user only. roslaunch gives folders of logs the mode of ROS_HOME.
+# keep_private: lets only this user read journals, records and logs. roslaunch gives folders of logs the mode of ROS_HOME.
 keep_private() { umask 077; mkdir -p "${ROS_HOME:-$HOME/.ros}"; }
 
 for arg in "$@"; do

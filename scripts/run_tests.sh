@@ -6,8 +6,8 @@
 #   run_tests.sh RESULTS python3.8        tests of imports and properties without ROS under Python 3.8, if it is
 #                                         installed; with LD90_LONG_TESTS=1 every unit test without ROS
 #   run_tests.sh RESULTS system NAME...   the system tests test/NAME.test, each under its own ROS master
-#   run_tests.sh RESULTS once-more        tests that failed beside others, alone: at most three of each kind. The second
-#                                         result counts; the summary names them
+#   run_tests.sh RESULTS once-more        runs tests again, alone, that failed while other tests ran: at most three of each
+#                                         kind. The second result counts; the summary names these tests
 set -euo pipefail
 . "$(dirname "${BASH_SOURCE[0]}")/common.sh"
 
@@ -18,7 +18,7 @@ export PATH="$root/devel/bin:/usr/bin:$PATH"  # the workspace's ROS master, and 
 mkdir -p "$results" build/artefacts
 export SYSTEM_TEST_ARTEFACTS="$root/build/artefacts" ROS_IP=127.0.0.1 ROS_HOME="$root/build/ros_home"
 unset ROS_HOSTNAME DISPLAY
-# Without a place for compiled modules each process, and there are hundreds, would compile them again.
+# Without a folder for compiled modules, each of hundreds of processes would compile them again.
 unset PYTHONDONTWRITEBYTECODE
 export PYTHONPYCACHEPREFIX="$root/build/pycache"
 if [ -n "${FKIE_ARCHIVE:-}" ]; then FKIE_ARCHIVE="$(realpath -m -- "$FKIE_ARCHIVE")"; fi
@@ -31,7 +31,7 @@ unit_pytest() {  # unit_pytest OPTION...
 
 python38_pytest() {  # python38_pytest OPTION...: without this system's ROS, and without real maps (one Python tests them)
   local selection=() files=(src)
-  if [ -z "${LD90_LONG_TESTS:-}" ]; then  # only these files are read, because reading all takes longer than their tests
+  if [ -z "${LD90_LONG_TESTS:-}" ]; then  # pytest reads only these files: to read all would take longer than to run these tests
     selection=(-m 'hypothesis or every_python')
     mapfile -t files < <(grep -rlE --include='test_*.py' 'hypothesis|every_python|[.]TestCase' src | grep -v /test/nodes/)
   fi
@@ -82,13 +82,13 @@ failed_units_once_more() {  # runs failed unit tests again: other tests may have
   done
 }
 
-prepare_system_tests() {  # prepare_system_tests NAME...: gets what they need, and lets them import each other's helpers
+prepare_system_tests() {  # prepare_system_tests NAME...: installs what these tests need, and makes their helpers importable
   case " $*" in *' multimaster'*) join_masters_for_tests ;; esac
   case " $* " in *' vda5050 '*) provide_vda5050_schemas ;; esac
   export PYTHONPATH="$root/test${PYTHONPATH:+:$PYTHONPATH}"
 }
 
-join_masters_for_tests() {  # with fkie multimaster if it is available; the summary says by which program
+join_masters_for_tests() {  # with fkie multimaster if it is available; the summary names the program that joined them
   provide_multimaster || record "$results" failed build-of-multimaster "see build/multimaster_build.log"
   if rospack find fkie_master_sync >/dev/null 2>&1; then
     echo "ROS masters were joined by fkie multimaster"
@@ -126,13 +126,13 @@ system_test() {  # system_test NAME ARCL_PORT OUTGOING_PORT: one rostest on free
   esac
 }
 
-# With a mount namespace of its own, the mounts of a test disappear with it, however it ends.
+# In a separate mount namespace, the mounts of a test disappear with the test, even if it is killed.
 mounts_alone=()
 ! unshare --mount true 2>/dev/null || mounts_alone=(unshare --mount env LD90_MOUNTS_ALONE=1)
 
 known="$root/build/system_tests.seconds"
 
-system_tests() {  # TEST_JOBS tests at a time, the longest first: by the last run, or by their time limits
+system_tests() {  # TEST_JOBS tests at a time, the longest first, according to the last run or to their time limits
   local name running=0
   rm -f "$results/failed"
   prepare_system_tests "$@"
@@ -145,11 +145,11 @@ system_tests() {  # TEST_JOBS tests at a time, the longest first: by the last ru
     running=$((running + 1))
   done
   wait
-  [ "$jobs" -gt 1 ] && [ $# -gt 1 ] || rm -f "$results/failed"  # they did not fail beside others
+  [ "$jobs" -gt 1 ] && [ $# -gt 1 ] || rm -f "$results/failed"  # no other tests ran beside them
   keep_seconds
 }
 
-keep_seconds() {  # keeps the durations of this run, and those of tests that did not run now
+keep_seconds() {  # keeps the durations of this run, and earlier durations of tests that did not run now
   rm -rf "$results/ros"
   cp "$results/system_tests.seconds" "$known.new"
   awk '{print $2}' "$known.new" | grep -vwFf - "$known" >>"$known.new" || true

@@ -7,14 +7,14 @@
 #   scripts/test.sh --only lint | unit | system   one part of it
 #
 # Environment: LD90_REAL_MAPS, a folder with .map files of real robots. FKIE_ARCHIVE, sources of fkie multimaster (.tar.gz) if
-# GitHub cannot be reached. VDA5050_SCHEMAS, a folder with JSON schemas of further versions of VDA 5050, which are tested too;
-# it has one folder per version (2.0.0/state.schema). TEST_JOBS, the number of processors for the tests; default 2, or 1 on a
-# machine with one. With 2, unit and system tests run at the same time: three unit tests, because many wait for sockets, and four
-# system tests, which mostly wait for robots that drive. Proofs run whole if a file that they read has changed since they passed.
+# GitHub cannot be reached. VDA5050_SCHEMAS, a folder with JSON schemas of further versions of VDA 5050 to test, with one folder
+# per version (2.0.0/state.schema). TEST_JOBS, the number of processors for the tests; default 2, or 1 on a machine with only one.
+# With 2, three unit tests and four system tests run at the same time: unit tests often wait for sockets, and system tests mostly
+# wait for robots that drive. Proofs run whole if a file that they read has changed since they passed.
 set -euo pipefail
 . "$(dirname "${BASH_SOURCE[0]}")/common.sh"
 
-# These run only with --long. Of the tests in RViz only `rviz` runs each time: a person operates one robot.
+# These run only with --long. The only test in RViz that runs each time is `rviz`, in which a person operates one robot.
 long_only=" services tutorials fleet_rviz rviz_two_robots multimaster_breaks soak "
 
 system_tests=() only=''
@@ -84,7 +84,7 @@ site() {  # builds the site of the documentation
   fi
 }
 
-wheels() {  # the libraries without ROS install with pip beside Debian's packages, and their programs start
+wheels() {  # checks that pip installs the libraries without ROS beside Debian's packages, and that their programs start
   local here="$root/build/wheels"
   scripts/make_wheels.sh &&
     "$here/bin/python" -I -m pip install -q --no-deps --no-index --force-reinstall build/dist/*.whl &&
@@ -116,7 +116,7 @@ system() {
 }
 
 declare -A running=()
-beside() {  # beside NICENESS NAME: runs a function beside the next ones; `finish` prints what it said
+beside() {  # beside NICENESS NAME: runs a function beside the next ones; `finish` prints its output
   (renice -n "$1" -p "$BASHPID" >/dev/null || true; "$2") >"$results/$2.log" 2>&1 &
   running["$2"]=$!
 }
@@ -144,12 +144,12 @@ else
   done
   if wants unit; then
     [ -z "${LD90_LONG_TESTS:-}" ] || provide_axe
-    provide_vda5050_schemas  # before the tests that run beside each other
+    provide_vda5050_schemas  # before the tests that run at the same time
     provide_vda5050_master
     provide_z3
   fi
   # All parts run at the same time, because unit tests mostly compute, and system tests mostly wait for robots that drive.
-  # What a robot's time depends on comes first: system tests, then unit tests, then lint.
+  # System tests have the highest priority, because delays affect their robots; then come unit tests, then lint.
   beside 10 lint_and_python38
   if [ "$TEST_JOBS" -gt 1 ] && wants unit; then
     beside 0 system

@@ -1,4 +1,4 @@
-"""Writes test results as JUnit files in catkin's folder, and adds them up.
+"""Writes test results as JUnit files in catkin's folder, and counts them.
 
     test_results.py record FOLDER passed|failed|skipped NAME [REASON]
     test_results.py failed FILE             how many tests of a JUnit file failed
@@ -6,8 +6,8 @@
     test_results.py longest-first FILE NAME...    system tests in the order in which they start
     test_results.py summary FOLDER
 
-`catkin_test_results` reads the same files. It does not replace `summary`, because it does not say
-which tests were skipped and why, and it counts each rostest file once more.
+`catkin_test_results` reads the same files. It does not replace `summary`: it does not say which
+tests were skipped and why, and it counts each rostest file twice.
 """
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ ELEMENTS = {'failed': 'failure', 'skipped': 'skipped'}
 
 
 def record(folder: Path, verdict: str, name: str, reason: str = '') -> None:
-    """Writes the result of a check that is no test of pytest or rostest, such as lint."""
+    """Writes the result of a check, such as lint, that is not a test of pytest or rostest."""
     suite = ElementTree.Element('testsuite', name=name, tests='1', errors='0',
                                 failures=str(int(verdict == 'failed')),
                                 skipped=str(int(verdict == 'skipped')))
@@ -42,7 +42,8 @@ def failures(suite: ElementTree.Element) -> List[ElementTree.Element]:
 
 
 def once_more(first: Path, again: Path) -> None:
-    """Removes failures that ran again from the first file, and writes a note about each."""
+    """Removes failures of tests that ran again from the first file, and writes a note about each.
+    """
     tree = ElementTree.parse(first)
     repeated = sorted(map(_name, ElementTree.parse(again).getroot().iter('testcase')))
     for suite in tree.getroot().iter('testsuite'):
@@ -62,8 +63,8 @@ def _name(case: ElementTree.Element) -> str:
 
 
 def seconds_of(file: Path) -> Dict[str, float]:
-    """Returns the duration of each system test in s, from lines with seconds and a name; the last
-    line counts.
+    """Returns the duration (s) of each system test, from lines with seconds and a name. The last
+    line of a test counts.
     """
     if not file.exists():
         return {}
@@ -72,7 +73,9 @@ def seconds_of(file: Path) -> Dict[str, float]:
 
 
 def longest_first(known: Dict[str, float], names: Sequence[str]) -> List[str]:
-    """Sorts by known durations, else by the time limits in `test/NAME.test`."""
+    """Returns the names by duration, the longest first; if unknown, the time limit in
+    `test/NAME.test` counts.
+    """
     def expected(name: str) -> float:
         limits = re.findall(r'time-limit="(\d+)"', (TESTS / f'{name}.test').read_text())
         return known.get(name, max(map(float, limits), default=0.0))
@@ -105,7 +108,7 @@ def results(folder: Path) -> Iterator[Result]:
                 yield 'failed', name, failure.get('message') or 'see above'
             elif case.find('error') is not None:
                 yield 'failed', name, 'see above'
-            elif not file.name.startswith('rostest-'):  # these files say only that a test has run
+            elif not file.name.startswith('rostest-'):  # these files only say that a test has run
                 yield 'passed', name, ''
 
 

@@ -1,6 +1,6 @@
 # scripts/make_deb.sh --try runs this in a system with the Debian packages installed: it drives a simulated robot, then a fleet of 4.
 export ROS_IP=127.0.0.1 ROS_HOME=/tmp/try
-rm -rf $ROS_HOME  # of an earlier run
+rm -rf $ROS_HOME  # left by an earlier run
 as_shipped=$PATH PATH=/usr/lib/node_lifecycle:$PATH
 trap 'kill $(jobs -p) 2>/dev/null || true; wait' EXIT
 

@@ -26,7 +26,7 @@ EXAMPLE = Path(__file__).resolve().parents[1] / 'examples' / 'own_fleet_manager.
 
 
 class AgvSimTest(unittest.TestCase):
-    """The test is the fleet manager of two AGVs."""
+    """The test plays the fleet manager of two AGVs."""
 
     @classmethod
     def setUpClass(cls) -> None:
@@ -96,7 +96,9 @@ class AgvSimTest(unittest.TestCase):
         self.assertEqual('own_fleet_manager', end.master)
 
     def manage(self, *edges: int) -> List[str]:
-        """The lines of examples/own_fleet_manager.py, except the first one: the robot's place."""
+        """Returns the lines of examples/own_fleet_manager.py, without the first one, which has the
+        robot's place.
+        """
         done = subprocess.run([sys.executable, str(EXAMPLE), 'agv_2', '--', *map(str, edges)],
                               check=False, text=True, stdout=subprocess.PIPE, timeout=30.0)
         place, *lines = done.stdout.splitlines()

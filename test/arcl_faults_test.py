@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Reboot, emergency stop, a second client, a wrong map: each has its own outcome and message."""
+"""Reboot, emergency stop, second client and wrong map: each has its own outcome and message."""
 from __future__ import annotations
 
 import contextlib
@@ -31,14 +31,14 @@ from ports import free_port
 from system_support import Recorder, connected_publisher, run_cases, wait_until
 
 SOON = 15.0  # s
-ENDED = 40.0  # s; roscore gives rosout 15 s before it kills it
-DRIVE = 60.0  # s; the simulated robot's clock runs four times as fast as real time
+ENDED = 40.0  # s; roscore waits 15 s for rosout before it kills it
+DRIVE = 60.0  # s; the simulated robot's clock is four times as fast as real time
 
 
 @contextlib.contextmanager
 def program(*command: str, stderr: int = subprocess.DEVNULL,
             **environment: str) -> Iterator[subprocess.Popen]:
-    """Runs a program during the block."""
+    """Runs a program during the `with` block."""
     process = subprocess.Popen(command, env={**os.environ, **environment},
                                stdout=subprocess.DEVNULL, stderr=stderr)
     try:
@@ -63,7 +63,7 @@ class ArclFaultsTest(unittest.TestCase):
         cls.move_base = actionlib.ActionClient('/omron_ld90/move_base', MoveBaseAction)
         for client in (cls.execute, cls.move_base):
             assert client.wait_for_server(rospy.Duration(30.0)), 'the controller has no actions'
-        # The nodes start before the robot does.
+        # The nodes start before the robot.
         cls.wait_for_link(LinkState.COMMANDS, LinkState.DISCONNECTED, 0)
         cls.robot = Simulator(rospy.get_param('~map_file'), rospy.get_param('~port'), speed=4.0,
                               outgoing=('127.0.0.1', rospy.get_param('~outgoing_port')))
@@ -86,11 +86,11 @@ class ArclFaultsTest(unittest.TestCase):
             for status in array.status), SOON, f'"{words}" of {name}', after)
 
     def drive(self, goal: str) -> actionlib.ClientGoalHandle:
-        """A drive that has begun."""
+        """Begins a drive, and returns its handle when the robot drives."""
         before = len(self.responses.messages)
         handles = []
 
-        # the controller refuses drives for a moment after another client's command
+        # for a moment after another client's command, the controller refuses drives
         def has_begun() -> bool:
             if not handles or handles[-1].get_goal_status() == GoalStatus.REJECTED:
                 handles.append(self.execute.send_goal(ExecuteCommandGoal(command=f'goto {goal}')))
@@ -171,7 +171,7 @@ class ArclFaultsTest(unittest.TestCase):
         self.assertTrue(handle.get_goal_status_text())
 
     def test_a_node_waits_for_its_master_and_registers_anew_with_one_that_was_restarted(self):
-        """Uses a ROS master of its own. The node's own topics stand for all that it registers."""
+        """It uses a separate ROS master. The node's own topics stand for all its registrations."""
         port = free_port()
         uri = f'http://127.0.0.1:{port}'
         master = rosgraph.Master('/arcl_faults_test', master_uri=uri)

@@ -11,7 +11,7 @@ OUTPUTS = (b'outputOn', b'outputOff')
 
 
 class ArclTap:
-    """A TCP proxy on loopback; `motions` and `outputs` are the monotonic times of such commands."""
+    """A TCP proxy on loopback. `motions`, `outputs`: monotonic times of such commands."""
 
     def __init__(self, port: int, robot_port: int) -> None:
         self.port = port
@@ -26,7 +26,7 @@ class ArclTap:
             client, _ = self._server.accept()
             try:
                 robot = socket.create_connection(('127.0.0.1', self._robot_port))
-            except OSError:  # the simulator has not started yet; the controller tries again
+            except OSError:  # the simulator has not started yet; the controller will try again
                 client.close()
                 continue
             for source, sink, is_client in ((client, robot, True), (robot, client, False)):
@@ -45,6 +45,6 @@ class ArclTap:
                     break
                 sink.sendall(data)
         except OSError:
-            pass  # one of the two connections has ended, so the other must end too
+            pass  # one of the two connections has ended, so the other one must end, too
         for end in (source, sink):
             end.close()

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Wrong input: each gets one clear message, and everything that can still work keeps working."""
+"""For each wrong input there is one clear message, and everything that can still work works."""
 from __future__ import annotations
 
 import shutil
@@ -35,7 +35,7 @@ class BadInput(unittest.TestCase):
 
     @staticmethod
     def stack(robot: str, **args: object) -> Launched:
-        """The full stack in a namespace of its own, on free ports."""
+        """Returns the full stack in a namespace of its own, on free ports."""
         return Launched('full_stack.launch', robot_name=robot, rviz='false',
                         **{'sim_speed': 10, 'arcl_port': free_port(),
                            'outgoing_port': free_port(), **args})
@@ -69,7 +69,7 @@ class BadInput(unittest.TestCase):
             self) -> None:
         nowhere, password = self.files / 'nowhere.map', self.files / 'password'
         password.write_text('guess\n')
-        # The simulator has another map, so only the nodes that show the map lack it.
+        # The simulator has another map, so only the nodes that show the map do not have it.
         ports = {'arcl_port': free_port(), 'outgoing_port': free_port()}
         with Launched('sim.launch', robot_name='followed', **ports), \
                 self.stack('followed', sim='false', map_file=nowhere, password_file=password,
@@ -83,7 +83,7 @@ class BadInput(unittest.TestCase):
             self.assertNotIn('guess', stack.output)
 
     def test_an_unreachable_robot_is_named_with_its_address(self) -> None:
-        port = free_port()  # where no program listens
+        port = free_port()  # no program listens there
         with self.stack('unreachable', sim='false', arcl_port=port,
                         password_file=SIMULATOR_PASSWORD) as stack:
             stack.wait_for_line('"commands"', f'127.0.0.1:{port}', 'refused')

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""ROS's own tools work as ever, and a foreign web page changes nothing in any server."""
+"""ROS's own tools work as usual, and a foreign web page changes nothing in any server."""
 from __future__ import annotations
 
 import json
@@ -44,14 +44,14 @@ Promise.allSettled(calls.map(([address, body]) => fetch(address, {
 
 
 def tool(*arguments: str) -> str:
-    """The output of a command of ROS."""
+    """Returns the output of a command of ROS."""
     return subprocess.run(arguments, check=True, timeout=60, text=True,
                           stdout=subprocess.PIPE).stdout
 
 
 @contextmanager
 def opened_by_a_browser(calls: List[Tuple[str, str]]) -> Iterator[None]:
-    """Shows a page that sends these bodies to these addresses; goes on when all were answered."""
+    """Shows a page that sends these bodies to these addresses. Continues when all are answered."""
     done = threading.Event()
 
     class Site(BaseHTTPRequestHandler):
@@ -90,7 +90,7 @@ def opened_by_a_browser(calls: List[Tuple[str, str]]) -> Iterator[None]:
 
 
 def attack(master: str) -> List[Tuple[str, str]]:
-    """Calls of a ROS master that would begin a mission and change a parameter."""
+    """Returns calls that would make a ROS master begin a mission and change a parameter."""
     return [(master, xmlrpc.client.dumps(call, name)) for name, call in (
         ('registerPublisher', ('/page', '/mission_request', 'itrci_nav_msgs/MissionRequest',
                                'http://127.0.0.1:9/')),
@@ -101,7 +101,7 @@ class Browsers(unittest.TestCase):
 
     @classmethod
     def setUpClass(cls) -> None:
-        port = free_port()  # rostest has a master of its own in its process
+        port = free_port()  # rostest already runs a master in its own process
         cls.uri = os.environ['ROS_MASTER_URI'] = f'http://localhost:{port}'
         cls.core = subprocess.Popen(['roscore', '-p', str(port)], stdout=subprocess.DEVNULL)
         wait_until(lambda: rosgraph.is_master_online(cls.uri), 30, 'the ROS master')
@@ -181,7 +181,7 @@ class Browsers(unittest.TestCase):
 
     @unittest.skipUnless(CHROMIUM, 'there is no chromium')
     def test_the_same_page_commands_a_foreign_master(self) -> None:
-        """Shows that the page of the other test is a real attack."""
+        """Shows that the page in the other test is a real attack."""
         own = Path(str(shutil.which('rosmaster'))).resolve()
         foreign = next(path for folder in os.environ['PATH'].split(':')
                        for path in [Path(folder, 'rosmaster').resolve()]

@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Clicks and handles: a hit is sent once. A miss, another map or a running route sends nothing."""
+"""Clicks and handles: a hit is sent once. A miss, another map or a route under way sends nothing.
+"""
 from __future__ import annotations
 
 import math
@@ -50,7 +51,7 @@ def route(route_id: int, *states: int) -> ExecutionRouteStates:
 
 
 class ClickTest(unittest.TestCase):
-    """Clicks as RViz publishes them, and the reactions of goal_sender."""
+    """Clicks in the form that RViz publishes, and the reactions of goal_sender."""
 
     @classmethod
     def setUpClass(cls) -> None:
@@ -78,7 +79,7 @@ class ClickTest(unittest.TestCase):
         self.feedback_before = len(self.feedback.messages)
 
     def all_clicks_are_dealt_with(self) -> None:
-        x, y = self.place('39')  # the easternmost goal, so the nearest one
+        x, y = self.place('39')  # the goal furthest in the east, so the nearest one to the click
         far = 100.0 + len(self.feedback.messages)
         self.clicks.publish(click(x + far, y))
         self.told(f'{far:.2f} m away')
@@ -148,7 +149,7 @@ class ClickTest(unittest.TestCase):
         self.assertEqual([], self.sent())
 
     def test_one_click_on_a_handle_goes_once_though_rviz_sends_several_events(self):
-        def handle_is_ready() -> bool:  # the marker server ignores the first second of a handle
+        def handle_is_ready() -> bool:  # the marker server ignores a handle during its first second
             self.handle_event(InteractiveMarkerFeedback.MENU_SELECT, near='24', menu_entry=2)
             return 'stop' in self.sent()
         wait_until(handle_is_ready, 10.0, 'stop')
@@ -229,9 +230,9 @@ class ClickTest(unittest.TestCase):
             manager.end()
 
     def localize_is_answered(self, words: str) -> bool:
-        """Sets the robot's place to the dock; true if an answer comes, and it has these words."""
+        """Sets the robot's place to the dock. Returns whether an answer with these words comes."""
         heard = len(self.feedback.messages)
-        for _ in range(2):  # the first time the node asks whether the robot is there
+        for _ in range(2):  # at the first time the node asks whether the robot is there
             self.handle_event(InteractiveMarkerFeedback.MENU_SELECT, near='16', menu_entry=4)
         try:
             answer = self.feedback.wait_for(
@@ -245,7 +246,7 @@ class ClickTest(unittest.TestCase):
         self.controller.answers['goto 35'] = (ExecuteCommandResult.FAILED, 'No goal 35')
         self.clicks.publish(click(*self.place('35')))
         self.told('goto 35 failed: No goal 35')
-        # otherwise the end of the drive can overtake its start
+        # otherwise the message of the drive's end can come before that of its start
         self.controller.answers['goto 41'] = None
         self.clicks.publish(click(*self.place('41')))
         self.told('Going to 41')
@@ -276,7 +277,7 @@ class ClickTest(unittest.TestCase):
 
 
 class FleetManager:
-    """Reports twice a second that it manages the robots, in a state that the test can change."""
+    """Reports twice a second that it manages the robots; a test can change their state."""
 
     def __init__(self, publisher: rospy.Publisher) -> None:
         self.state = FleetRobot.OUT_OF_SERVICE
@@ -289,7 +290,7 @@ class FleetManager:
             stdout=subprocess.DEVNULL)
 
     def end(self) -> None:
-        """From the next message on, it manages no robot."""
+        """Reports from the next message on that it manages no robot."""
         self._periodic.shutdown()
         with self._lock:
             self._manages = False
@@ -305,11 +306,11 @@ class FleetManager:
 
 
 class FakeController:
-    """The action `execute_command` in a namespace: drives at once, or answers by `answers`."""
+    """The action `execute_command` in a namespace. It drives at once, or answers with `answers`."""
 
     def __init__(self, namespace: str) -> None:
         self.commands = []
-        # by command: outcome and message; None means that it continues until `end_all`
+        # for each command: outcome and message; None: it continues until `end_all`
         self.answers = {}
         self._open = []
         self._server = actionlib.ActionServer(

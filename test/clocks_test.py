@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """A clock that jumps by an hour in either direction changes no drive.
 
-Nothing ends early, and nothing happens twice. The clock is the clock of all Python processes of one
-computer, or of both (jumping_clock).
+Nothing ends early, and nothing happens twice. The clock is that of all Python processes on one
+computer, or on both (jumping_clock).
 """
 from __future__ import annotations
 
@@ -56,14 +56,14 @@ class Clocks(unittest.TestCase):
         self.set_clocks(robot=0, fleet=0)
 
     def set_clocks(self, **seconds: int) -> None:
-        """Sets by how much the clock of each computer is ahead; a whole line appears at once."""
+        """Sets how far (s) the clock of each computer is ahead. Readers never see half a line."""
         for computer, ahead in seconds.items():
             new = self.folder / f'{computer}_clock.new'
             new.write_text(f'{ahead:+d}\n')
             os.replace(new, self.folder / f'{computer}_clock')
 
     def offsets(self) -> float:
-        """By how many s the robot's newest report is ahead of this process's clock."""
+        """Returns how far (s) the robot's newest report is ahead of this process's clock."""
         return (self.reports.messages[-1].header.stamp - rospy.Time.now()).to_sec()
 
     def send(self, id: int, *vertices: int) -> None:
@@ -111,7 +111,7 @@ class Clocks(unittest.TestCase):
         self.only_one_jumps(3, 'fleet', (HOUR, -HOUR) if LONG else (-HOUR,))
 
     def only_one_jumps(self, id: int, computer: str, jumps: Sequence[int]) -> None:
-        """The present route is driven, and the mission ends after that."""
+        """Lets one computer's clock jump. The present route is driven, then the mission ends."""
         self.send(id, 39, 18)
         for ahead in jumps:
             self.wait_for_another_edge()

@@ -37,7 +37,7 @@ from ports import free_port
 from system_support import Recorder, connected_publisher, run_cases, wait_until
 
 SOON = 10.0  # s
-DRIVE = 60.0  # s; the simulated robot's clock runs eight times as fast as real time
+DRIVE = 60.0  # s; the simulated robot's clock is eight times as fast as real time
 
 
 def pose_in_map(x: float, y: float, yaw: float, frame: str = 'map') -> PoseStamped:
@@ -61,7 +61,7 @@ def running(*command: str) -> Iterator[None]:
 
 
 class ControllerTest(unittest.TestCase):
-    """All tests use the same robot and controller; each test leaves the robot standing."""
+    """All tests use the same robot and controller. At the end of each test the robot stands."""
 
     @classmethod
     def setUpClass(cls) -> None:
@@ -71,14 +71,14 @@ class ControllerTest(unittest.TestCase):
         cls.diagnostics = Recorder('/diagnostics', DiagnosticArray)
         cls.commands = connected_publisher('/omron_ld90/send_command', String,
                                            to='omron_controller')
-        # of 10: a burst of messages may lose most of them
+        # a queue for 10 messages could lose most of a burst
         rospy.set_param('actionlib_client_pub_queue_size', 200)
         cls.execute = actionlib.ActionClient('/omron_ld90/execute_command', ExecuteCommandAction)
         cls.move_base = actionlib.ActionClient('/omron_ld90/move_base', MoveBaseAction)
         for client in (cls.execute, cls.move_base):
             assert client.wait_for_server(rospy.Duration(30.0)), 'the controller has no actions'
         cls.links.wait_for(lambda link: link.state == LinkState.CONNECTED, 30.0, 'login')
-        # The controller asks for the goals just after its login; while it does, it refuses a goto.
+        # The controller asks for the goals just after its login. While it asks, it refuses a goto.
         cls.diagnostics.wait_for(cls.goals_compared, 30.0, 'comparison of goals')
 
     @staticmethod
@@ -130,7 +130,7 @@ class ControllerTest(unittest.TestCase):
         self.assertEqual(self.location(), self.location(), 'the robot still moves')
 
     def test_a_cancellation_holds_back_no_later_stop_or_drive(self):
-        """actionlib refuses goals older than the last cancellation, by the clients' clocks."""
+        """actionlib refuses goals that are older than the last cancellation, by clients' clocks."""
         cancels = connected_publisher('/omron_ld90/execute_command/cancel', GoalID,
                                       to='omron_controller')
         before = len(self.responses.messages)
@@ -184,7 +184,7 @@ class ControllerTest(unittest.TestCase):
         self.assertEqual([ExecuteCommandResult.SUCCEEDED] * 160, outcomes)
 
     def test_a_newer_drive_interrupts_the_older_one_and_arrives(self):
-        # the controller does not drive at once after another client has stopped the robot
+        # for a moment after another client has stopped the robot, the controller does not drive
         def is_at_8() -> bool:
             return (self.result_of(self.run_command('goto 8')).outcome
                     == ExecuteCommandResult.SUCCEEDED)
@@ -238,10 +238,10 @@ class ControllerTest(unittest.TestCase):
         def wait_for_refusal(command: str, words: str, robots: List[FleetRobot], told: int) -> None:
             """Sends a goal that moves nothing, to see which giver the controller assumes.
 
-            told -- number of refusals that came before: the goal can arrive before /fleet_state
+            told -- number of earlier refusals: the goal can arrive before /fleet_state
             """
             def is_refused() -> bool:
-                fleet.publish(FleetState(robots=robots))  # as the fleet manager does continuously
+                fleet.publish(FleetState(robots=robots))  # repeated, like the fleet manager's
                 goals.publish(nowhere)
                 return any(refusal.command == command and words in refusal.reason
                            for refusal in self.refusals.messages[told:])
@@ -263,7 +263,7 @@ class ControllerTest(unittest.TestCase):
         self.result_of(self.run_command('stop'))
 
     def test_a_simple_goal_is_a_new_goal_of_the_action(self):
-        """Some clients, such as Open-RMF's adapter, wait for it in the action's status."""
+        """Some clients, such as Open-RMF's adapter, wait for the goal in the action's status."""
         statuses = Recorder('/omron_ld90/move_base/status', GoalStatusArray)
         publisher = connected_publisher('/omron_ld90/move_base_simple/goal', PoseStamped)
         publisher.publish(pose_in_map(0.0, 0.0, 0.0))
@@ -294,7 +294,7 @@ class ControllerTest(unittest.TestCase):
             refusal = refusals.wait_for(lambda _: True, 30.0, 'refusal')
             self.assertIn('before this node started', refusal.reason)
             links.wait_for(lambda link: link.state == LinkState.CONNECTED, SOON, 'login')
-            commands.publish('goto 20')  # the same publisher, but with the present time
+            commands.publish('goto 20')  # from the same publisher, with the present time
             self.wait_for_line('Going to 20', said, SOON)
         commands.unregister()
         self.assertNotIn('Going to 8', [line.data for line in self.responses.messages[said:]])
@@ -316,7 +316,7 @@ class ControllerTest(unittest.TestCase):
 
     @contextmanager
     def second_controller(self, *parameters: str) -> Iterator[None]:
-        """A second controller of the same robot, in the namespace /replayed."""
+        """Runs a second controller of the same robot, in the namespace /replayed."""
         port = rospy.get_param('/omron_ld90/omron_controller/port')
         with running('omron_ld90', 'omron_controller', '_robot_ip:=127.0.0.1', f'_port:={port}',
                      '_password_file:=' + rospy.get_param('~password_file'), *parameters):
@@ -369,7 +369,7 @@ class ControllerTest(unittest.TestCase):
             shutil.copy(rospy.get_param('~session_log'), log)
             recorded = next(line.partition('S> ')[2] for line in log.read_text().splitlines()
                             if 'S> Odometer' in line)
-            # A heartbeat would make the replay skip to the next recorded heartbeat.
+            # At a heartbeat, the replay would skip to the next recorded heartbeat.
             with running('omron_ld90_sim', 'ld90_sim', '--replay', str(log), '--port', str(port)), \
                     running('omron_ld90', 'omron_controller', '_robot_ip:=127.0.0.1',
                             f'_port:={port}', '_heartbeat:=50', '_silence:=100',

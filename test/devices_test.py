@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 """fleet_devices under a ROS master: a person and a fleet manager hold a door behind a PLC.
 
-The door opens for both and closes for the last one; the node is killed while the door is held; the
-PLC is killed, starts again and lies. Another door is an output and an input of a simulated LD-90.
-A press behind the same PLC hands over for a step.
+The door opens for both, and closes when the last of them gives it back. The node is killed while
+the door is held. The PLC is killed, starts again, and reports a wrong state. Another door is an
+output and an input of a simulated LD-90. A press behind the same PLC hands over for a step.
 """
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ SOON = 20.0  # s
 
 
 class DevicesTest(unittest.TestCase):
-    """All tests use the same node and the same PLC, and give back what they hold."""
+    """All tests use the same node and the same PLC, and give back everything that they hold."""
 
     node: Optional[subprocess.Popen] = None
 
@@ -86,7 +86,7 @@ class DevicesTest(unittest.TestCase):
         return done.returncode, done.stdout + done.stderr
 
     def ask(self, mode: DeviceMode) -> None:
-        """The fleet manager asks, and repeats its request until it is shown."""
+        """Asks as the fleet manager does: repeats the request until the door shows it."""
         type(self).number += 1
         message = DeviceRequest(rospy.Time.now(), FLEET, 'gate', int(mode), self.number)
 
@@ -97,7 +97,7 @@ class DevicesTest(unittest.TestCase):
         wait_until(is_shown, SOON, 'the request in a report')
 
     def report(self, name: str) -> DeviceReport:
-        """The newest report of a device, none of which may be older than the one before."""
+        """Returns the newest report of a device. No report may be older than the one before."""
         reports = [device_report_of(message) for message in list(self.states.messages)
                    if message.device_name == name]
         for before, after in zip(reports, reports[1:]):
@@ -155,7 +155,7 @@ class DevicesTest(unittest.TestCase):
         self.plc.kill()
         self.assertIn('does not answer', self.wait_for_mode(DeviceMode.OFFLINE).reason)
         self.assertIn('OFFLINE', self.command('list')[1])
-        self.plc.start()  # it has lost its coils, so the door is opened again
+        self.plc.start()  # its coils are off again, so the node opens the door once more
         self.wait_for_mode(DeviceMode.OPEN)
         self.assertTrue(self.plc.coils[plc.COIL])
         self.plc.lies = True
@@ -175,7 +175,7 @@ class DevicesTest(unittest.TestCase):
         self.wait_for_mode(DeviceMode.CLOSED, 'shutter')
 
     def shown_step(self, key: int, word: Word) -> ShownStep:
-        """The step with this key, when the press shows it so."""
+        """Returns the step with this key, when the press shows it with this word."""
         def is_shown(message: StepStates) -> bool:
             step = step_report_of(message).find(key)
             return step is not None and step.word is word
@@ -184,7 +184,7 @@ class DevicesTest(unittest.TestCase):
         return found
 
     def order(self, key: int) -> None:
-        """The fleet manager repeats its command, which is obeyed once."""
+        """Repeats a command as the fleet manager does. The press must obey it once."""
         run = self.steps.wait_for(lambda _: True, SOON, 'the steps of the press').run
         wait_until(self.commands.get_num_connections, SOON, 'the connection to the press')
         for _ in range(3):

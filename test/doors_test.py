@@ -1,9 +1,10 @@
 #!/usr/bin/env python3
-"""A door and a station under a ROS master: robots enter only what they claim, and while it is open.
+"""A door and a station under a ROS master: robots enter only claimed places, and only open doors.
 
-A robot waits before the closed door, which opens for it and closes behind it. The door cannot be
-read any more: nobody enters. fleet_devices ends while a robot is in the door: an alarm, and it may
-leave. Two robots want the same station. Throughout, no robot is in the door while it is not open.
+A robot waits before the closed door. The door opens for it and closes behind it. Then the door
+cannot be read, so no robot enters. Then fleet_devices ends while a robot is in the door: an alarm
+comes, and the robot may leave. Two robots want the same station. In the whole test, no robot is in
+the door while the door is not open.
 """
 from __future__ import annotations
 
@@ -30,13 +31,13 @@ SILENT = 'silent'   # a fault of simulated devices
 
 
 class DoorWatch:
-    """Notes each robot that is in the door when the newest report does not say that it is open."""
+    """Notes each robot that is in the door while the newest report does not say that it is open."""
 
     def __init__(self) -> None:
         self.wrong: List[str] = []
         self.inside = ''
         self.is_over = False
-        """The door is not watched any more, because a robot is in it that may leave."""
+        """Whether the door is not watched any more: the robot that is in the door may leave it."""
         self._mode = DeviceState.UNKNOWN
         self._subscribers = [
             rospy.Subscriber('/device_states', DeviceState, self._on_device),
@@ -54,7 +55,7 @@ class DoorWatch:
 
 
 class DoorsTest(unittest.TestCase):
-    """All tests use the same fleet, in the order of their names; each has its own missions."""
+    """All tests use the same fleet, in the order of their names. Each test has its own missions."""
 
     devices: Optional[subprocess.Popen] = None
 
@@ -91,7 +92,7 @@ class DoorsTest(unittest.TestCase):
             cls.devices = None
 
     def start_devices(self, *faults: Dict[str, Any]) -> None:
-        """Starts fleet_devices, which knows the holders of the door from its memory."""
+        """Starts fleet_devices. It knows the holders of the door from its file."""
         self.end_devices()
         type(self).devices = subprocess.Popen([
             program('fleet_devices', 'fleet_devices'),
@@ -121,7 +122,7 @@ class DoorsTest(unittest.TestCase):
             after=self.begun)
 
     def shows(self, mode: int, times: int = 1) -> None:
-        """Waits until the door has shown this so many times from now on."""
+        """Waits until the door has shown this mode so many times from now on."""
         begun = len(self.doors.messages)
         wait_until(lambda: sum(one.current_mode == mode for one in self.doors.messages[begun:])
                    >= times, SOON, f'the door in mode {mode}, {times} times')

@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
 """A fleet file of nine robots: missions end, faults delay no other robot, menus work.
 
-The launch simulates three LD-90s and four AGVs. The fleet treats another LD-90 as a real robot: it
-knows only its address and its own password. One more robot is switched off.
+The launch simulates three LD-90s and four AGVs. Another LD-90 is a real robot for the fleet, which
+has only the robot's address and password. One more robot is switched off.
 
-The test checks the true positions in the simulators, not the reported ones.
+The test checks the true positions in the simulators, not the reported positions.
 """
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ from system_support import Recorder, connected_publisher, run_cases, wait_until
 SPEED = 5.0
 MISSIONS, DESTINATIONS = (60, 2) if os.environ.get('LD90_LONG_TESTS') else (8, 1)
 CORRIDOR = 0.45  # m, half the width of a corridor
-DOCK_ZONE = 2.0  # m around a dock, in which an LD-90 may leave the corridor to manoeuvre
+DOCK_ZONE = 2.0  # m around a dock; there an LD-90 may leave the corridor to manoeuvre
 FLEET = '''clearance: 0.1
 robot_types:
 - {{name: ld90, radius: 0.43, speed: 1.35, play: 0.25, obeys_edge_speed: false, release_ahead: 8.0}}
@@ -52,11 +52,11 @@ PASSWORD = 'Kestrel-31'
 REAL, ABSENT = 'real', 'switched_off'
 STOPPED, LOST, STUCK = 'ld90_1', 'ld90_2', 'ld90_3'
 FAULTS = {STOPPED: ('estop press',), LOST: ('refuse on', 'drop', 'outgoing off'),
-          # the vertex where the robot starts; around an obstacle there it might leave its corridor
+          # its start vertex: if it drove around an obstacle there, it might leave its corridor
           STUCK: ('fail 32',)}
 REMEDIES = {STOPPED: ('estop release',), LOST: ('refuse off', 'outgoing on'),
             STUCK: ('mend 32',)}
-# The first two stand far from there: at their own homes they might have been parked meanwhile.
+# The first two drive to far vertices: they may already be parked at their own home vertices.
 HOME_OF = {STOPPED: REAL, LOST: 'agv_4', STUCK: STUCK}
 
 
@@ -91,7 +91,7 @@ class FactoryTest(unittest.TestCase):
 
     @classmethod
     def real_robot(cls, port: int, outgoing: int) -> Simulator:
-        """The real robot stands on its vertex, and only its own nodes report it."""
+        """Puts the real robot on its vertex. Only its own nodes report it."""
         home = cls.factory.graph.vertices[cls.factory.home_of(REAL)]
         robot = Simulator(os.path.join(cls.factory.folder, 'fleet.map'), port, PASSWORD,
                           ('127.0.0.1', outgoing), SPEED, (1e3 * home.x, 1e3 * home.y, 0.0),
@@ -143,7 +143,7 @@ class FactoryTest(unittest.TestCase):
         wait_until(lambda: self.factory.moved(stood), 60.0, 'a robot goes on')
 
     def test_3_robots_out_of_order_hold_up_nobody_whose_path_they_do_not_block(self) -> None:
-        """An emergency stop, a lost link and an unreachable goal at the same time, at any place."""
+        """Emergency stop, lost link and unreachable goal come at the same time, at any place."""
         self.all_succeed(self.missions)
         places = self.factory.places()
         own = [self.factory.send(self.factory.home_of(other), robot=name)
@@ -171,15 +171,15 @@ class FactoryTest(unittest.TestCase):
             180.0, 'all missions', everything)
 
     def all_others_are_blocked(self) -> bool:
-        """True if each robot with a mission waits for a robot that is out of order, by its own
-        report.
+        """Returns whether each robot with a mission reports that it waits for a robot that is out
+        of order.
         """
         working = [robot for robot in map(self.factory.robot, (one.name for one in self.present))
                    if robot.state in READY]
         return all(any(name in robot.waits_for for name in REMEDIES) for robot in working)
 
     def put_back(self) -> bool:
-        """A person puts the failed robot back into service; returns False."""
+        """Puts the failed robot back into service, as a person does; returns False."""
         if self.factory.robot(STUCK).state == FleetRobot.FAILED and (
                 time.monotonic() > self.next_try):
             type(self).next_try = time.monotonic() + 3.0
@@ -235,7 +235,7 @@ class FactoryTest(unittest.TestCase):
     def choose(self, act: MenuAct, effect: Callable[[], bool]) -> None:
         """Chooses from the menu of agv_1 until the effect shows.
 
-        The node may receive a mission later than this test does.
+        The node may receive a mission later than this test.
         """
         def shows() -> bool:
             if effect():
@@ -252,7 +252,7 @@ class FactoryTest(unittest.TestCase):
                                'all missions', missions)
 
     def free_stations(self) -> List[int]:
-        """Stations at which no robot stood at the start."""
+        """Returns the stations at which no robot stood at the start."""
         return [id for id in self.factory.stations if id not in self.factory.homes()]
 
     def check_corridors(self) -> None:

@@ -23,7 +23,7 @@ _PROGRAM = 0o111
 class Row:
     """One row of the table.
 
-    others -- the kinds of files that have the mode `other`: folders, programs
+    others -- the kinds of files with the mode `other`: folders, programs
     """
 
     pattern: str
@@ -34,20 +34,20 @@ class Row:
     other: int
 
     def matches(self, path: str) -> bool:
-        """Whether the row is about this path. `*`: one name; `**`: any number of names."""
+        """Returns whether the row is about a path. `*`: one name; `**`: any number of names."""
         parts = re.split(r'(\*\*|\*)', self.pattern)
         return re.fullmatch(''.join({'**': '.+', '*': '[^/]+'}.get(part, re.escape(part))
                                     for part in parts), path) is not None
 
     def mode_of(self, mode: int) -> int:
-        """The mode that a file with this type and these bits must have."""
+        """Returns the mode that a file with this type and these mode bits must have."""
         is_other = 'folders' in self.others and stat.S_ISDIR(mode) or (
             'programs' in self.others and bool(mode & _PROGRAM))
         return self.other if is_other else self.mode
 
 
 def rows() -> List[Row]:
-    """The rows of the table, the first one that matches a path applies."""
+    """Returns the rows of the table. For a path, the first row that matches it applies."""
     found = [Row(pattern, owner, group, int(mode, 8), others, int(other or '0', 8))
              for pattern, owner, group, mode, others, other in _ROW.findall(
                  PAGE.read_text(encoding='utf-8'))]
@@ -60,7 +60,7 @@ Found = Tuple[str, int, str, str]
 
 
 def differences(files: Iterable[Found]) -> List[str]:
-    """One line for each file that differs from the table, or is not in it."""
+    """Returns one line for each file that differs from the table or is not in it."""
     table, said = rows(), []
     for path, mode, owner, group in files:
         row = next((row for row in table if row.matches(path)), None)
@@ -76,7 +76,7 @@ def differences(files: Iterable[Found]) -> List[str]:
 
 
 def walk(root: Path, shown: str, names: Dict[int, str]) -> Iterator[Found]:
-    """All files below a folder. `shown` stands for the folder; `names`: owners by number."""
+    """Yields all files below a folder. `shown` replaces its path; `names`: owners by number."""
     for place in sorted(root.rglob('*')):
         status = os.lstat(place)
         if not stat.S_ISSOCK(status.st_mode):
@@ -86,7 +86,7 @@ def walk(root: Path, shown: str, names: Dict[int, str]) -> Iterator[Found]:
 
 
 def in_package(file: str) -> Iterator[Found]:
-    """All files in a Debian package."""
+    """Yields all files in a Debian package."""
     packed = subprocess.Popen(['dpkg-deb', '--fsys-tarfile', file], stdout=subprocess.PIPE)
     with tarfile.open(fileobj=packed.stdout, mode='r|') as content:
         for member in content:

@@ -2,7 +2,7 @@
 """A fleet of AGVs in a corridor with one siding, with faults.
 
 The robots swap places and drop out one by one. At the end the fleet manager's disk is full. During
-the whole test, the distances between robots are measured from the simulator's true poses.
+the whole test, the distances between robots are measured with the simulator's true poses.
 """
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ from system_support import (
 LONG = os.environ.get('LD90_LONG_TESTS') == '1'
 SWAPS = 10 if LONG else 2
 ALLOWED = 0.4 + 0.4 + 0.1  # m: both radii and the clearance of vectors/siding_fleet.yaml
-OFTEN = 120.0  # s; long enough although another test runs at the same time
+OFTEN = 120.0  # s; long enough even if another test runs at the same time
 
 
 class FleetFaults(unittest.TestCase):
@@ -96,7 +96,7 @@ class FleetFaults(unittest.TestCase):
                    f'{name} on its way')
 
     def bring_in(self, name: str) -> None:
-        """Works like `fleet in`; the command is refused until the robot has stood for a while."""
+        """Does the same as `fleet in`. The command is refused until the robot has stood a while."""
         service = f'/{name}/join_fleet'
         rospy.wait_for_service(service, 30)
         wait_until(lambda: rospy.ServiceProxy(service, Trigger)().success, OFTEN,
@@ -110,7 +110,7 @@ class FleetFaults(unittest.TestCase):
             for name, vertex in zip(('agv_1', 'agv_2'), ends):
                 self.assertLess(math.dist(places[name], (3.0 * (vertex - 1), 0.0)), 0.01)
             ends = ends[::-1]
-        if SWAPS % 2:  # all robots where the other tests expect them
+        if SWAPS % 2:  # brings all robots to the places that the other tests expect
             self.wait_for_success(self.send('agv_1', 1), self.send('agv_2', 5))
 
     def test_2_after_an_emergency_stop_a_robot_goes_on_by_itself(self) -> None:
@@ -136,7 +136,7 @@ class FleetFaults(unittest.TestCase):
         self.wait_for_success(mission)
 
     def given_at(self, mission: int) -> int:
-        """The index of the first status that gives the mission to a robot."""
+        """Returns the index of the first status that gives the mission to a robot."""
         return next(k for k, status in enumerate(self.statuses.messages)
                     if status.request_id == mission and status.state == MissionStatus.ACTIVE)
 
@@ -145,7 +145,7 @@ class FleetFaults(unittest.TestCase):
         self.wait_until_on_its_way('agv_3')
         self.control.inject('agv_3', 'leave')
         self.wait_for_state('agv_3', FleetRobot.OFFLINE)
-        other = self.send('agv_1', 3)  # up to the vertex of the robot that left, but not onto it
+        other = self.send('agv_1', 3)  # to a vertex next to the robot that left
         self.wait_for_success(other)
         self.control.inject('agv_3', 'join')
         robot = self.wait_for_state('agv_3', FleetRobot.FAILED)
@@ -185,7 +185,7 @@ class FleetFaults(unittest.TestCase):
         self.wait_for_success(self.send('agv_3', 6))
 
     def move_to_a_small_disk(self) -> SmallDisk:
-        """Starts the fleet manager anew, with an empty journal on a disk of its own."""
+        """Starts the fleet manager anew, with an empty journal on a small separate disk."""
         reason = why_not()
         if reason:
             self.skipTest(reason)
@@ -204,7 +204,7 @@ class FleetFaults(unittest.TestCase):
         return disk
 
     def begin_to_drive_over_two_edges(self) -> int:
-        """Begins a mission of agv_3 from vertex 4, on which the robot stalls."""
+        """Begins a mission of agv_3 from vertex 4. The robot stalls during this mission."""
         self.control.inject('agv_3', 'stall 1000000')
         mission = self.send('agv_3', 6)
         self.reports.wait_for(lambda report: len(_left_of(report)) == 2, OFTEN,
@@ -218,7 +218,8 @@ class FleetFaults(unittest.TestCase):
         self.assertIn(words, refused.reason)
 
     def stopped_but_not_stored(self) -> None:
-        """A stop reaches the robot, and the answer says that the stop may be forgotten."""
+        """Checks that a stop reaches the robot, and that the answer says that it may be forgotten.
+        """
         stopped = rospy.ServiceProxy('/stop_fleet', Trigger)()
         self.assertTrue(stopped.success, stopped.message)
         self.assertIn('it is forgotten', stopped.message)

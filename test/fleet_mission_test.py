@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The dissertation's main example, as a user drives it: the LD-90 ends docked at 16."""
+"""The dissertation's main example, as a user drives it: at the end the LD-90 is docked at 16."""
 from __future__ import annotations
 
 import re
@@ -77,7 +77,7 @@ class FleetMission(unittest.TestCase):
         self.assertEqual(self.commands.texts.count('dock'), 1, self.commands.texts)
 
     def check_no_order_was_taken_back(self, routes: List[TargetRoute]) -> None:
-        """Checks that within one id a route only becomes longer. Driven edges are left out."""
+        """Checks that a route with one id only becomes longer. Driven edges are left out."""
         for before, after in zip(routes, routes[1:]):
             if before.route_id == after.route_id:
                 kept = before.edges[after.first - before.first:]
@@ -144,7 +144,7 @@ class FleetMission(unittest.TestCase):
                             after=said)
         lines = [line.data for line in self.lines.messages[said:]]
         after = lines[lines.index('Going to 39') + 1:lines.index('Arrived at 39')]
-        # A goal of the bridge may come before the person's, but none passes it.
+        # A goal of the bridge may come before the person's goal, but none may come after it.
         self.assertEqual([], [line for line in after if line.startswith('Going to')], lines)
         wait_until(lambda: command('fleet', 'in', 'omron_ld90').returncode == 0, 30, 'fleet in')
         end = self.statuses.wait_for(

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """graph_server and path_planner under a ROS master: the graph is published, changed and closed.
 
-The planner plans a fleet on it. The test plays the supervisor and the robots.
+The planner plans a fleet on this graph. The test plays the supervisor and the robots.
 """
 from __future__ import annotations
 
@@ -39,11 +39,11 @@ from trajectory_graph.messages import graph_from_message
 
 
 def corridor(*without: int) -> Graph:
-    """Vertices 1 to 5 in a row, with edges 1 to 4 between them, and some branches.
+    """Returns vertices 1 to 5 in a row, with edges 1 to 4 between them, and some branches.
 
     - edge 5 leads from 5 to dock 6
     - edge 7 leads from 3 to a siding, vertex 7
-    - edges 8 and 9 form a second route from 2 to 4 over vertex 8
+    - edges 8 and 9 form a second route from 2 to 4 through vertex 8
     """
     places = {1: (0, 0), 2: (3, 0), 3: (6, 0), 4: (9, 0), 5: (12, 0), 6: (16, 0), 7: (6, 3),
               8: (6, -4)}
@@ -96,15 +96,14 @@ class FleetPlannerTest(unittest.TestCase):
         wait_until(lambda: self.accepted(corridor()), 10, 'the whole corridor in force')
         self.close()
 
-    # -- actions of the tests
-    # --------------------------------------------------------------------------
+    # -- actions of the tests ----------------------------------------------------------------------
 
     def reload(self, graph: Graph) -> TriggerResponse:
         save_graph(graph, self.graph_file)
         return rospy.ServiceProxy('/reload_graph', Trigger)()
 
     def close(self, *edges: int) -> List[int]:
-        """Closes only these edges; returns the edges that are closed then."""
+        """Closes these edges and opens all others. Returns the edges that are then closed."""
         before = len(self.closed.messages)
         message = ClosedEdges(edges=list(edges))
         message.header.stamp = rospy.Time.now()
@@ -114,14 +113,14 @@ class FleetPlannerTest(unittest.TestCase):
         return list(told.edges)
 
     def report(self, at: int, left: Iterable[int] = ()) -> None:
-        """agv_1 reports that it is on an edge, and the rest of its route."""
+        """Reports for agv_1 the edge on which it is, and the rest of its route."""
         report = ExecutionRouteStates(
             route_id=1, edge_states=[EdgeState(edge, EdgeState.PROCESSING) for edge in left],
             symbolic_pose=SymbolicPose(at, 50.0))
         self.reports.publish(report)
 
     def plan(self, *tasks: RobotTask, patience: float = 10.0, **fields: object) -> PlanAnswer:
-        """The planner's answer to a request with the present graph and closed edges."""
+        """Returns the planner's answer to a request with the present graph and closed edges."""
         request = PlanRequest(plan_id=next(self.plan_ids), tasks=list(tasks),
                               graph_stamp=self.graphs.messages[-1].header.stamp,
                               closed_edges=self.closed.messages[-1].edges)
@@ -135,7 +134,7 @@ class FleetPlannerTest(unittest.TestCase):
         return answer
 
     def planned(self, *tasks: RobotTask, **fields: object) -> List[List[int]]:
-        """The edges in the plan of each robot."""
+        """Returns the edges in the plan of each robot."""
         answer = self.plan(*tasks, **fields)
         self.assertEqual((PlanAnswer.PLANNED, []), (answer.result, answer.unserved), answer.reason)
         return [list(plan.drives.edges) for plan in answer.plans]
@@ -161,17 +160,17 @@ class FleetPlannerTest(unittest.TestCase):
         self.assertEqual((corridor().vertices, corridor().edges), (graph.vertices, graph.edges))
         docks = rospy.wait_for_message('/docking_points', DockingPoints, 10).docking_points
         self.assertEqual([(6, ['truck'])], [(dock.vertex_id, dock.robot_types) for dock in docks])
-        # the end 1, the siding 7 and vertex 8 of the second route; a robot on 5 would cut off the
-        # dock
+        # vertex 1 at the end, 7 of the siding, 8 of the second route; a robot on 5 would cut off
+        # the dock
         parking = wait_until(lambda: self.parking_told([1, 6, 7, 8]), 20, 'parking of the graph')
         self.assertEqual(self.graphs.messages[-1].header.stamp, parking.header.stamp)
         capacities = {one.robot_type: (one.robots, one.docks) for one in parking.capacities}
         self.assertEqual({'agv': (3, 0), 'truck': (3, 1)}, capacities)
 
     def parking_told(self, vertices: List[int]) -> Optional[ParkingPlaces]:
-        """The message for a late subscriber, if it has these vertices; otherwise None.
+        """Returns the message that a late subscriber gets if it has these vertices; else None.
 
-        The message without the earlier closure follows a moment later.
+        The message without the earlier closure comes a moment later.
         """
         told = rospy.wait_for_message('/parking', ParkingPlaces, 20)
         return told if list(told.vertices) == vertices else None
@@ -320,7 +319,7 @@ class FleetPlannerTest(unittest.TestCase):
                    'a plan that ends on parking, once the planner also knows the parking')
 
     def end_of(self, answer: PlanAnswer) -> int:
-        """The vertex on which the first robot's plan ends."""
+        """Returns the vertex on which the first robot's plan ends."""
         return corridor().end_vertex(answer.plans[0].drives.edges[-1]).id
 
     def test_a_planner_that_was_ended_answers_again(self):
@@ -354,10 +353,10 @@ class FleetPlannerTest(unittest.TestCase):
         self.assertEqual([8, 9], list(answer.plans[0].drives.edges))
 
     def plan_on_new_graph(self, task: RobotTask) -> PlanAnswer | None:
-        """The plan on the new graph; None if there is none yet.
+        """Returns the plan on the new graph; None if there is none yet.
 
-        Messages published while connections are being made are lost, so the test repeats the
-        request, as path_supervisor does.
+        Messages that are published while connections are made get lost. So the test repeats the
+        request, like path_supervisor.
         """
         try:
             answer = self.plan(task, patience=2.0)

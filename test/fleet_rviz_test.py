@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Eight robots in a real RViz, by mouse: missions, closed edges, fleet stop; with --long all menus.
+"""Eight robots in a real RViz: missions, closed edges, fleet stop by mouse; with --long all menus.
 
 The effect of a click is checked in the messages of the fleet manager, in the simulators, and in the
 picture.
@@ -39,14 +39,14 @@ SPEED = 3.0
 long_only = unittest.skipUnless(os.environ.get('LD90_LONG_TESTS'), 'a variation, for --long')
 MIDDLE = (640, 466)  # pixel of the middle of the 3D view
 ROOM_FOR_MENU = (920, 620)  # pixel beyond which a menu would open to the left or upwards
-# s in which the effect of a choice shows on a loaded computer; after that it is chosen again
+# s in which the effect of a choice must show on a loaded computer; later the test chooses again
 EFFECT = 8.0
 IN_ALL = 150.0  # s for one choice
 Place = Tuple[float, float]
 
 
 class FleetByMouse(unittest.TestCase):
-    """One fleet and one RViz; the tests are the parts of one story, in their order."""
+    """One fleet and one RViz. The tests are the parts of one story, in this order."""
 
     @classmethod
     def setUpClass(cls) -> None:
@@ -198,8 +198,8 @@ class FleetByMouse(unittest.TestCase):
         self.click(lambda: button, lambda: self.was_said(words, known))
 
     def do(self, act: Callable[[], None], effect: Callable[[], Any], what: str) -> Any:
-        """Repeats an action until the effect shows: a menu can close under the mouse if RViz draws
-        late.
+        """Repeats an action until its effect shows, because a menu can close under the mouse if
+        RViz draws late.
         """
         def done() -> Any:
             if not effect():
@@ -214,7 +214,7 @@ class FleetByMouse(unittest.TestCase):
         return wait_until(done, IN_ALL, f'the effect of {what}')
 
     def was_said(self, words: str, after: int = 0) -> bool:
-        """True if the last sentence above the graph has these words."""
+        """Returns whether the last sentence above the graph has these words."""
         said = [marker.text for message in self.feedback.messages[after:]
                 for marker in message.markers]
         return bool(said) and words in ' '.join(said[-1].split())
@@ -233,14 +233,14 @@ class FleetByMouse(unittest.TestCase):
         return x, y
 
     def is_clickable(self, place: Place, away: float, but: str = '') -> bool:
-        """True if there is room for a menu, and no robot is nearer than `away` m."""
+        """Returns whether there is room for a menu and no robot is nearer than `away` m."""
         x, y = self.window.pixel(*place)
         return x < ROOM_FOR_MENU[0] and y < ROOM_FOR_MENU[1] and all(
             math.dist(place, other) > away
             for name, other in self.factory.places().items() if name != but)
 
     def free_vertex(self) -> int:
-        """A station at which no robot stands and to which no robot will return."""
+        """Returns a station at which no robot stands and to which no robot will return."""
         return next(id for id in self.factory.stations if id not in self.factory.homes()
                     and self.is_clickable(self.place_at(id), 1.5))
 
@@ -249,7 +249,7 @@ class FleetByMouse(unittest.TestCase):
                     if self.is_clickable(self.middle_of(id), 2.0))
 
     def clickable_robot(self) -> str:
-        """An idle robot on which the test can click."""
+        """Returns an idle robot on which the test can click."""
         wait_until(lambda: all(robot.state == FleetRobot.IDLE
                                for robot in self.factory.state.messages[-1].robots), 120.0,
                    'a fleet at rest')
@@ -258,14 +258,14 @@ class FleetByMouse(unittest.TestCase):
                     if self.is_clickable(place, 1.5, name))
 
     def is_framed(self, picture: Image.Image) -> bool:
-        """True if the graph has the red frame of a stopped fleet: its left side is looked at."""
+        """Returns whether the graph has the red frame of a stopped fleet, from its left side."""
         places = [vertex.position for vertex in self.factory.graph.vertices.values()]
         side = (min(x for x, _ in places) - MARGIN,
                 (min(y for _, y in places) + max(y for _, y in places)) / 2.0)
         return self.painted(picture, side, RED) > 20
 
     def painted(self, picture: Image.Image, place: Place, paint: ColorRGBA) -> int:
-        """The number of pixels of about that colour around a place."""
+        """Returns the number of pixels of about this colour around a place."""
         x, y = self.window.pixel(*place)
         around = np.asarray(picture.crop((x - 15, y - 15, x + 16, y + 16)))
         colour = (round(255 * paint.r), round(255 * paint.g), round(255 * paint.b))

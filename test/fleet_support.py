@@ -1,4 +1,4 @@
-"""A fleet as scripts/run.sh fleet:=... starts it: its places, missions, faults and menus."""
+"""A fleet that scripts/run.sh fleet:=... starts: its places, missions, faults and menus."""
 from __future__ import annotations
 
 import itertools
@@ -30,13 +30,13 @@ from trajectory_graph import load_graph
 READY = (FleetRobot.IDLE, FleetRobot.BUSY)
 ENDED = (MissionStatus.SUCCEEDED, MissionStatus.FAILED, MissionStatus.REFUSED,
          MissionStatus.CANCELLED)
-SKEW = 0.06  # m that robots can move between the answers of the two simulators
+SKEW = 0.06  # m that robots can drive between the answers of the two simulators
 STANDS = 0.01  # m, largest movement of a standing robot in half a second
 Place = Tuple[float, float]
 
 
 def free_fleet_ports() -> int:
-    """The first of 40 free ports: four LD-90s use ports ten apart."""
+    """Returns the first of 40 free ports. The ports of four LD-90s are ten apart."""
     while True:
         first = random.randrange(20000, 32000, 50)
         try:
@@ -60,7 +60,7 @@ class Simulators:
         self._streams = [_connected(port) for port in ports]
 
     def _ask(self, number: int, line: str) -> str:
-        """Sends one line, returns the answer; connects again if an idle connection was closed."""
+        """Sends one line and returns the answer. Connects again if the connection has ended."""
         for _ in range(2):
             try:
                 self._streams[number].write(line.encode() + b'\n')
@@ -73,7 +73,7 @@ class Simulators:
         raise AssertionError(f'the simulator on port {self._ports[number]} does not answer')
 
     def places(self) -> Dict[str, Place]:
-        """The positions of all simulated robots."""
+        """Returns the positions of all simulated robots."""
         robots: Dict[str, Dict[str, float]] = {}
         for number in range(len(self._ports)):
             robots.update(json.loads(self._ask(number, 'where'))['robots'])
@@ -86,7 +86,7 @@ class Simulators:
 
 
 class Menus:
-    """Chooses from the menus of the fleet as RViz does, but without a mouse."""
+    """Chooses from the menus of the fleet like RViz, but without a mouse."""
 
     def __init__(self) -> None:
         self._choices = connected_publisher('/fleet_menus/feedback', InteractiveMarkerFeedback,
@@ -105,7 +105,7 @@ class Menus:
 
 
 class Viewer:
-    """The markers of a topic that a viewer shows; finds markers that would flicker."""
+    """The markers of a topic, as a viewer shows them. It finds markers that would flicker."""
 
     def __init__(self, topic: str) -> None:
         self.shown: Dict[Tuple[str, int], Marker] = {}
@@ -130,17 +130,17 @@ class Viewer:
         self.messages += 1
 
     def namespaces(self) -> Set[str]:
-        """The namespaces of all markers that are shown."""
+        """The namespaces of all visible markers."""
         return {namespace for namespace, _ in list(self.shown)}
 
 
 class Factory:
-    """A fleet on free ports, without RViz; `stop` ends it and removes its files."""
+    """A fleet on free ports, without RViz. `stop` ends it and removes its files."""
 
     def __init__(self, fleet: str, *options: str, first_port: int = 0) -> None:
-        """`fleet`: a number, or a fleet file.
+        """fleet -- a number, or a fleet file
 
-        The positions of robots that the simulators do not play must be put into `more_places`.
+        `more_places` must get the positions of robots that the simulators do not play.
         """
         self.more_places: Dict[str, Callable[[], Place]] = {}
         first = first_port or free_fleet_ports()
@@ -162,7 +162,7 @@ class Factory:
         self.statuses = Recorder('/mission_status', MissionStatus)
 
     def wait_until_ready(self, *names: str) -> None:
-        """Waits until these robots take missions; all robots if none is named."""
+        """Waits until these robots take missions; without names, until all robots do."""
         wanted = set(names or [robot.name for robot in self.fleet.robots])
         self.state.wait_for(
             lambda state: wanted <= {robot.name for robot in state.robots if robot.state in READY},
@@ -180,16 +180,16 @@ class Factory:
             shutil.rmtree(self.folder)
 
     def places(self) -> Dict[str, Place]:
-        """The true position of each robot. An absent robot has none."""
+        """Returns the true position of each robot; an absent robot is left out."""
         return {**self.simulators.places(),
                 **{name: place() for name, place in self.more_places.items()}}
 
     def robot(self, name: str) -> FleetRobot:
-        """The newest state of a robot from the fleet manager."""
+        """Returns the newest state of a robot from the fleet manager."""
         return next(robot for robot in self.state.messages[-1].robots if robot.name == name)
 
     def released(self, name: str) -> List[int]:
-        """The edges that a robot may drive, or on which it stands."""
+        """Returns the edges that a robot may drive or on which it stands."""
         return [abs(edge) for plan in self.plans.messages[-1].plans if plan.robot == name
                 for edge in plan.drives.edges[:plan.released]]
 
@@ -200,22 +200,22 @@ class Factory:
 
     @property
     def stations(self) -> List[int]:
-        """Vertices to which robots can be sent: no docks, no points where a long edge was cut."""
+        """Vertices to which robots can be sent: no docks, and no points that divide a long edge."""
         return [id for id, vertex in self.graph.vertices.items()
                 if vertex.parking is not False and not vertex.dock]
 
     def home_of(self, name: str) -> int:
-        """The vertex at which a robot stood at the start."""
+        """Returns the vertex at which a robot stood at the start."""
         return next(robot.vertex for robot in self.fleet.robots if robot.name == name)
 
     def homes(self) -> List[int]:
-        """The vertices at which robots stood at the start."""
+        """Returns the vertices at which robots stood at the start."""
         return [robot.vertex for robot in self.fleet.robots]
 
     def send(self, *vertices: int, robot: str = '', dwell: Sequence[float] = ()) -> int:
-        """Sends a mission, and returns its id after the fleet manager has received it.
+        """Sends a mission. Returns its id when the fleet manager has received the mission.
 
-        If many were sent at once, the publisher's queue would drop some.
+        This waits because the publisher's queue drops some of many missions that are sent at once.
         """
         request = mission_request(vertices, request_id=next(self._ids), robot=robot, dwell=dwell)
         self._requests.send(request)
@@ -225,18 +225,18 @@ class Factory:
         return request.request_id
 
     def ends(self, missions: Sequence[int]) -> Dict[int, int]:
-        """The missions among these that have ended, with their final states."""
+        """Returns the final state of each of these missions that has ended."""
         return {status.request_id: status.state for status in list(self.statuses.messages)
                 if status.state in ENDED and status.request_id in missions}
 
     def status_of(self, mission: int) -> int:
-        """The last reported state of a mission; PENDING before the first report."""
+        """Returns the last reported state of a mission; PENDING before the first report."""
         return next((status.state for status in reversed(self.statuses.messages)
                      if status.request_id == mission), MissionStatus.PENDING)
 
     def run_until(self, condition: Callable[[], bool], timeout: float, what: str,
                   missions: Sequence[int] = ()) -> int:
-        """Waits, and checks the distances between robots; returns the number of checks."""
+        """Waits, and checks the distances between robots. Returns the number of checks."""
         looks, deadline = 0, time.monotonic() + timeout
         while not condition():
             assert time.monotonic() < deadline, (
@@ -247,13 +247,13 @@ class Factory:
         return looks
 
     def succeeded(self, missions: Sequence[int]) -> int:
-        """How many of these missions have succeeded; fails if one has ended in another state."""
+        """Returns how many of these missions have succeeded; fails if one has ended otherwise."""
         ends = self.ends(missions)
         assert set(ends.values()) <= {MissionStatus.SUCCEEDED}, self.why(missions)
         return len(ends)
 
     def why(self, missions: Sequence[int]) -> str:
-        """Text for a failed test: the open missions, and all robots."""
+        """Returns a text for a failed test: the open missions, and all robots."""
         last = {status.request_id: (status.state, status.robot, status.reason)
                 for status in list(self.statuses.messages) if status.request_id in missions}
         robots = [(robot.name, robot.state, robot.pose.edge_id, robot.destination, robot.waits_for)
@@ -261,12 +261,12 @@ class Factory:
         return f'missions (state, robot, reason): {last}; robots: {robots}'
 
     def check_distances(self) -> float:
-        """The smallest distance between two robots minus the required distance, in m; fails below
-        0.
+        """Returns the smallest distance between two robots minus the required distance (m). Fails
+        if it is negative.
 
-        The simulators are read one after the other, and a robot can drive on in between. So two
-        robots count as too near only if they are also too near when the other one is read again a
-        moment later.
+        The simulators are read one after the other, and meanwhile a robot can drive on. So two
+        robots are too near only if they are still too near when one of the two positions is
+        replaced by one that is read a moment later.
         """
         places = self.places()
         nearest = math.inf
@@ -283,7 +283,7 @@ class Factory:
         return nearest
 
     def moved(self, before: Dict[str, Place]) -> List[str]:
-        """The robots that are not where they were."""
+        """Returns the robots that are not where they were before."""
         return [name for name, place in self.places().items()
                 if math.dist(place, before[name]) > 0.5]
 

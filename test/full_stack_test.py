@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The first minutes of a new user: the stack works, `goto 12` drives, the reference is complete."""
+"""The first minutes of a user: the stack works, `goto 12` drives, the reference is complete."""
 from __future__ import annotations
 
 import math
@@ -86,7 +86,7 @@ class FullStack(unittest.TestCase):
 
     @staticmethod
     def documented_name(name: str) -> str:
-        """The name in the reference, which lists an action or an interactive marker server as one
+        """Returns the name in the reference, where an action or an interactive marker server is one
         entry.
         """
         return re.sub(r'/(goal|cancel|status|feedback|result|update|update_full)$', '', name)

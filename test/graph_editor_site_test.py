@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""From a map without a graph to a driving robot: a graph is made, edited in RViz, and used."""
+"""From a map without a graph to a robot that drives: a graph is made, edited in RViz, and used."""
 from __future__ import annotations
 
 import math
@@ -33,7 +33,7 @@ ROOT = Path(__file__).resolve().parents[1]
 STATION_SIDE = '--dock=-13.2,-7.0,180'  # position of the laboratory's charger
 SPEED = 12
 LONG = bool(os.environ.get('LD90_LONG_TESTS'))
-FAR = 5 if LONG else 2  # vertices to drive to, besides the new vertex and the dock
+FAR = 5 if LONG else 2  # vertices to drive to, in addition to the new vertex and the dock
 MIDDLE = (640, 466)  # pixel of the middle of the 3D view
 NEW_PLACE = (1.2, 6.2)  # m; a place where the made graph has no vertex
 IN_THE_WALL = (1.9, 1.26)
@@ -41,7 +41,7 @@ RED = (230, 13, 13)
 
 
 class NewSite(unittest.TestCase):
-    """Three steps of one story, in their order; the second step only with --long."""
+    """Three steps of one story, in this order. The second step needs --long."""
 
     @classmethod
     def setUpClass(cls) -> None:
@@ -57,7 +57,7 @@ class NewSite(unittest.TestCase):
         cls.folder.cleanup()
 
     def new_site(self) -> str:
-        """The output of scripts/new_site.sh for the site."""
+        """Returns the output of scripts/new_site.sh for the site."""
         made = subprocess.run(
             [str(ROOT / 'scripts' / 'new_site.sh'), str(self.map_file), STATION_SIDE, '--no-start'],
             stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=120, check=False, text=True)
@@ -107,7 +107,7 @@ class NewSite(unittest.TestCase):
 
 
 class RealSite(unittest.TestCase):
-    """The same on the maps of real robots, if there are any; only with --long."""
+    """The same steps on the maps of real robots, if there are any; only with --long."""
 
     @classmethod
     def setUpClass(cls) -> None:
@@ -138,7 +138,7 @@ def drive_to_far_vertices(case: unittest.TestCase, map_file: Path, graph_file: P
                   arcl_port=os.environ['LD90_ARCL_PORT'],
                   outgoing_port=os.environ['LD90_OUTGOING_PORT']):
         fleet = FleetManager()
-        if start is None:  # the fleet manager learns from the simulated robot where it stands
+        if start is None:  # the fleet manager gets the place from the simulated robot
             wait_until(lambda: fleet.status.messages, 60, 'a status of the robot')
             place = fleet.status.messages[-1].pose.position
             start = min(graph.vertices, key=lambda id: math.dist(graph.vertices[id].position,
@@ -162,7 +162,7 @@ def drive_to_far_vertices(case: unittest.TestCase, map_file: Path, graph_file: P
 
 
 class Editor:
-    """The editor in a screen of its own, operated by mouse."""
+    """The editor on a screen of its own, which the mouse operates."""
 
     def __init__(self, map_file: Path, graph_file: Path) -> None:
         self._files = {'map_file': map_file, 'graph_file': graph_file}
@@ -192,13 +192,13 @@ class Editor:
         self._node.__exit__()
 
     def graph(self) -> Graph:
-        """The last message on graph_editor/graph."""
+        """Returns the last graph on graph_editor/graph."""
         self._graphs.wait_for(lambda message: True, 60.0, 'graph')
         return graph_from_message(self._graphs.messages[-1])
 
     def add_a_vertex_and_connect_it(self) -> Tuple[int, int]:
-        """A click on the floor, then a menu and a click; returns the ids of the new vertex and
-        edge.
+        """Clicks on the floor, then in a menu, then on a vertex. Returns the ids of the new vertex
+        and edge.
         """
         graph = self.graph()
         near = min(graph.vertices.values(),
@@ -250,13 +250,13 @@ class Editor:
         self._heard('Saved')
 
     def drag_and_load_again(self, vertex: int) -> None:
-        """The saved graph is loaded again."""
+        """Drags a vertex, and loads the saved graph again."""
         saved = self.graph().vertices[vertex].position
         there = saved[0], saved[1] + 0.6
         self._window.drag_handle(self._window.pixel(*saved), self._window.pixel(*there))
         self._graph_with(lambda graph: math.dist(graph.vertices[vertex].position, there) < 0.1,
                          'the vertex that is not saved')
-        self._choose(there, VERTEX_MENU, Action.LOAD)  # the handle is where the mouse released it
+        self._choose(there, VERTEX_MENU, Action.LOAD)  # the handle is where the mouse let it go
         self._graph_with(lambda graph: graph.vertices[vertex].position == saved,
                          'the vertex as it was saved')
 
@@ -276,7 +276,7 @@ class Editor:
         return self.graph()
 
     def _red_near(self, x: float, y: float):
-        """A function that reports a missing red mark at a place of a picture."""
+        """Returns a function that reports if a picture has no red mark at a place."""
         def missing(picture) -> List[str]:
             left, top = self._window.pixel(x, y)
             around = picture.crop((left - 15, top - 15, left + 16, top + 16))
@@ -286,7 +286,7 @@ class Editor:
 
 
 def far_vertices(graph: Graph, start: int, count: int) -> List[int]:
-    """The given number of vertices, each as far as possible from the start and all others."""
+    """Returns `count` vertices, each as far as possible from the start and from the others."""
     chosen = [start]
     while len(chosen) <= count:
         chosen.append(max(graph.vertices, key=lambda id: (min(

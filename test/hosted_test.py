@@ -20,7 +20,7 @@ SOON = 30.0  # s
 
 
 def processes() -> Dict[str, int]:
-    """The process ids of the nodes that answer."""
+    """Returns the process ids of the nodes that answer."""
     found = {}
     for node in NODES:
         try:
@@ -35,7 +35,7 @@ def parent_of(pid: int) -> int:
 
 
 class HostedTest(unittest.TestCase):
-    """One robot."""
+    """All tests use one robot."""
 
     @classmethod
     def setUpClass(cls) -> None:

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Jobs under a ROS master: programs send them over ARCL and REST, and simulated AGVs drive them."""
+"""Jobs under a ROS master: programs send them by ARCL and REST, and simulated AGVs drive them."""
 from __future__ import annotations
 
 import base64
@@ -20,7 +20,7 @@ REST_PORT = int(os.environ.get('LD90_OUTGOING_PORT', '17179'))
 
 
 class RestProgram:
-    """A program that gives jobs over REST."""
+    """A program that sends jobs by REST."""
 
     def ask(self, method: str, path: str, record: Any = None) -> http.client.HTTPResponse:
         connection = http.client.HTTPConnection('127.0.0.1', REST_PORT, timeout=PATIENCE)
@@ -93,7 +93,7 @@ class JobsTest(unittest.TestCase):
         program.close()
 
     def test_goals_of_a_job_change_while_its_robot_drives(self) -> None:
-        program = connected(PORT)  # no robot is near vertex 27 after the other tests
+        program = connected(PORT)  # after the other tests no robot is near vertex 27
         program.say('queuePickupDropoff 27 18 default default four')
         pickup = program.until('successfully queued')[11]
         program.until(pickup, 'Driving')
@@ -102,7 +102,7 @@ class JobsTest(unittest.TestCase):
         for words in ('InterruptedByModify None Goal "27"', 'InProgress Driving Goal "6"',
                       'Completed None Goal "6"', 'Completed None Goal "18"'):
             program.until('QueueUpdate: ', 'four', words)
-        self.statuses.wait_for(  # the last segment may end before its mission
+        self.statuses.wait_for(  # the last segment may end before its mission ends
             lambda status: (status.state == MissionStatus.SUCCEEDED
                             and list(status.destinations) == [6, 18]),
             PATIENCE, 'the mission to 6 and 18')

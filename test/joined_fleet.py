@@ -1,5 +1,5 @@
-"""A fleet over several ROS masters: an LD-90 that survives its computer's death, AGVs, and a
-manager.
+"""A fleet with several ROS masters: an LD-90 that goes on if its computer is killed, AGVs, and a
+fleet manager.
 """
 from __future__ import annotations
 
@@ -39,9 +39,10 @@ robots:
 
 def fleet_text(computers: Dict[str, str], driven: str = '', absent: str = '',
                places: Mapping[str, int] = AGVS) -> str:
-    """A fleet file with the robots of these computers, and the AGVs' places.
+    """Returns a fleet file with the robots of these computers, and the AGVs' places.
 
-    `driven` is an AGV to simulate. `absent` is a robot that has not been delivered yet.
+    driven -- an AGV to simulate
+    absent -- a robot that has not been delivered yet
     """
     lines = []
     for name, address in computers.items():
@@ -55,18 +56,19 @@ def fleet_text(computers: Dict[str, str], driven: str = '', absent: str = '',
 
 
 class JoinedFleet:
-    """The computers of a fleet, not started yet. Only the LD-90, which is no computer, runs."""
+    """The computers of a fleet, before their start. Only the LD-90, which is no computer, runs."""
 
     def __init__(self, folder: Path, sim_speed: float, agvs: int = 0,
                  namespaces: Tuple[str, str] = ('', ''),
                  addresses: Tuple[str, ...] = (), pictures: bool = True,
                  absent: str = '') -> None:
-        """Without `pictures`, the LD-90's computer runs no nodes that draw.
+        """Prepares the computers.
 
-        `namespaces` are two network namespaces: of the LD-90 with its computer, and of the fleet
-        manager's computer. `addresses` are the addresses of the LD-90's computer, the fleet
-        manager's, and the AGVs'. The fleet manager treats the robot `absent` as not yet at the
-        site.
+        namespaces -- two network namespaces: of the LD-90 and its computer, and of the fleet
+                      manager's computer
+        addresses  -- of the LD-90's computer, of the fleet manager's, and of the AGVs'
+        pictures   -- whether the LD-90's computer runs nodes that draw
+        absent     -- a robot that is not at the site yet, as the fleet manager knows
         """
         self._folder = folder
         self._sim_speed = sim_speed
@@ -75,7 +77,7 @@ class JoinedFleet:
         names = dict(zip([LD90, *list(AGVS)[:agvs]], [own, *others]))
         fleet_file = folder / 'fleet.yaml'
         fleet_file.write_text(fleet_text(names, absent=absent))
-        self._ports = [free_port() for _ in range(3)]  # ports: ARCL, outgoing, control
+        self._ports = [free_port() for _ in range(3)]  # of ARCL, outgoing connection, control
         graph = MAPS / 'lab_graph.yaml'
         self.manager = Computer('fleet', manager, [[
             'graph_fleet_manager', 'fleet_manager.launch', f'graph_file:={graph}',
@@ -126,23 +128,23 @@ class JoinedFleet:
 
     @property
     def session(self) -> Path:
-        """Every ARCL line between the LD-90 and its computer, as the LD-90 recorded it."""
+        """The file with every ARCL line between the LD-90 and its computer, as the LD-90 saw it."""
         return self._folder / 'arcl.log'
 
     def sent_to_ld90(self, word: str) -> List[str]:
-        """The commands of this name that its computer sent to the LD-90, in order."""
+        """Returns the commands with this name that the LD-90 got from its computer, in order."""
         return re.findall(rf'^\S+ C\d*> ({word}.*?)\s*$',
                           self.session.read_text(errors='replace'), re.MULTILINE)
 
     def control(self) -> socket.socket:
-        """A connection to the control socket of the LD-90's simulator."""
+        """Returns a connection to the control socket of the LD-90's simulator."""
         def connect() -> socket.socket:
             with contextlib.suppress(ConnectionRefusedError):
                 return socket.create_connection(('127.0.0.1', self._ports[2]), timeout=10.0)
         return wait_until(lambda: inside(self._namespaces[0], connect), 30, 'the simulated LD-90')
 
     def send(self, *destinations: int, robot: str = LD90) -> int:
-        """Sends a mission from the fleet manager's computer; returns its id."""
+        """Sends a mission from the fleet manager's computer. Returns its id."""
         def accepted() -> str:
             said = self.manager.run('rosrun', 'graph_fleet_manager', 'mission', *destinations,
                                     '--robot', robot, timeout=60.0).stdout
@@ -151,23 +153,23 @@ class JoinedFleet:
             accepted, 90, f'a mission to {destinations} is accepted')).group(1))
 
     def mission(self, number: int) -> HistoryLine:
-        """The state of a mission in the fleet manager's journal."""
+        """Returns the state of a mission in the fleet manager's journal."""
         return next(line for line in history(str(self.journal)) if line.request_id == number)
 
     def is_open(self, number: int) -> bool:
-        """True while a mission is open. Also true while the journal cannot be read."""
+        """Returns whether a mission is open; True also if the journal cannot be read now."""
         try:
             return self.mission(number).state.is_open
-        except JournalError:  # the fleet manager is just being killed or started
+        except JournalError:  # the fleet manager is being killed or started
             return True
 
     def wait_for_mission(self, number: int, what: str, reached: Callable[[HistoryLine], bool],
                          timeout: float = 120.0) -> HistoryLine:
-        """Waits until a mission has this state; fails at once if it has ended in another state."""
+        """Waits until a mission has this state. Fails at once if it has ended in another state."""
         def look() -> bool:
             try:
                 line = self.mission(number)
-            except JournalError:  # the fleet manager is just being killed or started
+            except JournalError:  # the fleet manager is being killed or started
                 return False
             if not reached(line) and not line.state.is_open:
                 raise AssertionError(f'mission {number}: {line.state.name} ({line.reason}), not '
@@ -189,7 +191,7 @@ class JoinedFleet:
 
 
 class Odometer:
-    """Measures how far the LD-90 truly drives from now on, with its simulator."""
+    """Measures with the simulator how far the LD-90 really drives from now on."""
 
     RESTS = 1.0  # s without motion after which the robot counts as standing
 
@@ -211,17 +213,17 @@ class Odometer:
 
     @property
     def metres(self) -> float:
-        """The metres driven so far."""
+        """The distance (m) driven so far."""
         return self._driven() - self._begin
 
     def wait_for(self, metres: float, timeout: float = 60.0) -> None:
-        """Waits until the robot has driven the given number of metres from now on."""
+        """Waits until the robot has driven this many metres from now on."""
         begin = self.metres
         wait_until(lambda: self.metres - begin >= metres, timeout,
                    f'the robot drives another {metres} m')
 
     def wait_for_rest_or(self, metres: float) -> None:
-        """Waits until the robot has driven that far, or stands where it was last sent."""
+        """Waits until the robot has driven that far, or stands at the end of its last command."""
         begin = last = self.metres
         moved = time.monotonic()
 
@@ -235,7 +237,7 @@ class Odometer:
 
 
 def kept_folder(name: str) -> Path:
-    """A folder for the output of the computers, kept for the analysis of failures."""
+    """Makes a folder for the output of the computers, which is kept to analyse failures."""
     folder = Path(os.environ.get('SYSTEM_TEST_ARTEFACTS', '/tmp')) / name
     shutil.rmtree(folder, ignore_errors=True)
     folder.mkdir(parents=True)

@@ -1,7 +1,7 @@
-"""Several ROS masters on one host, each on a loopback address of its own, joined in pairs.
+"""Several ROS masters on one host, each at its own loopback address, joined in pairs.
 
-fkie multimaster joins them. If it is not installed, `master_mirror.py` joins them, so that the
-behaviour of the project's own nodes is tested everywhere.
+fkie multimaster joins them. Where it is not installed, `master_mirror.py` joins them instead. So
+the behaviour of the project's own nodes is tested everywhere.
 """
 from __future__ import annotations
 
@@ -26,24 +26,25 @@ CROSSING = HERE.parent / 'src' / 'graph_fleet_manager' / 'config' / 'crossing.ya
 
 
 def has_fkie() -> bool:
-    """True if fkie multimaster is in this environment."""
+    """Returns whether fkie multimaster is in this environment."""
     return subprocess.run(['rospack', 'find', 'fkie_master_sync'], stdout=subprocess.DEVNULL,
                           stderr=subprocess.DEVNULL, check=False).returncode == 0
 
 
 def loopback_addresses(count: int) -> List[str]:
-    """Addresses that no other test uses now. 127.0.0.1 is excluded: discovery would find itself
-    there.
+    """Returns addresses that no other test uses now. 127.0.0.1 is left out, because discovery would
+    find itself there.
     """
     net = random.randint(16, 254)
     return [f'127.0.{net}.{number}' for number in range(2, 2 + count)]
 
 
 class Computer:
-    """One computer: a ROS master on an address of its own, and the launches under it.
+    """One computer: a ROS master at its own address, and its launches.
 
-    `peers` are the computers that it joins; with `peers_from_file` the launch knows them. Each
-    launch is the list of words after `roslaunch`; the first launch joins the masters.
+    peers -- the computers that it joins; with `peers_from_file`, the launch itself knows them
+
+    Each launch is the list of words after `roslaunch`. The first launch joins the masters.
     """
 
     def __init__(self, name: str, address: str, launches: Sequence[Sequence[object]], log: Path,
@@ -54,18 +55,18 @@ class Computer:
         self.peers: List[Computer] = []
         self.fkie = has_fkie()
         self.started = 0.0
-        """The time of its last start, in s, monotonic."""
+        """The time (s, monotonic) of its last start."""
         self._launches = launches
         self._peers_from_file = peers_from_file
         self._log = log
         self.python_path = ''
-        """The folder in which its programs search for Python modules first."""
+        """The folder in which its programs look first for Python modules."""
         self._prefix = entering(namespace)
         self._processes: List[subprocess.Popen] = []
 
     @property
     def environment(self) -> Dict[str, str]:
-        """The environment of a shell on that computer."""
+        """The environment of a shell on this computer."""
         own = {**os.environ, 'ROS_IP': self.address, 'ROS_MASTER_URI': self.uri}
         if self.python_path:
             own['PYTHONPATH'] = f'{self.python_path}:{own["PYTHONPATH"]}'
@@ -73,11 +74,11 @@ class Computer:
 
     @property
     def master(self) -> rosgraph.Master:
-        """Its ROS master, as the test sees it."""
+        """Its ROS master, for calls by the test."""
         return rosgraph.Master('/multimaster_test', self.uri)
 
     def start(self) -> None:
-        """Starts the master and the launches; returns at once."""
+        """Starts the master and the launches. Returns at once."""
         self.started = time.monotonic()
         first, *others = self._launches
         self._run('roslaunch', '-p', self.port, *first, *self._joining())
@@ -100,7 +101,7 @@ class Computer:
                 stderr=subprocess.STDOUT))
 
     def kill(self) -> None:
-        """Kills everything at once, as when the power fails."""
+        """Kills everything at once, like a power failure."""
         processes = self._processes
         self._processes = []
         family = family_of([process.pid for process in processes])
@@ -112,13 +113,15 @@ class Computer:
         wait_until(lambda: not any(map(is_alive, family)), 30, f'the end of {self.name}')
 
     def run(self, *words: object, timeout: float = 60.0) -> subprocess.CompletedProcess:
-        """Runs a command as a user would there, and returns its result."""
+        """Runs a command on this computer as a user would. Returns the result."""
         return subprocess.run([*self._prefix, *map(str, words)], env=self.environment, text=True,
                               stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=timeout,
                               check=False)
 
     def topics_of(self, other: Computer) -> Set[str]:
-        """The topics of the other's nodes that this master knows. None without a master."""
+        """Returns the topics of the other computer's nodes that this master knows; none if there is
+        no master.
+        """
         try:
             publishers, subscribers, _ = self.master.getSystemState()
             nodes = {node for _, names in [*publishers, *subscribers] for node in names}
@@ -129,7 +132,7 @@ class Computer:
         return {topic for topic, names in [*publishers, *subscribers] if foreign & set(names)}
 
     def publishes(self, topic: str) -> bool:
-        """True if this master knows a publisher of the topic."""
+        """Returns whether this master knows a publisher of the topic."""
         try:
             publishers, _, _ = self.master.getSystemState()
         except (OSError, rosgraph.MasterException):
@@ -137,19 +140,19 @@ class Computer:
         return topic in (name for name, _ in publishers)
 
     def log(self) -> str:
-        """The output of its programs."""
+        """Returns the output of its programs."""
         return self._log.read_text(encoding='utf-8', errors='replace')
 
 
 def join(fleet: Computer, robots: Sequence[Computer]) -> None:
-    """Joins the masters: each robot has the fleet for its peer, the fleet has all robots."""
+    """Joins the masters: the fleet is the peer of each robot, and all robots are its peers."""
     fleet.peers = list(robots)
     for robot in robots:
         robot.peers = [fleet]
 
 
 def family_of(pids: Sequence[int]) -> List[int]:
-    """These processes and all their descendants, the oldest first."""
+    """Returns these processes and all their descendants, the oldest first."""
     children: Dict[int, List[int]] = {}
     for folder in Path('/proc').glob('[0-9]*'):
         fields = _stat(int(folder.name))
@@ -162,13 +165,13 @@ def family_of(pids: Sequence[int]) -> List[int]:
 
 
 def is_alive(pid: int) -> bool:
-    """True if the process runs; a zombie process does not count."""
+    """Returns whether the process runs; a zombie process does not count."""
     fields = _stat(pid)
     return bool(fields) and fields[0] != 'Z'
 
 
 def _stat(pid: int) -> List[str]:
-    """The fields of /proc/PID/stat from the state on; none if there is no such process."""
+    """Returns the fields of /proc/PID/stat from the state on; none without such a process."""
     try:
         return Path(f'/proc/{pid}/stat').read_text().rpartition(')')[2].split()
     except OSError:
@@ -178,7 +181,7 @@ def _stat(pid: int) -> List[str]:
 @contextlib.contextmanager
 def program(*words: object, log: Optional[Path] = None, **options: Any
             ) -> Iterator[subprocess.Popen]:
-    """Runs a program without ROS during the block."""
+    """Runs a program without ROS during the `with` block."""
     with (log or Path(os.devnull)).open('ab') as output:
         process = subprocess.Popen([*map(str, words)], stdout=output, stderr=subprocess.STDOUT,
                                    **options)

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""The displayed map: each subscriber gets all of it at any time, and it follows changes of its
-file.
+"""The displayed map: each subscriber gets the whole map at any time, and the map follows changes of
+its file.
 """
 from __future__ import annotations
 
@@ -28,8 +28,7 @@ from system_support import Recorder, connected_publisher, run_cases, wait_until
 
 ROBOT = '/omron_ld90'
 
-# A room of 2.0 x 1.0 m from (-1, -0.5): its corners and one more point, with a resolution of 100
-# mm.
+# A room of 2.0 x 1.0 m from (-1, -0.5): its corners and one more point; the resolution is 100 mm.
 ROOM = b"""2D-Map
 MinPos: -1000 -500
 MaxPos: 1000 500
@@ -59,19 +58,19 @@ def room(*objects: MapObject) -> MapDocument:
 
 
 def latched(topic: str, message_type: type):
-    """The message that a new subscriber gets on a latched topic."""
+    """Returns the message that a new subscriber gets on a latched topic."""
     return rospy.wait_for_message(f'{ROBOT}/{topic}', message_type, timeout=15.0)
 
 
 def drawn(array: MarkerArray) -> List[Marker]:
-    """The markers of an array that must begin with DELETEALL."""
+    """Returns the markers of an array, which must begin with DELETEALL."""
     assert array.markers[0].action == Marker.DELETEALL, 'the array does not begin with DELETEALL'
     assert all(marker.action == Marker.ADD for marker in array.markers[1:])
     return array.markers[1:]
 
 
 class MapVisualisationTest(unittest.TestCase):
-    """One node shows one file; each test first shows the room with its own objects."""
+    """One node shows one file. Each test first shows the room with its own objects."""
 
     @classmethod
     def setUpClass(cls) -> None:
@@ -86,7 +85,7 @@ class MapVisualisationTest(unittest.TestCase):
         os.unlink(cls.map_file)
 
     def show(self, document: MapDocument) -> None:
-        """Overwrites the displayed file, and waits until the node has shown it again."""
+        """Overwrites the displayed file. Waits until the node has shown it again."""
         shown = len(self.files.messages)
         document.save(self.map_file)
         self.files.wait_for(lambda message: message.data == self.map_file, 20.0, 'reload', shown)
@@ -217,7 +216,7 @@ class MapVisualisationTest(unittest.TestCase):
         lasers = Recorder(f'{ROBOT}/laser_markers', Marker)
         publisher = connected_publisher(f'{ROBOT}/laser_cloud', PointCloud2)
         header = Header(stamp=rospy.Time.now(), frame_id='map')
-        publisher.publish(PointCloud2(header=header, width=1000, height=1))  # no cloud at all
+        publisher.publish(PointCloud2(header=header, width=1000, height=1))  # not a valid cloud
         publisher.publish(create_cloud_xyz32(header, [(1.5, -0.25, 0.2), (0.0, 2.0, 0.2)]))
         marker = lasers.wait_for(lambda message: True, 10.0, 'laser marker')
         self.assertEqual((Marker.POINTS, 'map', header.stamp),

@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
-"""Test equipment for machines without fkie multimaster: mirrors one ROS master into another.
+"""Mirrors one ROS master into another, for tests on machines without fkie multimaster.
 
 master_mirror.py OWN_URI PEER_URI CROSSING_FILE
 
-Registers the peer's publishers and subscribers of certain topics at the own master, as fkie's
-master_sync does. CROSSING_FILE lists these topics. Withdraws the registrations when the nodes or
-their master have ended. There is no discovery: each side gets the other's address, which all nodes
-there use.
+Registers the peer's publishers and subscribers of certain topics at the own master, like fkie's
+master_sync. CROSSING_FILE lists these topics. When the nodes or their master have ended, it
+withdraws the registrations. There is no discovery: each side gets the address that all nodes of
+the other side use.
 """
 from __future__ import annotations
 
@@ -21,14 +21,14 @@ from urllib.parse import urlsplit
 
 import yaml
 
-PERIOD = 0.5  # s between two looks at the peer
-PATIENCE = 20.0  # s without an answer after which the peer's nodes are withdrawn
+PERIOD = 0.5  # s between two queries of the peer
+PATIENCE = 20.0  # s; after this time without an answer the peer's nodes are withdrawn
 TIMEOUT = 2.0   # s for one call
 _FAILURES = (OSError, http.client.HTTPException, xmlrpc.client.Error)
 
 
 class Registration(NamedTuple):
-    """A node that publishes or subscribes, as a master knows it."""
+    """A node that publishes or subscribes, as registered at a master."""
 
     kind: str  # class name: Publisher or Subscriber
     topic: str
@@ -45,7 +45,7 @@ class _Transport(xmlrpc.client.Transport):
 
 
 class Mirror:
-    """Mirrors the peer's registrations; see the module's text."""
+    """Mirrors the peer's registrations; see the docstring of the module."""
 
     def __init__(self, own: str, peer: str, topics: Sequence[str]) -> None:
         self._own = xmlrpc.client.ServerProxy(own, transport=_Transport())
@@ -57,7 +57,7 @@ class Mirror:
         self._heard = time.monotonic()
 
     def update(self) -> None:
-        """Brings the own master up to date with the present registrations of the peer."""
+        """Adapts the own master to the present registrations of the peer."""
         try:
             there = self._registrations()
             self._heard = time.monotonic()
@@ -70,13 +70,13 @@ class Mirror:
                 self._withdraw(gone)
             for new in there - self._mirrored:
                 self._register(new)
-            # An own master that was restarted has lost its registrations.
+            # If the own master was restarted, it has lost its registrations.
             self._mirrored = there & self._known()
         except _FAILURES:
             self._mirrored = set()
 
     def _registrations(self) -> Set[Registration]:
-        """The registrations of the peer's own nodes for the topics that cross."""
+        """Returns the registrations of the peer's own nodes for the topics that cross."""
         _, _, (publishers, subscribers, _) = self._peer.getSystemState('/mirror')
         _, _, pairs = self._peer.getTopicTypes('/mirror')
         types, apis, found = dict(map(tuple, pairs)), {}, set()

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The ROS master ends and a new one starts: all nodes register again, with their parameters."""
+"""The ROS master ends and a new one starts. All nodes register again, with their parameters."""
 from __future__ import annotations
 
 import os
@@ -27,7 +27,7 @@ from system_support import Recorder, connected_publisher, program, run_cases, wa
 
 HERE = Path(__file__).resolve().parent
 NODES = ('/graph_server', '/path_planner', '/path_supervisor', '/agv_sim')
-ALL_OVER = 10.0  # s from the start of a ROS master until each node is registered
+ALL_OVER = 10.0  # s after the start of a ROS master, in which each node must register
 
 Registrations = Set[Tuple[str, str, str]]  # node, kind, name
 
@@ -36,13 +36,13 @@ class WatchedMaster(RosMaster):
     """A ROS master, with the registrations of the nodes under test."""
 
     def registrations(self) -> Registrations:
-        """All registrations of the nodes under test."""
+        """Returns all registrations of the nodes under test."""
         state = rosgraph.Master('/test', self.uri).getSystemState()
         return {(node, kind, name) for kind, entries in zip(('pub', 'sub', 'srv'), state)
                 for name, nodes in entries for node in nodes if node in NODES}
 
     def parameters(self) -> Dict[str, Any]:
-        """The parameters of the nodes under test."""
+        """Returns the parameters of the nodes under test."""
         _, _, tree = ServerProxy(self.uri).getParam('/test', '/')
         return {node: tree.get(node[1:]) for node in NODES}
 
@@ -52,7 +52,7 @@ class WatchedMaster(RosMaster):
 
 
 def command(name: str, *words: str) -> subprocess.CompletedProcess:
-    """Runs a command as a user would; returns its output."""
+    """Runs a command as a user would. Returns its result."""
     return subprocess.run([program('graph_fleet_manager', name), *words], text=True,
                           stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=30, check=False)
 
@@ -84,14 +84,14 @@ class MasterRestartTest(unittest.TestCase):
         cls.folder.cleanup()
 
     def have_all_log(self) -> None:
-        """Makes each node log something: rospy asks the master for a parameter at each log line."""
+        """Makes each node log a line: at each log line, rospy asks the master for a parameter."""
         self.talk[MissionCommand].publish(command=99)
         self.talk[PlanRequest].publish(plan_id=1)
         self.talk[ClosedEdges].publish(edges=[4711])
         self.talk[TargetRoute].publish(route_id=77, edges=[4711])
 
     def restart_master(self) -> None:
-        """Starts a new ROS master in place of the killed one; the nodes log meanwhile."""
+        """Starts a new ROS master after the old one was killed. The nodes log meanwhile."""
         before, parameters = self.before
         self.master.start()
         deadline = time.monotonic() + ALL_OVER

@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 """50 random breaks between a fleet manager and a robot: nothing is driven twice, nothing is lost.
 
-Runs only with scripts/test.sh --long, and if network namespaces are allowed. MULTIMASTER_SEED
-repeats a run; MULTIMASTER_BREAKS sets another number of breaks. The actions are listed in
-build/artefacts/multimaster_breaks/breaks.log.
+The test runs only with scripts/test.sh --long, and if network namespaces are allowed.
+MULTIMASTER_SEED repeats a run; MULTIMASTER_BREAKS sets another number of breaks. The file
+build/artefacts/multimaster_breaks/breaks.log lists the actions.
 """
 from __future__ import annotations
 
@@ -21,13 +21,13 @@ from system_support import run_cases, wait_until
 
 SIM_SPEED = 4.0
 BREAKS = int(os.environ.get('MULTIMASTER_BREAKS', 50))
-DEATHS = BREAKS // 12  # deaths of each side and of both; in all other breaks the link is away
+DEATHS = BREAKS // 12  # of each side, and of both at once; all other breaks only cut the link
 MISSION = [18, 39, 52, 6, 16]
-# m by which the same mission can differ, because the robot rests away from its turning points
+# m by which the same mission can differ, because the robot does not stop exactly at turning points
 METRES = 2.0
 APART = (0.5, 10.0)  # m that the robot drives between two breaks
 AWAY = (0.2, 8.0)     # s without the link
-LATER = (0.0, 2.0)  # s until a dead computer is started again
+LATER = (0.0, 2.0)  # s after which a killed computer is started again
 
 
 class Breaks(unittest.TestCase):
@@ -67,12 +67,12 @@ class Breaks(unittest.TestCase):
             self.assertAlmostEqual(driven, undisturbed, delta=METRES, msg='driven (m)')
 
     def note(self, text: str) -> None:
-        """Writes a line for the analysis of failures."""
+        """Writes a line with which failures can be analysed."""
         with self.journal.open('a') as journal:
             journal.write(f'{text}\n')
 
     def drive(self, kinds: List[str]) -> float:
-        """Drives one mission with these breaks, from the last kind; returns the metres driven."""
+        """Drives one mission with these breaks, the last kind first. Returns the metres driven."""
         fleet = self.fleet
         gone_to, docked = len(fleet.sent_to_ld90('goto')), len(fleet.sent_to_ld90('dock'))
         with Odometer(fleet) as odometer:
@@ -93,7 +93,7 @@ class Breaks(unittest.TestCase):
         return driven
 
     def break_off(self, kind: str) -> None:
-        """Makes one break; its length, and the side that returns first, vary."""
+        """Makes one break. Its length, and the side that returns first, are random."""
         self.note(kind)
         if kind in ('cable', 'radio'):
             with self.cable.pulled() if kind == 'cable' else self.cable.in_radio_shadow():

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Fleet manager and robot on computers of their own; the cable between them is pulled meanwhile."""
+"""Fleet manager and robot on separate computers; their cable is pulled during a drive."""
 from __future__ import annotations
 
 import time
@@ -34,7 +34,7 @@ class PulledCable(unittest.TestCase):
                 odometer.wait_for(3.0)
                 with cable.pulled():
                     until = time.monotonic() + PULLED
-                    odometer.wait_for_rest_or(2.0)  # the robot drives the route that it has
+                    odometer.wait_for_rest_or(2.0)  # the robot drives its present route
                     time.sleep(until - time.monotonic())
                     reached = fleet.mission(mission).reached
                 done = fleet.succeeded(mission)

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """A fleet manager under its own ROS master drives robots under other ROS masters.
 
-Each master has a loopback address of its own; nothing leaves the loopback interface. The simulated
-LD-90 belongs to no computer: like a real robot, it continues when its computer dies.
+Each master has its own loopback address, and nothing leaves the loopback interface. The simulated
+LD-90 belongs to no computer: like a real robot, it continues when its computer is killed.
 """
 from __future__ import annotations
 
@@ -32,8 +32,8 @@ LONG = bool(os.environ.get('LD90_LONG_TESTS'))
 class JoinedMasters(unittest.TestCase):
     """The LD-90's computer starts before the fleet manager's, and agv_1's computer starts later.
 
-    With --long, agv_2's computer also starts before, and agv_1 first has another definition of a
-    message. agv_1 stands where it blocks no other robot.
+    With --long, agv_2's computer also starts before the fleet manager's, and agv_1 at first has
+    another definition of a message. agv_1 stands where it blocks no other robot.
     """
 
     @classmethod
@@ -62,10 +62,10 @@ class JoinedMasters(unittest.TestCase):
         self.assertEqual(self.fleet.sent_to_ld90('dock'), ['dock'])
 
     def name_who_has_other_definitions(self) -> None:
-        """A robot with other message definitions joins; /diagnostics says so within 10 s of its
-        discovery.
+        """A robot with other message definitions joins. /diagnostics says so within 10 s after the
+        robot was discovered.
 
-        Missions of other robots go on meanwhile.
+        Meanwhile the missions of other robots go on.
         """
         newcomer = self.newcomer
         newcomer.python_path = str(other_definitions(self.folder / 'python'))
@@ -79,7 +79,10 @@ class JoinedMasters(unittest.TestCase):
 
     @contextlib.contextmanager
     def diagnostics(self) -> Iterator[Callable[[Computer, str], bool]]:
-        """Waits for this text about a peer in the fleet manager's /diagnostics; true if it came."""
+        """Yields a function that waits for a text about a peer in the fleet manager's /diagnostics.
+
+        It returns whether the text came.
+        """
         file = self.folder / 'diagnostics.log'
         file.write_text('')
 
@@ -120,7 +123,7 @@ class JoinedMasters(unittest.TestCase):
                 self.assertIn('message definitions are alike', checked.stdout)
 
     def test_4_a_mission_outlives_the_death_of_either_side(self) -> None:
-        """With --long, both sides also die at once. A new robot joins meanwhile."""
+        """With --long, both sides are also killed at once. Meanwhile a new robot joins."""
         fleet = self.fleet
         deaths = [[fleet.manager], [fleet.robot]]
         if LONG:
@@ -137,7 +140,7 @@ class JoinedMasters(unittest.TestCase):
                 odometer.wait_for(1.0)
                 for computer in dying:
                     computer.kill()
-                odometer.wait_for_rest_or(0.5)  # the present drive is not stopped
+                odometer.wait_for_rest_or(0.5)  # the present drive must not be stopped
                 for computer in dying:
                     computer.start()
             self.newcomer.start()
@@ -152,7 +155,7 @@ class JoinedMasters(unittest.TestCase):
         self.assertEqual(len(fleet.sent_to_ld90('dock')) - docked, 1)
 
     def test_5_the_robots_of_all_masters_drive(self) -> None:
-        """Also the robot that joined a running fleet manager."""
+        """One of them is the robot that joined while the fleet manager was running."""
         missions = [self.fleet.send(vertex, robot=computer.name)
                     for computer, vertex in zip(self.fleet.agvs, (10, 35))]
         for mission in missions:
@@ -164,7 +167,7 @@ class JoinedMasters(unittest.TestCase):
 
 
 def answers(address: str) -> bool:
-    """True if the discovery at this address answers."""
+    """Returns whether the discovery at this address answers."""
     try:
         Discovery(address).clock()
     except NoAnswer:
@@ -173,7 +176,7 @@ def answers(address: str) -> bool:
 
 
 def other_definitions(folder: Path) -> Path:
-    """The project's messages, except one with another definition."""
+    """Writes the project's messages, one of them with another definition. Returns the folder."""
     package = folder / 'itrci_nav_msgs'
     shutil.copytree(Path(itrci_nav_msgs.__path__[0]), package, dirs_exist_ok=True)
     module = package / 'msg' / '_TargetRoute.py'

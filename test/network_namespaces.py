@@ -1,4 +1,6 @@
-"""Two computers as two network namespaces, joined by a cable that can be pulled. Needs root."""
+"""Two computers as two network namespaces, with a cable between them that can be pulled; needs
+root.
+"""
 from __future__ import annotations
 
 import contextlib
@@ -16,7 +18,7 @@ _NETWORK = 0x40000000  # CLONE_NEWNET
 
 
 def why_not() -> str:
-    """The reason why network namespaces cannot be made here; empty if they can."""
+    """Returns why network namespaces cannot be made here; empty if they can be made."""
     if not shutil.which('ip'):
         return 'the program ip is not installed (Debian: iproute2)'
     try:
@@ -36,7 +38,7 @@ class Cable:
 
     def __enter__(self) -> Cable:
         one, other = self.namespaces
-        with contextlib.ExitStack() as made:  # everything is removed if only a part can be made
+        with contextlib.ExitStack() as made:  # if a part cannot be made, the rest is removed
             for name in self.namespaces:
                 _ip('netns', 'add', name)
                 made.callback(_ip, 'netns', 'del', name)
@@ -54,7 +56,7 @@ class Cable:
 
     @contextlib.contextmanager
     def pulled(self) -> Iterator[None]:
-        """Removes the link during the block."""
+        """Takes the link down during the `with` block."""
         _ip('-n', self.namespaces[0], 'link', 'set', 'eth0', 'down')
         try:
             yield
@@ -63,12 +65,13 @@ class Cable:
 
     @contextlib.contextmanager
     def in_radio_shadow(self) -> Iterator[None]:
-        """Loses all messages during the block, and neither side notices, as in a radio shadow.
+        """Loses all messages during the `with` block without a sign on either side, as in a radio
+        shadow.
 
-        When a cable is pulled, in contrast, the sender's own computer knows it and keeps trying.
+        If a cable is pulled, however, the sender's own computer notices it and keeps trying.
         """
         neighbours = list(zip(self.namespaces, self.addresses[::-1]))
-        for name, other in neighbours:  # frames go to a computer that does not exist
+        for name, other in neighbours:  # frames then go to a computer that does not exist
             _ip('-n', name, 'neigh', 'replace', other, 'lladdr', '02:00:00:00:00:99', 'dev', 'eth0',
                 'nud', 'permanent')
         try:
@@ -78,24 +81,28 @@ class Cable:
                 _ip('-n', name, 'neigh', 'del', other, 'dev', 'eth0')
 
     def bytes_sent(self) -> Tuple[int, int]:
-        """Bytes that have crossed the link so far, from the first namespace and from the second."""
+        """Returns the bytes that have crossed the link so far, from the first and from the second
+        namespace.
+        """
         one, other = (inside(name, transmitted) for name in self.namespaces)
         return one, other
 
 
 def transmitted(interface: str = 'eth0') -> int:
-    """Bytes that an interface of this thread's namespace has sent so far."""
+    """Returns the bytes that an interface of this thread's namespace has sent so far."""
     lines = Path('/proc/thread-self/net/dev').read_text(encoding='ascii').splitlines()
     return next(int(line.split()[9]) for line in lines if line.split()[0] == f'{interface}:')
 
 
 def entering(namespace: str) -> List[str]:
-    """The command prefix that enters a namespace; empty without a namespace."""
+    """Returns the words before a command that enter a namespace; empty without a namespace."""
     return ['ip', 'netns', 'exec', namespace] if namespace else []
 
 
 def inside(namespace: str, act: Callable[[], Result]) -> Result:
-    """The result of `act` in a namespace, run in another thread. A socket stays there."""
+    """Returns the result of `act`, which a thread runs in the namespace. A socket made there stays
+    in it.
+    """
     if not namespace:
         return act()
     results: List[Result] = []

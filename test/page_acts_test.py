@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The fleet page in a real Chromium, with simulated robots: each act from click to robot.
+"""The fleet page in a real Chromium, with simulated robots: each act from the click to the robot.
 
 The effect of an act is checked in the true positions of the simulator, and in the messages of the
 fleet manager.
@@ -63,7 +63,7 @@ NEAR = 0.2  # m
 
 
 class FleetOnThePage(unittest.TestCase):
-    """One fleet and one browser; the tests are the parts of one story, in their order."""
+    """One fleet and one browser. The tests are the parts of one story, in this order."""
 
     @classmethod
     def setUpClass(cls) -> None:
@@ -105,7 +105,7 @@ class FleetOnThePage(unittest.TestCase):
 
     @classmethod
     def is_served(cls) -> bool:
-        """True if the page answers."""
+        """Returns whether the page answers."""
         try:
             return bool(urllib.request.urlopen(f'{cls.url}api/me', timeout=1).status == 200)
         except OSError:
@@ -164,7 +164,7 @@ class FleetOnThePage(unittest.TestCase):
         step = MissionStep(type='look', actor=MissionStep.PERSON, timeout=60.0)
         request = mission_request((), robot=FIRST, stops=[MissionStop(vertex=27, steps=[step])])
         mission = request.request_id
-        # the page listens, too: a message that it alone hears is lost
+        # the page listens, too, and a message that only the page gets would be lost
         connected_publisher('/mission_request', MissionRequest, to='path_supervisor').publish(
             request)
         self.wait_at(FIRST, 27)
@@ -232,8 +232,8 @@ class FleetOnThePage(unittest.TestCase):
         self.wait_until_standing(SECOND)
 
         def is_back() -> bool:
-            """Puts a robot back into service; refused while the fleet manager is not sure that it
-            stands.
+            """Puts a robot back into service. This is refused until the fleet manager is sure that
+            the robot stands.
             """
             self.robot_button(SECOND, ActKind.IN)
             time.sleep(0.5)
@@ -259,12 +259,12 @@ class FleetOnThePage(unittest.TestCase):
     # --- the page --------------------------------------------------------------------------------
 
     def stop_bar(self) -> str:
-        """The words of the red bar; empty: it is not shown."""
+        """Returns the words of the red bar; empty if the bar is not shown."""
         return str(self.window.script('''const bar = document.getElementById('stopped');
             return bar.hidden ? '' : bar.textContent;'''))
 
     def the_stop_outlives_restarts(self) -> None:
-        """Who has stopped the fleet is told by restarted programs, too."""
+        """Checks that restarted programs still show who has stopped the fleet."""
         self.window.wait(lambda: ', by local (page).' in self.stop_bar(), 'the red bar')
         told = self.stop_bar()
         kill_node('/path_supervisor')
@@ -280,7 +280,7 @@ class FleetOnThePage(unittest.TestCase):
 
     def compose(self, *vertices: int, robot: str = '', robot_type: str = '',
                 first_stay: bool = False, priority: int = 0) -> None:
-        """Clicks on the vertices on the map, and fills in the rest."""
+        """Clicks on the vertices on the map, and fills in the other fields."""
         self.window.click('#tab_button_missions')
         self.window.click('#clear')
         for count, vertex in enumerate(vertices, 1):
@@ -294,12 +294,12 @@ class FleetOnThePage(unittest.TestCase):
             self.choose(name, value)
 
     def choose(self, name: str, value: str) -> None:
-        """Sets a field, as a person does."""
+        """Sets a field in the way that a person does."""
         self.window.script('''const field = document.getElementById(arguments[0]);
             field.value = arguments[1]; field.dispatchEvent(new Event('change'));''', name, value)
 
     def press_send(self) -> int:
-        """Sends the composed mission; returns its id after the fleet manager has accepted it."""
+        """Sends the composed mission. Returns its id when the fleet manager has accepted it."""
         known = len(self.factory.statuses.messages)
         self.window.click('#send_button')
         status = self.factory.statuses.wait_for(
@@ -314,11 +314,11 @@ class FleetOnThePage(unittest.TestCase):
         return self.press_send()
 
     def row_of(self, mission: int) -> str:
-        """The selector of the row of an open mission."""
+        """Returns the selector of the row of an open mission."""
         return f'#open tr[data-key^="{mission}:"]'
 
     def choose_act(self, mission: int, act: str) -> None:
-        """Chooses an act in the menu of a mission, which has it as soon as the state allows it."""
+        """Chooses an act in the menu of a mission as soon as the mission's state allows the act."""
         def is_there() -> bool:
             self.window.click(f'{self.row_of(mission)} [data-act=menu]')
             found = self.window.driver.find_elements('css selector', f'#menu [data-act={act}]')
@@ -337,11 +337,11 @@ class FleetOnThePage(unittest.TestCase):
     # --- the robots ------------------------------------------------------------------------------
 
     def place(self, robot: str) -> Place:
-        """The true position of the robot, in m."""
+        """Returns the true position of the robot (m)."""
         return self.simulators.places()[robot]
 
     def distance(self, robot: str, vertex: int) -> float:
-        """The distance from the robot to a vertex, in m."""
+        """Returns the distance (m) from the robot to a vertex."""
         there = self.factory.graph.vertices[vertex]
         return math.dist(self.place(robot), (there.x, there.y))
 
@@ -370,7 +370,7 @@ class FleetOnThePage(unittest.TestCase):
                    f'mission {mission} in state {state}')
 
     def edges_driven(self, robot: str, vertex: int) -> Set[int]:
-        """All edges released to the robot on its way to a vertex."""
+        """Returns all edges that were released to the robot on its way to a vertex."""
         edges: Set[int] = set()
 
         def arrived() -> bool:

@@ -1,14 +1,14 @@
 #!/usr/bin/env python3
-"""Finds the shell commands of a page, and runs them as a reader does.
+"""Finds the shell commands of a page, and runs them as a reader would.
 
 page_commands.py PAGE    in a network namespace of its own, so that each port is free
 
-A comment directly above a block tells how to run it:
+A comment directly above a block says how to run the block:
 
 - `<!-- goes on -->`: a command that runs until the page ends, or until the next such command
 - `<!-- not run: REASON -->`: a command that is not run
 
-All other commands must end with exit status 0.
+Each other command must end with exit status 0.
 """
 from __future__ import annotations
 
@@ -28,17 +28,17 @@ HOW_TO = ('from_opentcs', 'from_one_robot')  # how-to pages whose commands need 
 PAGES = (ROOT / 'README.md', *sorted((ROOT / 'docs' / 'tutorials').glob('*.md')),
          *(ROOT / 'docs' / 'how-to' / f'{name}.md' for name in HOW_TO))
 SHELLS = ('bash', 'sh', 'shell', 'console')
-# s, after the start of a command that goes on, in which the next command must succeed
+# s in which the command after a command that goes on must succeed
 START = 180.0
 COMMAND = 300.0  # s, limit for a command
-END = 60.0  # s from Ctrl-C to the end
+END = 60.0  # s after Ctrl-C in which a command must end
 _BLOCK = re.compile(r'(?:^<!-- (?P<note>[^\n]*?) -->\n)?^```(?P<language>\w*)\n(?P<text>.*?)^```$',
                     re.MULTILINE | re.DOTALL)
 
 
 @dataclass(frozen=True)
 class Block:
-    """A block of a page, with the text of the comment above it."""
+    """A block of a page, with the text of the comment above the block."""
 
     language: str
     text: str
@@ -55,12 +55,12 @@ class Block:
 
     @property
     def reason(self) -> str:
-        """The reason why the block is not run; empty if it is run."""
+        """Why the block is not run; empty if it is run."""
         return self.note[len('not run:'):].strip() if self.note.startswith('not run:') else ''
 
 
 class CommandFailed(Exception):
-    """A command of a page did not do what the page says."""
+    """A command of a page did not do what the page says that it does."""
 
 
 def blocks_of(text: str) -> List[Block]:
@@ -70,7 +70,7 @@ def blocks_of(text: str) -> List[Block]:
 
 
 class Reader:
-    """A reader of one page, with one terminal for commands that go on and one for the others."""
+    """A reader of a page, with one terminal for commands that go on and another for all others."""
 
     def __init__(self, page: Path, home: Path) -> None:
         self._page = page
@@ -81,7 +81,7 @@ class Reader:
         self._running: Optional[subprocess.Popen] = None
 
     def follow(self) -> None:
-        """Follows the page from its first line to its last."""
+        """Follows the page from its first line to its last line."""
         may_wait = False
         try:
             for block in blocks_of(self._page.read_text(encoding='utf-8')):
@@ -124,7 +124,8 @@ class Reader:
                                   if line.startswith(('source ', 'export ')))
 
     def _end(self, must_come_up: bool) -> None:
-        """Presses Ctrl-C in the terminal of the command that goes on, once it runs."""
+        """Presses Ctrl-C in the terminal of the command that goes on, as soon as that command runs.
+        """
         running = self._running
         if running is None:
             return
@@ -151,14 +152,14 @@ class Reader:
 
 
 def alone(page: Path) -> List[str]:
-    """The command that follows a page where nothing else runs and there is no network."""
+    """Returns the command that follows a page where no other program runs, without a network."""
     mapped = [] if os.geteuid() == 0 else ['--map-root-user']
     return ['unshare', *mapped, '--net', '--pid', '--fork', '--kill-child', '--mount-proc',
             '/usr/bin/python3', str(Path(__file__).resolve()), str(page)]
 
 
 def main() -> int:
-    """Returns 0 if all commands of the page did what it says."""
+    """Returns 0 if all commands of the page did what the page says."""
     subprocess.run(['ip', 'link', 'set', 'lo', 'up'], check=True)
     with tempfile.TemporaryDirectory() as home:
         try:

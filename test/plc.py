@@ -1,5 +1,5 @@
-"""A PLC with a door and a press, as pymodbus's own server: it can be killed, can lie, and starts
-again.
+"""A PLC with a door and a press, on a server of pymodbus. It can be killed, started again, and
+report wrong states.
 """
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ _OFFSET = 1  # pymodbus's contexts number coils and inputs from 1
 
 
 class _Bits(store.ModbusSequentialDataBlock):
-    """Bits that functions answer and receive."""
+    """Bits that one function returns and another function receives."""
 
     def __init__(self, read: Callable[[int], Any], write: Callable[[int, Any], None]) -> None:
         super().__init__(0, [0])
@@ -45,7 +45,7 @@ class _Bits(store.ModbusSequentialDataBlock):
 
 
 class _Registers(_Bits):
-    """Registers that functions answer and receive."""
+    """Registers that one function returns and another function receives."""
 
     def setValues(self, address: int, values: Any) -> None:  # noqa: N802 pymodbus's name
         for k, value in enumerate(values):
@@ -53,10 +53,10 @@ class _Registers(_Bits):
 
 
 class Plc:
-    """Its door is open as soon as its coil is set, unless it lies.
+    """A PLC. Its door is open as soon as the door's coil is set, unless the PLC lies.
 
-    Its press works while its start is on; it says that it is done, or has failed, when the test
-    says so.
+    Its press works while the coil `start` is on. The test decides when the press reports that it is
+    done or has failed.
     """
 
     def __init__(self) -> None:
@@ -73,12 +73,12 @@ class Plc:
 
     @property
     def press(self) -> HandOverAddress:
-        """The address of its press."""
+        """The address of the press."""
         return HandOverAddress('127.0.0.1', START, KEY, DONE, FAILED, self.port, UNIT)
 
     @property
     def address(self) -> ModbusAddress:
-        """The address of its door."""
+        """The address of the door."""
         return ModbusAddress('127.0.0.1', COIL, INPUT, self.port, UNIT)
 
     def __enter__(self) -> Plc:
@@ -90,7 +90,7 @@ class Plc:
         self.kill()
 
     def start(self) -> None:
-        """Starts it, with all coils off, as after a power cut."""
+        """Starts the PLC with all coils off, as after a power cut."""
         self.coils, self.registers = {}, {}
         listening = threading.Event()
         self._thread = threading.Thread(target=lambda: asyncio.run(self._serve(listening)),
@@ -99,7 +99,7 @@ class Plc:
         assert listening.wait(10)
 
     def kill(self) -> None:
-        """Ends it with all its connections."""
+        """Ends the PLC and all its connections."""
         if self._thread is not None and self._loop is not None:
             self._loop.call_soon_threadsafe(self._task.cancel)
             self._thread.join(10)
@@ -122,7 +122,7 @@ class Plc:
         while not await self._loop.run_in_executor(None, _listens, self.port):
             await asyncio.sleep(0.01)
         listening.set()
-        with contextlib.suppress(asyncio.CancelledError):  # some versions swallow it
+        with contextlib.suppress(asyncio.CancelledError):  # some versions of pymodbus swallow it
             await self._task
         await server.shutdown()
 

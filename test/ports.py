@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
-"""Free TCP ports for tests: call `free_port()`, or run this file, which prints one.
+"""Free TCP ports for tests: call `free_port()`, or run this file, which prints a port.
 
-The ports lie below the range that the kernel uses for outgoing connections. A port of that range
-could be taken by another program's outgoing connection before the test uses it.
+The ports are below the range that the kernel uses for outgoing connections. Another program's
+outgoing connection could take a port in that range before the test uses it.
 """
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ _given: Set[int] = set()
 
 
 def free_port(address: str = '127.0.0.1') -> int:
-    """A port of `address` that nothing uses now; each call returns another one."""
+    """Returns a port of `address` that is not in use. Each call returns another port."""
     for port in random.sample(RANGE, len(RANGE)):
         if port in _given:
             continue

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""TF and pose follow the robot's locations: each once, with its time of arrival, no old one."""
+"""TF and pose follow the robot's locations: each one once, with its time of arrival, no old one."""
 from __future__ import annotations
 
 import math
@@ -53,7 +53,7 @@ class PoseTest(unittest.TestCase):
     def test_a_location_becomes_one_pose_and_one_transform_with_its_stamp(self):
         message = status(3.12, -0.54, math.radians(-87))
         self.status.publish(message)
-        self.status.publish(message)  # received twice, as when a new subscriber joins
+        self.status.publish(message)  # comes twice, as it may if a new subscriber joins
         self.status.publish(status(4.0, 0.0, 0.0))
         pose = self.pose_at(3.12)
         self.assertEqual('map', pose.header.frame_id)
@@ -143,7 +143,7 @@ class PoseTest(unittest.TestCase):
             if not listener_buffer.can_transform('map', 'other/base_link', rospy.Time(0)):
                 return False
             robot = listener_buffer.lookup_transform('map', 'other/base_link', rospy.Time(0))
-            # the newest message can still be that of another test
+            # the newest message may still come from another test
             place = robot.transform.translation
             return math.dist((place.x, place.y), (32.0, 2.0)) < 1e-6
 

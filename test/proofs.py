@@ -1,15 +1,16 @@
-"""Proofs run whole when a file that they read has changed since they passed, and with --long.
+"""Proofs run whole if a file that they read has changed since they passed, and with --long.
 
-A proof is a file of tests that searches all states of code without I/O, or a great many random
-lives. Whole, it takes long. So its file asks `is_whole(__file__)` for the bounds of its searches:
+A proof is a file of tests that searches all states of code without I/O, or a great number of random
+sequences. A whole search takes long. So the file asks `is_whole(__file__)`, and chooses the bounds
+of its searches:
 
     WHOLE = is_whole(__file__)
     LIVES = 60 if LONG else 20 if WHOLE else 3
 
-The answer depends on contents alone: on those of the file, of all files of the workspace that it
+The answer depends only on contents: those of the file, of all files of the workspace that it
 imports, directly or not, and of the `conftest.py` above it. When all tests of the file have passed,
-`RECORD` keeps the hash of these contents. Other contents than the recorded ones are searched whole.
-A clone that was never tested has no record: its first run searches to the default bounds.
+`RECORD` keeps the hash of these contents. If the contents differ from the recorded ones, the search
+is whole. A new clone has no record. Its first run searches to the default bounds.
 The root's conftest.py loads this module as a plugin of pytest.
 """
 from __future__ import annotations
@@ -29,15 +30,15 @@ import pytest
 ROOT = Path(__file__).resolve().parents[1]
 RECORD = ROOT / 'build' / 'proofs.json'
 LONG = os.environ.get('LD90_LONG_TESTS') == '1'
-# A second Python version only looks for code that does not work there at all: it proves nothing.
+# Tests under a second Python only look for code that does not work there: they prove nothing.
 PROVES = os.environ.get('HYPOTHESIS_PROFILE') != 'compatibility'
 
 
 class Proof(NamedTuple):
-    """What the report of a test tells about the proof to which it belongs.
+    """The data in a test's report about the proof to which the test belongs.
 
-    file  -- below the root
-    tests -- number of tests in the file; 0: only some of them were asked for
+    file  -- path below the root
+    tests -- number of tests in the file; 0: pytest was asked to run only some of them
     """
 
     file: str
@@ -47,7 +48,7 @@ class Proof(NamedTuple):
 
 
 def is_whole(file: str) -> bool:
-    """Whether the proofs in this file of tests run whole now."""
+    """Returns whether the proofs in this file of tests run whole now."""
     name, key = _name(file), key_of(Path(file))
     whole = PROVES and (LONG or recorded().get(name, key) != key)
     _asked[name] = Proof(name, key, whole, 0)
@@ -55,7 +56,7 @@ def is_whole(file: str) -> bool:
 
 
 def key_of(file: Path) -> str:
-    """The hash of all contents on which the result of the proofs in this file depends."""
+    """Returns the hash of all contents on which the result of the proofs in this file depends."""
     digest = hashlib.sha256(repr(sys.version_info[:2]).encode())
     for one in sorted(read_by(file)):
         content = hashlib.sha256(one.read_bytes()).hexdigest()
@@ -64,7 +65,7 @@ def key_of(file: Path) -> str:
 
 
 def read_by(file: Path) -> Set[Path]:
-    """The files of the workspace that this one imports, directly or not, itself, and the
+    """Returns this file, the files of the workspace that it imports, directly or not, and the
     `conftest.py` above it.
     """
     waiting = [file, *(folder / 'conftest.py' for folder in file.parents
@@ -81,7 +82,7 @@ def read_by(file: Path) -> Set[Path]:
 
 @lru_cache(maxsize=None)
 def names_imported(file: Path) -> FrozenSet[str]:
-    """All modules that a file imports, and the members of modules that may be modules."""
+    """Returns all modules that a file imports, and imported names that may be modules."""
     names: Set[str] = set()
     for node in ast.walk(ast.parse(file.read_bytes())):
         if isinstance(node, ast.Import):
@@ -92,7 +93,7 @@ def names_imported(file: Path) -> FrozenSet[str]:
 
 
 def recorded() -> Dict[str, str]:
-    """The key of each proof with which it passed last."""
+    """Returns the key with which each proof passed last."""
     try:
         return dict(json.loads(RECORD.read_text(encoding='utf-8')))
     except (OSError, ValueError):
@@ -100,8 +101,8 @@ def recorded() -> Dict[str, str]:
 
 
 _asked: Dict[str, Proof] = {}
-_proofs: Dict[str, Proof] = {}  # those that ran
-_passed: Dict[str, Dict[str, bool]] = defaultdict(dict)  # by file and test
+_proofs: Dict[str, Proof] = {}  # the proofs that ran
+_passed: Dict[str, Dict[str, bool]] = defaultdict(dict)  # by file and test: whether it passed
 
 
 @lru_cache(maxsize=None)
@@ -116,8 +117,8 @@ def _and_packages(name: str) -> Iterator[str]:
 
 @lru_cache(maxsize=None)
 def _modules() -> Dict[str, List[Path]]:
-    """All Python files of the workspace by the name under which they can be imported. A name of
-    two files stands for both.
+    """Returns all Python files of the workspace by the name under which they can be imported. If
+    two files have the same name, the name stands for both.
     """
     found: Dict[str, List[Path]] = defaultdict(list)
     for file in (*ROOT.glob('src/*/src/**/*.py'), *ROOT.glob('src/*/test/**/*.py'),
@@ -136,7 +137,7 @@ def _modules() -> Dict[str, List[Path]]:
 
 @pytest.hookimpl(tryfirst=True)  # before any test is deselected
 def pytest_collection_modifyitems(config: pytest.Config, items: List[pytest.Item]) -> None:
-    """Adds to each test of a proof what its report must tell. Proofs take longest and begin first.
+    """Adds to each test of a proof the data for its report. Proofs take longest, so they begin.
     """
     names = [_name(str(item.fspath)) for item in items]
     counts = Counter(names)
@@ -159,7 +160,7 @@ def pytest_runtest_logreport(report: pytest.TestReport) -> None:
 
 
 def pytest_sessionfinish(session: pytest.Session) -> None:
-    """Records the proofs of which each test has passed, and writes a note about all that ran."""
+    """Records each proof whose tests have all passed, and writes a note about all that ran."""
     if hasattr(session.config, 'workerinput') or not _proofs or not PROVES:
         return
     passed = {file: proof.key for file, proof in _proofs.items()
@@ -172,7 +173,7 @@ def pytest_sessionfinish(session: pytest.Session) -> None:
 
 
 def pytest_terminal_summary(terminalreporter: Any) -> None:
-    """Tells how many proofs ran whole."""
+    """Prints how many proofs ran whole."""
     if _proofs and PROVES:
         terminalreporter.write_line(_told())
 

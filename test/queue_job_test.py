@@ -1,5 +1,7 @@
 #!/usr/bin/env python3
-"""A job goes through job_client to a simulated Fleet Manager, over a cut link and a killed node."""
+"""A job goes through job_client to a simulated Fleet Manager, although the link is cut and the node
+is killed.
+"""
 from __future__ import annotations
 
 import contextlib
@@ -21,11 +23,12 @@ PATIENCE = 60.0
 
 
 class CuttableLink:
-    """A proxy on loopback that notes the commands for jobs, and cuts the link after one of them."""
+    """A proxy on loopback that notes the commands for jobs. It can cut the link after one of them.
+    """
 
     def __init__(self) -> None:
         self.queued: List[str] = []
-        self.cuts = 0           # number of commands after which the link is still to be cut
+        self.cuts = 0           # number of further commands after which the link is cut
         self._server = socket.create_server(('127.0.0.1', LINK))
         threading.Thread(target=self._serve, daemon=True).start()
 
@@ -34,7 +37,7 @@ class CuttableLink:
             client, _ = self._server.accept()
             try:
                 manager = socket.create_connection(('127.0.0.1', MANAGER))
-            except OSError:     # the simulator has not started yet; the node tries again
+            except OSError:     # the simulator has not started yet; the node will try again
                 client.close()
                 continue
             for source, sink in ((client, manager), (manager, client)):
@@ -55,14 +58,14 @@ class CuttableLink:
                     return
                 sink.sendall(line)
         except OSError:
-            pass  # one of the two connections has ended, so the other must end too
+            pass  # one of the two connections has ended, so the other one must end, too
         for end in (source, sink):
             with contextlib.suppress(OSError):  # it may have ended already
                 end.shutdown(socket.SHUT_RDWR)
 
 
 class QueueJobTest(unittest.TestCase):
-    """One job is driven once, although its answer was lost and the node was killed."""
+    """A job is driven only once, although its answer was lost and the node was killed."""
 
     def test_a_job_is_driven_once_over_a_cut_link_and_a_killed_node(self) -> None:
         rospy.init_node('queue_job_test')
@@ -80,7 +83,7 @@ class QueueJobTest(unittest.TestCase):
         statuses.wait_for(lambda one: one.request_id == 'pallet 7', PATIENCE, 'the restart', before)
         again = actionlib.SimpleActionClient('/job_client/queue_job', QueueJobAction)
         self.assertTrue(again.wait_for_server(rospy.Duration(PATIENCE)))
-        again.send_goal(wanted)     # the same request: the job that it has
+        again.send_goal(wanted)     # the same request, for the same job
         self.assertTrue(again.wait_for_result(rospy.Duration(PATIENCE)), 'the job does not end')
         status = again.get_result().status
         self.assertEqual(status.state, JobStatus.COMPLETED)

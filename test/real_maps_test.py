@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""A user's own map: the full stack shows a real LD robot's map correctly and drives to its goals.
+"""A user's own map: the full stack shows the map of a real LD robot correctly, and drives to goals.
 
-The maps belong to real robots and are no part of this repository; without them the tests skip.
+The maps belong to real robots and are not in this repository. Without them the tests are skipped.
 """
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from visualization_msgs.msg import MarkerArray
 
 from system_support import Launched, Recorder, drive_to, run_cases
 
-MAPS = Path(os.environ.get('LD90_REAL_MAPS') or '/nowhere')  # if LD90_REAL_MAPS names no folder
+MAPS = Path(os.environ.get('LD90_REAL_MAPS') or '/nowhere')  # '/nowhere': there are no maps
 
 
 class RealMaps(unittest.TestCase):

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The receiver's topics carry what the robot sent: unchanged bytes, and typed in SI units."""
+"""The receiver's topics have what the robot sent: as unchanged bytes, and typed in SI units."""
 from __future__ import annotations
 
 import math
@@ -35,7 +35,7 @@ STATUS = {  # topic -> line
 
 
 class RawString(String):
-    """A String whose data stays bytes; rospy's own class decodes them as UTF-8."""
+    """A String whose data stay bytes; rospy's own class decodes them as UTF-8."""
 
     def deserialize(self, buffer: bytes) -> RawString:
         self.data = buffer[4:]
@@ -56,7 +56,7 @@ class ReceiverTest(unittest.TestCase):
         cls.diagnostics = Recorder('/diagnostics', DiagnosticArray)
         cls.links.wait_for(lambda link: link.state == LinkState.DISCONNECTED, 30.0, 'receiver')
         cls.robot = cls.connect()
-        # Subscribers connect one after the other. The tests begin after all have received a status.
+        # Subscribers connect one after the other. The tests begin when all have got a status.
         wait_until(cls.everybody_hears, 20.0, 'every subscriber gets a message of the receiver')
 
     @classmethod
@@ -166,7 +166,7 @@ class ReceiverTest(unittest.TestCase):
         self.assertNotIn(2, published)
 
     def test_a_flood_of_garbage_starves_nothing(self):
-        """Ten megabytes as fast as possible: statuses, link and diagnostics must continue."""
+        """During ten megabytes of garbage, statuses, link and diagnostics must continue."""
         node = self.process_id('/omron_ld90/omron_connection_receiver')
         log = Recorder('/rosout', Log)
         wait_until(log.is_connected, SOON, 'rosout')
@@ -195,7 +195,7 @@ class ReceiverTest(unittest.TestCase):
 
     @staticmethod
     def memory_of(process_id: int) -> float:
-        """Resident memory, in MB."""
+        """Returns the resident memory of a process, in MB."""
         pages = int(Path(f'/proc/{process_id}/statm').read_text(encoding='ascii').split()[1])
         return pages * os.sysconf('SC_PAGE_SIZE') / 1e6
 
@@ -205,7 +205,7 @@ class ReceiverTest(unittest.TestCase):
 
     @staticmethod
     def states_of(process_id: int) -> Set[str]:
-        """The states of its threads; T means stopped."""
+        """Returns the states of a process's threads; T means stopped."""
         return {file.read_text(encoding='utf-8').rsplit(')', 1)[1].split()[0]
                 for file in Path(f'/proc/{process_id}/task').glob('*/stat')}
 

@@ -1,4 +1,4 @@
-"""A ROS master of its own: it can be killed, restarted on its port, and suspended."""
+"""A separate ROS master that a test can kill, restart at its port, and suspend."""
 from __future__ import annotations
 
 import signal
@@ -15,7 +15,7 @@ STARTED = 20.0  # s within which it must answer
 
 
 class RosMaster:
-    """A ROS master; see the module's text. It answers as soon as the object is made."""
+    """A ROS master; see the docstring of the module. It answers when the object has been made."""
 
     def __init__(self) -> None:
         self.port = free_port()
@@ -23,7 +23,7 @@ class RosMaster:
         self.start()
 
     def start(self) -> None:
-        """Starts it; returns when it answers."""
+        """Starts the master. Returns when it answers."""
         self._process = subprocess.Popen(['rosmaster', '--core', '-p', str(self.port)],
                                          stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         deadline = time.monotonic() + STARTED
@@ -34,17 +34,17 @@ class RosMaster:
 
     @property
     def pid(self) -> int:
-        """The id of its process."""
+        """The process id of the master."""
         return self._process.pid
 
     def kill(self) -> None:
-        """Kills it, without a shutdown."""
+        """Kills the master without a shutdown."""
         self._process.kill()
         self._process.wait(10)
 
     @contextmanager
     def hangs(self) -> Iterator[None]:
-        """It answers nothing during the block."""
+        """Suspends the master during the `with` block, so that it does not answer."""
         self._process.send_signal(signal.SIGSTOP)
         try:
             yield

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Failures during a route: the fleet manager gets the reason; only driven edges are COMPLETE."""
+"""Faults on a route: the fleet manager gets the reason, and only driven edges are COMPLETE."""
 from __future__ import annotations
 
 import unittest
@@ -45,7 +45,8 @@ class Faults(unittest.TestCase):
                                  'a status without emergency stop', after=place)
 
     def fails(self, reason: str, bring_about: Callable[[], object], stopped: bool = True) -> None:
-        """A route fails for the reason after two edges; the robot is stopped, or left as it is."""
+        """Makes a route fail after two edges. Checks the reason, and whether the robot is stopped.
+        """
         route_id = self.lab.under_way(HALL, 2)
         commands, told = len(self.lab.commands.messages), len(self.diagnostics.messages)
         bring_about()
@@ -70,7 +71,7 @@ class Faults(unittest.TestCase):
         self.fails('taken over', lambda: self.others.publish('goto 10'), stopped=False)
 
     def test_3_a_lost_link(self) -> None:
-        # `direct` sends the robot far ahead
+        # with `direct`, the robot is sent far ahead
         self.lab.restart_bridge(strategy='direct', link_timeout=0.5)
         self.addCleanup(self.lab.restart_bridge, strategy='rolling', link_timeout=2.0)
         route_id = self.lab.under_way(HALL, 1)
@@ -94,7 +95,7 @@ class Faults(unittest.TestCase):
                                     after=heard)
 
     def test_5_a_stop_in_rviz_is_the_last_word(self) -> None:
-        """No goal is sent to a robot that brakes, although its status only says `Stopping`,
+        """A robot that brakes gets no goal, although its status only says `Stopping` and
         `Stopped`.
         """
         clicks = actionlib.ActionClient('/omron_ld90/execute_command', ExecuteCommandAction)
@@ -109,13 +110,13 @@ class Faults(unittest.TestCase):
         self.assertEqual(self.lab.end_of(route_id, 20.0).reason, 'taken over')
         late = self.lab.drives_heard()[given:]
         lines = [line.data for line in self.lab.responses.messages[heard:]]
-        self.assertLess(len(late), 2, lines)  # one goal may have been on its way already
+        self.assertLess(len(late), 2, lines)  # one goal may already have been on its way
         self.assertNotIn('Going to', ' '.join(lines[lines.index('Stopping'):]))
 
     def test_6_a_robot_that_is_lost(self) -> None:
         self.fails('Robot lost', lambda: self.lab.robot.inject('lost'))
         told = len(self.lab.states.messages)
-        # It is told to stop when its route has failed, and is localized only when it stands.
+        # The robot is told to stop when its route has failed. It is localized when it stands.
         self.lab.states.wait_for(lambda states: states.motion == states.STANDING, 20,
                                  'a robot that stands', after=told)
         self.others.publish('localizeToPoint {:.0f} {:.0f} {:.0f}'.format(*self.lab.robot.pose))

@@ -53,14 +53,14 @@ class FleetManager:
         return self._route_id
 
     def end_of(self, route_id: int, timeout: float = 120.0) -> ExecutionRouteStates:
-        """The first report without an edge under way on that route."""
+        """Returns the first report on that route without an edge under way."""
         return self.states.wait_for(
             lambda states: states.route_id == route_id and states.edge_states
             and EdgeState.PROCESSING not in state_list(states),
             timeout, f'end of route {route_id}')
 
     def under_way(self, edges: Sequence[int], done: int) -> int:
-        """Orders a route and waits until the given number of its edges are complete."""
+        """Orders a route, and waits until `done` of its edges are complete."""
         route_id = self.order(edges)
         self.states.wait_for(
             lambda states: states.route_id == route_id
@@ -70,10 +70,10 @@ class FleetManager:
 
 
 class RouteRobot(FleetManager):
-    """The fleet manager of a robot that the test itself simulates, from vertex 8 on."""
+    """The fleet manager of a robot that the test itself simulates. It starts at vertex 8."""
 
     def __init__(self, speed: float, status_period: float) -> None:
-        """`status_period` is in seconds of the robot's clock."""
+        """status_period -- s of the robot's clock"""
         self._speed = speed
         self.graph = load_graph(f'{MAPS}/lab_graph.yaml')
         self.robot = Simulator(
@@ -87,8 +87,8 @@ class RouteRobot(FleetManager):
 
     @contextmanager
     def at_speed(self, speed: float) -> Iterator[None]:
-        """Sets the speed of the robot's clock during the block: 16 for phases without checks, 0.5
-        for races.
+        """Sets the speed of the robot's clock during the `with` block: 16 for phases without
+        checks, 0.5 for races.
         """
         self.robot.set_speed(speed)
         try:
@@ -97,12 +97,12 @@ class RouteRobot(FleetManager):
             self.robot.set_speed(self._speed)
 
     def drives_heard(self) -> List[str]:
-        """The drive commands that the robot has received, in order."""
+        """Returns the drive commands that the robot has received, in order."""
         return [transfer.text for transfer in read_log(self._session.getvalue().splitlines())
                 if transfer.direction == 'C' and transfer.text.startswith(('goto', 'dock'))]
 
     def restart_bridge(self, **parameters: object) -> None:
-        """Ends the bridge's process, and waits until roslaunch has started it again."""
+        """Ends the bridge's process. Waits until roslaunch has started it again."""
         before = rosnode.get_api_uri(rospy.get_master(), BRIDGE, skip_cache=True)
         for name, value in parameters.items():
             rospy.set_param(f'{BRIDGE}/{name}', value)
@@ -115,10 +115,10 @@ class RouteRobot(FleetManager):
                              'report of the restarted bridge', after=heard)
 
     def _listeners(self) -> Set[int]:
-        """The subscribers that would receive a route."""
+        """Returns the subscribers that would receive a route."""
         return {connection for connection, *_ in self.routes.impl.get_stats_info()}
 
 
 def state_list(states: ExecutionRouteStates) -> List[int]:
-    """The edges' states, in order."""
+    """Returns the edges' states, in order."""
     return [edge.state for edge in states.edge_states]

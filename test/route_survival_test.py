@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""A node dies or is suspended during a route: the route is driven to its end, nothing twice."""
+"""A node is killed or suspended during a route: the route is driven to its end, nothing twice."""
 from __future__ import annotations
 
 import os
@@ -35,12 +35,12 @@ class Survival(unittest.TestCase):
         cls.lab.robot.stop()
 
     def way(self) -> List[int]:
-        """The route through the hall, from the end where the robot stands to the other end."""
+        """The route through the hall, from the end at which the robot stands to the other end."""
         x = self.lab.status.messages[-1].pose.position.x
         return HALL if x < 0.0 else [-edge for edge in reversed(HALL)]
 
     def survives(self, what, done: int) -> None:
-        """A route with a mishap after `done` edges, in either direction, is driven to its end."""
+        """Drives a route with a mishap after `done` edges, in either direction, to its end."""
         self.lab.wait_ready()
         route = self.way()
         given, heard = len(self.lab.drives_heard()), len(self.lab.responses.messages)
@@ -61,7 +61,7 @@ class Survival(unittest.TestCase):
         pid = process_of(f'/omron_ld90/{node}')
         os.kill(pid, signal.SIGSTOP)
         try:
-            time.sleep(seconds)  # the suspension itself, not a wait for a condition
+            time.sleep(seconds)  # for the length of the suspension, not for a condition
         finally:
             os.kill(pid, signal.SIGCONT)
 
@@ -97,10 +97,10 @@ class Survival(unittest.TestCase):
         self.assertEqual([], self.lab.commands.texts[given:])
 
     def test_7_a_stop_that_the_controller_cannot_hear_is_obeyed_when_it_is_back(self) -> None:
-        self.lab.restart_bridge(strategy='direct')  # the robot is sent far ahead
+        self.lab.restart_bridge(strategy='direct')  # so the robot is sent far ahead
         self.lab.under_way(self.way(), 1)
         heard = len(self.lab.responses.messages)
-        with self.lab.at_speed(0.5):  # the robot must not arrive before the controller runs again
+        with self.lab.at_speed(0.5):  # so the robot does not arrive before the controller is back
             self.kill('omron_controller')
             self.lab.order([])
             self.lab.responses.wait_for(lambda line: line.data == 'Stopped', 30.0,
@@ -126,7 +126,7 @@ class Survival(unittest.TestCase):
         self.lab.wait_ready()
 
     def route_diagnosis(self) -> DiagnosticStatus:
-        """The newest diagnosis of the bridge."""
+        """Returns the newest diagnosis of the bridge."""
         return next((status for array in reversed(self.diagnostics.messages)
                      for status in array.status
                      if status.name == 'omron_ld90/omron_edges_to_vertices: route'),

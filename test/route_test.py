@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""A fleet manager's routes are driven by the simulated robot and reported edge by edge."""
+"""The simulated robot drives a fleet manager's routes and reports them edge by edge."""
 from __future__ import annotations
 
 import unittest
@@ -53,8 +53,8 @@ class Routes(unittest.TestCase):
                    'a status of the docked robot')
 
     def check_reports(self, reports, edges) -> None:
-        """Percentages grow within an edge, edges become complete in order, stamps are the
-        locations'.
+        """Checks that percentages grow within an edge, that edges become complete in order, and
+        that stamps are those of the locations.
         """
         stamps = {status.header.stamp for status in self.fleet.status.messages}
         done, percentage = 0, 0.0

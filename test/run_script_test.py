@@ -24,7 +24,7 @@ from system_support import Recorder, run_cases, wait_until
 
 ROOT = Path(__file__).resolve().parents[1]
 PASSWORD = 'Cormorant-7'
-#: A node with the name of a fleet manager: for the ROS master, the fleet manager of another run.
+#: A node with the name of a fleet manager. For the ROS master, it is another run's fleet manager.
 RUNNING = "import rospy; rospy.init_node('path_supervisor'); rospy.spin()"
 
 
@@ -41,7 +41,7 @@ class RunScript(unittest.TestCase):
         self.addCleanup(self.output.close)
 
     def test_a_password_in_the_environment_reaches_the_robot_and_no_log(self) -> None:
-        """The start also ends with the line that says what is ready, and Ctrl-C says nothing."""
+        """The start ends with the line that says what is ready, and Ctrl-C prints nothing."""
         with Simulator(ROOT / 'maps' / 'lab.map', password=PASSWORD) as robot:
             script = self.start(
                 'sim:=false', 'rviz:=false', 'robot_ip:=127.0.0.1', f'arcl_port:={robot.port}',
@@ -59,7 +59,7 @@ class RunScript(unittest.TestCase):
 
         wait_until(lambda: not file.exists(), 10, f'the end of {file}')
         self.assertNotIn(PASSWORD, self.told())
-        # A slow start also has lines of the log: the link is up, there is no outgoing connection.
+        # A slow start also has two lines of the log: the link is up, and no outgoing connection.
         lines = [line for line in self.told().splitlines()
                  if not line.startswith(('[INFO]', '[WARN]'))]
         for line, pattern in zip(lines[-3:], (
@@ -75,7 +75,7 @@ class RunScript(unittest.TestCase):
         self.assertEqual(differences(walk(self.home, 'ROS_HOME', names)), [])
 
     def test_a_fleet_does_not_take_the_nodes_of_one_that_runs(self) -> None:
-        """Under one ROS master the two fleets would end and restart each other's nodes for ever."""
+        """Under one ROS master two fleets would end and restart each other's nodes for ever."""
         running = subprocess.Popen(['/usr/bin/python3', '-c', RUNNING])
         try:
             wait_until(lambda: rosnode_ping('/path_supervisor', max_count=1), 30,
@@ -95,7 +95,7 @@ class RunScript(unittest.TestCase):
             running.wait(10)
 
     def told(self) -> str:
-        """What the script has printed so far."""
+        """Returns the output of the script so far."""
         return Path(self.output.name).read_text()
 
     def start(self, *args: str) -> subprocess.Popen:

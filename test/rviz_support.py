@@ -1,10 +1,10 @@
-"""A real RViz in a screen of its own: finds places of the map on it, clicks, takes pictures.
+"""A real RViz on a screen of its own: finds places of the map in it, clicks, takes pictures.
 
 The screen is an Xvfb of 1280 x 900; xdotool moves the mouse. `missing_programs` lists the programs
-that are missing.
+that are not installed.
 
-A loaded computer draws late. So each step waits for something visible: a handle is clicked when the
-status bar describes it, a menu entry when it is highlighted.
+A loaded computer draws late. So each step waits for something visible: a click on a handle waits
+until the status bar describes the handle, and a click on a menu entry until it is highlighted.
 """
 from __future__ import annotations
 
@@ -32,17 +32,17 @@ WIDTH, HEIGHT = 1280, 900
 TOOLBAR_Y = 42
 TOOLBAR = (0, 24, 1000, 60)
 STATUS_BAR = (0, 872, 1100, 900)
-MENU_INSET = 24  # pixels from a menu's left edge to a point between the mouse's arrow and the words
+MENU_INSET = 24  # px from a menu's left edge to a point between the mouse pointer and the words
 GEOMETRY = re.compile(r'WINDOW=(\d+)\nX=(-?\d+)\nY=(-?\d+)\nWIDTH=(\d+)\nHEIGHT=(\d+)')
-REST = 0.5  # s without a change after which a picture is complete
-PATIENCE = 30.0  # s in which RViz draws new data, on a loaded computer
+REST = 0.5  # s; a picture that has not changed for this time is complete
+PATIENCE = 30.0  # s in which RViz must draw new data, on a loaded computer
 Colour = Tuple[int, int, int]
 Box = Tuple[int, int, int, int]  # left, top, right, bottom; pixels
 MENU_COLOUR: Colour = (255, 255, 255)
 
 
 def missing_programs() -> List[str]:
-    """The programs that these tests need and that are not installed."""
+    """Returns the programs that these tests need and that are not installed."""
     missing = [name for name in PROGRAMS if shutil.which(name) is None]
     return missing if shutil.which('rviz') or any(map(os.path.exists, RVIZ)) else [*missing, 'rviz']
 
@@ -74,7 +74,8 @@ class Screen:
                        timeout=60, stdout=subprocess.DEVNULL)
 
     def windows(self) -> Dict[str, Box]:
-        """The rectangles of the windows on the screen by id; an open menu is a window too."""
+        """Returns the rectangles of the windows on the screen, by id. An open menu is a window.
+        """
         found = subprocess.run(
             ['xdotool', 'search', '--onlyvisible', '--maxdepth', '1', '--name', '',
              'getwindowgeometry', '--shell', '%@'], env=self.environment, check=False, timeout=60,
@@ -83,7 +84,7 @@ class Screen:
                 for id, x, y, width, height in GEOMETRY.findall(found)}
 
     def picture(self) -> Image.Image:
-        """The picture of the screen, which Xvfb keeps in a file in the format of xwd."""
+        """Returns the picture of the screen, which Xvfb keeps in a file in the format of xwd."""
         path = os.path.join(self._folder.name, 'Xvfb_screen0')
         header = np.fromfile(path, '>u4', 25)  # big-endian on every computer
         header_size, line_size, colours = int(header[0]), int(header[12]), int(header[19])
@@ -94,10 +95,10 @@ class Screen:
 
 
 class RvizWindow:
-    """RViz as launch/rviz.launch starts it, filling the screen."""
+    """The window of an RViz that launch/rviz.launch starts. It fills the screen."""
 
     def __init__(self, screen: Screen, artefacts: str, scale: float, *launch: str) -> None:
-        """`scale` is the scale of the configuration's view, in pixels per metre."""
+        """scale -- scale of the configuration's view, in pixels per metre"""
         self._screen, self._artefacts, self._scale = screen, artefacts, scale
         self._origin: Optional[Tuple[float, float]] = None  # pixel of the map's origin
         self._nothing_here = (0, 0)
@@ -122,12 +123,12 @@ class RvizWindow:
     # Positions
 
     def calibrate(self, pixel: Tuple[int, int], place: Tuple[float, float]) -> None:
-        """Tells that the map's `place` (m) is at `pixel`, where there is no handle."""
+        """Notes that the map's `place` (m) is at `pixel`, where there is no handle."""
         self._nothing_here = pixel
         self._origin = (pixel[0] - place[0] * self._scale, pixel[1] + place[1] * self._scale)
 
     def pixel(self, x: float, y: float) -> Tuple[int, int]:
-        """The pixel of the place x, y (m, map)."""
+        """Returns the pixel of the place x, y (m, map)."""
         assert self._origin is not None, 'calibrate first'
         return (round(self._origin[0] + x * self._scale), round(self._origin[1] - y * self._scale))
 
@@ -139,19 +140,19 @@ class RvizWindow:
         self._screen.mouse('key', 'i')
         interact = self._at_rest(TOOLBAR)
 
-        def taken() -> bool:  # a key that comes before the window has the keyboard focus is lost
+        def taken() -> bool:  # a key is lost if it comes before the window has the keyboard focus
             self._screen.mouse('key', key)
             return self._at_rest(TOOLBAR) != interact
         wait_until(taken, PATIENCE, f'RViz takes tool {key}')
 
     def tool_at(self, x: int) -> None:
-        """Chooses the tool at `x` of the toolbar. With two tools of a kind, a shortcut finds only
-        one.
+        """Chooses the tool at `x` in the toolbar. Of two tools of the same kind, a shortcut finds
+        only one.
         """
         self._screen.mouse('mousemove', x, TOOLBAR_Y, 'click', 1)
 
     def hover(self, pixel: Tuple[int, int]) -> None:
-        """Moves the mouse to `pixel`, with a small movement there, as a hand does."""
+        """Moves the mouse to `pixel`, with a small movement at the end, like a hand."""
         self._screen.mouse('mousemove', pixel[0] - 2, pixel[1])
         self._screen.mouse('mousemove', *pixel)
 
@@ -160,12 +161,12 @@ class RvizWindow:
         self._screen.mouse('click', button)
 
     def click_handle(self, pixel: Tuple[int, int], button: int = 1) -> None:
-        """Clicks on a handle after RViz describes it in its status bar."""
+        """Clicks on a handle when RViz describes the handle in its status bar."""
         self.find_handle(pixel)
         self._screen.mouse('click', button)
 
     def drag_handle(self, start: Tuple[int, int], end: Tuple[int, int]) -> None:
-        """Drags a handle that RViz has found, with small movements, as a hand does."""
+        """Drags a handle that RViz has found, with small movements, like a hand."""
         self.find_handle(start)
         self._screen.mouse('mousedown', 1)
         for step in range(1, 11):
@@ -176,7 +177,7 @@ class RvizWindow:
 
     def find_handle(self, pixel: Tuple[int, int]) -> None:
         """Moves the mouse to a handle, until RViz describes the handle in its status bar."""
-        def found() -> bool:  # RViz checks at most once per frame, and only when the mouse moves
+        def found() -> bool:  # RViz checks at most once per frame, and only if the mouse moves
             for _ in range(2):  # at first the status bar can still describe the previous handle
                 self.hover(self._nothing_here)
                 idle = self._at_rest(STATUS_BAR)
@@ -194,11 +195,11 @@ class RvizWindow:
     def choose_from_menu(self, pixel: Tuple[int, int], menu: Sequence, entry: object) -> None:
         """Opens the `menu` of the handle at `pixel`, and clicks on one of its entries.
 
-        A menu is recognised by its window, because its colour is the same as that of a white floor.
+        A menu is recognised by its window, because its colour is also the colour of a white floor.
         """
         def lit() -> bool:
             nonlocal opened
-            if opened not in self._screen.windows().items():  # the menu closed by itself: try again
+            if opened not in self._screen.windows().items():  # the menu has closed: try again
                 opened = self._open_menu(pixel)
             left, top, _, bottom = opened[1]
             y = top + round((menu.index(entry) + 0.5) * (bottom - top) / len(menu))
@@ -211,7 +212,7 @@ class RvizWindow:
                    f'the menu at {pixel} closes')
 
     def _open_menu(self, pixel: Tuple[int, int]) -> Tuple[str, Box]:
-        """The window of the menu of the handle at `pixel`."""
+        """Opens the menu of the handle at `pixel`. Returns the menu's window."""
         before = self._screen.windows()
 
         def opened() -> Optional[Tuple[str, Box]]:
@@ -226,7 +227,7 @@ class RvizWindow:
         return self.screen().crop(box).tobytes()
 
     def _at_rest(self, box: Box) -> bytes:
-        """A part of the window after it has not changed for a while."""
+        """Returns a part of the window when it has not changed for REST."""
         shot, since = self._part(box), time.monotonic()
 
         def rests() -> bool:
@@ -241,18 +242,18 @@ class RvizWindow:
     # Visible content
 
     def screen(self) -> Image.Image:
-        """A picture of the screen now."""
+        """Returns a picture of the screen now."""
         return self._screen.picture()
 
     def picture(self, name: str) -> Image.Image:
-        """The same picture, saved among the artefacts as `name`.png."""
+        """Returns the same picture, and saves it among the artefacts as `name`.png."""
         picture = self.screen()
         picture.save(os.path.join(self._artefacts, f'{name}.png'))
         return picture
 
     def wait_for_picture(self, name: str, missing: Callable[[Image.Image], List[str]],
                          timeout: float = PATIENCE) -> None:
-        """Looks until `missing` returns no more names; saves the last picture as `name`.png."""
+        """Waits until `missing` returns no more names. Saves the last picture as `name`.png."""
         picture, lacking = self.screen(), ['']
 
         def complete() -> bool:
@@ -269,20 +270,20 @@ class RvizWindow:
 
 
 def close_to(pixels: np.ndarray, colour: Colour, tolerance: float = 40.0) -> np.ndarray:
-    """A mask of the `pixels` (..., 3) that are about of that colour."""
+    """Returns a mask of the `pixels` (..., 3) that have about this colour."""
     return np.linalg.norm(pixels.astype(float) - np.array(colour, float), axis=-1) <= tolerance
 
 
 def count_near(picture: Image.Image, pixel: Tuple[int, int], colour: Colour, reach: int = 6,
                tolerance: float = 40.0) -> int:
-    """The number of pixels within `reach` of `pixel` that are about of that colour."""
+    """Returns the number of pixels within `reach` of `pixel` that have about this colour."""
     x, y = pixel
     box = picture.crop((x - reach, y - reach, x + reach + 1, y + reach + 1))
     return int(close_to(np.asarray(box), colour, tolerance).sum())
 
 
 class RvizTestCase(unittest.TestCase):
-    """One RViz for all tests of a class; they are skipped if programs for it are missing."""
+    """One RViz for all tests of a class. If programs are missing, the tests are skipped."""
 
     missing: List[str] = []
 
@@ -294,13 +295,13 @@ class RvizTestCase(unittest.TestCase):
         try:
             cls.set_up()
         except BaseException:
-            # rosunit hides this output before the first test
+            # rosunit hides output that comes before the first test
             traceback.print_exc(file=sys.__stderr__)
             raise
 
     @classmethod
     def set_up(cls) -> None:
-        """Starts what the tests need."""
+        """Starts the programs that the tests need."""
         raise NotImplementedError
 
     def setUp(self) -> None:

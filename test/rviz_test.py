@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Mouse actions in RViz make the robot act, and RViz shows the map, the robot and the faults."""
+"""Mouse actions in RViz move the robot, and RViz shows the map, the robot and the faults."""
 from __future__ import annotations
 
 import math
@@ -23,29 +23,29 @@ from trajectory_graph import load_graph
 
 LAB = rospkg.RosPack().get_path('omron_ld90') + '/../../maps/lab.map'
 SCALE = 40.0  # pixels per metre in rviz/omron_ld90.rviz
-MIDDLE = (640, 466)  # pixel of the 3D view where there is nothing of the laboratory
+MIDDLE = (640, 466)  # pixel of the 3D view at which nothing of the laboratory is
 SPEED = 4.0
 GOAL_MENU, DOCK_MENU = MENUS[TargetKind.GOAL], MENUS[TargetKind.DOCK]
 ROUTE = (-13, 8, 9, 3)  # from the dock to vertex 14
 START = (-8000.0, 0.0, 0.0)  # at goal 10
 
 GREEN, YELLOW = (20, 175, 50), (245, 208, 40)
-ARROW = (67, 88, 210)  # as BODY, under the red of the stop handle
+ARROW = (67, 88, 210)  # like BODY, seen through the red of the stop handle
 VIOLET, LIGHT_BLUE, WHITE, BLUE = (185, 170, 250), (90, 190, 255), (255, 255, 255), (75, 150, 250)
 # colours of one area, and of two overlapping areas
 ORANGE, DEEP_ORANGE = (146, 108, 52), (190, 121, 31)
 DONE_GREEN = (62, 185, 90)
 FAILURE = (255, 97, 77)
-BODY = (211, 184, 190)  # the deck, under the red of the stop handle
+BODY = (211, 184, 190)  # the deck, seen through the red of the stop handle
 
 
 def orange_near(picture, pixel: tuple) -> int:
-    """The pixels next to `pixel` that have an orange of areas, which depends on their overlap."""
+    """Returns the number of pixels at `pixel` with an orange of areas, which depends on overlap."""
     return count_near(picture, pixel, ORANGE, 1) + count_near(picture, pixel, DEEP_ORANGE, 1)
 
 
 class RvizTest(RvizTestCase):
-    """One RViz and one simulated robot; each test leaves the robot idle."""
+    """One RViz and one simulated robot. At the end of each test the robot is idle."""
 
     screen = window = simulator = None
 
@@ -77,7 +77,7 @@ class RvizTest(RvizTestCase):
 
     @classmethod
     def calibrate_by_a_click_on_nothing(cls) -> None:
-        """The map position of a click tells where the map is on the screen."""
+        """Clicks on the map. The map position of the click shows where the map is on the screen."""
         def landed() -> bool:
             cls.window.tool('c')
             cls.window.click(MIDDLE)
@@ -140,11 +140,11 @@ class RvizTest(RvizTestCase):
         self.window.wait_for_picture('rviz_map', self.missing_of_the_map, timeout=60.0)
 
     def missing_of_the_map(self, picture) -> list:
-        """The parts of the map, the graph and the robot that are missing in a picture."""
+        """Returns the parts of the map, the graph and the robot that a picture does not show."""
         def colour_at(x: float, y: float, colour: tuple, *reach) -> int:
             return count_near(picture, self.window.pixel(x, y), colour, *reach)
 
-        robot = self.poses.messages[-1].pose.position  # the robot faces east, on goal 10
+        robot = self.poses.messages[-1].pose.position  # the robot is at goal 10 and faces east
         seen = {
             'the blue arrow of the robot': colour_at(robot.x + 0.4, robot.y, ARROW, 8) > 10,
             'the body of the robot': colour_at(robot.x - 0.2, robot.y + 0.1, BODY, 3, 15.0) > 10,
@@ -161,7 +161,7 @@ class RvizTest(RvizTestCase):
         for area in (area.rectangle for area in self.lab.forbidden_areas):
             inside = 0.85 * area.corners + 0.15 * area.corners.mean(axis=0)
             orange = sum(orange_near(picture, self.window.pixel(x / 1000.0, y / 1000.0)) > 0
-                         # with a wrong rotation, at most two corners would be left
+                         # with a wrong rotation, at most two of the corners would be there
                          for x, y in inside)
             seen[f'orange at the corners of {area}'] = orange >= 3
         middle = [(a + b) / 2 for a, b in zip(self.place('26'), self.place('14'))]
@@ -201,7 +201,7 @@ class RvizTest(RvizTestCase):
         self.robot_says('Stopped')
 
     def localize_at(self, goal: str) -> None:
-        for _ in range(2):  # the first time the node asks whether the robot is there
+        for _ in range(2):  # at the first time the node asks whether the robot is there
             self.window.choose_from_menu(self.at(goal), GOAL_MENU, HandleAction.LOCALIZE)
 
     def test_05_the_menu_of_a_goal_goes_there_and_tells_the_robot_where_it_is(self):
@@ -211,8 +211,7 @@ class RvizTest(RvizTestCase):
         wait_until(lambda: self.robot_believes_to_be_at('22'), 30.0, 'the robot has a wrong pose')
         self.localize_at('10')
         wait_until(lambda: self.robot_believes_to_be_at('10'), 30.0, 'the robot has the right pose')
-        # A late click of the previous test, which clicks until a stop is sent, can send another
-        # stop.
+        # The previous test clicks until a stop is sent. So a late click can send another stop.
         self.assertEqual(
             ['goto', 'localizeToPoint', 'localizeToPoint'],
             [command.split()[0] for command in self.sent() if command != 'stop'])
@@ -231,7 +230,7 @@ class RvizTest(RvizTestCase):
         ahead = (x + 2.0 * math.cos(math.radians(heading)),
                  y + 2.0 * math.sin(math.radians(heading)))
 
-        def relocalised() -> bool:  # a drag is lost if RViz draws slowly
+        def relocalised() -> bool:  # if RViz draws slowly, a drag is lost
             self.window.tool('p')
             self.window.drag(self.window.pixel(x, y), self.window.pixel(*ahead))
             try:
@@ -255,7 +254,7 @@ class RvizTest(RvizTestCase):
         self.assertEqual(['dock', 'undock'], self.sent())
 
     def test_09_the_menu_of_the_dock_docks(self):
-        # away from the dock, where the handle of the robot lies above the handle of the dock
+        # away from the dock, where the robot's handle is above the dock's handle
         self.window.tool('c')
         self.window.click(self.at('1'))
         self.robot_says('Arrived at 1')

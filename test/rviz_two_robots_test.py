@@ -16,15 +16,15 @@ from system_support import CommandRecorder, Recorder, run_cases, wait_until
 
 LAB = rospkg.RosPack().get_path('omron_ld90') + '/../../maps/lab.map'
 SCALE = 38.0  # pixels per metre in rviz/two_robots.rviz
-MIDDLE = (640, 440)  # between goals; x = 0 of the map is there
-TOOLS = range(200, 480, 40)  # x range of the toolbar in which the two Publish Point tools are
-APART = 8  # pixels between the clicks that search for them
+MIDDLE = (640, 440)  # pixel between goals, at x = 0 of the map
+TOOLS = range(200, 480, 40)  # x of the toolbar's part that contains the two Publish Point tools
+APART = 8  # pixels between the clicks that look for these tools
 ROBOTS = ('robot_a', 'robot_b')
 OUTER_RING = 0.45  # m from a goal: inside robot_b's handle, outside robot_a's
 
 
 class TwoRobotsTest(RvizTestCase):
-    """launch/two_robots.launch, with its RViz."""
+    """RViz as launch/two_robots.launch starts it."""
 
     screen = window = None
 
@@ -49,8 +49,8 @@ class TwoRobotsTest(RvizTestCase):
     def find_the_tools(cls) -> None:
         """Tries the toolbar's tools from the left, with clicks where there is no goal.
 
-        Each tool is tried at its own pixel. So the position of a click tells to which robot a tool
-        belongs, however late the click is processed.
+        Each tool is tried at its own pixel. So the position of a click shows to which robot the
+        tool belongs, even if the click is processed late.
         """
         cls.tools = {}
 

@@ -1,11 +1,11 @@
-"""Under a second Python version tests run again when something that they read has changed.
+"""Under a second Python version, tests run again only if something that they read has changed.
 
-These tests only look for code that does not work there at all, always with the same examples. So
-their result depends on contents alone, as that of a proof does (see `proofs`): on the files that
-their file imports, directly or not, and on all files of the workspace that are not Python. When all
-tests of a file have passed, `RECORD` keeps the hash of these contents. While it is the same, the
-file is left out. Files with tests that look at the whole workspace (marked `every_python`) always
-run; with --long everything runs. The root's conftest.py loads this module as a plugin of pytest.
+These tests only look for code that does not work under that version, always with the same examples.
+So their result depends only on contents, like that of a proof (see `proofs`): on the files that the
+test file imports, directly or not, and on all files of the workspace that are not Python. When all
+tests of a file have passed, `RECORD` keeps the hash of these contents. While the hash is the same,
+the file is left out. A file with tests of the whole workspace (marked `every_python`) always runs.
+With --long every file runs. The root's conftest.py loads this module as a plugin of pytest.
 """
 from __future__ import annotations
 
@@ -21,12 +21,12 @@ from proofs import LONG, PROVES, ROOT, key_of
 RECORD = ROOT / 'build' / 'second_python.json'
 FOLDERS = ('src', 'maps', 'scripts/pins')
 
-_passed: Dict[str, bool] = {}  # by file, whether all of its tests have passed
+_passed: Dict[str, bool] = {}  # by file: whether all of its tests have passed
 _left_out: Set[str] = set()
 
 
 def recorded() -> Dict[str, str]:
-    """By file, the key with which all of its tests passed last."""
+    """Returns, for each file, the key with which all of its tests passed last."""
     try:
         return dict(json.loads(RECORD.read_text(encoding='utf-8')))
     except (OSError, ValueError):
@@ -34,13 +34,13 @@ def recorded() -> Dict[str, str]:
 
 
 def key(file: str) -> str:
-    """The hash of all contents on which the results of the tests in a file depend."""
+    """Returns the hash of all contents on which the results of the tests in a file depend."""
     return f'{key_of(ROOT / file)} {_other_files()}'
 
 
 @lru_cache(maxsize=None)
 def _other_files() -> str:
-    """The hash of the files in which tests may read besides Python's."""
+    """Returns the hash of all files, except Python's, that tests may read."""
     digest = hashlib.sha256()
     for folder in FOLDERS:
         for file in sorted((ROOT / folder).rglob('*')):
@@ -56,14 +56,14 @@ def _name(item: pytest.Item) -> str:
 
 
 def _is_selection(config: pytest.Config) -> bool:
-    """Are only some tests of a file asked for?"""
+    """Returns whether pytest was asked for only some tests of a file."""
     return any('::' in word for word in config.args) or bool(
         config.option.keyword or getattr(config.option, 'lf', False))
 
 
-@pytest.hookimpl(trylast=True)  # after those were deselected that do not run there at all
+@pytest.hookimpl(trylast=True)  # after tests that do not run there at all were deselected
 def pytest_collection_modifyitems(config: pytest.Config, items: List[pytest.Item]) -> None:
-    """Leaves out the files of which nothing that they read has changed since they passed."""
+    """Leaves out files if nothing that they read has changed since they passed."""
     if PROVES or LONG or _is_selection(config):
         return
     always = {_name(item) for item in items if item.get_closest_marker('every_python')}
@@ -81,7 +81,7 @@ def pytest_runtest_logreport(report: pytest.TestReport) -> None:
 
 
 def pytest_sessionfinish(session: pytest.Session) -> None:
-    """Records the files of which all tests have passed."""
+    """Records the files whose tests have all passed."""
     if PROVES or _is_selection(session.config):
         return
     passed = {name: key(name) for name, is_passed in _passed.items() if is_passed}
@@ -91,7 +91,7 @@ def pytest_sessionfinish(session: pytest.Session) -> None:
 
 
 def pytest_terminal_summary(terminalreporter: Any) -> None:
-    """Tells how many files were left out."""
+    """Prints how many files were left out."""
     if _left_out:
         terminalreporter.write_line(
             f'{len(_left_out)} files of tests were not repeated, because nothing that they read '

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The services of a site, started in their order without systemd, form a working fleet.
+"""The services of a site form a working fleet if they are started in their order without systemd.
 
 The test plays systemd: it starts each ExecStart in the environment of its unit, waits until the
 unit reports that it is ready, and receives its watchdog messages.
@@ -28,11 +28,11 @@ from system_support import run_cases, wait_until
 
 ROOT = Path(__file__).resolve().parents[1]
 SECONDS = 20.0  # s for the end of a unit
-SIGNS = 2 * 15.0  # s within which a watchdog message must come
+SIGNS = 2 * 15.0  # s in which a watchdog message must come
 
 
 class Unit:
-    """One service, and the socket on which it talks to systemd."""
+    """One service, and the socket on which it sends messages to systemd."""
 
     def __init__(self, file: Path, folder: Path) -> None:
         self.name = file.stem
@@ -44,17 +44,17 @@ class Unit:
         self._log = (folder / f'{self.name}.log').open('w+')
 
     def setting(self, key: str) -> List[str]:
-        """The values of a key."""
+        """Returns the values of a key."""
         return re.findall(f'^{key}=(.*)$', self._text, re.MULTILINE)
 
     @property
     def after(self) -> List[str]:
-        """The units that start before it."""
+        """The units that start before this unit."""
         return [Path(name).stem for name in self.setting('After')[0].split()
                 if name.endswith('.service')]
 
     def start(self) -> None:
-        """Runs ExecStart; returns when systemd would regard the unit as started."""
+        """Runs ExecStart. Returns when systemd would count the unit as started."""
         variables = Path(self.setting('EnvironmentFile')[0]).read_text().splitlines()
         environment: Dict[str, str] = {}
         for line in variables:
@@ -79,7 +79,7 @@ class Unit:
             self.wait_for('READY=1', START)
 
     def wait_for(self, word: str, seconds: float) -> None:
-        """Waits until the unit sends this to systemd."""
+        """Waits until the unit sends this word to systemd."""
         deadline = time.monotonic() + seconds
         while time.monotonic() < deadline:
             self._said.settimeout(max(0.01, deadline - time.monotonic()))
@@ -113,7 +113,7 @@ class Services(unittest.TestCase):
         self.master, self.page = free_port(), free_port()
 
     def install(self) -> Tuple[Unit, ...]:
-        """Installs a site below a folder; its files then name that folder."""
+        """Installs a site below a folder, so that its files name this folder."""
         first = free_fleet_ports()
         site, root = self.folder / 'site.yaml', self.folder / 'root'
         site.write_text(
@@ -153,11 +153,11 @@ class Services(unittest.TestCase):
         for folder in ('lib', 'log'):
             found = walk(self.folder / f'root/var/{folder}/fleet', f'/var/{folder}/fleet',
                          names)
-            # the folders above belong to root, as which this test does not run everywhere
+            # the folders above belong to root, but this test does not always run as root
             self.assertEqual(differences(one for one in found if one[0].count('/') > 5), [])
 
     def run_fleet(self, *command: str) -> str:
-        """Runs a command of the fleet manager, under the master of the services."""
+        """Runs a command of the fleet manager at the ROS master of the services."""
         return subprocess.run(
             ['rosrun', 'graph_fleet_manager', *command], check=False, text=True, timeout=120,
             stdout=subprocess.PIPE, stderr=subprocess.STDOUT,

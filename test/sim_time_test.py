@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""ROS time that stands still or steps back ends nothing periodic, and every node names it."""
+"""If ROS time stands still or steps back, periodic work goes on; every node reports the clock."""
 from __future__ import annotations
 
 import threading
@@ -24,7 +24,7 @@ BEGIN, BACK = 5000.0, 1000.0  # s of ROS time
 
 
 class PublishedClock:
-    """Publishes /clock in real time, from a time that can be set."""
+    """Publishes /clock in real time; the present time can be set."""
 
     def __init__(self) -> None:
         self._publisher = rospy.Publisher('/clock', Clock, queue_size=1)
@@ -53,7 +53,7 @@ class SimTime(unittest.TestCase):
         cls.requests = connected_publisher('/mission_request', MissionRequest, to='path_supervisor')
 
     def wait_for_periodic(self, what: str) -> None:
-        """Waits until everything periodic has come three times more."""
+        """Waits until each periodic topic has had three more messages."""
         for topic, kind in ((f'/{ROBOT}/execute_command/status', GoalStatusArray),
                             (f'/{ROBOT}/link_state', LinkState),
                             (f'/{ROBOT}/interactive_goals/update', InteractiveMarkerUpdate),
@@ -63,7 +63,7 @@ class SimTime(unittest.TestCase):
                        f'{topic} comes {what}')
 
     def nodes_with_clock_at(self, level: int) -> Set[str]:
-        """The nodes whose newest status about the clock has this level."""
+        """Returns the nodes whose newest status about the clock has this level."""
         newest = {status.name: status.level for message in list(self.diagnostics.messages)
                   for status in message.status if status.name.endswith(': clock')}
         return {'/' + name.rsplit(': ', 1)[0] for name, found in newest.items() if found == level}

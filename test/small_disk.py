@@ -1,4 +1,4 @@
-"""A disk of a few MB that can be filled, and can fail. Needs root, in a mount namespace."""
+"""A disk of a few MB that can be filled or can fail. Needs root, in a mount namespace."""
 from __future__ import annotations
 
 import contextlib
@@ -12,7 +12,7 @@ _SIZE = 6 * 2 ** 20  # bytes
 
 
 def why_not() -> str:
-    """The reason why there can be no such disk here; empty if there can be one."""
+    """Returns why there can be no such disk here; empty if there can be one."""
     if not os.environ.get('LD90_MOUNTS_ALONE'):
         return 'scripts/run_tests.sh could not make a mount namespace: run it as root'
     try:
@@ -23,10 +23,10 @@ def why_not() -> str:
 
 
 class SmallDisk:
-    """A file system in a file. `folder` is its mount point."""
+    """A file system in a file. `folder` is the mount point."""
 
     def __enter__(self) -> SmallDisk:
-        with contextlib.ExitStack() as made:  # everything is removed if only a part can be made
+        with contextlib.ExitStack() as made:  # if a part cannot be made, the rest is removed
             self._place = Path(made.enter_context(tempfile.TemporaryDirectory(prefix='disk')))
             _run('mount', '-t', 'tmpfs', '-o', f'size={2 * _SIZE}', 'tmpfs', self._place)
             made.callback(_run, 'umount', '-l', self._place)
@@ -47,7 +47,7 @@ class SmallDisk:
 
     @contextlib.contextmanager
     def filled(self) -> Iterator[None]:
-        """Leaves no free byte during the block."""
+        """Leaves no free byte during the `with` block."""
         file = self.folder / 'filling'
         with file.open('wb', buffering=0) as filling, contextlib.suppress(OSError):
             for size in (2 ** 16, 2 ** 10, 1):
@@ -60,7 +60,7 @@ class SmallDisk:
             file.unlink()
 
     def die(self) -> None:
-        """Destroys all blocks: from now on nothing can be stored."""
+        """Destroys all blocks, so that from now on nothing can be stored."""
         os.truncate(self._image, 0)
         _run('losetup', '--set-capacity', self._device)
 

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""A small fleet keeps its promises during minutes of faults, and a planted defect is found."""
+"""A small fleet keeps its promises during minutes of faults; the soak finds a planted defect."""
 from __future__ import annotations
 
 import subprocess

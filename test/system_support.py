@@ -1,7 +1,7 @@
 """Common parts of the system tests: waiting for conditions, recording topics, results for rostest.
 
-A test waits for a condition, and on a timeout it names the condition. No test sleeps for a fixed
-time.
+A test waits for a condition; on a timeout, the error names the condition. No test sleeps for a
+fixed time.
 """
 from __future__ import annotations
 
@@ -25,11 +25,11 @@ from std_msgs.msg import String
 from node_lifecycle import topic_connections
 from omron_ld90_msgs.msg import ExecuteCommandActionGoal, LinkState
 
-topic_connections.mend()  # a test has as many connections as a node
+topic_connections.mend()  # because a test has as many connections as a node
 
 
 class Recorder:
-    """Subscribes to a topic and keeps every message, with its time of arrival."""
+    """Subscribes to a topic, and keeps every message with its time of arrival."""
 
     def __init__(self, topic: str, message_type: Type) -> None:
         self.topic = topic
@@ -38,7 +38,7 @@ class Recorder:
         self._subscriber = rospy.Subscriber(topic, message_type, self._add)
 
     def is_connected(self) -> bool:
-        """True if a publisher is connected, so that none of its later messages is missed."""
+        """Returns whether a publisher is connected: none of its later messages is then missed."""
         return self._subscriber.get_num_connections() > 0
 
     def _add(self, message: Any) -> None:
@@ -48,7 +48,7 @@ class Recorder:
 
     def wait_for(self, predicate: Callable[[Any], bool], timeout: float, what: str,
                  after: int = 0) -> Any:
-        """The first message from index `after` on with `predicate`, within `timeout` s."""
+        """Returns the first message from index `after` on with `predicate`, within `timeout` s."""
         deadline = time.monotonic() + timeout
         seen = after
         with self._changed:
@@ -67,7 +67,7 @@ class Recorder:
 
 
 def wait_until(condition: Callable[[], Any], timeout: float, what: str) -> Any:
-    """Polls `condition` until it is truthy and returns its value; fails after `timeout` s."""
+    """Polls `condition` until its value is truthy. Returns this value. Fails after `timeout` s."""
     deadline = time.monotonic() + timeout
     while time.monotonic() < deadline:
         value = condition()
@@ -78,21 +78,23 @@ def wait_until(condition: Callable[[], Any], timeout: float, what: str) -> Any:
 
 
 def program(package: str, name: str) -> str:
-    """The path of a program. `rosrun` looks for it too, each time with programs of its own, which
-    take as long as the program; `fleet_mission` starts its commands with it.
+    """Returns the path of a program.
+
+    `rosrun` also finds it, but each time with programs of its own, which take as long as the
+    program itself. `fleet_mission` starts its commands with `rosrun`, as a user does.
     """
     return str(roslib.packages.find_node(package, name)[0])
 
 
 def process_of(node: str) -> int:
-    """The process id of a node."""
+    """Returns the process id of a node."""
     caller = rospy.get_name()
     _, _, pid = ServerProxy(rosgraph.Master(caller).lookupNode(node)).getPid(caller)
     return pid
 
 
 def kill_node(node: str) -> None:
-    """Kills a node's process, and waits until roslaunch has started it again."""
+    """Kills a node's process. Waits until roslaunch has started the node again."""
     master = rosgraph.Master(rospy.get_name())
     uri = master.lookupNode(node)
     os.kill(process_of(node), signal.SIGKILL)
@@ -101,9 +103,9 @@ def kill_node(node: str) -> None:
 
 def connected_publisher(topic: str, message_type: Type, timeout: float = 30.0,
                         subscribers: int = 1, to: str = '') -> rospy.Publisher:
-    """A publisher that already has its subscribers, so that its first message is not lost.
+    """Returns a publisher that already has its subscribers, so that its first message is not lost.
 
-    `to` is the name (without namespace) of a node that must be among them.
+    to -- name (without namespace) of a node that must be among the subscribers
     """
     publisher = rospy.Publisher(topic, message_type, queue_size=10)
 
@@ -133,12 +135,12 @@ class CommandRecorder:
         return [message.goal.command for message in self.messages]
 
     def wait_for(self, command: str, timeout: float = 10.0, after: int = 0) -> None:
-        """Waits until this command has been given."""
+        """Waits until this command has come."""
         wait_until(lambda: command in self.texts[after:], timeout, f'the command {command}')
 
 
 def drive_to(robot: str, goal: str, timeout: float = 90.0) -> None:
-    """Publishes `goto <goal>` as soon as the robot takes commands; returns when it has arrived."""
+    """Publishes `goto <goal>` as soon as the robot accepts commands. Returns at its arrival."""
     Recorder(f'/{robot}/link_state', LinkState).wait_for(
         lambda message: (message.link, message.state) == (LinkState.COMMANDS, LinkState.CONNECTED),
         60, 'connected link to the robot')
@@ -151,10 +153,10 @@ def drive_to(robot: str, goal: str, timeout: float = 90.0) -> None:
 
 
 class Launched:
-    """roslaunch of one of the project's launch files, under this test's master; use it in a `with`.
+    """One of the project's launch files with roslaunch, at this test's master; for `with`.
 
-    The output of the nodes is what a user sees on the screen. (`/rosout` would not be complete: it
-    lacks the messages that a node logs before rosout has connected to it.)
+    The output of the nodes is what a user sees on the screen. `/rosout` would not be complete: it
+    lacks the messages that a node logs before rosout has connected to the node.
     """
 
     def __init__(self, launch_file: str, package: str = 'omron_ld90', **args: object) -> None:
@@ -179,11 +181,11 @@ class Launched:
 
     @property
     def output(self) -> str:
-        """Everything that was printed so far."""
+        """Everything that has been printed so far."""
         return self._output.read_text(encoding='utf-8', errors='replace')
 
     def wait_for_line(self, *words: str, timeout: float = 60.0) -> str:
-        """The first printed line that contains all `words`."""
+        """Returns the first printed line that contains all `words`."""
         def find() -> Optional[str]:
             return next((line for line in self.output.splitlines()
                          if all(word in line for word in words)), None)
@@ -194,10 +196,10 @@ class Launched:
 
 
 def run_cases(file: str) -> None:
-    """Runs the test cases of a file under rostest, and ends the program with pytest's status.
+    """Runs the test cases of a file under rostest. The program ends with pytest's exit status.
 
-    pytest writes the result file, which marks a skipped test as skipped; rostest's own result would
-    count it as passed.
+    pytest writes the result file, in which a skipped test is marked as skipped. rostest's own
+    result would count such a test as passed.
     """
     reports = [argument.partition('xml:')[2] for argument in sys.argv
                if argument.startswith('--gtest_output=xml:')]

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""A VDA 5050 master drives a robot that has the action move_base and no graph."""
+"""A VDA 5050 master drives a robot that has the action move_base but no graph."""
 from __future__ import annotations
 
 import math
@@ -26,19 +26,19 @@ from vda5050_mqtt.own_broker import OwnBroker
 PERIOD = 0.05  # s
 FAST = 3.0  # m/s
 UNHURRIED = 0.5  # m/s
-NEAR = 0.45  # m before a goal, in which the robot is slow: the adapter sends the next goal before
-SLOW = 0.15  # m/s: so it has 3 s for that, also on a computer that does much else
+NEAR = 0.45  # m before a goal; here the robot is slow, and the adapter sends the next goal
+SLOW = 0.15  # m/s; so there are 3 s for the next goal, even on a computer that is busy
 CRAWL = 0.05  # m/s
 HALL = Track(tuple(Stop(name, 2.0 * i, 0.0) for i, name in enumerate('ABCD')),
              ('AB', 'BC', 'CD'), ('BA', 'CB', 'DC'))
 
 
 class Trolley:
-    """A robot that drives straight to each goal of move_base, until a goal is cancelled."""
+    """A robot that drives straight to each goal of move_base, until this goal is cancelled."""
 
     def __init__(self) -> None:
         self.goals: List[Tuple[float, float]] = []
-        self.blocked_at = math.inf  # x in m beyond which no goal is reached
+        self.blocked_at = math.inf  # x (m); no goal beyond it is reached
         self.speed = FAST  # m/s, its speed
         self.x = 0.0
         self._speed = 0.0
@@ -48,7 +48,7 @@ class Trolley:
         Periodic('trolley', PERIOD, self._publish)
 
     def start_move_base(self) -> None:
-        """Starts the action; before that, the robot reports its pose but takes no goals."""
+        """Starts the action. Until then, the robot reports its pose but accepts no goals."""
         self._server = actionlib.SimpleActionServer('/trolley/move_base', MoveBaseAction,
                                                     self._drive, auto_start=False)
         self._server.start()
@@ -86,7 +86,7 @@ class Trolley:
 
 
 def errors(state: Message) -> List[Tuple[str, str]]:
-    """The types and texts of the errors in a state."""
+    """Returns the types and texts of the errors in a state."""
     return [(error['errorType'], error['errorDescription']) for error in state['errors']]
 
 
@@ -110,7 +110,7 @@ class MoveBase(unittest.TestCase):
         self.assertEqual(self.master.checker.violations, [])
 
     def test_1_nodes_are_passed_without_stopping_and_the_horizon_is_not_driven(self) -> None:
-        """The order comes before move_base has started."""
+        """The order is sent before move_base has started."""
         master, self.trolley.speed = self.master, UNHURRIED
         heard = master.send('order', HALL.order('there', base=3))
         master.wait(lambda s: s['orderId'] == 'there', 10, 'the order', after=heard)

@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""A VDA 5050 master drives the simulated LD-90 by the rules of the standard.
+"""A VDA 5050 master drives the simulated LD-90 according to the rules of the standard.
 
 The test checks each rule, drives the mission of the laboratory, and ends broker, adapter and
-controller during a drive. Every message of the vehicle is checked against the official schemas, if
-they are installed, and with the strict checker of vda5050_bench, which finds errors that the
-schemas allow.
+controller during a drive. Every message of the vehicle is checked against the official schemas if
+they are installed. It is also checked with the strict checker of vda5050_bench, which finds errors
+that the schemas allow.
 """
 from __future__ import annotations
 
@@ -36,8 +36,8 @@ ROOT = Path(__file__).resolve().parents[1]
 SCHEMAS = ROOT / 'build' / 'vda5050_schemas' / '2.1.0'
 PREFIX = 'uagv/v2/OMRON/omron_ld90'
 DOCK = 16
-# The robot has no instant action that takes time and does not drive. At eight times its speed it
-# can be stopped at a node.
+# The robot has no instant action that takes time without a drive. At eight times its speed it may
+# happen to stop at a node.
 MAY_NOT_BE_TRIED = {
     'a new order is rejected while an action of actionStates has not ended',
     'after a cancellation: an order from a temporary node where the vehicle stands'}
@@ -61,7 +61,7 @@ class Schemas:
 
     @property
     def are_there(self) -> bool:
-        """True if there are schemas to check with."""
+        """Returns whether there are schemas for the checks."""
         return bool(self._validators)
 
 
@@ -92,7 +92,7 @@ class Vda5050(unittest.TestCase):
         self.assertEqual(self.master.checker.remarks, [])
 
     def test_1_every_rule_of_the_bench(self) -> None:
-        """Acceptance, updates, pause, cancellation, and a broker that dies during an order."""
+        """Acceptance, updates, pause, cancellation, and a broker that is killed during an order."""
         trial = Trial(self.master, track_on(self.graph, (DOCK, 8, 14), 'map'), 60,
                       self.own_broker, SlowAction('wait', {'seconds': 5}))
         verdicts = list(tried(trial, '2.1.0'))
@@ -149,7 +149,7 @@ class Vda5050(unittest.TestCase):
         self.assertEqual(master.ended(charge, 30)['actionStatus'], 'FINISHED', master.state)
         master.wait(lambda s: s['batteryState']['charging'], 10, 'charging')
 
-        # As openTCS sends it: SOFT, at the end of an order to the dock.
+        # Like an order of openTCS: SOFT, at the end of an order to the dock.
         order = track_on(self.graph, (DOCK, 8, DOCK), 'map').order('recharge')
         order['nodes'][-1]['actions'] = [action('startCharging', 'recharge', 'SOFT')]
         heard = master.count()
@@ -173,7 +173,7 @@ class Vda5050(unittest.TestCase):
             self.skipTest(f'{SCHEMAS} is missing: vda5050-sdk was not installed')
 
     def go_on_if_held(self, nodes: List[Dict[str, Any]]) -> None:
-        """The route survives the controller; otherwise the order is suspended until stopPause."""
+        """Waits until the vehicle drives on. If its order is suspended instead, sends stopPause."""
         master, ids = self.master, [node['nodeId'] for node in nodes]
         passed = len(ids) - len(node_ids(master.state))
         state = master.wait(lambda s: s['errors'] or len(ids) - len(node_ids(s)) > passed, 60,
@@ -187,7 +187,7 @@ class Vda5050(unittest.TestCase):
             self.assertEqual(master.ended(master.act('stopPause'))['actionStatus'], 'FINISHED')
 
     def links(self) -> Dict[str, int]:
-        """The states of the links to the robot."""
+        """Returns the states of the links to the robot."""
         return {link.link: link.state for link in self.link_states.messages}
 
 

@@ -12,7 +12,7 @@ PATIENCE = 90.0
 
 
 class Warehouse:
-    """A program that splits lines at blanks, as those of warehouses do."""
+    """A program that splits lines at blanks, like programs of warehouses."""
 
     def __init__(self, port: int) -> None:
         self._socket = socket.create_connection(('127.0.0.1', port), timeout=PATIENCE)
@@ -24,11 +24,12 @@ class Warehouse:
         self._socket.sendall(line.encode() + b'\n')
 
     def lines(self) -> Iterator[str]:
-        """All lines, until the connection ends."""
+        """Returns all lines until the connection ends."""
         return iter(self._lines)
 
     def until(self, *words: str) -> List[str]:
-        """The words of the first line that has all of these; fails at an error and at the end."""
+        """Returns the words of the first line with all of these; fails at an error or at the end.
+        """
         for line in self._lines:
             found = line.rstrip('\r\n').split(' ')
             if all(word in line for word in words):
@@ -43,7 +44,7 @@ class Warehouse:
 
 
 def connected(port: int) -> Warehouse:
-    """A warehouse program that is logged in, as soon as the server listens."""
+    """Returns a warehouse program that is logged in, as soon as the server listens."""
     end = time.monotonic() + PATIENCE
     while True:
         try:

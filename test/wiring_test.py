@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Starts each launch file: each topic between our nodes must have two ends of one type."""
+"""Starts each launch file: each topic between our nodes must have two ends of the same type."""
 from __future__ import annotations
 
 import os
@@ -19,8 +19,8 @@ from system_support import Launched, run_cases, wait_until
 
 ROOT = Path(__file__).resolve().parents[1]
 LAB = {'map_file': ROOT / 'maps/lab.map', 'graph_file': ROOT / 'maps/lab_graph.yaml'}
-SETTLED = 3.0  # s without another registration
-#: Topics that only people and other software publish, besides the nodes of ours named here.
+SETTLED = 3.0  # s without a further registration
+#: Topics that people and other software publish, and our nodes that may also publish them.
 FROM_OUTSIDE: Dict[str, Set[str]] = {
     'clicked_point': {'rviz'}, 'move_base_simple/goal': {'rviz'},
     'initialpose': {'rviz', 'vda5050_vehicle'}, 'send_command': set(),
@@ -29,7 +29,7 @@ FROM_OUTSIDE: Dict[str, Set[str]] = {
     'interactive_goals/feedback': {'rviz'}, 'graph_editor/feedback': {'rviz'},
     'fleet_handles/feedback': {'rviz'}, 'move_base/cancel': set(),
     'mission_request': {'goal_sender'}, 'mission_command': {'goal_sender', 'fleet_visualisation'}}
-#: Topics of our nodes for people and other software, or for nodes that need not run.
+#: Topics of our nodes that people, other software, or optional nodes receive.
 TO_OUTSIDE: Dict[str, Tuple[str, ...]] = {
     'shown in RViz': (
         'driven_path', 'feedback_markers', 'graph_markers', 'interactive_goals/update',
@@ -51,7 +51,7 @@ TO_OUTSIDE: Dict[str, Tuple[str, ...]] = {
     'for fleet_devices, which need not run': ('/device_request',),
     'for a fleet manager or an adapter, which need not run': (
         '/mission_request', 'battery_state', 'route_refused')}
-#: The services of our nodes by the end of their names: type, and our program that calls it.
+#: The services of our nodes, by the end of their names: type, and our program that calls it.
 SERVICES: Dict[str, Tuple[str, str]] = {
     'stop_fleet': ('std_srvs/Trigger', 'graph_fleet_manager/commands/stop.py'),
     'resume_fleet': ('std_srvs/Trigger', 'graph_fleet_manager/nodes/fleet_acts.py'),
@@ -67,9 +67,9 @@ SERVICES: Dict[str, Tuple[str, str]] = {
     'get_mission_status': ('itrci_nav_msgs/GetMissionStatus',
                            'fleet_requests/__init__.py'),
     'reload_graph': ('std_srvs/Trigger', 'graph_editor/nodes/take_over.py'),
-    'static_map': ('nav_msgs/GetMap', ''),  # the service of map_server, for planners of others
+    'static_map': ('nav_msgs/GetMap', ''),  # the service of map_server, for foreign planners
     'change_map': ('nav_msgs/LoadMap', '')}
-#: Launch files that this test does not start, the test that starts each, and the word for it there.
+#: Launch files that this test does not start: the test that starts each, and its word for it.
 ELSEWHERE = {
     'rviz.launch': ('rviz_support.py', 'rviz.launch'),
     'editor_rviz.launch': ('graph_editor_site_test.py', 'editor_rviz'),
@@ -84,14 +84,14 @@ ELSEWHERE = {
 STARTED = {'full_stack.launch', 'robot.launch', 'sim.launch', 'visualisation.launch',
            'steps.launch', 'vda5050.launch', 'two_robots.launch', 'fleet_manager.launch',
            'edit.launch'}
-#: Topics of a fleet manager, which need not run.
+#: Topics of a fleet manager, which is not always there.
 OF_THE_FLEET = ('graph', 'fleet_state', 'mission_status', 'target_route')
 NOT_OURS = ('/rosout', 'body_state_publisher')
 EVERYBODYS = {'/rosout', '/rosout_agg', '/tf', '/tf_static', '/diagnostics', '/clock'}
 
 
 class Wire(NamedTuple):
-    """A topic, with the type of each node that publishes it or subscribes to it."""
+    """A topic, with the type in each node that publishes it or subscribes to it."""
 
     name: str
     offered: Dict[str, str]
@@ -99,7 +99,7 @@ class Wire(NamedTuple):
 
 
 def wires() -> List[Wire]:
-    """All topics of the running nodes, except those of this test."""
+    """Returns all topics of the running nodes, without those of this test."""
     master = rosgraph.Master(rospy.get_name())
     publishers, subscribers, _ = master.getSystemState()
     ends: Dict[str, Wire] = {}
@@ -116,7 +116,7 @@ def wires() -> List[Wire]:
 
 
 def settled(*nodes: str) -> List[Wire]:
-    """The topics after these nodes run and no further registration comes."""
+    """Returns the topics when these nodes run and no further registration comes."""
     master = rosgraph.Master(rospy.get_name())
     last: list = []
     since = time.monotonic()

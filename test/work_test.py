@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
-"""Missions with steps under a ROS master: sent, answered and cancelled by the commands of a person.
+"""Missions with steps under a ROS master: a person's commands send, answer and cancel them.
 
-Two simulated AGVs carry out the steps. The fleet manager is restarted while a step asks.
+Two simulated AGVs carry out the steps. The fleet manager is restarted while a step waits for an
+answer.
 """
 from __future__ import annotations
 
@@ -33,7 +34,7 @@ on_cancel:
 
 
 class WorkTest(unittest.TestCase):
-    """All tests use the same fleet; each test has its own mission."""
+    """All tests use the same fleet. Each test has its own mission."""
 
     @classmethod
     def setUpClass(cls) -> None:

@@ -1,13 +1,13 @@
 #!/usr/bin/env python3
 """Compares the fleet in virtual time with the fleet in real time.
 
-The real fleet is the factory, as `scripts/run.sh fleet:=4 longest_edge:=1.5 demo:=true` starts it:
-simulated LD-90s and AGVs, their ROS nodes, the fleet manager, random missions, at real speed. The
+The real fleet is the factory that `scripts/run.sh fleet:=4 longest_edge:=1.5 demo:=true` starts, at
+real speed: simulated LD-90s and AGVs, their ROS nodes, the fleet manager, random missions. The
 virtual fleet is `fleet_simulation` with the same graph, robots and missions, without random delays.
-Both are observed once a second and evaluated by the same function.
+Both are observed once a second, and the same function evaluates them.
 
 `--minutes M` of real time (60), `--virtual N` virtual runs of the same length (20). `--keep FILE`
-writes what was observed of the real fleet; `--real FILE` takes it from there and runs no real
+stores the observations of the real fleet. `--real FILE` reads them from there, and starts no real
 fleet.
 """
 from __future__ import annotations
@@ -44,15 +44,15 @@ from trajectory_graph import load_graph, split_edges
 ROOT = Path(__file__).resolve().parents[2]
 LONGEST_EDGE = 1.5    # m
 MOST = 2              # destinations of a random mission
-LOOK = 1.0            # s between two looks at the robots
+LOOK = 1.0            # s between two observations of the robots
 WARM_UP = 120.0       # s in which the robots spread
-MOVED, TURNED = 0.01, 0.01  # m and rad in a look that count as motion
+MOVED, TURNED = 0.01, 0.01  # m and rad; more than this in LOOK counts as motion
 NEVER = RandomStops(0.0, 0.0)
 KINDS = {'ld90': 'LD-90s', 'agv': 'AGVs'}
 
 
 class Seen(NamedTuple):
-    """One robot at one look: x, y in m, heading in rad, and whether it has a mission."""
+    """One robot in one observation: x, y in m, heading in rad, and whether it has a mission."""
 
     name: str
     x: float
@@ -66,20 +66,20 @@ class Seen(NamedTuple):
         return self.name.partition('_')[0]
 
     def has_moved(self, before: Seen) -> bool:
-        """Returns whether it has driven or turned since the look before."""
+        """Returns whether it has driven or turned since the observation before."""
         return (math.dist((before.x, before.y), (self.x, self.y)) > MOVED
                 or abs(math.remainder(self.heading - before.heading, math.tau)) > TURNED)
 
 
 class Look(NamedTuple):
-    """All robots at one time (s from the moment at which all take missions)."""
+    """All robots at one time, in s after the moment from which all take missions."""
 
     time: float
     robots: Tuple[Seen, ...]
 
 
 class Success(NamedTuple):
-    """A mission that a robot has ended at one time."""
+    """A mission that a robot has ended, and the time of its end (s)."""
 
     time: float
     name: str
@@ -90,7 +90,7 @@ Observation = Union[Look, Success]
 
 @dataclass(frozen=True)
 class RandomFlow(Flow):
-    """Missions as `random_missions` draws them: over one or more of the places, each once."""
+    """Missions as `random_missions` draws them: to one or more of the places, each one once."""
 
     def draw(self, random: Random, id: int, stamp: float) -> Request:
         """Returns one mission."""
@@ -98,13 +98,13 @@ class RandomFlow(Flow):
         return Request(id, tuple(random.sample(self.targets, count)), stamp=stamp)
 
 
-# --- what is observed -----------------------------------------------------------------------------
+# --- figures of the observations ------------------------------------------------------------------
 
 def figures_of(observations: Iterable[Observation], seconds: float) -> Dict[str, float]:
-    """Returns the figures of so many seconds after the warm-up, by name."""
+    """Returns the figures of this many seconds after the warm-up, by name."""
     missions: Counter[str] = Counter()
-    served: Counter[str] = Counter()   # how often a robot was seen with a mission
-    moving: Counter[str] = Counter()   # how often it had then moved since it was seen before
+    served: Counter[str] = Counter()   # how often a robot was observed with a mission
+    moving: Counter[str] = Counter()   # how often it had then moved since the observation before
     metres: Dict[str, float] = dict.fromkeys(KINDS, 0.0)
     before: Dict[str, Seen] = {}
     for one in observations:
@@ -134,7 +134,7 @@ def figures_of(observations: Iterable[Observation], seconds: float) -> Dict[str,
 # --- real time ------------------------------------------------------------------------------------
 
 def watch(master: str, count: int, seen: Any) -> None:
-    """Puts `ready` when so many robots take missions, then each observation."""
+    """Puts `ready` when this many robots take missions, then puts each observation."""
     import rosgraph
     import rospy
 
@@ -174,7 +174,7 @@ def watch(master: str, count: int, seen: Any) -> None:
 
 
 def real(seconds: float) -> List[Observation]:
-    """Returns what the factory does."""
+    """Returns the observations of the factory."""
     observed: List[Observation] = []
     with running(factory('rviz:=false', 'demo:=true'), watch, 2 * COUNT) as run:
         while not observed or observed[-1].time < WARM_UP + seconds:
@@ -207,7 +207,7 @@ def virtual_site() -> StudiedSite:
 
 
 class ObservedRun(Run):
-    """A virtual run that is observed as the real fleet is."""
+    """A virtual run that is observed in the same way as the real fleet."""
 
     def __init__(self, site: StudiedSite, seed: int) -> None:
         super().__init__(site, 2 * COUNT, seed)
@@ -221,7 +221,7 @@ class ObservedRun(Run):
         super().publishes(status)
 
     def stepped(self) -> None:
-        """Notes that one step of time is over."""
+        """Observes the fleet at the end of a step of time, if LOOK has passed."""
         super().stepped()
         if self.world.now >= self._looked + LOOK - 1e-6:
             self._looked = self.world.now
@@ -242,7 +242,7 @@ def virtual(seconds: float, seed: int) -> Dict[str, float]:
 # --- both -----------------------------------------------------------------------------------------
 
 def print_agreement(real_hour: Dict[str, float], hours: Sequence[Dict[str, float]]) -> None:
-    """Prints the real figures beside mean and range of the virtual ones."""
+    """Prints each real figure beside the mean and the range of the virtual figures."""
     rows = []
     for name, measured in real_hour.items():
         show: Callable[[float], str] = ('{:.0f}' if measured >= 100.0 else '{:.1f}').format
@@ -259,7 +259,7 @@ def print_agreement(real_hour: Dict[str, float], hours: Sequence[Dict[str, float
 
 
 def half_width(values: Sequence[float]) -> float:
-    """Returns half the width of the range in which one more hour lies with 95 %."""
+    """Returns half the width of the range in which one more hour is with a probability of 95 %."""
     count = len(values)
     return float(students_t.ppf(0.975, count - 1)) * statistics.stdev(values) * math.sqrt(
         1.0 + 1.0 / count)

@@ -1,9 +1,9 @@
 """Measures ARCL: parsing of lines, latency from the socket to a subscriber, CPU of the two nodes.
 
-Each figure stands beside its floor from the same run. The benchmark plays the robot: it sends 10
+Each figure has its floor from the same run beside it. The benchmark plays the robot: it sends 10
 statuses and 10 scans of 1,000 points each second. The floor of latency and CPU is a bare rospy
-publisher of the same lines. A bare relay, which publishes the lines of a socket unparsed, shows how
-much of the latency is that one more process must wake up.
+publisher of the same lines. A bare relay publishes the lines of a socket without parsing them. It
+shows which part of the latency comes from one more process that must wake up.
 """
 from __future__ import annotations
 
@@ -33,8 +33,8 @@ SECONDS = 20.0
 RATE = 10.0  # statuses per second, and scans per second
 PASSWORD = b'bench'
 
-# A bare node: it publishes the lines of a status and a scan as plain Strings and adds the time of
-# each burst.
+# A bare node: it publishes the lines of a status and of a scan as plain Strings, and adds to each
+# burst the time at which it was sent.
 BARE_NODE = '''
 import sys, time
 import rospy
@@ -71,17 +71,17 @@ for line in connection.makefile():
 
 
 def lines_per_second(work: Callable[[], object], lines: int) -> float:
-    """Returns the number of lines per second, median of several runs."""
+    """Returns the number of lines per second: the median of several runs."""
     return 1e3 * lines / milliseconds(work, RUNS)
 
 
 def in_chunks(data: bytes) -> List[bytes]:
-    """Cuts the bytes into chunks, as a socket delivers them."""
+    """Cuts the bytes into chunks, like a socket."""
     return [data[i:i + 65536] for i in range(0, len(data), 65536)]
 
 
 def statuses() -> Row:
-    """Parses status lines with different locations in a session; floor: split and decode only."""
+    """Parses status lines with different locations in a session; the floor splits and decodes."""
     draw = random.Random(1)
     blocks = [f'ExtendedStatusForHumans: Going to {i}\r\nStatus: Going to {i}\r\n'
               f'StateOfCharge: {draw.uniform(0, 100):.1f}\r\n'
@@ -92,14 +92,14 @@ def statuses() -> Row:
 
 
 def scans() -> Row:
-    """Parses scans of 455 points in a session; the floor only splits and decodes."""
+    """Parses scans of 455 points in a session; the floor splits and decodes."""
     points = np.random.default_rng(1).integers(-20_000, 20_000, 910)
     line = f'RangeDeviceGetCurrent: Laser_1 {" ".join(map(str, points))}\r\n'
     return throughput('scans of 455 points', line.encode() * 5000, 5000, '10,000/s')
 
 
 def throughput(what: str, data: bytes, lines: int, aim: str) -> Row:
-    """Measures lines per second through session and replies."""
+    """Measures how many lines per second the session and the replies handle."""
     chunks = in_chunks(data)
 
     def parse() -> None:
@@ -116,7 +116,7 @@ def throughput(what: str, data: bytes, lines: int, aim: str) -> Row:
 
 
 def burst(stamp: int, points: str) -> Tuple[List[str], str]:
-    """Returns the lines of a status, with a time stamp in their text, and of a scan."""
+    """Returns the lines of a status and of a scan; `stamp` is the time stamp in their text."""
     mark = f'{stamp:019d}' if stamp else 'STAMP'
     status = [f'Status: Going to {mark}', f'ExtendedStatusForHumans: {mark}',
               'StateOfCharge: 79.4', 'Location: 3120 -540 -87', 'LocalizationScore: 0.870543',
@@ -125,7 +125,7 @@ def burst(stamp: int, points: str) -> Tuple[List[str], str]:
 
 
 class Robot:
-    """A robot that answers the controller's login and heartbeats, and connects to the receiver."""
+    """A robot: it answers the controller's login and heartbeats, and connects to the receiver."""
 
     def __init__(self) -> None:
         self._server = socket.create_server(('127.0.0.1', 0))
@@ -147,7 +147,7 @@ class Robot:
 
 
 def nodes() -> List[Row]:
-    """Measures latency and CPU of the nodes, and those of the bare publisher."""
+    """Measures latency and CPU of the nodes and of the bare publisher."""
     import rospy
     receiver_port, relay_port = free_port(), free_port()
     points = ' '.join(map(str, np.random.default_rng(2).integers(-15_000, 15_000, 2000)))
@@ -238,7 +238,7 @@ def measure(processes: Dict[str, subprocess.Popen], port: int, relay_port: int,
 def latency_row(what: str, latencies: Dict[str, List[float]], of: str, aim: float) -> Row:
     """Returns one row: p50 and p99 of the nodes, of the floor, and of the bare relay.
 
-    aim -- limit of the p50, as a multiple of the floor's
+    aim -- largest p50 of the nodes, as a multiple of the floor's p50
     """
     (p50, p99), (bare50, bare99), (relay50, relay99) = (
         np.percentile(latencies[f'{sender}{of}'], (50, 99)) for sender in ('ours', 'bare', 'relay'))
@@ -265,7 +265,7 @@ def connect(port: int) -> socket.socket:
 
 
 def feed(connections: Sequence[socket.socket], points: str, sent: List[int], times: int) -> None:
-    """Sends statuses and scans to each connection in turn, at equal distances in time."""
+    """Sends statuses and scans to each connection in turn, at equal intervals."""
     pause = 0.5 / RATE / len(connections)
     due = time.monotonic()
     for _ in range(times):

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Measures a fleet on one computer, started as `scripts/run.sh fleet:=4 longest_edge:=1.5`.
+"""Measures a fleet on one computer that `scripts/run.sh fleet:=4 longest_edge:=1.5` starts.
 
 The fleet has four simulated LD-90s, four simulated AGVs, the fleet manager, and RViz in software
 rendering. The benchmark measures:
@@ -37,18 +37,18 @@ ROOT = Path(__file__).resolve().parents[2]
 COUNT = 4  # number of LD-90s; the number of AGVs is the same
 RUNS = 3
 WARM_UP = 20.0  # s for the robots to spread over the graph
-MEASURE = 40.0  # s over which CPU and frames are measured
-MISSION_TIME = 210.0  # s over which missions are counted
+MEASURE = 40.0  # s in which CPU and frames are measured
+MISSION_TIME = 210.0  # s in which missions are counted
 READY_LIMIT = 120.0
 BARE_NODE = ('<node name="bare_{0}" pkg="rostopic" type="rostopic" '
              'args="pub -r 2 /bare_{0} std_msgs/String {{}}"/>')
 MANAGER = ('graph_server', 'path_planner', 'path_supervisor')
 Message = Tuple[str, float]
-"""(what was observed, when in s of the monotonic clock)."""
+"""An observation, and its time in s of the monotonic clock."""
 
 
 class Usage(NamedTuple):
-    """What one part used: number of processes, share of a core, and MB of private memory."""
+    """The use of resources by one part: processes, share of a core, and MB of private memory."""
 
     processes: int
     share: float
@@ -56,7 +56,7 @@ class Usage(NamedTuple):
 
 
 def watch_fleet(master: str, count: int, seen: multiprocessing.Queue) -> None:
-    """Puts `ready` when the given number of robots take missions, `mission` at each success."""
+    """Puts `ready` when `count` robots take missions, and `mission` at each success."""
     import rosgraph
     import rospy
 
@@ -81,7 +81,7 @@ def watch_fleet(master: str, count: int, seen: multiprocessing.Queue) -> None:
 
 
 def watch_topics(master: str, count: int, seen: multiprocessing.Queue) -> None:
-    """Puts `ready` when a message has arrived on each of the given number of bare nodes' topics."""
+    """Puts `ready` when a message has arrived on the topic of each of `count` bare nodes."""
     import rosgraph
     import rospy
     from std_msgs.msg import String
@@ -105,7 +105,7 @@ class Run(NamedTuple):
 @contextmanager
 def running(command: Callable[[str], List[str]], watch: Callable[..., None], count: int,
             more: Optional[Dict[str, str]] = None) -> Iterator[Run]:
-    """Starts `command`, which gets the port of its ROS master, and waits until it is ready."""
+    """Starts a command and waits until it is ready; `command` gets the port of its ROS master."""
     port = str(free_port())
     environment = {**os.environ, **(more or {}), 'ROS_MASTER_URI': f'http://127.0.0.1:{port}'}
     context = multiprocessing.get_context('spawn')
@@ -135,7 +135,7 @@ def factory(*options: str) -> Callable[[str], List[str]]:
 
 
 def free_ports_of_a_fleet() -> int:
-    """Returns the first of the free ports that its simulated robots take."""
+    """Returns the first of the free ports for the simulated robots."""
     from fleet_bringup.ports import is_taken
     return next(first for first in range(22000, 32000, 50)
                 if not any(is_taken(first + number) for number in range(10 * COUNT)))
@@ -143,9 +143,8 @@ def free_ports_of_a_fleet() -> int:
 
 @contextmanager
 def screen_with_frames() -> Iterator[Tuple[Dict[str, str], Callable[[], List[float]]]]:
-    """Yields the environment in which RViz counts its frames, and the counts so far.
-
-    See rviz.py.
+    """Yields the environment in which RViz counts its frames, and a function that returns the
+    counts so far. See rviz.py.
     """
     screen = Screen()
     with tempfile.TemporaryDirectory() as folder:
@@ -158,16 +157,15 @@ def screen_with_frames() -> Iterator[Tuple[Dict[str, str], Callable[[], List[flo
 
 
 def part_of(pid: int) -> str:
-    """Names a process: the name of its ROS node, else the name of its program."""
+    """Returns the name of a process: that of its ROS node, or else that of its program."""
     words = arguments(pid)
     python = 'python' in os.path.basename(words[0]) and len(words) > 1
     return node_name(pid) or os.path.basename(words[1] if python else words[0])
 
 
 def usage_of(pid: int) -> Dict[str, Usage]:
-    """Returns what each part of a launch uses over some time.
-
-    The script's own shells are ignored.
+    """Returns the use of resources by each part of a launch during some time, without the script's
+    own shells.
     """
     before = {one: (part_of(one), cpu_seconds(one)) for one in descendants(pid)}
     time.sleep(MEASURE)
@@ -210,7 +208,8 @@ def nodes_of(pid: int) -> List[int]:
 
 
 def load() -> None:
-    """Measures CPU and memory of each part, and frames per second, while all robots drive."""
+    """Measures CPU and memory of each part, and RViz's frames per second, while all robots drive.
+    """
     with screen_with_frames() as (environment, frames), running(
             factory('rviz:=true', 'demo:=true'), watch_fleet, 2 * COUNT, environment) as run:
         time.sleep(WARM_UP)
@@ -229,7 +228,7 @@ def load() -> None:
 
 
 def missions() -> None:
-    """Counts the missions that succeed in some minutes at real speed, scaled to an hour."""
+    """Counts the missions that succeed in some minutes at real speed, as missions per hour."""
     with running(factory('rviz:=false', 'demo:=true'), watch_fleet, 2 * COUNT) as run:
         time.sleep(WARM_UP)
         begun = time.monotonic()

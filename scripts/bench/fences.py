@@ -1,8 +1,8 @@
 """Measures fences on the example laboratory, a real map and grids: number, time and tightness.
 
-Times are CPU seconds, median of several runs. The floor of the fences is the time of Shapely's
-union of the corridors, which every method needs. The conversion is the whole way from the bytes of
-the base map to the bytes of the new map, with the check.
+Times are CPU seconds, the median of several runs. The floor of the fences is the time of Shapely's
+union of the corridors, which every method needs. The conversion includes all work from the bytes of
+the base map to the bytes of the new map, and the check.
 """
 from __future__ import annotations
 

@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
-"""Measures the fleet's planner: planning time, cost of the plans, and missions that are done.
+"""Measures the fleet's planner: planning time, cost of the plans, and the number of missions done.
 
 Every plan uses true sizes, speeds and conflict sets. Times are CPU times, because other work on the
-machine lengthens them less. Limits are limits of the clock. The speed of a virtual machine changes
+machine changes them less. Limits are times of the clock. The speed of a virtual machine changes
 from minute to minute. So the first plans of `stations` are made in many turns over all seeds, and
-each turn also times a loop of additions. `--only SECTION` runs one part (see SECTIONS). Rivals come
-from PyPI into virtual environments under build/rivals.
+each turn also times a loop of additions. `--only SECTION` runs one part (see SECTIONS). Rivals are
+installed from PyPI into virtual environments under build/rivals.
 """
 from __future__ import annotations
 
@@ -43,13 +43,13 @@ from trajectory_graph import Graph, split_edges  # noqa: E402
 
 SEEDS = 20
 TURNS = 20
-"""How often the first plans of all seeds are made."""
+"""The number of times that the first plans of all seeds are made."""
 Row = Tuple[str, str, str]
 """(label, figure, aim)."""
 
 
 class Planned(NamedTuple):
-    """One instance: seconds to a first plan, its cost, and the cost after improvement."""
+    """One instance: seconds to a first plan, and the plan's cost (divided by its lower bound)."""
 
     seconds: float
     solved: bool
@@ -58,7 +58,7 @@ class Planned(NamedTuple):
 
 def plan(base: RoadNetwork, instance: Instance, limit: float, search: Search = find_path,
          improve: bool = True) -> Planned:
-    """Plans with newly computed heuristics; the conflict sets exist already."""
+    """Plans with newly computed heuristics and existing conflict sets."""
     planner = FleetPlanner(base.with_closed(()), CLEARANCE, [AGV], search=search)
     planner.prepare()
     begun = time.process_time()
@@ -70,7 +70,7 @@ def plan(base: RoadNetwork, instance: Instance, limit: float, search: Search = f
 
 
 def additions() -> float:
-    """Returns the seconds for 300,000 additions in a loop: the machine's speed at the moment."""
+    """Returns the seconds for 300,000 additions in a loop, a measure of the machine's speed now."""
     begun = time.process_time()
     total = 0
     for number in range(300_000):
@@ -79,7 +79,7 @@ def additions() -> float:
 
 
 def ratio(outcome: PlanningOutcome) -> float:
-    """Returns the cost divided by the lower bound, over the robots that are served."""
+    """Returns the cost of the robots that are served, divided by its lower bound."""
     return outcome.cost / outcome.lower_bound if outcome.lower_bound else 1.0
 
 
@@ -96,7 +96,7 @@ def summary(planned: Sequence[Planned]) -> str:
 
 
 def stations() -> Iterator[Row]:
-    """Instances whose stations are at the ends of spurs."""
+    """Measures instances whose stations are at the ends of spurs."""
     for vertices, robots, aim, bound in ((500, 50, '20 of 20 within 25 ms', '1.25 x'),
                                          (2000, 100, '20 of 20 within 150 ms', '1.08 x')):
         graph, ends = aisles(vertices)
@@ -111,8 +111,8 @@ def stations() -> Iterator[Row]:
 
 def first_plans(base: RoadNetwork, instances: Sequence[Instance], what: str,
                 aim: str) -> Iterator[Row]:
-    """Measures the time to a first plan: the usual time,
-    and the time at the machine's full speed.
+    """Measures the time to a first plan: the usual time, and the time while the machine runs at
+    full speed.
     """
     planned, floors = [], []
     for _ in range(TURNS):
@@ -130,7 +130,7 @@ def first_plans(base: RoadNetwork, instances: Sequence[Instance], what: str,
 
 
 def any_vertex() -> Iterator[Row]:
-    """Measures the same fleets, but any vertex can be a goal."""
+    """Measures the same fleets with goals at any vertices."""
     for vertices, robots in ((500, 50), (2000, 100)):
         graph = aisles(vertices)[0]
         base = RoadNetwork(graph)
@@ -140,9 +140,9 @@ def any_vertex() -> Iterator[Row]:
 
 
 def compared(anywhere: bool) -> Callable[[], Iterator[Row]]:
-    """Measures our planner and its rivals on the same instances, each judged by the same checker.
+    """Returns a function that measures our planner and its rivals on the same instances.
 
-    Goals are stations, or any vertices.
+    The same checker judges all plans. Goals are stations or, with `anywhere`, any vertices.
     """
     def section() -> Iterator[Row]:
         environments = {package: rivals.environment(package) for package in rivals.PACKAGES}
@@ -168,7 +168,7 @@ def compared(anywhere: bool) -> Callable[[], Iterator[Row]]:
 
 
 def own(base: RoadNetwork, instance: Instance) -> rivals.Judged:
-    """Returns our first plan within a second, judged by the same checker."""
+    """Returns our first plan within a second, after the checker has judged it."""
     planner = FleetPlanner(base.with_closed(()), CLEARANCE, [AGV])
     planner.prepare()
     begun = time.monotonic()
@@ -203,7 +203,7 @@ def conflict_sets() -> Iterator[Row]:
 
 
 def sparse() -> Iterator[Row]:
-    """Measures a roadmap with long edges, uncut and cut."""
+    """Measures a roadmap with long edges, before and after these are cut into sections."""
     for robots, longest, aim in ((30, None, '15 of 20 in 2 s, at most 2.2 x'),
                                  (20, 3.0, '20 of 20 in 2 s, at most 1.08 x')):
         planned = []
@@ -216,7 +216,7 @@ def sparse() -> Iterator[Row]:
 
 
 def plan_in(graph: Graph, instance: Instance, limit: float) -> Planned:
-    """Plans and improves the plan, all within the limit."""
+    """Plans and improves the plan, all within `limit` s."""
     planner = FleetPlanner(RoadNetwork(graph), CLEARANCE, [AGV])
     planner.prepare()
     begun = time.monotonic()
@@ -225,7 +225,7 @@ def plan_in(graph: Graph, instance: Instance, limit: float) -> Planned:
 
 
 def layers() -> Iterator[Row]:
-    """Compares the layers of TEA* with safe intervals, in turns on the same instances."""
+    """Compares the layers of TEA* with safe intervals, alternately on the same instances."""
     graph, ends = aisles(500)
     base = RoadNetwork(graph)
     for seconds in (1.0, 0.5):
@@ -244,9 +244,7 @@ def layers() -> Iterator[Row]:
 
 
 def replanning() -> Iterator[Row]:
-    """Measures a large fleet at work with delays and stalls.
-
-    Planning runs again when a mission ends.
+    """Measures a large fleet at work, with delays and stalls; each end of a mission causes a plan.
     """
     graph, ends = aisles(500)
     figures, _ = operation.at_work(graph, AGV, ends[::2][:50], ends, 0, 300.0, 0)
@@ -273,7 +271,7 @@ def laboratory(robots: int, longest: float, kind: RobotType, seeds: int,
 
 
 def station_queues() -> Iterator[Row]:
-    """Measures the missions of robots that wait for each other only at the stations."""
+    """Measures how many missions are done if robots wait for each other only at the stations."""
     found = [queueing.missions(8, seed) for seed in range(200)]
     yield ('laboratory, 8 robots that meet only at the dead ends of the stations, 200 seeds',
            f'{statistics.mean(found):.0f} missions on average ({min(found)} to {max(found)})',

@@ -1,6 +1,6 @@
-"""Measures the making of graphs from maps, and the editor with a large graph; with floors.
+"""Measures how graphs are made from maps, and the editor with a large graph; with floors.
 
-Uses the laboratory, and the maps of real LD robots in the folder LD90_REAL_MAPS if there are any.
+It uses the laboratory, and the maps of real LD robots in the folder LD90_REAL_MAPS if it exists.
 """
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ LAB = ROOT / 'maps' / 'lab_base.map'
 REAL = sorted(Path(os.environ.get('LD90_REAL_MAPS') or '/nowhere').glob('*.map'))
 RUNS = 3
 OPTIONS = MakingOptions()
-# m of clearance; it selects the middles of the laboratory's rooms and halls, separated at doors
+# m of clearance that selects the middles of the laboratory's rooms and halls, separated at doors
 ROOM = 1.1
 ROWS, COLUMNS, PITCH, EDGES = 20, 25, 3.0, 1000
 # m: position of the vertex that is dragged
@@ -69,14 +69,14 @@ rospy.spin()
 
 
 class Times(NamedTuple):
-    """The times of one program, in s."""
+    """The times of one program (s)."""
 
     wall: float
     cpu: float
 
 
 def timed(*command: object) -> Times:
-    """Medians over several runs."""
+    """Returns the medians of several runs."""
     walls, cpus = [], []
     for _ in range(RUNS):
         begun, before = time.perf_counter(), os.times()
@@ -116,13 +116,14 @@ def length(graph: Graph) -> float:
 
 
 def robot_floor(site: MappedSite, graph: Graph) -> np.ndarray:
-    """Returns the mask of the floor with half a robot's width of room, flooded from the graph."""
+    """Returns the mask of the floor that the graph reaches with half a robot's width of room."""
     return site.floor.reachable(OPTIONS.robot_width / 2.0,
                                 [vertex.position for vertex in graph.vertices.values()])
 
 
 def share_served(site: MappedSite, graph: Graph) -> float:
-    """Returns the share of the reachable floor whose driving distance to an edge is at most 2 m."""
+    """Returns the share of the reachable floor from which an edge is at most 2 m of driving away.
+    """
     coverage = Coverage(site.floor, robot_floor(site, graph), 2.0)
     served = np.zeros(coverage.mask.size, bool)
     for id in graph.edges:
@@ -131,15 +132,15 @@ def share_served(site: MappedSite, graph: Graph) -> float:
 
 
 def errors(site: MappedSite, graph: Graph) -> int:
-    """Returns the number of errors in check_graph, such as edges in walls or unreachable
-    vertices.
+    """Returns the number of errors that check_graph finds, such as edges in walls or vertices that
+    cannot be reached.
     """
     findings = Checker(CheckRules(), site).all(Draft.of(graph))
     return sum(finding.severity is Severity.ERROR for finding in findings)
 
 
 def compare_with_hand() -> None:
-    """Compares the made graph of the laboratory with the graph that a person drew."""
+    """Compares the graph made for the laboratory with the graph that a person drew."""
     site = load_site(str(LAB), SiteOptions())
     graphs = {'made': make_graph(site, OPTIONS).graph,
               'maps/lab_graph.yaml': load_graph(ROOT / 'maps' / 'lab_graph.yaml')}
@@ -162,8 +163,8 @@ def compare_with_hand() -> None:
 
 
 def large_site(folder: str) -> Tuple[str, str, int]:
-    """Returns a hall as a ROS map, a graph with 500 vertices and 1,000 edges,
-    a vertex in its middle.
+    """Returns a hall as a ROS map, a graph with 500 vertices and 1,000 edges, and a vertex in the
+    middle of the graph.
     """
     width, height = (COLUMNS + 1) * PITCH, (ROWS + 1) * PITCH
     grey = np.full((int(height / 0.05), int(width / 0.05)), 254, np.uint8)
@@ -185,9 +186,7 @@ def large_site(folder: str) -> Tuple[str, str, int]:
 
 
 class Mouse:
-    """Drags a vertex with the messages that RViz would send, and waits for the update with its
-    edges.
-    """
+    """Drags a vertex with the same messages as RViz, and waits for the update of its edges."""
 
     def __init__(self, vertex: int) -> None:
         self._name = f'{VERTICES} {vertex_group(vertex)}'
@@ -198,7 +197,7 @@ class Mouse:
                                             self._on_update, tcp_nodelay=True)
 
     def drag(self, x: float, y: float) -> float:
-        """Returns the seconds from the feedback to the update."""
+        """Returns the time (s) from the feedback to the update."""
         self._answered.clear()
         begun = time.perf_counter()
         self._publish_feedback(InteractiveMarkerFeedback.POSE_UPDATE, x, y)
@@ -207,11 +206,11 @@ class Mouse:
         return time.perf_counter() - begun
 
     def wait_for_editor(self) -> None:
-        """Waits until the editor answers: feedback is lost while it starts, and its first update is
-        no answer.
+        """Waits until the editor answers. While it starts, feedback is lost, and its first update
+        is not an answer.
         """
         answers = 0
-        for x, y in list(circle(60))[1:]:  # a drag to the present position would not be answered
+        for x, y in list(circle(60))[1:]:  # the editor does not answer a drag to the same position
             self._answered.clear()
             self._publish_feedback(InteractiveMarkerFeedback.MOUSE_DOWN, 0.0, 0.0)
             self._publish_feedback(InteractiveMarkerFeedback.POSE_UPDATE, x, y)
@@ -241,9 +240,7 @@ class Mouse:
 
 
 def drags(mouse: Mouse, count: int) -> List[float]:
-    """Returns the delays, in s, of the given number of drags round a circle,
-    at the rate of a mouse.
-    """
+    """Returns the delays (s) of `count` drags along a circle, at the rate of a mouse."""
     seconds = []
     for x, y in circle(count):
         begun = time.monotonic()
@@ -253,15 +250,15 @@ def drags(mouse: Mouse, count: int) -> List[float]:
 
 
 def circle(count: int) -> Iterator[Tuple[float, float]]:
-    """Displacements (x, y) of the mouse from the first place of the vertex, in m."""
+    """Yields displacements (x, y) of the mouse from the first place of the vertex, in m."""
     for angle in np.linspace(0.0, 4.0 * np.pi, count, endpoint=False):
         yield np.cos(angle), np.sin(angle)
 
 
 def editing() -> None:
     """Measures the delay of a drag, and RViz's frames per second during drags."""
-    # pauses of 60 ms of Python's garbage collector would count as the editor's; RViz has no
-    # collector
+    # Python's garbage collector pauses for 60 ms here, and this would count as time of the editor.
+    # RViz has no collector.
     gc.freeze()
     with own_ros_master(), tempfile.TemporaryDirectory() as folder:
         map_file, graph_file, vertex = large_site(folder)
@@ -288,7 +285,7 @@ def editing() -> None:
 
 def in_process(command: List[str], vertex: int, more: Callable[[Mouse], object] = lambda mouse: None
                ) -> List[float]:
-    """Measures the delays of drags that a node answers, then calls `more` with the same mouse."""
+    """Measures the delays of drags that a node answers, then calls `more` with the mouse."""
     node = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
     mouse = Mouse(vertex)
     try:
@@ -304,7 +301,7 @@ def in_process(command: List[str], vertex: int, more: Callable[[Mouse], object] 
 
 
 def frames(mouse: Mouse, map_file: str) -> Dict[str, List[float]]:
-    """Returns RViz's frames per second while a vertex is dragged, at rest, and without displays."""
+    """Returns RViz's frames per second: while a vertex is dragged, at rest, without displays."""
     if missing_programs():
         return {}
     text = (ROOT / 'src/graph_editor/rviz/graph_editor.rviz').read_text()
@@ -321,7 +318,7 @@ def frames(mouse: Mouse, map_file: str) -> Dict[str, List[float]]:
 
 
 def measured_frames(screen: Screen, text: str, mouse: Mouse) -> Tuple[List[float], List[float]]:
-    """Frames per second of RViz with a configuration, while dragging and at rest."""
+    """Returns the frames per second of RViz with a configuration, during drags and at rest."""
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / 'bench.rviz'
         path.write_text(text)
@@ -343,7 +340,7 @@ def measured_frames(screen: Screen, text: str, mouse: Mouse) -> Tuple[List[float
 
 
 def main() -> None:
-    """Prints the tables; with --only editing, only the last table."""
+    """Prints the tables; with --only editing, prints only the last table."""
     options = argparse.ArgumentParser(description=__doc__)
     options.add_argument('--only', choices=('making', 'editing'), help='a part of it')
     only = options.parse_args().only

@@ -2,8 +2,8 @@
 """Measures how the cost of the main tasks grows with their size, and prints the exponents.
 
 Each row has one task at three sizes. The exponent is the slope of the costs over the sizes, both as
-logarithms: 1 is proportional, 0 is no growth, 2 is square. All costs are CPU times, the lowest of
-several runs. The whole takes about four minutes.
+logarithms: 1 means proportional, 0 means no growth, 2 means square. Each cost is a CPU time, the
+lowest of several runs. All rows together take about four minutes.
 """
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ def exponent(costs: Sequence[Cost]) -> float:
 
 
 def row(task: str, costs: Sequence[Cost], aim: str = 'at most 1.2') -> Row:
-    """Measures the line of the table for one task."""
+    """Returns the row of the table for one task."""
     sizes = ', '.join(f'{cost.size:,}' for cost in costs)
     times = ', '.join(f'{cost.milliseconds:,.3g}' for cost in costs)
     return Row(f'{task}: {sizes}', f'{times} ms', f'exponent {exponent(costs):.2f}', aim)
@@ -73,7 +73,7 @@ def lowest(run: Callable[[], object], runs: int = RUNS) -> float:
 # -- fleet -----------------------------------------------------------------------------------------
 
 def missions() -> Iterator[Row]:
-    """Measures a fleet at work in virtual time, while other missions wait for a robot."""
+    """Measures a fleet at work in virtual time while further missions wait for a robot."""
     yield row('missions that wait, 8 robots at work in the laboratory: 300 s of virtual time', [
         Cost(waiting, at_work_costs(8, waiting)) for waiting in (500, 1500, 4500)], 'at most 0.5')
 
@@ -85,7 +85,7 @@ def robots() -> Iterator[Row]:
 
 
 def at_work_costs(count: int, waiting: int) -> float:
-    """Returns the CPU time, in ms, of a fleet that works for 300 virtual s."""
+    """Returns the CPU time (ms) of a fleet that works for 300 virtual s."""
     return lowest(lambda: at_work(LABORATORY, AGV, PARKING[:count], STATIONS, 0, 300.0, 20,
                                   waiting), 2)
 
@@ -100,12 +100,12 @@ def vertices() -> Iterator[Row]:
 
 
 def preparation(graph: Graph) -> float:
-    """Returns the CPU time, in ms, until the planner is ready."""
+    """Returns the CPU time (ms) until the planner is ready."""
     return lowest(lambda: PlanService(graph, FLEET).prepare(), 2)
 
 
 def plan_of_20(graph: Graph) -> float:
-    """Returns the CPU time, in ms, of a plan for robots that drive in one corner of a grid."""
+    """Returns the CPU time (ms) of a plan for 20 robots that drive in one corner of a grid."""
     service = PlanService(graph, FLEET)
     service.prepare()
     corner = grid(20)
@@ -120,13 +120,13 @@ def plan_of_20(graph: Graph) -> float:
 # -- one robot -------------------------------------------------------------------------------------
 
 def points() -> Iterator[Row]:
-    """Measures the reading and checking a map."""
+    """Measures how a map is read and checked."""
     yield row('points of a map: read and checked', [
         Cost(count, map_reading(count)) for count in (10_000, 100_000, 1_000_000)])
 
 
 def map_reading(count: int) -> float:
-    """Returns the CPU time, in ms, in which a map with this number of points is read."""
+    """Returns the CPU time (ms) in which a map with this number of points is read."""
     draw = np.random.default_rng(1)
     some = np.unique(draw.integers(-20_000, 20_000, (count + count // 50, 2)) * 20,
                      axis=0)[:count]
@@ -144,7 +144,7 @@ def edges() -> Iterator[Row]:
 
 
 def reporting(count: int) -> float:
-    """Returns the CPU time, in ms, of one report on a route with this number of edges."""
+    """Returns the CPU time (ms) of one report on a route with this number of edges."""
     vehicle = Vehicle(lambda: 1, lambda: 0)
     vehicle.take_order(RouteOrder(1, tuple(range(1, count + 1)), order=1, known_epoch=1,
                                   master='bench'), 0)

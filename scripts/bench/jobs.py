@@ -2,7 +2,8 @@
 """Measures job_server: the delay that it adds to a job, and its CPU time with many clients.
 
 Everything runs as users run it: nodes under a ROS master, simulated robots, jobs over TCP, files on
-this computer's disk. `--only SECTION` runs one part (see SECTIONS); each takes two to four minutes.
+this computer's disk. `--only SECTION` runs one part (see SECTIONS). Each part takes two to four
+minutes.
 """
 from __future__ import annotations
 
@@ -27,7 +28,7 @@ DRIVES = 20
 CLIENTS = 20
 JOBS = 1000
 AGV_COUNT = 10
-POLL = 0.5          # s between two queueShowRobot of each client, as known clients send them
+POLL = 0.5          # s between two queueShowRobot of a client, the rate of real client programs
 LOAD_SECONDS = 30.0
 SERVER = '''<launch>
   <include file="$(find omron_jobs)/launch/job_server.launch">
@@ -71,7 +72,7 @@ def latency() -> Iterator[Row]:
 
 
 class Polling:
-    """Clients that ask for the robots again and again, and read all that they are told."""
+    """Clients that ask for the robots repeatedly, and read all answers."""
 
     def __init__(self, port: int) -> None:
         self.lines, self._ends = 0, False
@@ -100,9 +101,7 @@ class Polling:
 
 
 def load() -> Iterator[Row]:
-    """Measures CPU and memory of the node with many clients and jobs.
-
-    The floor is the node without them.
+    """Measures CPU and memory of the node with many clients and jobs; the floor has none of these.
     """
     with Stack() as stack:
         files, port = stack.agv_fleet(AGV_COUNT), free_port()
@@ -135,7 +134,7 @@ def load() -> Iterator[Row]:
 
 
 def share(pid: int) -> float:
-    """Returns the share of a core, in %, that a process uses."""
+    """Returns the share of a core (%) that a process uses."""
     before, begun = cpu_seconds(pid), time.monotonic()
     time.sleep(LOAD_SECONDS)
     return 100 * (cpu_seconds(pid) - before) / (time.monotonic() - begun)

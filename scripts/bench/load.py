@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Measures the fleet manager under the load of hundreds of robots; each figure with its floor.
+"""Measures the fleet manager under the load of hundreds of robots; each figure has its floor.
 
     robots_50, robots_200   the nodes as users run them; this process plays the robots
     devices_200             200 robots with 50 doors, and the same fleet without
@@ -39,10 +39,10 @@ from itrci_nav_msgs.msg import FleetState, PlanAnswer, PlanRequest, TargetRoute
 from system_support import Recorder, wait_until
 
 OPEN = 5000  # open missions
-SETTLING = 45.0  # s after the first robots have missions; most of the plans are made by then
+SETTLING = 45.0  # s after the first robots have missions; until then nearly all plans are made
 SECONDS = 60.0  # s of a measurement
 DOORS = 50
-FLOOR = 10.0  # s of the measurement of the floor
+FLOOR = 10.0  # s in which the floor is measured
 
 
 class Planning:
@@ -50,7 +50,7 @@ class Planning:
 
     def __init__(self) -> None:
         self.times: List[float] = []
-        """s, measured by the planner's own clock."""
+        """The times (s), measured by the planner's own clock."""
         self.unserved = 0
         self.failed = 0
         self._begun: Dict[int, float] = {}
@@ -76,18 +76,18 @@ class Planning:
         return any(start <= release.moment and end >= begun for start, end in self._spans)
 
     def share(self, begun: float, ended: float) -> float:
-        """Returns the share of a time in which the planner worked, from requests and answers."""
+        """Returns the share of a period in which the planner worked, from requests and answers."""
         return sum(max(min(end, ended) - max(start, begun), 0.0)
                    for start, end in self._spans) / (ended - begun)
 
 
 class Commits:
-    """Counts the commits to a journal in the write-ahead log, which SQLite writes first."""
+    """Counts the commits to a journal in its write-ahead log, to which SQLite writes first."""
 
     def __init__(self, path: Path) -> None:
         self.count = 0
         self._log = Path(f'{path}-wal')
-        self._frame = (0, 0)  # the salt of the log, and the number of its frames so far
+        self._frame = (0, 0)  # the salt of the log, and the number of frames read so far
         threading.Thread(target=self._watch, daemon=True).start()
 
     def _watch(self) -> None:
@@ -97,8 +97,8 @@ class Commits:
             time.sleep(0.25)
 
     def _read_log(self) -> None:
-        """Reads the log. A frame that ends a commit holds the size of the database, other frames
-        hold 0.
+        """Reads the log. A frame that ends a commit contains the size of the database; any other
+        frame contains 0 there.
         """
         with self._log.open('rb') as log:
             header = log.read(32)
@@ -137,7 +137,7 @@ def floors(names: Sequence[str]) -> Tuple[str, str]:
 
 
 class Measured(NamedTuple):
-    """What was measured of a fleet in SECONDS; rates are per second."""
+    """The measurements of a fleet in SECONDS; rates are per second."""
 
     shares: Mapping[str, float]
     reports: float
@@ -159,7 +159,7 @@ class Measured(NamedTuple):
 
 
 def measured(count: int, side: int, doors: int = 0) -> Measured:
-    """Measures the given number of robots at 10 Hz, all on missions, on side x side vertices.
+    """Measures `count` robots at 10 Hz, all on missions, on a grid of side x side vertices.
 
     doors -- number of edges of the grid that lead through a simulated door
     """
@@ -203,7 +203,7 @@ def measured(count: int, side: int, doors: int = 0) -> Measured:
 
 
 class Load(NamedTuple):
-    """What is compared: the share of `path_supervisor`, and milliseconds from report to release."""
+    """Figures to compare: the share of `path_supervisor`, and ms from a report to a release."""
 
     share: float
     reports: float
@@ -220,7 +220,7 @@ def load_of(count: int, side: int, doors: int) -> Load:
 
 
 def in_a_process(count: int, side: int, doors: int) -> Load:
-    """Measures a fleet in a process of its own, because a process is one ROS node."""
+    """Measures a fleet in a separate process, because a process is one ROS node."""
     with ProcessPoolExecutor(1, mp_context=get_context('spawn')) as executor:
         return executor.submit(load_of, count, side, doors).result()
 
@@ -244,15 +244,13 @@ def devices(count: int, side: int) -> Iterator[Row]:
 
 
 def ended(one: Measured) -> str:
-    """Returns the missions that have ended by their state, in words."""
+    """Returns a text about the missions that have ended, by their state."""
     states = {state: number for state, number in one.ended.items() if number}
     return f'by state {states} {one.reasons or ""}'
 
 
 def robots(count: int, side: int) -> Iterator[Row]:
-    """Measures the given number of robots at 10 Hz, all on missions,
-    on a grid of side x side vertices.
-    """
+    """Measures `count` robots at 10 Hz, all on missions, on a grid of side x side vertices."""
     one = measured(count, side)
     plans, found, hop = one.planning, one.releases, one.hop
     what = f'{count} robots, {one.edges} edges'

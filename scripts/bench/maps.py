@@ -1,6 +1,7 @@
 """Measures maps: loading, grids, messages, start and memory of the node; each with its floor.
 
-Uses the map of a real LD robot if there is one beside the repository, else the example laboratory.
+It uses the map of a real LD robot if there is one beside the repository, else the example
+laboratory.
 """
 from __future__ import annotations
 
@@ -58,7 +59,7 @@ print(resident() - before)
 
 
 def load(path: Path) -> Row:
-    """Loads a whole file; the floor is numpy's own reader on the points alone."""
+    """Loads a whole file; the floor is numpy's own reader for the points alone."""
     document = MapDocument.load(str(path))
     rows = document.sections[-1].body
     ours = milliseconds(lambda: MapDocument.load(str(path)))
@@ -69,8 +70,8 @@ def load(path: Path) -> Row:
 
 
 def load_million() -> Row:
-    """Loads a million points with checks; the floor is numpy's unchecked conversion of the same
-    text.
+    """Loads a million points with checks; the floor is numpy's conversion of the same text without
+    checks.
     """
     points = np.unique(np.random.default_rng(1).integers(-20_000, 20_000, (1_001_000, 2)) * 20,
                        axis=0)[:1_000_000]
@@ -123,8 +124,8 @@ def markers() -> Row:
 
 
 def memory(path: Path) -> Row:
-    """Measures the memory that a loaded document adds to a process
-    that has imported the library.
+    """Measures how much memory a loaded document adds to a process that has already imported the
+    library.
     """
     grown = [int(subprocess.run([sys.executable, '-c', MEMORY, str(path)], check=True,
                                 stdout=subprocess.PIPE).stdout) for _ in range(RUNS)]
@@ -135,7 +136,7 @@ def memory(path: Path) -> Row:
 
 
 def node(path: Path) -> List[Row]:
-    """Measures the time from the node's start to all topics, and its memory.
+    """Measures the time from the node's start until all topics have a message, and the memory.
 
     The floor is a bare publisher.
     """
@@ -164,8 +165,8 @@ def node(path: Path) -> List[Row]:
 
 
 def start_node(command: List[str], topics: List[str]) -> tuple:
-    """Returns the seconds from the start of a process to a message on each topic,
-    and its memory then.
+    """Returns the time (s) from the start of a process until each topic has a message, and the
+    memory of the process then.
     """
     import rospy
     missing, everything = set(topics), threading.Event()

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""Measures ten ROS masters joined by fkie multimaster: nine robots' and the fleet manager's.
+"""Measures ten ROS masters that fkie multimaster joins: those of nine robots and the fleet manager.
 
-All masters are on loopback addresses of a network namespace, in which bytes are counted: needs
+All masters are on loopback addresses of a network namespace, in which bytes are counted. This needs
 root. Each robot is a simulated AGV. The floor of the bytes is one robot on a computer that is not
 joined.
 """
@@ -32,20 +32,21 @@ ROOT = Path(__file__).resolve().parents[2]
 GRAPH = ROOT / 'maps/lab_graph.yaml'
 AGV = RobotType('agv', 0.35, 1.0, 0.0, False)
 JOINING = ('master_discovery', 'master_sync', 'peer_watch')
-COUNTED = 30.0  # s over which bytes and CPU are counted
+COUNTED = 30.0  # s in which bytes and CPU are counted
 SETTLE = 15.0  # s from the start of the last robot until the measurement
 WITHIN = 180.0  # s
 
 
 class Use(NamedTuple):
-    """What the joining nodes of some computers use: memory in bytes, CPU in cores."""
+    """The use of resources by the joining nodes of some computers: memory in bytes, CPU in cores.
+    """
 
     memory: float
     cores: float
 
 
 class Site:
-    """The computers of a fleet manager and of `count` robots, not started yet."""
+    """The computers of a fleet manager and of `count` robots, before their start."""
 
     def __init__(self, folder: Path, count: int) -> None:
         hub, *others = loopback_addresses(count + 1)
@@ -92,7 +93,7 @@ def joining_nodes(computer: Computer) -> List[int]:
 
 
 def use_of(computers: List[Computer]) -> Use:
-    """Means for one computer over some seconds; waits for that time."""
+    """Returns the means for one computer during some seconds; waits for these seconds."""
     pids = [pid for computer in computers for pid in joining_nodes(computer)]
     before, begun = sum(map(cpu_seconds, pids)), time.monotonic()
     time.sleep(COUNTED)
@@ -101,17 +102,17 @@ def use_of(computers: List[Computer]) -> Use:
 
 
 def bytes_a_second() -> float:
-    """Returns the bytes per second at present, for all computers together."""
+    """Returns the bytes per second now, of all computers together."""
     before, begun = transmitted('lo'), time.monotonic()
     time.sleep(COUNTED)
     return (transmitted('lo') - before) / (time.monotonic() - begun)
 
 
 def measure(count: int, folder: Path) -> List[Tuple[str, str, str]]:
-    """Returns the rows for the given number of robots."""
+    """Returns the rows for `count` robots."""
     site = Site(folder, count)
     try:
-        apart = Site(folder, count).robots[0]  # not joined: the bytes that one robot sends alone
+        apart = Site(folder, count).robots[0]  # not joined: measures the bytes of one robot alone
         apart.fkie = False
         apart.start()
         wait_until(lambda: apart.publishes('/agv_1/execution_route_states'), 60.0, 'a robot')
@@ -155,7 +156,7 @@ def measure(count: int, folder: Path) -> List[Tuple[str, str, str]]:
 
 
 def main() -> None:
-    """Prints the table; runs in a network namespace of its own."""
+    """Prints the table. Runs in a network namespace of its own."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument('--robots', type=int, default=9, help='number of robots')
     given = parser.parse_args()

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
-"""Measures two ROS masters joined by fkie multimaster: recovery, lost messages, bytes on the link.
+"""Measures two ROS masters that fkie multimaster joins: recovery, lost messages, bytes on the link.
 
-An LD-90 with its computer and a fleet manager run in two network namespaces. A virtual cable joins
-them. Needs root; the host's own network is not changed.
+An LD-90 with its computer and a fleet manager run in two network namespaces, which a virtual cable
+connects. This needs root. The host's own network is not changed.
 """
 from __future__ import annotations
 
@@ -28,12 +28,12 @@ HERE = Path(__file__).resolve().parent
 REPORTS = (f'/{LD90}/execution_route_states', 'itrci_nav_msgs/ExecutionRouteStates')
 STATES = ('/fleet_state', 'itrci_nav_msgs/FleetState')
 AWAY = (1.0, 5.0, 15.0)  # s without the link
-DEATHS = 2  # deaths of each side
-COUNTED = 10.0  # s over which bytes are counted
+DEATHS = 2  # how often each side is killed
+COUNTED = 10.0  # s in which bytes are counted
 
 
 class Listener:
-    """Receives a topic from all publishers, in its own process on one of the computers."""
+    """Receives a topic from all publishers, in a separate process on one of the computers."""
 
     def __init__(self, computer: Computer, namespace: str, topic: Tuple[str, str]) -> None:
         self.heard: List[Tuple[float, int]] = []
@@ -49,20 +49,20 @@ class Listener:
             self.heard.append((float(moment), int(number)))
 
     def close(self) -> None:
-        """Ends it."""
+        """Ends the listener."""
         self._process.terminate()
         self._process.wait(10)
 
     def first_after(self, moment: float) -> float:
-        """Returns the time at which the next message arrived."""
+        """Returns when the next message after `moment` arrived."""
         return wait_until(lambda: next((at for at, _ in self.heard if at > moment), None), 60,
                           'a message across the link')
 
     def lost_since(self, moment: float) -> int:
-        """Returns the number of messages of one publisher that were lost, from the gaps in their
+        """Returns how many messages of a publisher were lost since `moment`, from the gaps in their
         numbers.
 
-        The first gap that counts is the gap after the last message before the given time.
+        A gap after the last message before `moment` counts, too.
         """
         before = [number for at, number in self.heard if at < moment]
         numbers = before[-1:] + [number for at, number in self.heard if at >= moment]
@@ -72,7 +72,7 @@ class Listener:
 
 @contextlib.contextmanager
 def listening(computer: Computer, namespace: str, topic: Tuple[str, str]) -> Iterator[Listener]:
-    """Yields a listener that has received a message."""
+    """Yields a listener that has already received a message."""
     wait_until(lambda: inside(namespace, lambda: computer.publishes(topic[0])), 120,
                f'{topic[0]} at the master of {computer.name}')
     listener = Listener(computer, namespace, topic)
@@ -85,8 +85,8 @@ def listening(computer: Computer, namespace: str, topic: Tuple[str, str]) -> Ite
 
 def without_link(broken: Callable[[], ContextManager[None]], listener: Listener
                  ) -> List[Tuple[float, float, int]]:
-    """Returns for each break: its length, s from its end to the next report, and the number of lost
-    reports.
+    """Returns for each break of the link: its length (s), the time (s) from its end to the next
+    report, and the number of lost reports.
     """
     found = []
     for seconds in AWAY:
@@ -102,8 +102,8 @@ def without_link(broken: Callable[[], ContextManager[None]], listener: Listener
 
 def died(side: Computer, namespace: str, topic: str, listener: Listener
          ) -> List[Tuple[float, float]]:
-    """Returns for each death of a side: s until the side runs again, and s from then until its
-    first message.
+    """Returns for each death of a side: the time (s) until the side runs again, and from then the
+    time (s) until its first message.
     """
     found = []
     for _ in range(DEATHS):
@@ -118,7 +118,7 @@ def died(side: Computer, namespace: str, topic: str, listener: Listener
 
 
 def rate(cable: Cable) -> Tuple[float, float]:
-    """Returns the bytes per second on the link at present, from the robot and to the robot."""
+    """Returns the bytes per second on the link now, from the robot and to the robot."""
     before, begun = cable.bytes_sent(), time.monotonic()
     time.sleep(COUNTED)
     passed = time.monotonic() - begun
@@ -127,7 +127,7 @@ def rate(cable: Cable) -> Tuple[float, float]:
 
 
 def seconds(values: List[float]) -> str:
-    """Returns the least, the median and the largest."""
+    """Returns a text with the least, the median and the largest value."""
     return ' / '.join(f'{value:.2f}' for value in (
         min(values), statistics.median(values), max(values))) + ' s'
 

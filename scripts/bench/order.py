@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""Compares ways to order late robots on shared places: fixed, planned anew every 5 s, switched.
+"""Compares three orders of late robots on shared places: fixed, planned anew every 5 s, switched.
 
-It simulates fleets that always have open missions in virtual time, with the same seeds for each
-rival. The rival `no stalls` has the fixed order and robots that never stop by themselves. Its
-result is the upper limit for each other order. `--only SECTION` runs one fleet, `--seeds N` sets
-its number of seeds.
+Fleets that always have open missions are simulated in virtual time, with the same seeds for each
+rival. The rival `no stalls` has the fixed order, and its robots never stop by themselves. So its
+result is the upper limit for all other orders. `--only SECTION` runs one fleet; `--seeds N` sets
+the number of seeds.
 """
 from __future__ import annotations
 
@@ -48,8 +48,9 @@ class Case(NamedTuple):
 
 
 def laboratory() -> StudiedSite:
-    """Returns the laboratory map: sections of 1.5 m, no release ahead, missions to stations or the
-    dock."""
+    """Returns the laboratory map with sections of 1.5 m; nothing is released ahead, and missions go
+    to stations or the dock.
+    """
     graph = split_edges(load_graph(ROOT / 'maps/lab_graph.yaml'), 1.5)
     robots = tuple(Robot(f'r{k}', AT_EDGE_SPEED, vertex, 'agv')
                    for k, vertex in enumerate(PARKING[:8]))
@@ -66,7 +67,7 @@ def warehouse() -> StudiedSite:
 
 
 def busy(targets: Tuple[int, ...]) -> Wanted:
-    """Returns a demand with one open mission per robot at each time."""
+    """Returns a demand with one open mission per robot at any time."""
     return Wanted(Demand((Flow('all', (), targets, Saturated()),)), STALLS, {}, {})
 
 
@@ -83,14 +84,13 @@ RIVALS: Dict[str, Callable[[StudiedSite], StudiedSite]] = {
 
 
 def waiting(run: Figures) -> float:
-    """Returns the share (0..1) of the robots' time in which they wait."""
+    """Returns the share (0..1) of the robots' time for which they wait."""
     return run.use[Use.WAITING] / sum(run.use.values())
 
 
 def change(values: List[float], of: List[float]) -> str:
-    """Returns the mean difference of `values` from `of`, seed by seed, in % of the mean of `of`.
-
-    The text includes the half width of the 95 % confidence band.
+    """Returns a text: how much `values` differ from `of` on average, seed by seed, in % of the mean
+    of `of`, with half the width of the 95 % confidence band.
     """
     mean = sum(of) / len(of)
     found: Band = band([100.0 * (value - one) / mean for value, one in zip(values, of)])

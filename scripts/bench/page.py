@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 """Measures the fleet page: the load of the node, and the delay until a browser shows a change.
 
-The real node runs under a ROS master of its own. This program publishes 60 robots that drive at 5
-Hz on a graph of 1,000 vertices, as the fleet manager would. Nine clients read everything, a tenth
-client reads nothing. It takes a minute and a half.
+The real node runs under a separate ROS master. In place of the fleet manager, this program
+publishes 60 robots that drive, at 5 Hz, on a graph of 1,000 vertices. Nine clients read everything;
+a tenth client reads nothing. It takes a minute and a half.
 """
 from __future__ import annotations
 
@@ -76,7 +76,7 @@ import('/page/map.js').then(map => {
 
 
 class Fleet:
-    """Publishes driving robots, as path_supervisor and graph_server do."""
+    """Publishes robots that drive, in place of path_supervisor and graph_server."""
 
     def __init__(self) -> None:
         self.graph = graph(COLUMNS, ROWS)
@@ -88,13 +88,13 @@ class Fleet:
         message.header.stamp = rospy.Time.now()
         self._graphs.publish(message)
         self.probe = 0.0
-        """The position, in m, of the robot whose changes are timed."""
+        """The position (m) of the robot whose changes are timed."""
         self._lock = threading.Lock()
         self._ticks = 0
         Periodic('fleet', 0.1, self._tick)
 
     def move_probe(self, x: float) -> float:
-        """Publishes another position at once; returns the time, in s since 1970."""
+        """Publishes another position at once. Returns the time of that (s since 1970)."""
         with self._lock:
             self.probe = x
             now = time.time()
@@ -135,7 +135,7 @@ class Reader(threading.Thread):
         self.bytes = 0
 
     def run(self) -> None:
-        """Counts bytes until the server ends."""
+        """Counts bytes until the server closes the connection."""
         while True:
             got = len(self._stream.recv(65536))
             if not got:
@@ -155,7 +155,7 @@ def connection(port: int, buffer: int = 0) -> socket.socket:
 
 @contextmanager
 def node(port: int, folder: str) -> Iterator[subprocess.Popen]:
-    """Starts the node; yields when the page answers."""
+    """Starts the node. Yields its process when the page answers."""
     program = subprocess.Popen(
         [sys.executable, str(ROOT / 'src/fleet_page/nodes/fleet_page'), f'_port:={port}',
          f'_folder:={folder}', f'_journal:={folder}/none.sqlite'],
@@ -172,7 +172,7 @@ def node(port: int, folder: str) -> Iterator[subprocess.Popen]:
 
 
 def answers(port: int) -> bool:
-    """Returns whether the page is served."""
+    """Returns whether the page answers."""
     try:
         return urllib.request.urlopen(f'http://127.0.0.1:{port}/api/me', timeout=1).status == 200
     except OSError:
@@ -180,24 +180,24 @@ def answers(port: int) -> bool:
 
 
 def used_by(program: subprocess.Popen) -> float:
-    """Returns the CPU time of the node and its door, in s."""
+    """Returns the CPU time (s) of the node and its door."""
     return sum(map(cpu_seconds, (program.pid, *descendants(program.pid))))
 
 
 def cost(program: subprocess.Popen, seconds: float) -> float:
-    """Returns the CPU use over some time, in % of a core."""
+    """Returns the CPU use during some time, in % of a core."""
     begun, used = time.monotonic(), used_by(program)
     time.sleep(seconds)
     return 100.0 * (used_by(program) - used) / (time.monotonic() - begun)
 
 
 def seen_since(window: Browser, known: Set[str]) -> List[float]:
-    """Returns when the page has drawn places that are not among the known ones."""
+    """Returns the times when the page has drawn places that are not among the known ones."""
     return [at for place, at in window.script('return window.seen').items() if place not in known]
 
 
 def changes(window: Browser, fleet: Fleet) -> Tuple[float, float]:
-    """Returns the median and p95, in ms, from a change in /fleet_poses to its frame."""
+    """Returns median and p95 of the time (ms) from a change in /fleet_poses to its frame."""
     window.wait(lambda: window.driver.find_elements('css selector', '.robot[data-name=probe]'))
     window.script(WATCH)
     delays: List[float] = []
@@ -211,7 +211,7 @@ def changes(window: Browser, fleet: Fleet) -> Tuple[float, float]:
 
 
 def first_paint(window: Browser, port: int) -> float:
-    """Returns the median, in ms, from the request of the page to its first paint with content."""
+    """Returns the median time (ms) from the request of the page to its first paint with content."""
     found = []
     for _ in range(5):
         window.open(f'http://127.0.0.1:{port}/')
@@ -221,7 +221,7 @@ def first_paint(window: Browser, port: int) -> float:
 
 
 def page_bytes(port: int) -> int:
-    """Returns the size of all files of the page as sent, Chart.js included."""
+    """Returns the total size of the page's files in transfer, with Chart.js."""
     total = 0
     names = [f'/page/{path.name}' for path in (ROOT / 'src/fleet_page/page').iterdir()]
     for path in ('/', '/chart.js', *(name for name in names if not name.endswith('.html'))):
@@ -232,7 +232,7 @@ def page_bytes(port: int) -> int:
 
 
 def figures(port: int, program: subprocess.Popen, fleet: Fleet) -> Iterator[Row]:
-    """Measures all figures."""
+    """Yields the rows of all figures."""
     floor = cost(program, SECONDS / 3)
     readers = [Reader(port) for _ in range(GOOD_CLIENTS)]
     stalled = connection(port, 4096)

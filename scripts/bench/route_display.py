@@ -1,6 +1,6 @@
 """Measures memory and CPU of route_visualisation with long routes and forged reports.
 
-The floor is the same node with the reports of an ordinary route at the same rate.
+The floor is the same node with reports of an ordinary route at the same rate.
 """
 from __future__ import annotations
 
@@ -25,14 +25,14 @@ Reports = Iterator[ExecutionRouteStates]
 
 
 class Load(NamedTuple):
-    """The node's load for some reports: largest growth of memory in MB, and share of a core."""
+    """The node's load from some reports: largest growth of memory (MB), and share of a core."""
 
     growth: float
     share: float
 
 
 def advancing(edges: int) -> Reports:
-    """Reports of one route; each has one more complete edge."""
+    """Yields reports of one route; each report has one more complete edge than the one before."""
     ids = [3, 4, 31, -31, -4, -3]
     states = [EdgeState(ids[index % len(ids)], EdgeState.PROCESSING) for index in range(edges)]
     done = 0
@@ -43,14 +43,14 @@ def advancing(edges: int) -> Reports:
 
 
 def with_forged(edges: int) -> Reports:
-    """Yields the same reports, but every twentieth is a forged one with a million edges."""
+    """Yields the same reports, but every twentieth one is forged and has a million edges."""
     forged = ExecutionRouteStates(route_id=2, edge_states=[EdgeState(3, 1)] * FORGED)
     for number, report in enumerate(advancing(edges)):
         yield forged if number % 20 == 19 else report
 
 
 def measure(reports: Callable[[], Reports]) -> Load:
-    """Starts a new node and sends it `reports` for a while."""
+    """Starts a new node, and sends `reports` to it for a while."""
     node = subprocess.Popen(
         [str(ROOT / 'src/omron_ld90/nodes/route_visualisation'), '__ns:=omron_ld90',
          f'_graph_file:={ROOT}/maps/lab_graph.yaml', '_dock_vertex:=16'],

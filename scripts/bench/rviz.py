@@ -1,4 +1,4 @@
-"""Measures RViz in software rendering: frames per second, its CPU, and the CPU of its nodes.
+"""Measures RViz in software rendering: its frames per second and CPU, and the CPU of its nodes.
 
 The floor is RViz with the same window and frame rate, but with all displays off. Mesa's heads-up
 display (GALLIUM_HUD) counts the frames and writes one number per second to a file.
@@ -32,14 +32,17 @@ NODES = ('map_visualisation', 'robot_state_publisher', 'body_state_publisher', '
 
 
 class Figures(NamedTuple):
-    """Frames per second (median), and shares of a core by node."""
+    """Frames per second (median), and the share of a core of each node."""
 
     frames: float
     shares: Dict[str, float]
 
 
 def measure(screen: Screen, stack: int, configuration: str, frame_rate: int) -> Figures:
-    """Runs RViz with `configuration` beside the stack (its process id), and measures both."""
+    """Runs RViz with `configuration` beside the stack, and measures both.
+
+    stack -- process id of the stack
+    """
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / 'bench.rviz'
         path.write_text(configuration.replace('Frame Rate: 10', f'Frame Rate: {frame_rate}'))
@@ -63,7 +66,7 @@ def measure(screen: Screen, stack: int, configuration: str, frame_rate: int) -> 
 
 
 def frames_in(folder: str) -> List[float]:
-    """Returns the frame rates that Mesa has written so far."""
+    """Returns the frame rates that Mesa has written up to now."""
     file = Path(folder) / 'fps'
     return [float(line) for line in file.read_text().split()] if file.exists() else []
 

@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
-"""Measures many LD-90s on one computer, as `scripts/run.sh fleet:=FILE` runs them.
+"""Measures many LD-90s on one computer that `scripts/run.sh fleet:=FILE` starts.
 
-The robots run with and without the node host. The load of the simulators has its own rows. The
-floor is the same number of bare publishers at 2 Hz, hosted and not. `--robots 10 --hosted true`
-measures one point, in less than four minutes.
+The robots run with the node host and without it. The load of the simulators has rows of its own.
+The floor is the same number of bare publishers at 2 Hz, with the host and without it. `--robots 10
+--hosted true` measures one point, in less than four minutes.
 """
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ AIMS = {'ready': '< 40 s', 'memory': '< 3000 MB', 'standing': '< 0.9 cores',
 
 
 class Fleet:
-    """What all topics of the robots report."""
+    """The reports on all topics of the robots."""
 
     def __init__(self, robots: int) -> None:
         self._robots = robots
@@ -79,7 +79,7 @@ class Fleet:
 
 @contextmanager
 def launched(command: List[str]) -> Iterator[subprocess.Popen]:
-    """Starts a program, and ends it as Ctrl-C does."""
+    """Starts a program, and ends it in the way that Ctrl-C does."""
     with LOG.open('a', encoding='utf-8') as log:
         process = subprocess.Popen(command, stdout=log, stderr=log, start_new_session=True)
         try:
@@ -90,7 +90,7 @@ def launched(command: List[str]) -> Iterator[subprocess.Popen]:
 
 
 def measure(robots: int, hosted: bool, speed: float) -> None:
-    """Prints the rows of one fleet; needs a process of its own, because it becomes a ROS node."""
+    """Prints the rows of one fleet. It needs a separate process, which becomes a ROS node."""
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         os.environ['ROS_HOME'] = str(folder / 'ros_home')
@@ -122,7 +122,7 @@ def measure(robots: int, hosted: bool, speed: float) -> None:
 
 
 def show_standing(parts: Dict[str, Part]) -> None:
-    """Shows rows: memory, threads and sockets, and the CPU of robots that stand."""
+    """Shows the rows for robots that stand: memory, threads, sockets and CPU."""
     before, begun = used(parts), time.monotonic()
     for name in PARTS:
         part = parts[name]
@@ -137,7 +137,7 @@ def show_standing(parts: Dict[str, Part]) -> None:
 
 
 def show_driving(parts: Dict[str, Part], robots: int, fleet: Fleet, port: int) -> None:
-    """Shows rows: the CPU of robots that drive missions, delays, and losses."""
+    """Shows the rows for robots that drive missions: CPU, delays and losses."""
     with launched(['rosrun', 'graph_fleet_manager', 'random_missions', '_seed:=1']):
         time.sleep(START_DRIVING)
         probe = Probe(PROBE, port)
@@ -158,7 +158,7 @@ def show_driving(parts: Dict[str, Part], robots: int, fleet: Fleet, port: int) -
 
 
 def show_cpu(when: str, parts: Dict[str, Part], before: Dict[str, float], seconds: float) -> None:
-    """Shows one row, with the stacks (and their host) first."""
+    """Shows one row, in which the stacks and their host come first."""
     shares = cpu_shares(parts, before, seconds)
     own = shares['stacks'] + shares[HOST]
     others = ', '.join(f'{name} {share:.2f}' for name, share in shares.items()
@@ -167,11 +167,11 @@ def show_cpu(when: str, parts: Dict[str, Part], before: Dict[str, float], second
 
 
 def measure_floor(nodes: int, hosted: bool) -> None:
-    """Measures the same number of bare publishers."""
+    """Measures `nodes` bare publishers."""
     hosted_by = '$(find node_host)/hosted ' if hosted else ''
     host = '''<include file="$(find node_host)/launch/node_host.launch">
       <arg name="modules" value="rospy std_msgs.msg"/></include>''' if hosted else ''
-    # roslaunch starts only programs of packages; the launch-prefix can be any program
+    # roslaunch starts only programs of packages, but a launch-prefix can be any program
     rows = [f'<node name="bare_{k}" pkg="rostopic" type="rostopic" '
             f'launch-prefix="{hosted_by}{BARE}"/>' for k in range(nodes)]
     with tempfile.TemporaryDirectory() as folder:
@@ -207,7 +207,7 @@ def registered() -> int:
 
 
 def main() -> None:
-    """Prints the table; each point is measured in a process of its own."""
+    """Prints the table; each point is measured in a separate process."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument('--robots', type=int, choices=ROBOTS, action='append')
     parser.add_argument('--hosted', choices=('true', 'false'), action='append')

@@ -1,8 +1,8 @@
 """Measures the simulated LD-90: CPU at rest and driving, alone and as a fleet; scans; planning.
 
-CPU time is the time of the simulator's process over wall time. A client reads everything and checks
-that the statuses come on time. Scans and plans use the map of a real LD robot if there is one
-beside the repository, else the laboratory.
+CPU time is the time of the simulator's process, divided by the time of the clock. A client reads
+everything and checks that the statuses come on time. Scans and plans use the map of a real LD robot
+if there is one beside the repository, else the laboratory.
 """
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ PAIRS = 60
 
 
 class Listener:
-    """Takes the outgoing connections of all robots, reads them, and notes when statuses come."""
+    """Accepts the outgoing connections of all robots, reads them, and notes when statuses come."""
 
     def __init__(self) -> None:
         self._selector = selectors.DefaultSelector()
@@ -77,13 +77,13 @@ class Listener:
                     self._selector.unregister(link)
 
     def pace(self, since: float) -> float:
-        """Returns the simulated seconds per real second since then."""
+        """Returns the simulated seconds per real second since the time `since`."""
         recent = [sum(at >= since for at in list(times)) for times in list(self._statuses.values())]
         return max(recent) * STATUS_PERIOD / (time.monotonic() - since)
 
     def lateness(self, since: float) -> np.ndarray:
-        """Returns the delay, in s, of each status since then, relative to the most punctual one of
-        its link.
+        """Returns the delay (s) of each status since the time `since`. The most punctual status of
+        each link has the delay 0.
         """
         late = []
         for times in list(self._statuses.values()):
@@ -96,9 +96,8 @@ class Listener:
 
 def share_of_a_core(command: List[str], ready: int, work: Callable[[List[int]], None]
                     ) -> Tuple[float, float]:
-    """Returns the percent of a core that a program uses, median of several periods.
-
-    And when they began.
+    """Returns the share of a core (%) that a program uses, the median of several periods, and the
+    time when the first period began.
     """
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as program:
         try:
@@ -120,7 +119,7 @@ def share_of_a_core(command: List[str], ready: int, work: Callable[[List[int]], 
 
 
 def patrol(ports: List[int]) -> None:
-    """Sends each robot on an endless drive of its own."""
+    """Sends each robot on a separate drive without an end."""
     for number, port in enumerate(ports):
         threading.Thread(target=drive, args=(port, number), daemon=True).start()
 
@@ -139,7 +138,7 @@ def drive(port: int, number: int) -> None:
 
 
 def hall(folder: str) -> Path:
-    """Returns a hall of 50 x 40 m with pillars and 99 goals, wide enough for a fleet."""
+    """Returns a hall of 50 x 40 m with pillars and 99 goals, with enough room for a fleet."""
     path = Path(folder) / 'hall.map'
     walls = [(0, 0, 50000, 0), (0, 40000, 50000, 40000), (0, 0, 0, 40000),
              (50000, 0, 50000, 40000)]
@@ -156,7 +155,7 @@ def hall(folder: str) -> Path:
 
 
 def fleet_file(folder: str, link: int) -> Path:
-    """Returns a fleet with status and laser at 2 Hz each."""
+    """Returns a fleet file in which each robot sends status and laser at 2 Hz."""
     path = Path(folder) / 'fleet.yaml'
     rows = [f'- {{name: r{n}, port: 0, outgoing: "127.0.0.1:{link}"}}' for n in range(FLEET)]
     path.write_text('robots:\n' + '\n'.join(rows) + '\n')
@@ -164,7 +163,7 @@ def fleet_file(folder: str, link: int) -> Path:
 
 
 def processes(lab: Path) -> List[Row]:
-    """Measures rows: shares of a core."""
+    """Returns rows: the shares of a core."""
     listener = Listener()
     floor, _ = share_of_a_core(FLOOR_PROGRAM, 0, lambda ports: None)
     base = [*PROGRAM, '--port', '0']
@@ -186,8 +185,8 @@ def processes(lab: Path) -> List[Row]:
 
 
 def punctuality(listener: Listener, since: float) -> str:
-    """Returns a text: whether the simulated clock kept up with the real one,
-    as a listener saw it.
+    """Returns a text: whether the simulated clock has kept up with the real one, from the times at
+    which a listener got statuses.
     """
     late = listener.lateness(since) * 1000.0
     return (f'clock at {100.0 * listener.pace(since):.0f} %, statuses late by '
@@ -195,7 +194,7 @@ def punctuality(listener: Listener, since: float) -> str:
 
 
 def ready(lab: Path) -> Row:
-    """Measures the seconds from the start of the program to the line that says that it listens."""
+    """Measures the time from the start of the program to its line that says that it listens."""
     def start(command: List[str]) -> None:
         with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as program:
             assert program.stdout is not None
@@ -208,7 +207,7 @@ def ready(lab: Path) -> Row:
 
 
 def scans(document: MapDocument, floor: SimFloor, start: SimPose) -> Row:
-    """Measures one scan; the floor is one numpy operation over the same number of rays."""
+    """Measures one scan; the floor is one numpy operation on the same number of rays."""
     robot = SimRobot(SimClock(), document, floor, start)
     rays = np.linspace(0.0, 1.0, laser.RAYS)
     ours = milliseconds(robot.scan, 200)
@@ -218,7 +217,7 @@ def scans(document: MapDocument, floor: SimFloor, start: SimPose) -> Row:
 
 
 def plans(floor: SimFloor, start: SimPose) -> Row:
-    """Plans between random places of the region in which the robot stands."""
+    """Measures plans between random places of the region in which the robot stands."""
     planner = Planner(floor)
     region = floor.regions[floor.planning_cell(start.x, start.y)]
     cells = np.argwhere(floor.regions == region)

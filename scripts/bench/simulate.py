@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 """Measures how fast the fleet simulation runs on one core, as a multiple of real time.
 
-All fleets always have open missions. Times are processor times in one process, and are split by
-world, supervisor and planner. `--only SECTION` runs one case (see SECTIONS); `--profile` prints the
-functions that take the time.
+All fleets always have open missions. Times are processor times in one process, divided into world,
+supervisor and planner. `--only SECTION` runs one case (see SECTIONS). `--profile` prints the
+functions that take the most time.
 """
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ SETTINGS = {'ld90': RobotSettings(release_ahead=8.0),
 
 
 class Case(NamedTuple):
-    """A site, the number of robots, the virtual hours of a run, and the aim (times real time)."""
+    """A site, the number of robots, the virtual hours of a run, and the aim (x real time)."""
 
     site: Callable[[], StudiedSite]
     robots: int
@@ -43,7 +43,7 @@ class Case(NamedTuple):
 
 
 def laboratory() -> StudiedSite:
-    """Returns the laboratory map with edges cut at 1.5 m, and LD-90s and AGVs in turn."""
+    """Returns the laboratory map with edges cut at 1.5 m, and LD-90s and AGVs alternately."""
     graph = split_edges(load_graph(ROOT / 'maps/lab_graph.yaml'), 1.5)
     robots = (Robot('ld90', LD90, 8, 'ld90'), Robot('agv', AGV, 10, 'agv'))
     return site_of(graph, Fleet((LD90, AGV), robots, 0.1), SETTINGS, busy((6, 18, 27, 39, 52)))
@@ -57,7 +57,7 @@ def warehouse(vertices: int) -> StudiedSite:
 
 
 def busy(targets: tuple) -> Wanted:
-    """Returns a demand with one open mission per robot at each time."""
+    """Returns a demand with one open mission per robot at any time."""
     return Wanted(Demand((Flow('all', (), targets, Saturated()),)), Delays(), {}, {})
 
 
@@ -69,7 +69,7 @@ SECTIONS: Dict[str, Case] = {
 
 
 def measured(name: str, profile: bool) -> Figures:
-    """Executes one run of a case; returns its figures."""
+    """Runs one case. Returns its figures."""
     case = SECTIONS[name]
     site, watch = case.site(), cProfile.Profile()
     figures = (watch.runcall if profile else lambda act, *a: act(*a))(

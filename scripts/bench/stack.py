@@ -1,6 +1,6 @@
-"""Measures the whole stack: s from `scripts/run.sh` to the first pose, and the CPU when idle.
+"""Measures the whole stack: seconds from `scripts/run.sh` to the first pose, and the CPU when idle.
 
-The floor of the start is roslaunch with one bare rospy publisher. The floor of the CPU is such a
+The floor of the start is roslaunch with one bare rospy publisher. The floor of the CPU is a bare
 publisher at the stack's own rate, 2 Hz.
 """
 from __future__ import annotations
@@ -29,7 +29,7 @@ BARE = '''<launch>
 
 
 def first_transform(master_port: int, result: multiprocessing.Queue) -> None:
-    """Puts the time of the first message on /tf."""
+    """Puts the time at which the first message on /tf comes."""
     import rosgraph
     import rospy
     from tf2_msgs.msg import TFMessage
@@ -42,8 +42,8 @@ def first_transform(master_port: int, result: multiprocessing.Queue) -> None:
 
 
 def run(command: Callable[[int], List[str]], idle: bool) -> Tuple[float, Dict[str, float]]:
-    """Starts `command`; returns the seconds to the first transform, and CPU shares by node when
-    idle.
+    """Starts a command. Returns the seconds to the first transform and, if `idle`, the CPU share of
+    each idle node.
     """
     master_port = free_port()
     queue: multiprocessing.Queue = multiprocessing.get_context('spawn').Queue()

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
-"""Measures how fast STOP of the fleet page answers while everything else is in its way.
+"""Measures how fast STOP of the fleet page answers while everything else disturbs it.
 
-The real node and its door run under a ROS master of their own, once in the clear and once with TLS.
-A service in place of the fleet manager takes the stops. Each stop comes over a new connection. The
+The real node and its door run under a separate ROS master, once without TLS and once with TLS. A
+service in place of the fleet manager accepts the stops. Each stop uses a new connection. The
 attackers and the fleet page share this computer's cores. It takes about four minutes.
 """
 from __future__ import annotations
@@ -46,20 +46,20 @@ TOKENS = {'operate': 'a-token-that-operates', 'see': 'a-token-that-only-sees'}
 OWN = '127.0.0.1'
 HALF_OPEN = 20_000
 HALF_REQUESTS = {False: b'POST /api/act HTTP/1.1\r\nHost: 127.0.0.1',
-                 True: b'\x16\x03\x01\x02\x00\x01\x00'}  # the begin of a TLS handshake
+                 True: b'\x16\x03\x01\x02\x00\x01\x00'}  # the beginning of a TLS handshake
 OPENED_EACH_SECOND = 2000  # half requests, by all attackers
-IP_BIND_ADDRESS_NO_PORT = 24  # of Linux; the module socket has no name for it
-ATTACKERS = 2         # processes, because each may open only so many files
+IP_BIND_ADDRESS_NO_PORT = 24  # an option of Linux, for which the module socket has no name
+ATTACKERS = 2         # processes, because each one may open only a limited number of files
 SEERS = 40
 STOPS = 30
-PERIOD = 0.25         # s between two stops: more are refused
+PERIOD = 0.25         # s between two stops; at a higher rate they are refused
 WITHIN = 200.0        # ms, the aim
 MAP = 10_000          # cells along each side
 BOMB = 30_000_000     # bytes of a body before its compression
 
 
 class Page:
-    """The served page, as a program on this computer reaches it."""
+    """The page, for a program on this computer."""
 
     def __init__(self, port: int, trust: Optional[ssl.SSLContext]) -> None:
         self.port, self.trust = port, trust
@@ -73,7 +73,7 @@ class Page:
         return http.client.HTTPConnection('127.0.0.1', self.port, **more)
 
     def post(self, path: str, content: Any, cookie: str = '') -> Tuple[int, str, Any]:
-        """Posts JSON over a new connection; returns status, cookie and answer."""
+        """Posts JSON on a new connection. Returns status, cookie and answer."""
         connection = self.open()
         try:
             connection.request('POST', path, json.dumps(content), {
@@ -92,7 +92,7 @@ class Page:
 
 
 def stop_times(page: Page, cookie: str) -> List[float]:
-    """Returns the times, in ms, of all stops."""
+    """Returns the times (ms) of all stops."""
     times = []
     for _ in range(STOPS):
         begun = time.monotonic()
@@ -103,12 +103,12 @@ def stop_times(page: Page, cookie: str) -> List[float]:
     return times
 
 
-# -- what is in the way ----------------------------------------------------------------------------
+# -- disturbances ----------------------------------------------------------------------------------
 
 def hold_half_open(port: int, half_request: bytes, count: int, addresses: Sequence[str],
                    opened: Any) -> None:
-    """Holds half requests open, and opens others in place of those that are ended, at a rate."""
-    os.nice(10)  # it stands for other computers, whose processors are not these
+    """Holds half requests open, and replaces those that are ended, at a limited rate."""
+    os.nice(10)  # it stands for other computers, which do not use the processors of this one
     selector = selectors.EpollSelector()
     waiting, begun, added = deque(range(count)), time.monotonic(), 0
 
@@ -125,7 +125,7 @@ def hold_half_open(port: int, half_request: bytes, count: int, addresses: Sequen
         while waiting and added < due:
             add(waiting.popleft())
             added += 1
-        added = max(added, int(due) - 100)  # what was not opened is not made up for
+        added = max(added, int(due) - 100)  # half requests that were not opened are left out
         for key, events in selector.select(0.005):
             half = key.fileobj
             assert isinstance(half, socket.socket)
@@ -147,7 +147,7 @@ def hold_half_open(port: int, half_request: bytes, count: int, addresses: Sequen
 
 @contextmanager
 def half_open(page: Page, addresses: Sequence[str]) -> Iterator[Callable[[], str]]:
-    """Attackers at these addresses, in processes of their own."""
+    """Runs attackers at these addresses, in separate processes."""
     opened = multiprocessing.Value('q', 0)
     args = (page.port, HALF_REQUESTS[page.trust is not None], HALF_OPEN // ATTACKERS, addresses,
             opened)
@@ -167,7 +167,7 @@ def half_open(page: Page, addresses: Sequence[str]) -> Iterator[Callable[[], str
 
 
 def repeat_all(makers: Sequence[Callable[[], Callable[[], None]]], done: Any) -> None:
-    """Makes clients, and repeats the work of each in a thread of its own without end."""
+    """Makes clients, and repeats the work of each in a thread of its own, without an end."""
     os.nice(10)  # as above
 
     def repeat(work: Callable[[], None]) -> None:
@@ -188,7 +188,7 @@ def repeat_all(makers: Sequence[Callable[[], Callable[[], None]]], done: Any) ->
 
 @contextmanager
 def clients(makers: Sequence[Callable[[], Callable[[], None]]]) -> Iterator[Callable[[], str]]:
-    """Clients in a process of their own; counts what they did."""
+    """Runs clients in a separate process, and counts their work."""
     done = multiprocessing.Value('q', 0)
     program = multiprocessing.Process(target=repeat_all, args=(makers, done), daemon=True)
     program.start()
@@ -203,7 +203,7 @@ def clients(makers: Sequence[Callable[[], Callable[[], None]]]) -> Iterator[Call
 
 
 def seer(page: Page, cookie: str, number: int) -> Callable[[], None]:
-    """Returns a client that follows the fleet, and asks for site and history all the time."""
+    """Returns a client that follows the fleet and asks for site and history again and again."""
     address = f'127.0.4.{number + 1}'
     stream = page.open(address)
     stream.request('GET', '/api/events', headers={'Cookie': cookie})
@@ -250,7 +250,7 @@ def huge_map(topic: rospy.Publisher) -> Iterator[Callable[[], str]]:
 
 @contextmanager
 def hanging(program: int) -> Iterator[Callable[[], str]]:
-    """Stops the page's process, which the door does not notice."""
+    """Stops the page's process without a notice to the door."""
     os.kill(program, signal.SIGSTOP)
     try:
         yield lambda: 'SIGSTOP'
@@ -268,7 +268,7 @@ def nothing() -> Iterator[Callable[[], str]]:
 
 @contextmanager
 def node(port: int, folder: Path, pair: Tuple[str, ...]) -> Iterator[subprocess.Popen]:
-    """Starts the node; yields when the door answers."""
+    """Starts the node. Yields its process when the door answers."""
     tokens = folder / 'tokens'
     tokens.write_text(''.join(f'{role} {role}r {token}\n' for role, token in TOKENS.items()))
     tokens.chmod(0o600)
@@ -292,7 +292,7 @@ def node(port: int, folder: Path, pair: Tuple[str, ...]) -> Iterator[subprocess.
 
 
 def certificate(folder: Path) -> Tuple[str, str]:
-    """Returns a certificate for this computer and its key."""
+    """Makes a certificate for this computer. Returns the files of the certificate and its key."""
     files = str(folder / 'page.pem'), str(folder / 'page.key')
     subprocess.run(
         ['openssl', 'req', '-x509', '-newkey', 'ec', '-pkeyopt', 'ec_paramgen_curve:prime256v1',
@@ -303,7 +303,7 @@ def certificate(folder: Path) -> Tuple[str, str]:
 
 
 def figures(page: Page, program: int, map_topic: rospy.Publisher) -> Iterator[Row]:
-    """Measures all figures of one way to serve the page."""
+    """Yields the rows for one way to serve the page."""
     operator, see = page.login('operate'), page.login('see')
     many = [f'127.0.3.{number + 1}' for number in range(200)]
     scheme = page.origin.partition(':')[0]

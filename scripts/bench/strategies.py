@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
-"""Measures the time of two missions in the example laboratory, by route strategy.
+"""Measures the time of two missions in the example laboratory, for each route strategy.
 
 The bridge's route follower drives the simulated LD-90 on maps/lab.map from the dock and back to it,
 in simulated time. So the figures do not depend on this computer. For the floor, the robot itself
-drives to each destination without a route: it need not pass the vertices in between. Each figure is
-the median of runs that differ in the time of the robot's status. `rolling` was developed with the
-first mission. The second mission visits other places and turns round less often; it checks that the
-result is not specific to the first one.
+drives to each destination without a route, so it need not pass the vertices between them. Each
+figure is the median of runs that differ in the time of the robot's status. The strategy `rolling`
+was developed with the first mission. The second mission visits other places and has fewer turns. It
+checks that the result does not hold for the first mission only.
 """
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ def drive(strategy: str, route: Sequence[int], delay: float) -> Drive:
 
 
 def drive_freely(mission: Sequence[int], delay: float) -> Drive:
-    """Returns the floor: the robot is sent to each destination and chooses its own path."""
+    """Returns the floor: the robot gets each destination and chooses its own path."""
     robot = SimulatedDrive()
     robot.wait(delay)
     start = robot.now
@@ -68,12 +68,12 @@ def drive_freely(mission: Sequence[int], delay: float) -> Drive:
 
 
 def median(drives: List[Drive]) -> Drive:
-    """Returns the median of each figure."""
+    """Returns a drive with the median of each figure."""
     return Drive(*(statistics.median(figures) for figures in zip(*drives)))
 
 
 def table_of(mission: Sequence[int], route: Sequence[int]) -> List[Tuple[str, ...]]:
-    """Returns one row per strategy, and one for the floor."""
+    """Returns one row for each strategy, and one for the floor."""
     delays = [STATUS_PERIOD * run / RUNS for run in range(RUNS)]
     found = {name: median([drive(name, route, delay) for delay in delays]) for name in STRATEGIES}
     found['floor: no route'] = median([drive_freely(mission, delay) for delay in delays])

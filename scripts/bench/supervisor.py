@@ -3,7 +3,7 @@
 
 Everything runs as users run it: nodes under a ROS master, simulated robots, missions by topic, the
 journal on this computer's disk. `--only SECTION` runs one part (see SECTIONS). `headline` takes
-nine minutes, the others less than three each.
+nine minutes, each other part less than three.
 """
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ LAB = {'graph': ROOT / 'maps/lab_graph.yaml', 'fleet': ROOT / 'maps/lab_fleet.ya
 MISSION = (18, 39, 52, 6, 16)
 ROBOT_NAME = 'omron_ld90'
 RUNS = 5
-# factor of the simulated LD-90's clock; each delay of our programs counts by this factor
+# factor of the simulated LD-90's clock: in its time, each delay of our programs is that much longer
 SPEED = 4.0
 DRIVES = 20
 STEPS = 100
@@ -70,13 +70,13 @@ class Robot:
 
     def drive(self, begin: Callable[[], Any], ends: Callable[[ExecutionRouteStates], bool]
               ) -> Tuple[float, Tuple[int, ...]]:
-        """Returns the seconds from `begin` to the last report, and the driven edges."""
+        """Returns the seconds from `begin` to the last report, and the edges that were driven."""
         heard, begun = len(self.reports.messages), time.monotonic()
         before = self.reports.messages[-1] if heard else ExecutionRouteStates()
         begin()
         last = self.reports.wait_for(ends, 200, 'end of the drive', heard)
         seconds = time.monotonic() - begun
-        # An order leaves out edges that are driven already; the route record counts all of them.
+        # An order omits edges that are already driven, but the route record counts all of them.
         driven = {number: edge for report in self.reports.messages[heard:]
                   if report.epoch == last.epoch for number, edge in driven_edges(report)}
         if before.epoch == last.epoch:
@@ -118,7 +118,7 @@ class Missions:
 
 
 def has_ended(route: int, report: ExecutionRouteStates) -> bool:
-    """Returns whether this route is the one of the report, and complete."""
+    """Returns whether the report is about this route, and the route is complete."""
     return bool(report.route_id == route) and is_complete(report)
 
 
@@ -134,9 +134,8 @@ def is_complete(report: ExecutionRouteStates) -> bool:
 
 
 def headline() -> Iterator[Row]:
-    """Measures the dissertation's mission by the fleet.
-
-    The floor is the same edges sent by hand at once.
+    """Measures the dissertation's mission with the fleet; the floor gets the same edges at once, by
+    hand.
     """
     with Stack() as stack:
         robot = Robot(stack, SPEED)
@@ -174,16 +173,16 @@ def latency() -> Iterator[Row]:
             missions.wait(id, MissionStatus.SUCCEEDED)
             first = min(moment for moment in robot.tap.motions if moment > begun)
             found.append(1e3 * (first - begun))
-    found = sorted(found[2:])  # the first two missions prepare the planner
+    found = sorted(found[2:])  # the planner prepares itself during the first two missions
     yield Row('`/mission_request` to the first byte of a motion command, one LD-90',
               f'p50 {statistics.median(found):.0f} ms, at most {found[-1]:.0f} ms of {len(found)}',
               '', 'p50 < 60 ms')
 
 
 def step() -> Iterator[Row]:
-    """Measures the time from a step command to the first byte of the robot's command, one LD-90.
+    """Measures the time from a step command to the first byte of an LD-90's command.
 
-    The floor is a bare node that sends one byte for each such command.
+    The floor is a bare node that sends one byte for each step command.
     """
     with Stack() as stack:
         robot = Robot(stack, 1.0, ROBOT_WITH_STEPS)
@@ -205,7 +204,7 @@ def step() -> Iterator[Row]:
 
 
 def bare_steps() -> List[float]:
-    """Milliseconds from a command to a byte of a bare node."""
+    """Returns the times (ms) from a command to the byte of a bare node."""
     with socket.create_server(('127.0.0.1', 0)) as server:
         program = Path(__file__).parent / 'supervisor_bench/bare_step.py'
         process = subprocess.Popen([sys.executable, str(program), str(server.getsockname()[1])])
@@ -226,9 +225,7 @@ def bare_steps() -> List[float]:
 
 
 def acceptance() -> Iterator[Row]:
-    """Measures the time from a request to its first status.
-
-    The floor is a bare commit on the same disk.
+    """Measures the time from a request to its first status; the floor is a commit on the same disk.
     """
     with Stack() as stack:
         stack.launch(MANAGER, speed=1.0, **LAB)
@@ -249,7 +246,7 @@ def acceptance() -> Iterator[Row]:
 
 
 def bare_commits(folder: Path) -> List[float]:
-    """Milliseconds to commit one small row, with the same durability as the journal."""
+    """Returns the times (ms) to commit one small row, as safely as the journal."""
     database = sqlite3.connect(folder / 'bare.sqlite', isolation_level=None)
     database.execute('PRAGMA journal_mode=WAL')
     database.execute('PRAGMA synchronous=FULL')
@@ -274,7 +271,7 @@ def load() -> Iterator[Row]:
         fleet = Recorder('/fleet_state', FleetState)
         fleet.wait_for(lambda state: sum(robot.has_mission for robot in state.robots)
                        >= 0.9 * AGV_COUNT, 120, 'a busy fleet')
-        time.sleep(20.0)  # meanwhile the first plans for all robots are made
+        time.sleep(20.0)  # in this time the first plans for all robots are made
         before = {pid: cpu_seconds(pid) for pid in descendants(manager.pid) if node_name(pid)}
         heard = sum(len(recorder.messages) for recorder in reports)
         begun = time.monotonic()
@@ -296,8 +293,7 @@ def load() -> Iterator[Row]:
 
 
 def flood(count: int) -> Iterator[Row]:
-    """Measures the given number of requests at once, beside a driving fleet,
-    and a cancel among them.
+    """Measures `count` simultaneous requests beside a fleet that drives, and a cancel among them.
     """
     with Stack() as stack:
         files = stack.agv_fleet(FLOODED_AGVS)
@@ -323,11 +319,11 @@ def flood(count: int) -> Iterator[Row]:
 
 
 class Flooding:
-    """Requests at once, each for one of the vertices, and the messages about them."""
+    """Simultaneous requests, each for one of the vertices, and the messages about them."""
 
     def __init__(self, count: int, vertices: Sequence[int]) -> None:
         self._count, self._vertices = count, vertices
-        self._answered: Dict[int, float] = {}  # by id: the time of its first status
+        self._answered: Dict[int, float] = {}  # by id: when its first status came
         self._cancelled = 0.0
         rospy.Subscriber('/mission_status', MissionStatus, self._hear)
         self._requests, self._commands = (
@@ -347,7 +343,8 @@ class Flooding:
             self._vertices[id % len(self._vertices)]])
 
     def run(self) -> Tuple[float, float]:
-        """Returns the seconds until all are answered, and until an earlier mission is cancelled."""
+        """Returns the seconds until all are answered, and until a mission from before is cancelled.
+        """
         self._send(1)
         wait_until(lambda: 1 in self._answered, 30, 'the first mission')
         begun = asked = time.monotonic()

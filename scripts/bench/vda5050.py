@@ -1,9 +1,8 @@
 #!/usr/bin/env python3
 """Measures VDA 5050: latencies through the adapter, many vehicles on one broker, and driving.
 
-The floor is bare MQTT. A mosquitto of the benchmark's own runs on loopback. The stack runs with a
-simulated LD-90. The ARCL line goes through a tap that notes when the first command of an order
-passes.
+The floor is bare MQTT. The benchmark starts its own mosquitto on loopback. The stack runs with a
+simulated LD-90. A tap in the ARCL connection notes when the first command of an order passes.
 """
 from __future__ import annotations
 
@@ -45,12 +44,12 @@ RUNS = 5
 CHANGES = 200
 ORDERS = 15
 VEHICLES, RATE, SECONDS = 50, 2.0, 20.0
-AHEAD = 8.0  # m: the base ends at least this far ahead of the vehicle
+AHEAD = 8.0  # m; the base ends at least as far ahead of the vehicle as this
 
 
 @contextmanager
 def stack(broker: Broker, sim_speed: float, folder: Path) -> Iterator[Tuple[ArclTap, int]]:
-    """Yields the stack under its own ROS master; yields the tap and the process id of roslaunch."""
+    """Starts the stack under a separate ROS master; yields the tap and the id of roslaunch."""
     robot_port, outgoing = free_port(), free_port()
     tap = ArclTap(free_port(), robot_port)
     launch, vehicle = folder / 'bench.launch', folder / 'vehicle.yaml'
@@ -89,17 +88,17 @@ def stack(broker: Broker, sim_speed: float, folder: Path) -> Iterator[Tuple[Arcl
 
 
 def milliseconds(values: Sequence[float]) -> str:
-    """Formats seconds as ms for a table."""
+    """Returns times (s) as a text in ms for a table."""
     return p50_and_p99([1e3 * value for value in values])
 
 
 def ready(master: BenchMaster) -> None:
-    """Waits until the vehicle is without errors, at the dock."""
+    """Waits until the vehicle is at the dock, without errors."""
     master.wait(lambda s: s['lastNodeId'] and not s['errors'], 60, 'a vehicle that is well')
 
 
 def bare_mqtt(broker: Broker, payload: bytes) -> List[float]:
-    """Returns the floor: a message of the same size from one client to another."""
+    """Returns the floor: times of a message of the same size between two clients."""
     arrived: List[float] = []
     event = threading.Event()
     clients = [make_client(f'bare_{uuid.uuid4().hex[:8]}') for _ in range(2)]
@@ -113,7 +112,7 @@ def bare_mqtt(broker: Broker, payload: bytes) -> List[float]:
         client.connect(broker.host, broker.port)
         client.loop_start()
     clients[1].subscribe('bare')
-    time.sleep(0.5)  # paho has no acknowledgement of a subscription that both its versions share
+    time.sleep(0.5)  # the two versions of paho share no way to see that a subscription holds
     latencies = []
     for _ in range(CHANGES):
         event.clear()
@@ -129,7 +128,7 @@ def bare_mqtt(broker: Broker, payload: bytes) -> List[float]:
 
 
 def ros_to_mqtt(master: BenchMaster) -> List[float]:
-    """Returns the time from a field violation on ROS to the state at an MQTT subscriber."""
+    """Returns the times from a field violation in ROS to the state at an MQTT subscriber."""
     publisher = rospy.Publisher('/omron_ld90/bench', Bool, queue_size=1, tcp_nodelay=True)
     deadline = time.monotonic() + 30.0
     while not any(info[1].endswith('vda5050_vehicle')
@@ -156,7 +155,7 @@ def is_violated(wanted: bool, state: Dict[str, Any]) -> bool:
 
 
 def first_with(master: BenchMaster, heard: int, pressed: bool) -> float:
-    """Returns the time of the first state with this field violation."""
+    """Returns when the first state with this field violation came."""
     for state, moment in zip(master.messages['state'][heard:], master.arrivals['state'][heard:]):
         if state['safetyState']['fieldViolation'] == pressed:
             return moment
@@ -164,7 +163,7 @@ def first_with(master: BenchMaster, heard: int, pressed: bool) -> float:
 
 
 def drive(master: BenchMaster, track: Track, send: Callable[[str], int]) -> float:
-    """Returns the seconds from an order, sent by `send`, to its end."""
+    """Returns the seconds from an order to its end; `send` sends the order."""
     order_id = uuid.uuid4().hex[:8]
     begun = time.monotonic()
     heard = send(order_id)
@@ -180,7 +179,7 @@ def whole(master: BenchMaster, track: Track) -> Callable[[str], int]:
 
 def by_single_edges(master: BenchMaster, track: Track, lengths: Sequence[float],
                     ) -> Callable[[str], int]:
-    """Returns a function that sends the order edge by edge, with a base of `AHEAD` m or more."""
+    """Returns a function that sends the order edge by edge, with a base of at least `AHEAD` m."""
     def send(order_id: str) -> int:
         base, update = 1, 0
         heard = master.send('order', track.part(0, 1).order(order_id))
@@ -201,7 +200,7 @@ def by_single_edges(master: BenchMaster, track: Track, lengths: Sequence[float],
 
 
 def order_to_arcl(master: BenchMaster, tap: ArclTap, graph: Graph) -> List[float]:
-    """Returns the time from sending an order to the first byte of its command on the ARCL line."""
+    """Returns the times from an order to the first byte of its command on the ARCL connection."""
     latencies = []
     there = track_on(graph, (8, 10), 'map')
     for track in (there, there.reversed()) * (ORDERS // 2 + 1):
@@ -213,8 +212,8 @@ def order_to_arcl(master: BenchMaster, tap: ArclTap, graph: Graph) -> List[float
 
 
 def many_vehicles(broker: Broker, payload: Dict[str, object]) -> Tuple[int, int, List[float]]:
-    """Returns many vehicles on one broker: messages sent, messages received,
-    latencies of their states.
+    """Runs many vehicles on one broker. Returns the messages sent, the messages received, and the
+    latencies of the states.
     """
     arrived: List[float] = []
     subscriber = make_client('many')
@@ -246,7 +245,7 @@ def many_vehicles(broker: Broker, payload: Dict[str, object]) -> Tuple[int, int,
 
 
 def returns(master: BenchMaster, own_broker: OwnBroker) -> List[float]:
-    """Returns the seconds from the broker's return to the state ONLINE."""
+    """Returns the times (s) from the broker's return to the state ONLINE."""
     found = []
     for _ in range(RUNS):
         heard = master.count('connection')
@@ -261,7 +260,7 @@ def returns(master: BenchMaster, own_broker: OwnBroker) -> List[float]:
 
 
 def share_of_core(pid: int, seconds: float) -> float:
-    """Returns the CPU of the adapter, as a share of one core."""
+    """Returns the CPU use of the adapter, as a share of one core."""
     adapter = next(child for child in descendants(pid)
                    if node_name(child) == 'vda5050_vehicle')
     before = cpu_seconds(adapter)
@@ -270,9 +269,8 @@ def share_of_core(pid: int, seconds: float) -> float:
 
 
 def part_latency(broker: Broker, own_broker: OwnBroker, folder: Path) -> None:
-    """Shows rows: latencies, many vehicles, return of the broker, CPU.
-
-    The robot runs in real time.
+    """Shows the rows with the robot in real time: latencies, many vehicles, return of the broker,
+    CPU.
     """
     graph = load_graph(ROOT / 'maps' / 'lab_graph.yaml')
     master = BenchMaster(broker, PREFIX)
@@ -301,9 +299,8 @@ def part_latency(broker: Broker, own_broker: OwnBroker, folder: Path) -> None:
 
 
 def part_mission(broker: Broker, folder: Path) -> None:
-    """Shows rows: order to ARCL line.
-
-    The mission of the laboratory in one message, and edge by edge.
+    """Shows the rows: time from an order to the ARCL connection, and the mission of the laboratory
+    in one message and edge by edge.
     """
     graph = load_graph(ROOT / 'maps' / 'lab_graph.yaml')
     track = track_on(graph, MISSION, 'map')

@@ -1,4 +1,4 @@
-"""Hooks of mkdocs: they add pages of the repository's root, and change links for the site."""
+"""Hooks of mkdocs: they add pages from the repository's root, and change links for the site."""
 from __future__ import annotations
 
 import posixpath
@@ -20,7 +20,7 @@ _LINK = re.compile(r'(?<=\]\()[^)#\s:]+(?=[)#])')
 
 
 def on_files(files: Files, config: MkDocsConfig) -> Files:
-    """Adds the pages of the root, and the files that pages load."""
+    """Adds the pages of the root, and the files that pages need."""
     for name in ROOT_PAGES:
         files.append(File.generated(config, name, content=(ROOT / name).read_text('utf-8')))
     for name in ASSETS:
@@ -30,7 +30,7 @@ def on_files(files: Files, config: MkDocsConfig) -> Files:
 
 
 def on_page_markdown(markdown: str, page: Page, config: MkDocsConfig, files: Files) -> str:
-    """Converts a page written for GitHub's Markdown into one for Python-Markdown."""
+    """Converts a page from GitHub's Markdown to Python-Markdown."""
     on_site = page.file.src_uri
     in_repository = on_site if on_site in ROOT_PAGES else f'docs/{on_site}'
 
@@ -47,7 +47,7 @@ def plain_pipes(markdown: str) -> str:
 
 
 def on_post_page(output: str, page: Page, config: MkDocsConfig) -> str:
-    """Fails if a page loads something from the internet."""
+    """Raises PluginError if a page loads something from the internet."""
     foreign = _FOREIGN.search(output)
     if foreign:
         raise PluginError(f'{page.file.src_uri} loads {foreign[0]}: the site must work without a '

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
-"""Runs a simulated fleet for hours with many kinds of faults; a witness judges it; prints a report.
+"""Runs a simulated fleet for hours with many kinds of faults. A witness judges it and reports.
 
-Robots are several times as fast as real ones; all software runs in real time. The same seed draws
-the same missions, faults and waits. The moments at which they happen depend on the computer.
+The robots are several times as fast as real ones; all software runs in real time. The same seed
+gives the same missions, faults and pauses, but their times depend on the computer.
 """
 from __future__ import annotations
 
@@ -31,15 +31,15 @@ from world.witness import Witness, growth
 ROOT = Path(__file__).resolve().parents[2]
 LOG = ROOT / 'build/soak.log'
 READY = (FleetRobot.IDLE, FleetRobot.BUSY)
-READY_WITHIN = 150.0  # s within which all robots must be ready after the start
+READY_WITHIN = 150.0  # s after the start within which all robots must be ready
 LOOK = 0.04  # s between two samples of the robots' positions
-GRACE = 6.0  # s within which a robot that can be reached must stand after a stop
+GRACE = 6.0  # s after a stop within which a robot with a connection must stand
 SAMPLE = 5.0  # s between two samples of memory, threads, sockets and files
-LAST = 240.0  # s for open missions to end after the last fault
+LAST = 240.0  # s after the last fault within which open missions must end
 KINDS = ('memory, MB', 'threads', 'sockets', 'files')
 GROWTH = {'memory, MB': (0.15, 40.0), 'threads': (0.1, 20.0), 'sockets': (0.1, 20.0),
           'files': (0.1, 20.0)}
-JOURNAL = 12e6, 10e3  # largest size in bytes, with write-ahead log: a base, and bytes per mission
+JOURNAL = 12e6, 10e3  # bytes: largest size with write-ahead log, and addition for each mission
 
 
 class Soak:
@@ -63,8 +63,9 @@ class Soak:
         self._sent = self._worked = self._answered = 0
 
     def run(self) -> bool:
-        """Runs the soak; returns whether each promise held. Raises SystemExit if the fleet does not
-        start."""
+        """Runs the soak. Returns whether each promise held. Raises SystemExit if the fleet does not
+        start.
+        """
         names = set(self.hall.radii)
         if not self.fleet.wait_for(lambda: self.fleet.is_connected and names <= {
                 name for name, robot in self.fleet.robots().items() if robot.state in READY},
@@ -104,7 +105,7 @@ class Soak:
             time.sleep(0.2)
 
     def _end(self, begun: float) -> None:
-        """Ends all faults and waits for the open missions to end."""
+        """Ends all faults, and waits until the open missions have ended."""
         if self.witness.broken and self._given.until_broken:
             return
         self.disturbances.remedy_all()
@@ -118,7 +119,7 @@ class Soak:
     def _guarded(self, work: Callable[[], None]) -> None:
         try:
             work()
-        except Exception as error:  # the error ends the run and is printed in the report
+        except Exception as error:  # the error ends the run, and the report shows it
             self._errors.append(f'{work.__name__}: {type(error).__name__}: {error}')
             raise
 
@@ -149,19 +150,19 @@ class Soak:
             self.fleet.repeat_unanswered()
 
     def _with_steps(self, stations: List[int]) -> Dict[str, Any]:
-        """Returns what a request for a mission with steps has besides its destinations."""
+        """Returns the fields of a request for a mission with steps, except its destinations."""
         self._worked += 1
         press = MissionStep(type='handshake', actor=MissionStep.DEVICE, device=PRESS, timeout=40.0,
                             on_failure=MissionStep.RETRY, retries=1)
         steps = [press]
-        if self._chance.random() < 0.5:  # only AGVs carry out steps themselves
+        if self._chance.random() < 0.5:  # only AGVs carry out steps on their own
             steps.append(MissionStep(type='work', timeout=40.0, on_failure=MissionStep.ASK))
         stops = [MissionStop(vertex=stations[0], steps=steps),
                  *(MissionStop(vertex=vertex) for vertex in stations[1:])]
         return {'stops': stops, **({'robot_type': 'agv'} if len(steps) > 1 else {})}
 
     def _answer(self) -> None:
-        """Lets a person look at the press, and answers for each step that asks."""
+        """Lets a person look at the press, and answers for each step that waits for an answer."""
         while not self._over.wait(1.0):
             with self._lock:
                 asking = dict(self.fleet.asking)
@@ -198,15 +199,15 @@ class Soak:
             self.witness.broken.append(f'the journal has {size} bytes after {self._sent} missions')
 
     def _judge_press(self) -> None:
-        """Checks that the press was started once at most with each key, also over all deaths
-        and restarts.
+        """Checks that the press was started at most once with each key, even if programs were
+        killed and restarted.
         """
         self.witness.broken += [f'the press was started again with the key {key}'
                                 for key in sorted(self.site.repeated)]
 
     @property
     def journal_size(self) -> int:
-        """Size of the journal in bytes, with its write-ahead log."""
+        """Returns the size of the journal with its write-ahead log, in bytes."""
         return sum(file.stat().st_size for file in self.launch.folder.glob('fleet.sqlite*'))
 
     def _report(self, seconds: float) -> None:

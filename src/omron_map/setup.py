@@ -1,4 +1,4 @@
-"""Installs with catkin and, without ROS, with pip. setup.cfg has the other settings."""
+"""Installs with catkin or, without ROS, with pip. All other settings are in setup.cfg."""
 from setuptools import find_packages, setup
 
 setup(name='omron_map', version='1.1.0', packages=find_packages('src'), package_dir={'': 'src'})

@@ -22,13 +22,13 @@ class Instance(NamedTuple):
     goals: Dict[str, int]
 
     def tasks(self, kind: RobotType = AGV) -> List[Task]:
-        """Returns the same as tasks for the planner."""
+        """Returns the robots and goals as tasks for the planner."""
         return [Task(name, kind, start, destinations=(self.goals[name],), stays=True)
                 for name, start in self.starts.items()]
 
 
 class _Drawing:
-    """A graph to which vertices and edges are added."""
+    """A graph under construction: vertices and edges are added to it."""
 
     def __init__(self) -> None:
         self.vertices: List[Vertex] = []
@@ -47,11 +47,11 @@ class _Drawing:
 
 
 def aisles(vertices: int) -> Tuple[Graph, List[int]]:
-    """Returns a warehouse with about the given number of vertices, and its stations.
+    """Returns a warehouse with about this number of vertices, and its stations.
 
     The aisles are 6 m apart, with a vertex every 2.4 m. A cross lane joins them at every fourth
-    vertex. At the vertices in between, a spur of 1.8 m leads to a station. Robots drive a spur at
-    half speed, and a station has no other exit.
+    vertex. At each other vertex, a spur of 1.8 m leads to a station. Robots drive a spur at half
+    speed, and a station has no other exit.
     """
     columns = int(math.sqrt(vertices) * 0.9)
     rows = int(vertices / (columns * 1.9)) + 1
@@ -79,8 +79,8 @@ def aisles(vertices: int) -> Tuple[Graph, List[int]]:
 def sparse_roadmap(seed: int, vertices: int = 170, spacing: float = 6.0) -> Graph:
     """Returns a roadmap with few, long edges (a relative neighbourhood graph).
 
-    Points are at least `spacing` m apart. A pair is joined if no third point is nearer to both of
-    them than they are to each other.
+    Points are at least `spacing` m apart. Two points are joined if no third point is nearer to both
+    than they are to each other.
     """
     random = Random(seed)
     side = spacing * math.sqrt(vertices) * 1.3
@@ -102,9 +102,7 @@ def sparse_roadmap(seed: int, vertices: int = 170, spacing: float = 6.0) -> Grap
 
 
 def dense_moves(vertices: int, edges: int, seed: int = 0) -> Graph:
-    """Returns the given number of edges between near vertices on a jittered grid.
-
-    Half are splines.
+    """Returns this number of edges between near vertices on an irregular grid; half are splines.
     """
     random = Random(seed)
     columns = math.ceil(math.sqrt(vertices))

@@ -1,7 +1,7 @@
 """A fleet at work in virtual time: missions one after the other, robots that are late and stall.
 
-The robots reach their speed at once. So the figures show what the plans and the supervisor cost,
-and not what it costs to accelerate and brake.
+The robots reach their speed at once. So the figures show the cost of the plans and of the
+supervisor, and not the cost of acceleration and braking.
 """
 from __future__ import annotations
 
@@ -25,8 +25,8 @@ ROOT = Path(__file__).resolve().parents[3]
 DOCK = 16
 STATIONS = (6, 18, 27, 39, 52, DOCK)
 PARKING = (8, 10, 14, 32, 33, 35, 41, 18, 27, 39, 52, 6, DOCK)  # the largest well-formed set
-# An AGV drives at the speed of the edge, which is at most 1 m/s here. The first vertices of PARKING
-# are the starts of the robots.
+# An AGV drives at the speed of the edge, at most 1 m/s here. The robots start at the first vertices
+# of PARKING.
 AGV = RobotType('agv', 0.43, 1.0, docks=frozenset((DOCK,)))
 LD90 = RobotType('ld90', 0.43, 1.35, 0.25, False, docks=frozenset((DOCK,)))
 STALLS = RandomStops(800.0, 20.0)
@@ -36,9 +36,9 @@ AT_ONCE = Mechanics(DriveLimits(acceleration=100.0, braking=100.0, turn_rate=100
 
 
 class Operation(Run):
-    """A run in which each robot gets its next goal when it has reached the last one.
+    """A run in which each robot gets a new goal when it has reached the goal before.
 
-    waiting -- number of missions for any robot that are requested at the start, too
+    waiting -- number of further missions, for any robot, that are requested at the start
     """
 
     def __init__(self, site: StudiedSite, robots: int, goals: Sequence[int], seed: int,
@@ -56,7 +56,7 @@ class Operation(Run):
         self._missions: Dict[int, str] = {}
         """The robot of each open mission."""
         self._moved = 0.0
-        """The virtual time at which a robot last drove."""
+        """The virtual time at which a robot drove last."""
 
     def _request(self) -> None:
         while self._next_id < self._waiting:
@@ -71,13 +71,13 @@ class Operation(Run):
             self._ask(Request(self._next_id, (goal,), robot=name, stamp=self.world.now + 0.1))
 
     def publishes(self, status: Status) -> None:
-        """Notes that a robot whose mission has ended needs another one."""
+        """Notes that a robot needs a new mission because its mission has ended."""
         super().publishes(status)
         if not status.state.is_open:
             self._missions.pop(status.request_id, None)
 
     def stepped(self) -> None:
-        """Notes for how long no robot drives."""
+        """Notes for how long no robot has driven."""
         super().stepped()
         now = self.world.now
         if any(not robot.vehicle.drive.at_rest for robot in self.world.agvs.values()):
@@ -88,7 +88,7 @@ class Operation(Run):
 def at_work(graph: Graph, kind: RobotType, starts: Sequence[int], goals: Sequence[int],
             seed: int, seconds: float, rounds: int, waiting: int = 0,
             ) -> Tuple[Figures, Operation]:
-    """Runs a fleet for the given number of virtual seconds; each mission is one goal."""
+    """Runs a fleet for this number of virtual seconds; each mission has one goal."""
     robots = tuple(Robot(f'r{k}', kind, start, '') for k, start in enumerate(starts))
     site = site_of(graph, Fleet((kind,), robots, 0.1),
                    {robot.name: RobotSettings(release_ahead=0.0) for robot in robots},

@@ -1,8 +1,8 @@
-"""Missions that the dead ends of the laboratory allow, if robots meet only at the stations.
+"""Computes how many missions the laboratory allows if robots meet only at the stations.
 
-Each station lies at the end of an edge and has no other exit. So one robot after the other drives
-in and out, in the order of arrival. Everywhere else a robot drives as if it were alone. No planner
-can do much better if missions are drawn one by one.
+Each station is at the end of an edge and has no other exit. So the robots drive in and out one
+after the other, in the order of arrival. Everywhere else a robot drives as if it were alone. If
+missions are drawn one by one, no planner can do much better.
 """
 from __future__ import annotations
 
@@ -24,8 +24,8 @@ class _Spur(NamedTuple):
 
 
 def missions(robots: int, seed: int, seconds: float = 3600.0) -> int:
-    """Returns the missions done in the given number of simulated seconds, with the delays of the
-    runs above.
+    """Returns the number of missions done in `seconds` simulated seconds, with the delays and
+    stalls of `operation`.
     """
     network = RoadNetwork(load_graph(operation.ROOT / 'maps/lab_graph.yaml'))
     graph, times = network.graph, network.times(operation.AGV)
@@ -48,7 +48,7 @@ def missions(robots: int, seed: int, seconds: float = 3600.0) -> int:
         times = network.paths_to(operation.AGV, (network.index[junction],))[0]
         return late(float(times[network.index[begin]]))
 
-    # time at which a robot arrives at the junction of a station
+    # heap of (time of arrival at the junction of a station, robot, station)
     arrivals: List[Tuple[float, int, int]] = []
     for robot, start in enumerate(operation.PARKING[:robots]):
         station, begun = other_than(start), 0.0

@@ -1,6 +1,6 @@
 """Runs a rival in its own virtual environment: instances as JSON on stdin, paths on stdout.
 
-A rival in C++ cannot be stopped. A result that it finds after its time limit does not count.
+A rival in C++ cannot be stopped. So a result that it finds after the time limit does not count.
 
 Input: {"edges": [[a, b], ...], "instances": [{"starts": [...], "goals": [...]}], "solver": name,
 "limit": seconds}. Output: for each instance [seconds, paths or null]; a path lists the vertex of
@@ -16,9 +16,9 @@ from typing import Any, Callable, List, Sequence, Tuple
 
 Edges = Sequence[Tuple[int, int]]
 Paths = Any
-"""Of each robot its vertices, step by step; empty: there are none."""
+"""The vertices of each robot, step by step; empty: no paths were found."""
 Solver = Callable[[List[int], List[int]], Paths]
-"""It gets starts and goals."""
+"""A function that gets starts and goals, and returns paths."""
 
 
 class TooLong(Exception):
@@ -26,7 +26,9 @@ class TooLong(Exception):
 
 
 def pymapf_solver(name: str, edges: Edges, limit: float) -> Solver:
-    """Returns LaCAM or PIBT of pymapf, pure Python: one robot per vertex, no two swap places."""
+    """Returns LaCAM or PIBT of pymapf, in pure Python: a vertex has one robot, and no two robots
+    swap vertices.
+    """
     import pymapf
     graph = pymapf.ExplicitGraph.undirected([tuple(edge) for edge in edges])
 
@@ -38,10 +40,10 @@ def pymapf_solver(name: str, edges: Edges, limit: float) -> Solver:
 
 
 def w9_solver(name: str, edges: Edges, limit: float) -> Solver:
-    """Returns HCA* or CBS of w9-pathfinding, C++: one robot per vertex, one per edge."""
+    """Returns HCA* or CBS of w9-pathfinding, in C++: a vertex and an edge have one robot each."""
     from w9_pathfinding.envs import Graph
     from w9_pathfinding.mapf import CBS, HCAStar
-    # in an undirected graph it would let robots swap
+    # in an undirected graph, w9 would let robots swap
     both_ways = [*edges, *(edge[::-1] for edge in edges)]
     graph = Graph(max(map(max, edges)) + 1, edges=both_ways, edge_collision=True)
     longest = {'max_length': float(len(edges))}
@@ -56,7 +58,7 @@ def w9_solver(name: str, edges: Edges, limit: float) -> Solver:
 
 
 def stopped_after(limit: float, solve: Solver, *instance: List[int]) -> Paths:
-    """Runs Python code for at most `limit` s; raises TooLong after that."""
+    """Runs Python code for at most `limit` s; raises TooLong after this time."""
     def stop(*_: object) -> None:
         raise TooLong
     signal.signal(signal.SIGALRM, stop)
@@ -80,7 +82,7 @@ def main() -> None:
         begun = time.perf_counter()
         try:
             paths = stopped_after(asked['limit'], solve, instance['starts'], instance['goals'])
-        except (TooLong, RuntimeError):  # w9 returns the empty list when it finds nothing
+        except (TooLong, RuntimeError):  # if w9 finds nothing, it returns an empty list
             paths = None
         seconds = time.perf_counter() - begun
         results.append([seconds, paths if seconds <= asked['limit'] else None])

@@ -1,9 +1,9 @@
-"""Runs other planners on the same instances, and checks if robots can drive their plans.
+"""Runs other planners on the same instances, and checks whether robots can drive their plans.
 
-The rivals know vertices, edges, and steps of equal length. None of them can be given conflict sets,
+The rivals use vertices, edges, and steps of equal length. None of them accepts conflict sets,
 durations, sizes or delays. So this module puts their moves into an order: at each step a robot
 leaves a vertex before another robot enters it. Then it computes the times by our own rules, and the
-checker decides if the result is safe. A plan in which robots follow each other in a ring has no
+checker decides whether the result is safe. If robots follow each other in a ring, their plan has no
 such order.
 """
 from __future__ import annotations
@@ -36,9 +36,9 @@ class Judged(NamedTuple):
 
     seconds: float
     solved: bool
-    """True if a plan was found in time."""
+    """Whether a plan was found in time."""
     ratio: Optional[float]
-    """Its cost over the lower bound, with true durations; None if it cannot be driven safely."""
+    """The plan's cost, with true durations, divided by the lower bound; None: it is not safe."""
 
 
 def environment(package: str) -> Tuple[Optional[Path], str]:
@@ -76,9 +76,8 @@ def run(solver: str, python: Path, graph: Graph, instances: Sequence[Instance],
 
 
 def driven(graph: Graph, instance: Instance, paths: Sequence[Sequence[int]]) -> Optional[float]:
-    """Returns the cost over the lower bound of these moves, with true sizes, curves and durations.
-
-    None if no order makes them safe.
+    """Returns the cost of these moves, with true sizes, curves and durations, divided by the lower
+    bound; None if no order makes them safe.
     """
     order = _in_order(graph, instance, paths)
     if order is None:
@@ -102,7 +101,7 @@ def driven(graph: Graph, instance: Instance, paths: Sequence[Sequence[int]]) -> 
 
 def _in_order(graph: Graph, instance: Instance,
               paths: Sequence[Sequence[int]]) -> Optional[List[Tuple[str, int]]]:
-    """Returns (robot, drive) step by step; None if robots follow each other in a ring."""
+    """Returns (robot, drive) in order; None if robots follow each other in a ring."""
     drives: Dict[Tuple[int, int], int] = {}
     for k, edge in enumerate(graph.edges.values()):
         drives[edge.origin, edge.destination] = 2 * k
@@ -123,7 +122,7 @@ def _in_order(graph: Graph, instance: Instance,
 
 
 def world_of(graph: Graph, instance: Instance) -> World:
-    """Returns the checker's view of an instance."""
+    """Returns an instance in the form that the checker uses."""
     return World(*as_files(graph, [AGV], {name: (AGV.name, vertex)
                                           for name, vertex in instance.starts.items()},
                            {name: [goal] for name, goal in instance.goals.items()}, CLEARANCE))

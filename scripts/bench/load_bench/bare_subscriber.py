@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""The floor of path_supervisor: receives the same reports, and answers one robot's at once."""
+"""The floor of path_supervisor: receives the same reports, and answers those of one robot at once.
+"""
 from __future__ import annotations
 
 import sys
@@ -10,7 +11,8 @@ from itrci_nav_msgs.msg import ExecutionRouteStates, TargetRoute
 
 
 def main() -> None:
-    """Runs the node. The arguments are names of robots; reports of the first are answered."""
+    """Runs the node. The arguments are names of robots; the reports of the first one are answered.
+    """
     rospy.init_node('bare_subscriber')
     first, *others = rospy.myargv(sys.argv)[1:]
     answers = rospy.Publisher('/bare_answer', TargetRoute, queue_size=10, tcp_nodelay=True)

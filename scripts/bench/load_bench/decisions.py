@@ -1,6 +1,6 @@
 """CPU time of the supervisor's decisions for 200 robots that report 10 times a second.
 
-Virtual time, the real planner, no ROS: nothing is received or sent, and the disk is a file.
+It uses virtual time, the real planner and no ROS. Nothing is received or sent; the disk is a file.
 """
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ Answer = TypeVar('Answer')
 
 
 class _Fleet:
-    """The fleet, its open missions, and the seconds that each kind of event took."""
+    """The fleet, its open missions, and the seconds that each kind of event has taken."""
 
     def __init__(self) -> None:
         graph = grid(SIDE)
@@ -53,7 +53,7 @@ class _Fleet:
         return timed
 
     def run(self, seconds: float) -> None:
-        """Simulates this virtual time. Missions that end are replaced."""
+        """Simulates the fleet for `seconds` virtual seconds; replaces missions that end."""
         end = self.world.now + seconds - 1e-6
         while self.world.now < end:
             self.world.step()
@@ -68,7 +68,7 @@ class _Fleet:
 
 
 def decisions() -> Iterator[Row]:
-    """Measures reports, ticks, plans, and ticks in which no robot has reported anything."""
+    """Measures reports, ticks, plans, and ticks without any report since the last tick."""
     fleet = _Fleet()
     fleet.run(SETTLING)
     fleet.spent.clear()

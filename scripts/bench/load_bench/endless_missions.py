@@ -1,6 +1,6 @@
-"""Keeps the given number of missions open: sends a new mission for each that ends.
+"""Keeps a number of missions open: sends a new mission for each one that ends.
 
-Each robot on a ring has one long mission, round after round.
+Each robot on a ring has one long mission of many rounds.
 """
 from __future__ import annotations
 
@@ -19,14 +19,15 @@ _OVER = frozenset((MissionStatus.SUCCEEDED, MissionStatus.FAILED, MissionStatus.
 
 
 class EndlessMissions:
-    """Missions to two of these vertices, drawn at random; `rings` holds vertices by robot name."""
+    """Missions, each to two random vertices. `rings` has the vertices of the rings, by robot name.
+    """
 
     def __init__(self, vertices: Sequence[int], rings: Mapping[str, Sequence[int]]) -> None:
         self._rings = rings
         self._vertices, self._random, self._last = vertices, Random(1), 0
         self._lock = threading.Lock()
         self.open: Dict[int, int] = {}
-        """State by request id."""
+        """The state of each open mission, by request id."""
         self.ended = dict.fromkeys(_OVER, 0)
         self.reasons: Dict[str, int] = {}
         rospy.Subscriber('/mission_status', MissionStatus, self._hear)
@@ -40,7 +41,7 @@ class EndlessMissions:
             self._publish(MissionRequest(destination_vertices_id=stops, robot=robot, priority=1))
 
     def send(self, count: int) -> None:
-        """Sends the given number of further missions."""
+        """Sends `count` further missions."""
         for _ in range(count):
             with self._lock:
                 chosen = self._random.sample(self._vertices, 2)

@@ -1,4 +1,4 @@
-"""A journal with a million ended missions: the time of the start, and the time of a request."""
+"""Measures the start, and a request, with a journal of a million ended missions."""
 from __future__ import annotations
 
 import json
@@ -24,11 +24,11 @@ ENDED = 1_000_000  # missions
 ROBOTS, SIDE = 200, 71
 STARTS = 5
 REQUESTS = 300
-_PERIOD = 86400.0  # s over which the missions ended
+_PERIOD = 86400.0  # s; the missions ended within this time
 
 
 def fill(path: Path, count: int) -> None:
-    """Writes the given number of ended missions into a new journal, each with three changes."""
+    """Writes `count` ended missions into a new journal, each with three changes."""
     Journal(str(path)).close()
     database = sqlite3.connect(path)
     now, done = time.time(), int(MissionState.SUCCEEDED)

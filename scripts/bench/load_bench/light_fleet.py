@@ -1,7 +1,8 @@
-"""Hundreds of robots in one process: they report at 10 Hz and obey routes, and do nothing else.
+"""Hundreds of robots in one process: they only report at 10 Hz and obey routes.
 
-Some robots drive on rings of their own. For these, the time from a report to the order for more
-edges is measured. It begins with the first report by which the robot would soon have to brake.
+Some robots drive on rings of their own. For these robots, the time from a report to the order for
+more edges is measured. It begins with the first report after which the robot would soon have to
+brake.
 """
 from __future__ import annotations
 
@@ -19,14 +20,14 @@ from trajectory_graph import Graph
 from world.plain_agv import Agv
 
 PERIOD = 0.1  # s between two reports of a robot
-_SLICES = 10  # parts of a period over which the reports are spread
+_SLICES = 10  # parts of a period; each part has its share of the reports
 
 
 class Release(NamedTuple):
     """More edges for a robot under the same route id.
 
-    moment  -- time of arrival, s of the monotonic clock seconds -- seconds since the report that
-    made the order due
+    moment  -- time of arrival, s of the monotonic clock
+    seconds -- seconds since the report that made the order due
     """
 
     moment: float
@@ -34,7 +35,7 @@ class Release(NamedTuple):
 
 
 class _Robot:
-    """One robot, its topics, and the time since which it reports that it needs more edges."""
+    """One robot, its topics, and the time since when its reports show that it needs more edges."""
 
     def __init__(self, name: str, graph: Graph, kind: RobotType, vertex: int,
                  lock: threading.Lock) -> None:
@@ -65,7 +66,7 @@ class _Robot:
                                                 rospy.Time.now().to_nsec()))
 
     def _ahead(self) -> float:
-        """Returns the metres of its route that it has not driven yet."""
+        """Returns the length (m) of its route that it has not driven yet."""
         agv = self.agv
         left = sum(agv.graph.curve(edge).length for edge in agv.edges[agv.current:])
         return left - (agv.arc if agv.is_driving else 0.0)
@@ -90,7 +91,7 @@ class LightFleet:
                                            for name, vertex in places.items()}
         self.reports = 0
         self.latest = 0.0
-        """s: the longest delay of a report so far."""
+        """The longest delay of a report so far (s)."""
         threading.Thread(target=self._drive, name='robots', daemon=True).start()
 
     def _drive(self) -> None:
@@ -116,12 +117,12 @@ class LightFleet:
 
     @property
     def releases(self) -> List[Release]:
-        """All releases so far of robots on rings."""
+        """All releases so far for robots on rings."""
         with self._lock:
             return [release for name, robot in self._robots.items() if name.startswith(ALONE)
                     for release in robot.releases]
 
     @property
     def travelled(self) -> float:
-        """Metres that all robots have driven."""
+        """Distance (m) that all robots have driven together."""
         return sum(robot.agv.travelled for robot in self._robots.values())

@@ -17,7 +17,7 @@ from load_bench.site import grid, starts
 
 ROBOTS, SIDE = 200, 71
 DOORS = 50
-AT_ONCE = 10  # robots that get a first destination together
+AT_ONCE = 10  # robots that get a destination at the same time
 REPLANS = 20
 LIMIT = 30.0  # s, the limit for one plan
 KIND = RobotType('agv', 0.43, 1.0)
@@ -31,7 +31,7 @@ class _Answer(NamedTuple):
 class _Site:
     """The robots, their tasks, and their present plans.
 
-    doors -- number of edges on which one robot may be at once
+    doors -- number of edges on which only one robot may be at a time
     """
 
     def __init__(self, doors: int = 0) -> None:
@@ -48,7 +48,9 @@ class _Site:
         self._kept: Dict[str, Tuple[PlannedDrive, ...]] = {}
 
     def send(self, count: int, is_new: bool) -> None:
-        """Gives destinations to the given number of robots, either without or with one."""
+        """Gives new destinations to `count` robots: with `is_new` to robots without a destination,
+        otherwise to robots with one.
+        """
         names = [name for name in self._places if (name in self.goals) != is_new]
         for name in self._random.sample(names, count):
             self.goals[name] = self._random.choice(self._vertices)
@@ -70,7 +72,7 @@ class _Site:
 
 
 def planning() -> Iterator[Row]:
-    """Measures plans for some robots at a time, and for all at once."""
+    """Measures plans when some robots get destinations, and when all get them at once."""
     site = _Site()
     what = f'{ROBOTS} robots, {len(site.graph.vertices)} vertices, {len(site.graph.edges)} edges'
     first = site.plan()
@@ -93,7 +95,7 @@ def planning() -> Iterator[Row]:
 
 
 def _all_at_once(doors: int) -> _Answer:
-    """Returns the plan for destinations of all robots, which come at once."""
+    """Returns the plan if all robots get their destinations at once."""
     site = _Site(doors)
     site.plan()
     site.send(ROBOTS, True)

@@ -1,7 +1,7 @@
-"""The files of a site with thousands of edges, and of its fleet.
+"""The files of a site with thousands of edges, and the files of its fleet.
 
-Most robots share a grid. Some robots have a ring of their own, which no other robot enters: these
-wait only for the fleet manager.
+Nearly all robots share a grid. Each other robot has a ring that no other robot enters, so it waits
+only for the fleet manager.
 """
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ RELEASE_AHEAD = 4.0  # m
 
 
 class Site(NamedTuple):
-    """The graph, the start of each robot, the vertices of the grid and of each ring, the files."""
+    """The graph, the robots' starts, the vertices of the grid and of each ring, and the files."""
 
     graph: Graph
     places: Dict[str, int]
@@ -29,10 +29,7 @@ class Site(NamedTuple):
 
 
 def grid(side: int) -> Graph:
-    """Returns a grid with these numbers of rows and columns.
-
-    Each vertex is joined to its neighbours.
-    """
+    """Returns a grid with `side` rows and columns, in which neighbours are joined."""
     vertices = [Vertex(side * row + column + 1, SPACING * column, SPACING * row, 0.0)
                 for row in range(side) for column in range(side)]
     pairs = [(vertex.id, vertex.id + step) for vertex in vertices for step, is_inside in (
@@ -63,14 +60,14 @@ def _edges(first: int, pairs: Sequence[Tuple[int, int]]) -> List[Edge]:
 
 
 def starts(graph: Graph, robots: int) -> Dict[str, int]:
-    """Returns the start vertex by robot name, spread evenly."""
+    """Returns the start vertices by robot name. They are spread evenly."""
     vertices: List[int] = list(graph.vertices)
     step = len(vertices) // robots
     return {f'agv_{k}': vertices[k * step] for k in range(robots)}
 
 
 def save_site(folder: Path, side: int, robots: int, doors: int = 0) -> Site:
-    """Writes the site for the given total number of robots, with so many doors on the grid."""
+    """Writes the site for `robots` robots in all, with `doors` doors on the grid."""
     shared = grid(side)
     graph, rings = with_rings(shared)
     places = {**starts(shared, robots - RINGS), **{name: ring[0] for name, ring in rings.items()}}

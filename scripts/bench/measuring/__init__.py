@@ -1,1 +1,1 @@
-"""Common parts of the benchmarks: times, processes, a ROS master of their own, tables."""
+"""Common parts of the benchmarks: times, processes, separate ROS masters, tables."""

@@ -34,26 +34,22 @@ def node_name(pid: int) -> str:
 
 
 def cpu_seconds(pid: int) -> float:
-    """Returns the CPU time that a process has used so far, in s.
+    """Returns the CPU time (s) that a process has used so far.
 
-    Reads the scheduler's own account, because /proc/PID/stat counts whole ticks and misses short
-    wake-ups.
+    The scheduler's account is used: /proc/PID/stat counts whole ticks and misses short wake-ups.
     """
     return sum(int(task.read_text().split()[0])
                for task in Path(f'/proc/{pid}/task').glob('*/schedstat')) / 1e9
 
 
 def resident(pid: int) -> int:
-    """Returns the memory of a process in bytes, with all memory that it shares
-    with others (RSS).
+    """Returns the memory of a process in bytes, with all memory that it shares with others (RSS).
     """
     return _kilobytes(Path(f'/proc/{pid}/status'), 'VmRSS:')
 
 
 def proportional(pid: int) -> int:
-    """Returns the memory of a process in bytes: its own,
-    and its part of the shared memory (PSS).
-    """
+    """Returns the memory of a process in bytes: its own, and its share of shared memory (PSS)."""
     return _kilobytes(Path(f'/proc/{pid}/smaps_rollup'), 'Pss:')
 
 

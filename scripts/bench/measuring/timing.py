@@ -9,7 +9,7 @@ import numpy as np
 
 
 def milliseconds(run: Callable[[], object], runs: int = 7) -> float:
-    """Returns the median duration of several runs, in ms, by the clock."""
+    """Returns the median duration (ms, by the clock) of several runs."""
     times = []
     for _ in range(runs):
         begun = time.perf_counter()
@@ -19,6 +19,6 @@ def milliseconds(run: Callable[[], object], runs: int = 7) -> float:
 
 
 def p50_and_p99(values: Sequence[float]) -> str:
-    """Returns the median and the 99th percentile, in ms, of times in s."""
+    """Returns a text with the median and the 99th percentile (ms) of times in s."""
     p50, p99 = np.percentile(values, (50, 99))
     return f'p50 {p50:.2f} ms, p99 {p99:.2f} ms'

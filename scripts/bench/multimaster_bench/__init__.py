@@ -1,1 +1,1 @@
-"""Program that the benchmark of joined ROS masters runs on each side."""
+"""The program that the benchmark of joined ROS masters runs on each side."""

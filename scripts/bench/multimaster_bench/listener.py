@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Prints, for each message of a topic, its time of arrival (s, monotonic) and its number."""
+"""Prints the time of arrival (s, monotonic) and the number of each message of a topic."""
 from __future__ import annotations
 
 import os
@@ -14,7 +14,7 @@ def main() -> None:
     """Listens to TOPIC of TYPE, given on the command line, until the process is ended."""
     topic, kind = sys.argv[1:]
     figures = os.fdopen(os.dup(1), 'w')
-    os.dup2(2, 1)  # rospy's own messages must not appear among the figures
+    os.dup2(2, 1)  # rospy's own messages must not mix with the figures
     rospy.init_node('bench_listener', anonymous=True)
     rospy.Subscriber(topic, get_message_class(kind),
                      lambda message: print(time.monotonic(), message.header.seq, file=figures,

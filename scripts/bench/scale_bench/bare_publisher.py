@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""A node with one publisher at 2 Hz and nothing else: the floor of one node."""
+"""A node that has only one publisher at 2 Hz: the floor of one node."""
 from __future__ import annotations
 
 import rospy
@@ -10,7 +10,7 @@ import node_program
 rospy.init_node('bare')
 publisher = rospy.Publisher(f'/bare/{rospy.get_name().strip("/")}', String, queue_size=1)
 node_program.node_started()
-rate = rospy.Rate(2.0)  # noqa: TID251, a node as the tutorials of ROS write it
+rate = rospy.Rate(2.0)  # noqa: TID251, as in the tutorials of ROS
 while not rospy.is_shutdown():
     publisher.publish('x')
     try:

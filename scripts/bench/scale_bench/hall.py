@@ -14,10 +14,10 @@ PROBE = 'probe'
 
 
 def write_hall(folder: Path, robots: int, probe_port: int, password_file: Path) -> Dict[str, str]:
-    """Writes the files of the hall; returns the arguments of `scripts/run.sh`.
+    """Writes the files of the hall. Returns the arguments of `scripts/run.sh`.
 
-    The probe is a robot that the benchmark plays. It is declared absent, so that the fleet manager
-    does not wait for it.
+    The probe is a robot that the benchmark plays. The fleet manager is told that the probe is
+    absent, so that it does not wait for the probe.
     """
     graph, stations = aisles(max(150, 6 * robots))
     save_graph(graph, folder / 'graph.yaml')

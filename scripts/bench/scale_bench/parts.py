@@ -1,4 +1,4 @@
-"""The purpose of each process of a fleet, and what it uses."""
+"""Assigns each process of a fleet to a part, and measures what the parts use."""
 from __future__ import annotations
 
 import os
@@ -17,30 +17,30 @@ PARTS = ('stacks', 'fleet manager', HOST, 'simulators', 'roslaunch and roscore',
 
 @dataclass(frozen=True)
 class Part:
-    """Processes with one purpose."""
+    """Processes with the same purpose."""
 
     pids: List[int]
 
     @property
     def memory(self) -> float:
-        """MB; shared memory counts once (PSS)."""
+        """Memory in MB; shared memory counts once (PSS)."""
         return sum(map(proportional, self.pids)) / 2 ** 20
 
     @property
     def threads(self) -> int:
-        """The threads of all its processes."""
+        """The number of threads in all processes."""
         return sum(len(os.listdir(f'/proc/{pid}/task')) for pid in self.pids)
 
     @property
     def sockets(self) -> int:
-        """The sockets of all its processes, by open files."""
+        """The number of sockets in all processes, found among the open files."""
         return sum(os.readlink(link).startswith('socket:') for pid in self.pids
                    for link in Path(f'/proc/{pid}/fd').iterdir())
 
     @property
     def cpu(self) -> float:
-        """CPU seconds so far: of the present threads, or, in ticks, of all threads that have
-        existed.
+        """CPU seconds so far: those of the present threads, or those of all threads that have
+        existed, in whole ticks, if they are more.
         """
         return sum(max(cpu_seconds(pid), _whole_ticks(pid)) for pid in self.pids)
 
@@ -54,7 +54,7 @@ def parts_of(launch: int) -> Dict[str, Part]:
 
 
 def part_of(pid: int) -> str:
-    """Returns the part that a process belongs to."""
+    """Returns the part to which a process belongs."""
     name, words = node_name(pid), arguments(pid)
     programs = {Path(word).name for word in words[:3]}
     if programs & {'hosted', 'node_host'}:
@@ -75,10 +75,10 @@ def _whole_ticks(pid: int) -> float:
 
 def cpu_shares(parts: Dict[str, Part], before: Dict[str, float],
                seconds: float) -> Dict[str, float]:
-    """Returns the cores that each part has used since `before`."""
+    """Returns the number of cores that each part has used since `before`."""
     return {name: (parts[name].cpu - used) / seconds for name, used in before.items()}
 
 
 def used(parts: Dict[str, Part], names: Iterable[str] = PARTS) -> Dict[str, float]:
-    """Returns the CPU seconds used so far."""
+    """Returns the CPU seconds that each part has used so far."""
     return {name: parts[name].cpu for name in names}

@@ -1,4 +1,4 @@
-"""Measures the time from the robot's byte to the subscriber; the benchmark plays one robot."""
+"""Measures the time from the robot's byte to the subscriber; the benchmark plays this robot."""
 from __future__ import annotations
 
 import socket
@@ -13,7 +13,7 @@ PERIOD = 0.1  # s
 
 
 class Probe:
-    """Sends numbered locations until it is closed, and notes when each is received."""
+    """Sends numbered locations until it is closed, and notes when each location is received."""
 
     def __init__(self, robot: str, port: int) -> None:
         self._sent: Dict[str, float] = {}
@@ -24,16 +24,16 @@ class Probe:
         self._thread = threading.Thread(target=self._send, daemon=True)
 
     def start(self) -> None:
-        """Starts to send as soon as the subscriber is connected."""
+        """Waits until the subscriber is connected, then starts to send."""
         while not self._topic.get_num_connections():
             time.sleep(0.01)
         self._thread.start()
 
     def close(self) -> int:
-        """Ends it; returns how many lines were not received."""
+        """Ends the probe. Returns the number of lines that were not received."""
         self._closed.set()
         self._thread.join()
-        time.sleep(1.0)  # time for the lines that are on their way
+        time.sleep(1.0)  # for lines that are still on their way
         self._socket.close()
         return len(self._sent)
 
@@ -41,7 +41,7 @@ class Probe:
         number = 0
         while not self._closed.wait(PERIOD):
             number += 1
-            line = f'Location: {number} -900000 0'  # mm: robots that it is near to would stop
+            line = f'Location: {number} -900000 0'  # mm, far away: robots near it would stop
             self._sent[line] = time.monotonic()
             self._socket.sendall(line.encode() + b'\r\n')
 

@@ -53,7 +53,7 @@ AGVS = '''<launch>
 
 
 class Stack:
-    """A ROS master of its own, and launch texts on it; use it in a `with` statement."""
+    """A separate ROS master, and launch texts on it; for use in a `with` statement."""
 
     def __init__(self) -> None:
         self._context = ExitStack()
@@ -68,7 +68,7 @@ class Stack:
         self._context.close()
 
     def launch(self, text: str, **values: Any) -> subprocess.Popen:
-        """Starts what a launch text describes."""
+        """Starts roslaunch with a launch text."""
         self._launched += 1
         path = self.folder / f'{self._launched}.launch'
         path.write_text(text.format(folder=self.folder, **values))
@@ -80,15 +80,13 @@ class Stack:
 
     @staticmethod
     def end(process: subprocess.Popen) -> None:
-        """Ends what was launched."""
+        """Ends a started roslaunch."""
         if process.poll() is None:
             process.send_signal(signal.SIGINT)
             process.wait(40)
 
     def agv_fleet(self, count: int) -> dict:
-        """Returns the files of a warehouse with the given number of AGVs,
-        each at a station of its own.
-        """
+        """Returns the files of a warehouse with `count` AGVs, each at its own station."""
         graph, stations = aisles(500)
         step = len(stations) // count
         save_graph(graph, self.folder / 'graph.yaml')

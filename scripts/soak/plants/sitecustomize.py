@@ -1,7 +1,7 @@
-"""Plants a defect in the programs of a fleet, to test that the soak finds it.
+"""Plants a defect in the programs of a fleet. This tests whether the soak finds the defect.
 
-Python imports this module at its start if its folder is in PYTHONPATH. The environment variable
-SOAK_PLANT names the defect. The defect changes its module when that module is imported.
+Python imports this module at its start if the module's folder is in PYTHONPATH. The environment
+variable SOAK_PLANT names the defect. When the module with the defect is imported, it is changed.
 """
 from __future__ import annotations
 
@@ -14,18 +14,18 @@ from typing import Any, Callable, Dict, Optional, Sequence
 
 
 def _without_places(module: Any) -> None:
-    """Lets the interlocking grant edges that another robot's allocation excludes."""
+    """Makes the interlocking grant edges that another robot's allocation excludes."""
     module.CONDITIONS = tuple(one for one in module.CONDITIONS if one is not module._place_is_free)
     module.GATES = tuple(one for one in module.GATES if one is not module._robot_is_clear_of_others)
 
 
 def _without_owed_stop(module: Any) -> None:
-    """Lets the controller forget a stop that could not be sent."""
+    """Makes the controller forget a stop that could not be sent."""
     module.Drives.stop_due = lambda self, now: False
 
 
 def _without_second_try(module: Any) -> None:
-    """Lets the bridge regard each stop as obeyed after it has given the stop once."""
+    """Makes the bridge regard each stop as obeyed once it has sent the stop."""
     ended = module.LastWord.ended
 
     def taken(self: Any, event: Any, now: float) -> None:
@@ -36,13 +36,13 @@ def _without_second_try(module: Any) -> None:
 
 
 def _forgetful(module: Any) -> None:
-    """Lets a restarted supervisor forget that the fleet is stopped."""
+    """Makes a restarted supervisor forget that the fleet is stopped."""
     value = module.Journal.value
     module.Journal.value = lambda self, name: 0 if name == module.STOPPED else value(self, name)
 
 
 def _lossy(module: Any) -> None:
-    """Lets a restarted supervisor forget all open missions."""
+    """Makes a restarted supervisor forget all open missions."""
     module.Journal.missions = lambda self: []
 
 
@@ -53,7 +53,7 @@ PLANTS: Dict[str, Dict[str, Callable[[Any], None]]] = {
                   'omron_ld90.bridge.last_word': _without_second_try},
     'restart': {_JOURNAL: _forgetful},
     'restart-missions': {_JOURNAL: _lossy}}
-"""By name of the defect: the changed modules, and the function that changes each."""
+"""For each defect, the modules that it changes, each with the function that changes it."""
 
 
 class _Planter(importlib.abc.MetaPathFinder, importlib.abc.Loader):
@@ -65,7 +65,7 @@ class _Planter(importlib.abc.MetaPathFinder, importlib.abc.Loader):
 
     def find_spec(self, name: str, path: Optional[Sequence[str]],
                   target: Optional[ModuleType] = None) -> Optional[importlib.machinery.ModuleSpec]:
-        """Returns the spec of the one module with this loader; None for other modules."""
+        """Returns the spec of the one module with this loader; None for all other modules."""
         if name != self._module:
             return None
         spec = importlib.machinery.PathFinder.find_spec(name, path, target)

@@ -24,15 +24,15 @@ from soaking.simulators import Simulators
 from soaking.work import SoakPlc
 from world.witness import Witness
 
-RECOVERS = 8.0  # s after a program or link is back, until the robot can be reached again
-MASTER_RECOVERS = 15.0  # s until all nodes have registered at a new ROS master
+RECOVERS = 8.0  # s in which a robot can be reached again after a program or link is back
+MASTER_RECOVERS = 15.0  # s in which all nodes must register at a new ROS master
 SLOW = 0.15  # factor on the clock of LD-90s that must still drive when their link is back
-BRAKES = RECOVERS + 3.0 / SLOW  # s after the link is back, until a slow LD-90 stands
-OWED = 9.0  # s for which the soak watches an owed stop, with the grace of the witness
-CLEAR = 1.6  # m, least distance from the place to which a robot is carried to other robots
-ON_GRAPH = 0.35  # m from a vertex within which a robot counts as on the graph
-SETTLES = 4.0  # s until a carried robot reports its new place
-TRIES = 5  # number of refused joins after which a robot is carried away
+BRAKES = RECOVERS + 3.0 / SLOW  # s in which a slow LD-90 stands after the link is back
+OWED = 9.0  # s for which the soak watches an owed stop, including the grace of the witness
+CLEAR = 1.6  # m; a robot is carried only to a place that is further from all other robots
+ON_GRAPH = 0.35  # m from a vertex; a robot that is nearer counts as on the graph
+SETTLES = 4.0  # s after which a carried robot has reported its new place
+TRIES = 5  # refused joins after which a robot is carried away
 NEEDS_PERSON = (FleetRobot.TAKEN_OVER, FleetRobot.FAILED, FleetRobot.OFF_GRAPH,
                 FleetRobot.OUT_OF_SERVICE)
 LD90_NODES = ('omron_controller', 'omron_connection_receiver', 'omron_edges_to_vertices',
@@ -54,9 +54,9 @@ class Effect(enum.Flag):
 class Fault:
     """A fault of a simulator.
 
-    words    -- commands for the simulator that cause it; {goal} is a vertex or goal
-    remedies -- commands that end it after a while
-    effect   -- on the robot, for the witness
+    words    -- commands that make the simulator cause the fault; {goal} is a vertex or goal
+    remedies -- commands that end the fault after some time
+    effect   -- the effect on the robot, for the witness
     """
 
     words: Tuple[str, ...]
@@ -103,7 +103,7 @@ LD90_FAULTS = (
 
 
 class Disturbances:
-    """Causes one disturbance after the other; a person helps robots that need one, in between."""
+    """Causes one disturbance after the other. In between, a person helps robots that need help."""
 
     def __init__(self, hall: Hall, simulators: Simulators, fleet: Fleet, witness: Witness,
                  lock: threading.RLock, launch: Launch, master: RosMaster, speed: float,
@@ -115,8 +115,8 @@ class Disturbances:
         self._chance, self._ended = Random(seed), ended
         self._names = sorted(hall.radii)
         self._ld90s = [name for name in self._names if name.startswith('ld90')]
-        self._held: Dict[str, int] = {}  # by robot: if above 0, no person helps it for now
-        self._refused: Dict[str, int] = {}  # by robot: refused joins in a row
+        self._held: Dict[str, int] = {}  # by robot: if above 0, no person helps it now
+        self._refused: Dict[str, int] = {}  # by robot: consecutive refused joins
         self._carried_at: Dict[str, float] = {}
         self._turn = 0
         self.done: Dict[str, int] = {}
@@ -133,7 +133,7 @@ class Disturbances:
                         'quiet': 1}
 
     def run(self, only: Sequence[str]) -> None:
-        """Causes disturbances until `ended` is set; each one is completed and its fault ended.
+        """Causes disturbances until `ended` is set. Completes each one, and ends its fault.
 
         only -- the kinds of disturbances to cause; empty: all kinds
         """
@@ -204,7 +204,7 @@ class Disturbances:
             if other != name)), places[0][0])
 
     def _roomiest_vertex(self, name: str) -> int:
-        """Returns the vertex whose nearest other robot is the farthest away."""
+        """Returns the vertex that is farthest from its nearest robot, without robot `name`."""
         others = [pose[:2] for other, pose in self._simulators.poses().items() if other != name]
         return max(self._hall.places, key=lambda id: min(
             (math.dist(self._hall.places[id], place) for place in others), default=0.0))
@@ -212,9 +212,9 @@ class Disturbances:
     # -- people ------------------------------------------------------------------------------------
 
     def help_robots(self) -> None:
-        """Joins each robot that needs a person to the fleet, as a person does.
+        """Acts as a person who lets each robot that needs a person join the fleet.
 
-        If joining cannot work where the robot stands, the person first carries it to a vertex.
+        If a robot cannot join where it stands, the person first carries it to a vertex.
         """
         for name, told in self._fleet.robots().items():
             if (self._held.get(name) or told.state not in NEEDS_PERSON
@@ -248,7 +248,7 @@ class Disturbances:
             self._inject(name, (f'place {goal}',), goal)
 
     def remedy_all(self) -> None:
-        """Ends all faults that robots may still have, opens all edges and releases the fleet stop.
+        """Ends all faults that robots may still have, opens all edges, and releases the fleet stop.
         """
         for name in self._names:
             table = LD90_FAULTS if name in self._ld90s else AGV_FAULTS
@@ -291,7 +291,7 @@ class Disturbances:
         else:
             self._fleet.command(mission, MissionCommand.PAUSE)
             self._wait(self._chance.uniform(1.0, 6.0))
-            for _ in range(3):  # a command may be lost if the process is killed
+            for _ in range(3):  # a command may get lost if the process is killed
                 self._fleet.command(mission, MissionCommand.RESUME)
                 self._wait(0.5)
         self._wait(1.0)
@@ -307,7 +307,7 @@ class Disturbances:
         self._resume()
 
     def _stop_and_kill(self) -> None:
-        """Kills the fleet manager during a fleet stop; the stop must still hold after its restart.
+        """Kills the fleet manager during a fleet stop. After its restart the stop must still hold.
         """
         if self._is_stopped():
             with self._affected(self._names, Effect.CUT):
@@ -318,8 +318,8 @@ class Disturbances:
     def _stop_without_link(self) -> None:
         """Stops the fleet while an LD-90 on a long route has no link, then restores the link.
 
-        All LD-90s are slow meanwhile, so that the robot still drives when its link is back. Slow
-        robots take long to brake.
+        Meanwhile all LD-90s are slow, so that the robot still drives when its link is back. A slow
+        robot takes long to brake.
         """
         name = self._sent_far()
         if not name:
@@ -347,7 +347,7 @@ class Disturbances:
             self._inject(name, ('refuse off',), 0)
 
     def _sent_far(self) -> str:
-        """Sends an LD-90 across the hall; returns its name when it drives, else an empty text."""
+        """Sends an LD-90 across the hall. Returns its name when it drives; empty: none drives."""
         name = self._chance.choice(self._ld90s)
         start = self._simulators.poses()[name][:2]
         places = self._hall.places
@@ -361,7 +361,7 @@ class Disturbances:
         return ''
 
     def _is_stopped(self) -> bool:
-        """Stops the fleet; returns whether the fleet manager confirms the stop."""
+        """Stops the fleet. Returns whether the fleet manager confirms the stop."""
         if not self._fleet.call('/stop_fleet'):
             return False
         with self._lock:
@@ -377,7 +377,7 @@ class Disturbances:
     # -- programs ----------------------------------------------------------------------------------
 
     def _next_node(self) -> Tuple[str, List[str]]:
-        """Returns the next node to disturb, and the robots that cannot be reached meanwhile."""
+        """Returns the next node to disturb, and the robots that cannot be reached during that."""
         nodes = [*((f'/{node}', self._names if node == 'path_supervisor' else [])
                    for node in MANAGER_NODES),
                  *((f'/{name}/{node}', [name]) for name in self._ld90s for node in LD90_NODES),
@@ -420,7 +420,7 @@ class Disturbances:
     # -- the PLC -----------------------------------------------------------------------------------
 
     def _plc(self) -> None:
-        """Lets the PLC die, if possible in a hand-over; it has lost its memory when it is back."""
+        """Kills the PLC, if possible during a hand-over. After its restart, its memory is empty."""
         self._until(lambda: self._site.is_working)
         in_work = self._site.is_working
         self._site.kill()
@@ -429,7 +429,7 @@ class Disturbances:
         self.notes.append(f'PLC dead{" in a hand-over" if in_work else ""}')
 
     def _door(self) -> None:
-        """Closes the door, if possible on a robot that has claimed it."""
+        """Closes the door, if possible while a robot claims it."""
         self._until(lambda: self._site.is_door_open)
         is_open, self._site.lies = self._site.is_door_open, True
         self._wait(self._chance.uniform(3.0, 12.0))
@@ -437,7 +437,7 @@ class Disturbances:
         self.notes.append(f'door shut{" on a claim" if is_open else ""}')
 
     def _press(self) -> None:
-        """Breaks the press: each hand-over fails."""
+        """Breaks the press, so that each hand-over fails."""
         self._site.breaks = True
         self._until(lambda: self._site.is_working)
         self._wait(self._chance.uniform(4.0, 10.0))

@@ -1,4 +1,4 @@
-"""The fleet as a user sees it, by topics and services."""
+"""The fleet's topics and services, used as a user would use them."""
 from __future__ import annotations
 
 import copy
@@ -25,12 +25,12 @@ from soaking.launch import TRUE_ANSWERS
 from world.witness import State, Witness
 from world.wrong_plans import WRONG
 
-REPEAT = 5.0  # s after which a mission request without a status is sent again, unchanged
+REPEAT = 5.0  # s after which a mission request without a status is repeated, unchanged
 SERVICE = 3.0  # s to wait for a service
 
 
 class Fleet:
-    """Sends requests and receives statuses; informs the witness of both. A lock guards the witness.
+    """Sends requests, receives statuses, and tells the witness of both. A lock guards the witness.
 
     share -- share (0..1) of plan answers that are made wrong
     """
@@ -45,7 +45,7 @@ class Fleet:
         self._ids = itertools.count(1)
         self._unanswered: Dict[int, Tuple[float, MissionRequest]] = {}
         self.asking: Dict[int, int] = {}
-        """By mission, the key of the step that asks a person. The lock guards it."""
+        """For each mission, the key of the step that asks a person. The lock guards it."""
         self._requests = rospy.Publisher('/mission_request', MissionRequest, queue_size=100)
         self._commands = rospy.Publisher('/mission_command', MissionCommand, queue_size=100)
         self._edges = rospy.Publisher('/edge_command', EdgeCommand, queue_size=10)
@@ -63,15 +63,15 @@ class Fleet:
                     and self._commands.get_num_connections() and self._edges.get_num_connections())
 
     def answer(self, mission: int, key: int, answer: int) -> None:
-        """Lets a person answer a step that asks."""
+        """Answers, as a person, a step that waits for an answer."""
         message = MissionCommand(request_id=mission, command=MissionCommand.ANSWER,
                                  answer=answer, step_key=key)
         message.header.stamp = rospy.Time.now()
         self._commands.publish(message)
 
     def send(self, destinations: List[int], **more: Any) -> int:
-        """Requests a mission; returns its id."""
-        if 'stops' not in more:  # which say the destinations themselves
+        """Requests a mission. Returns its id."""
+        if 'stops' not in more:  # stops contain the destinations
             more['destination_vertices_id'] = destinations
         request = MissionRequest(request_id=next(self._ids), **more)
         request.header.stamp = rospy.Time.now()
@@ -82,7 +82,7 @@ class Fleet:
         return request.request_id
 
     def repeat_unanswered(self) -> None:
-        """Sends each request without a status again; it may be lost when the fleet manager dies."""
+        """Repeats each request without a status: it may be lost if the fleet manager is killed."""
         with self._lock:
             due = [request for since, request in self._unanswered.values()
                    if time.monotonic() > since + REPEAT]
@@ -107,7 +107,7 @@ class Fleet:
         self._edges.publish(message)
 
     def call(self, service: str) -> bool:
-        """Calls a Trigger service; returns whether it succeeded."""
+        """Calls a Trigger service. Returns whether the call succeeded."""
         try:
             rospy.wait_for_service(service, SERVICE)
             return bool(rospy.ServiceProxy(service, Trigger)().success)
@@ -115,11 +115,11 @@ class Fleet:
             return False
 
     def robots(self) -> Dict[str, Any]:
-        """Returns the last published state of each robot by name."""
+        """Returns the last published state of each robot, by name."""
         return {} if self.state is None else {robot.name: robot for robot in self.state.robots}
 
     def wait_for(self, condition: Callable[[], bool], timeout: float) -> bool:
-        """Waits at most `timeout` s for the condition; returns whether it became true."""
+        """Waits at most `timeout` s for a condition. Returns whether it became true."""
         deadline = time.monotonic() + timeout
         while not condition():
             if time.monotonic() > deadline:
@@ -149,7 +149,7 @@ class Fleet:
 
 
 def spoilt(answer: PlanAnswer, chance: Random) -> PlanAnswer:
-    """Returns the plan answer after one of the functions in `WRONG` has made it wrong."""
+    """Returns the plan answer, made wrong by one of the functions in `WRONG`."""
     wrong = copy.copy(answer)
     released = {plan.robot: plan.released for plan in answer.plans}
     write_outcome(wrong, chance.choice(list(WRONG.values()))(outcome_of(answer), chance), released)

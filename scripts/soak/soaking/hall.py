@@ -27,7 +27,7 @@ class Hall:
     """The site on which the robots drive.
 
     stations -- ids of the vertices that missions visit
-    radii    -- of the robots by name, in m
+    radii    -- radii (m) of the robots, by name
     folder   -- folder with the files of the hall
     """
 
@@ -38,7 +38,7 @@ class Hall:
 
     @property
     def places(self) -> Dict[int, Tuple[float, float]]:
-        """Positions (m) of all vertices by id."""
+        """Positions (m) of all vertices, by id."""
         return {id: vertex.position for id, vertex in self.graph.vertices.items()}
 
     @property

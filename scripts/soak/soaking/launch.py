@@ -1,4 +1,4 @@
-"""Starts the fleet with roslaunch, and finds its processes and their use of resources."""
+"""Starts the fleet with roslaunch, finds its processes, and measures their use of resources."""
 from __future__ import annotations
 
 import os
@@ -21,7 +21,8 @@ TRUE_ANSWERS = '/plan_answer_of_planner'
 
 
 class Launch:
-    """roslaunch with the fleet's launch file, changed such that plan answers go through the soak.
+    """roslaunch with the fleet's launch file, which is changed so that plan answers pass through
+    the soak.
     """
 
     def __init__(self, words: List[str], speed: float, folder: Path, log: Path, plant: str) -> None:
@@ -47,10 +48,10 @@ class Launch:
         """Changes the launch file in four points.
 
         - The supervisor checks each event against the model of allocations.
-        - The planner publishes its answers on TRUE_ANSWERS; the soak forwards them.
-        - Bridges keep their routes in files, as on real robots.
-        - The simulated AGVs run outside the node host, because the soak kills that host: a robot
-          does not end with a program of the fleet manager.
+        - The planner publishes its answers on TRUE_ANSWERS, and the soak forwards them.
+        - The bridges keep their routes in files, as on real robots.
+        - The simulated AGVs run outside the node host, because the soak kills the host, and the end
+          of a program of the fleet manager must not end a robot.
         """
         manager = folder / 'fleet_manager.launch'
         original = Path(rospkg.RosPack().get_path('graph_fleet_manager'),
@@ -82,7 +83,7 @@ class Launch:
         return self._process.poll() is None
 
     def pids(self) -> List[int]:
-        """Returns the ids of all processes of the fleet, except the simulators."""
+        """Returns the ids of all processes of the fleet, without the simulators."""
         return [pid for pid in descendants(self._process.pid)
                 if not any(_is_called(pid, name) for name in ('ld90_sim', 'agv_sim'))]
 
@@ -92,7 +93,7 @@ class Launch:
                     if any(Path(word).name == 'node_host' for word in _words(pid)[:3]))
 
     def stop(self) -> None:
-        """Stops the fleet as Ctrl-C does; kills it after 60 s."""
+        """Stops the fleet in the way that Ctrl-C does; kills it after 60 s."""
         self._process.send_signal(signal.SIGINT)
         try:
             self._process.wait(60)
@@ -101,7 +102,7 @@ class Launch:
 
 
 def process_of(node: str) -> int:
-    """Returns the process id of a node; asks the ROS master and the node.
+    """Returns the process id of a node, for which it asks the ROS master and the node.
 
     Raises OSError, rosgraph.MasterException or xmlrpc.client.Error.
     """

@@ -1,4 +1,4 @@
-"""The control sockets of the simulators: they give true positions and take faults."""
+"""The control sockets of the simulators, which return true positions and cause faults."""
 from __future__ import annotations
 
 import json
@@ -11,7 +11,7 @@ Pose = Tuple[float, float, float]
 
 
 class Simulator:
-    """The control socket of one simulator; it reconnects if the connection breaks."""
+    """The control socket of one simulator. It connects again if the connection breaks."""
 
     def __init__(self, port: int) -> None:
         self._port = port
@@ -19,7 +19,7 @@ class Simulator:
         self._lock = threading.Lock()
 
     def ask(self, line: str) -> str:
-        """Sends one line; returns the answer. Raises ConnectionError if there is none."""
+        """Sends one line. Returns the answer. Raises ConnectionError if there is none."""
         with self._lock:
             for _ in range(2):
                 try:
@@ -36,17 +36,17 @@ class Simulator:
         raise ConnectionError(f'the simulator on port {self._port} does not answer')
 
     def poses(self) -> Dict[str, Pose]:
-        """Returns the true poses of its robots by name: x and y in m, heading in degrees."""
+        """Returns the true poses of its robots, by name: x and y in m, heading in degrees."""
         return {name: (robot['x'], robot['y'], robot['heading'])
                 for name, robot in json.loads(self.ask('where'))['robots'].items()}
 
     def places(self) -> Dict[str, Place]:
-        """Returns the true positions of its robots by name: x and y in m."""
+        """Returns the true positions of its robots, by name: x and y in m."""
         return {name: (x, y) for name, (x, y, _) in self.poses().items()}
 
 
 class Simulators:
-    """The simulators of LD-90s and AGVs. One thread samples positions; other threads cause faults.
+    """The simulators of LD-90s and AGVs. One thread samples positions, other threads cause faults.
     """
 
     def __init__(self, ld90_port: int, agv_port: int) -> None:
@@ -54,23 +54,24 @@ class Simulators:
         self._hands = {'ld90': Simulator(ld90_port), 'agv': Simulator(agv_port)}
 
     def places_twice(self) -> Tuple[Dict[str, Place], Dict[str, Place]]:
-        """Returns the positions of all robots twice: with LD-90s sampled just before the AGVs, and
-        just after the AGVs."""
+        """Returns the positions of all robots twice: the LD-90s are sampled just before the AGVs,
+        and just after them.
+        """
         ld90s, agvs = self._eyes
         before, between, after = ld90s.places(), agvs.places(), ld90s.places()
         return {**before, **between}, {**after, **between}
 
     def poses(self) -> Dict[str, Pose]:
-        """Returns the true poses of all robots by name; for the threads that cause faults."""
+        """Returns the true poses of all robots, by name; for the threads that cause faults."""
         return {name: pose for simulator in self._hands.values()
                 for name, pose in simulator.poses().items()}
 
     def fault(self, robot: str, words: str) -> None:
-        """Causes a fault of a robot; raises ValueError if the simulator refuses it."""
+        """Causes a fault of a robot. Raises ValueError if the simulator refuses the fault."""
         answer = self._hands[robot.split('_')[0]].ask(f'@{robot} {words}')
         if answer != 'ok':
             raise ValueError(f'{words} of {robot}: {answer}')
 
     def ld90_speed(self, factor: float) -> None:
-        """Sets the speed of the clock of all LD-90s, as a multiple of real time."""
+        """Sets the speed of all LD-90s' clocks, as a multiple of real time."""
         self._hands['ld90'].ask(f'speed {factor}')

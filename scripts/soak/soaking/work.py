@@ -1,6 +1,6 @@
-"""The work of the soak: a PLC with a door and a press, and persons who answer for steps.
+"""The work of the soak: a PLC with a door and a press, and persons who answer steps.
 
-The PLC keeps what really happened: with which keys the press was started, and which it has done.
+The PLC notes what really happened: the keys with which the press was started and has finished.
 """
 from __future__ import annotations
 
@@ -14,22 +14,22 @@ from typing import Set
 import plc
 from fleet_core.work.devices import KEY_REGISTERS
 
-logging.getLogger('pymodbus').setLevel(logging.CRITICAL)  # it ends, and is killed, on purpose
+logging.getLogger('pymodbus').setLevel(logging.CRITICAL)  # the soak ends and kills it on purpose
 
 PRESS, DOOR = 'press', 'door'
 HANDS_OVER = 3.0  # s
 
 
 class SoakPlc(plc.Plc):
-    """A press that hands over by itself; it dies, breaks and lies on demand.
+    """A press that hands over by itself. It can be killed, be broken, or report wrong states.
 
-    A press that has lost its power has lost its registers, too.
+    A press that loses its power also loses its registers.
     """
 
     def __init__(self) -> None:
         super().__init__()
         self.breaks = False
-        """Does each hand-over fail?"""
+        """Whether each hand-over fails."""
         self.started: CounterType[int] = Counter()
         self.done: Set[int] = set()
         self._begun = 0.0
@@ -38,18 +38,18 @@ class SoakPlc(plc.Plc):
 
     @property
     def key(self) -> int:
-        """The key that stands in its registers."""
+        """The key that is in its registers."""
         return sum(self.registers.get(plc.KEY + k, 0) << 16 * (KEY_REGISTERS - 1 - k)
                    for k in range(KEY_REGISTERS))
 
     @property
     def is_working(self) -> bool:
-        """Whether its press hands something over."""
+        """Whether its press hands a load over now."""
         return self.coils.get(plc.START, False)
 
     @property
     def is_door_open(self) -> bool:
-        """Whether the door is open, as its output asks."""
+        """Whether the door is open, as its output demands."""
         return self.coils.get(plc.COIL, False) and not self.lies
 
     def _set(self, address: int, value: bool) -> None:

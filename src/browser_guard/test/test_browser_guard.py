@@ -1,4 +1,4 @@
-"""Requests of browsers are told from those of programs, by what neither can leave out."""
+"""Requests of browsers and requests of programs differ in parts that neither can leave out."""
 from __future__ import annotations
 
 import re
@@ -115,7 +115,7 @@ def test_lines_of_other_protocols_are_none(line):
 
 SOURCES = Path(__file__).resolve().parents[2]
 LISTENS = re.compile(r'\.listen\(\w|create_server\(|TCPServer\)|start_server\(|TCPSite\(')
-#: What listens, and recognises browsers in another way.
+#: Packages that listen but need neither is_http_request nor is_from_browser, each with the reason.
 OTHERWISE = {
     'fleet_page': 'it serves browsers',
     'node_host': 'a browser cannot use a Unix socket',
@@ -123,7 +123,7 @@ OTHERWISE = {
     'omron_arcl': 'the session of a connection recognises them',
 }
 KNOWS = re.compile(r'is_http_request\(|is_from_browser\(')
-#: As on the robot, the first line is the password.
+#: As on the real robot, the first line on this connection is the password.
 ROBOT = 'omron_ld90_sim/src/omron_ld90_sim/interface/transport.py'
 
 

@@ -17,13 +17,13 @@ robots:
 
 
 def fleet_file(folder: Path, *robots: str) -> str:
-    """A fleet file with these robots, one per line from line 6 on."""
+    """Writes a fleet file with these robots, one per line from line 6 on. Returns its path."""
     path = folder / 'fleet.yaml'
     path.write_text(HEAD + ''.join(f'- {{{robot}}}\n' for robot in robots))
     return str(path)
 
 
 def entries(folder: Path, *robots: str, **options: object) -> List[RobotEntry]:
-    """The entries of these robots."""
+    """Returns the entries of these robots."""
     path = fleet_file(folder, *robots)
     return read_entries(path, load_fleet(path), Options(fleet=path, **options))

@@ -1,4 +1,4 @@
-"""The settings in a fleet file for starting its robots."""
+"""The settings for the start of robots in a fleet file."""
 from __future__ import annotations
 
 import pytest

@@ -1,4 +1,5 @@
-"""What a person sees of a start: one line for each stage, warnings, and what is ready."""
+"""A person sees one line for each stage of a start, all warnings, and the line about what is ready.
+"""
 from __future__ import annotations
 
 import os
@@ -59,14 +60,14 @@ Told = Tuple[str, str, str]
 
 
 def line_of(severity: str, node: str, words: str, logger: str = 'rosout') -> str:
-    """A line as rospy prints it."""
+    """Returns a line as rospy prints it."""
     values = {'severity': severity, 'time': '1795766641.3', 'node': node, 'message': words,
               'logger': logger}
     return re.sub(r'\$\{(\w+)\}', lambda name: values[name.group(1)], FORM)
 
 
 def seen_of(severity: str, node: str, words: str) -> str:
-    """The same line as a person sees it."""
+    """Returns the same line as `start_output` shows it."""
     return f'[{severity}] [1795766641.3] {node}: {words}'
 
 
@@ -157,7 +158,7 @@ def test_a_signal_before_roslaunch_runs_reaches_it_when_it_runs() -> None:
 
 @pytest.fixture
 def shown(tmp_path: Path) -> Iterator[subprocess.Popen]:
-    """The program with a stand-in for roslaunch, which says which signal it got."""
+    """`start_output` with a stand-in for roslaunch that prints which signal it got."""
     program = tmp_path / 'roslaunch'
     program.write_text(f"""#!{sys.executable}
 import signal, sys

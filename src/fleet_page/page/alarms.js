@@ -1,4 +1,4 @@
-// Alarms: each robot and mission that needs a person, until the cause is gone, with the remedy.
+// Alarms: each robot or mission that needs a person, with the remedy, until the cause is gone.
 import { $, make, narrow, showRows, withCode } from './dom.js';
 import { all, entries } from './server.js';
 import { language, momentOf, store, stored, t } from './texts.js';
@@ -17,7 +17,7 @@ export function startAlarms(given) {
   setInterval(sound, PERIOD);
 }
 
-// On a narrow screen the open list takes the place of the panel, and without the panel it covers a part of the map.
+// On a narrow screen the open list replaces the panel. If the panel is folded, the list covers a part of the map.
 const isOnMap = () => $('fleet').dataset.panel === 'folded';
 const foldKey = () => isOnMap() ? 'alarms_on_map' : 'alarms';
 const isFolded = () => (stored(foldKey()) || (narrow.matches || isOnMap() ? 'folded' : 'open')) === 'folded';
@@ -41,7 +41,7 @@ export function showAlarms(person) {
   showFold();
 }
 
-// The entry of a robot or mission has the words; the alarm has the cause.
+// The words are in the entry of the robot or mission; the cause is in the alarm.
 function wordsOf(key, { cause }) {
   const [kind, ...rest] = key.split(':');
   if (kind === 'robot') {
@@ -67,7 +67,7 @@ export function showFold() {
   $('sound').setAttribute('aria-pressed', String(hasSound()));
 }
 
-// A browser plays nothing before the user has pressed something on the page.
+// A browser plays no sound before the user has pressed something on the page.
 export const isSounding = () => unseen > 0 && hasSound() && Boolean(navigator.userActivation?.hasBeenActive);
 
 function sound() {

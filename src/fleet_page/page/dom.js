@@ -3,7 +3,7 @@ const SVG = 'http://www.w3.org/2000/svg';
 
 export const $ = id => document.getElementById(id);
 
-// On a narrow screen, as in page.css, the map is above the panel.
+// On a narrow screen (the same width as in page.css) the map is above the panel.
 export const narrow = matchMedia('(max-width: 1000px)');
 
 export function make(tag, attributes = {}, ...children) {
@@ -16,7 +16,7 @@ export function make(tag, attributes = {}, ...children) {
   return element;
 }
 
-// A text in which a command to type stands between backquotes.
+// Makes a text in which a command to type is between backquotes.
 export function withCode(text) {
   return text.split('`').map((part, k) => k % 2 ? make('code', {}, part) : part);
 }
@@ -27,7 +27,7 @@ export function makeSvg(tag, attributes = {}) {
   return element;
 }
 
-// A menu beside a button: one menu of the page, so that news of a row or of the map does not close it.
+// Opens a menu beside a button. The page has only one menu, so changes of a row or of the map do not close it.
 export function openMenu(button, items) {
   const menu = $('menu'), row = button.closest('[data-key]'), list = row.parentElement.id;
   const back = () => {
@@ -54,7 +54,7 @@ export function openMenu(button, items) {
   addEventListener('scroll', close, true);
 }
 
-// Shows items as children of a list. Only changed items are made again, and the focus stays where it was.
+// Shows items as children of a list. Only changed items are made anew, and the focus does not move.
 export function showRows(list, items, keyOf, build, context = '') {
   const known = list.shownRows || (list.shownRows = new Map());
   const wanted = new Set();

@@ -1,15 +1,15 @@
-// The layers of the map: a menu, which is also the key of the colours, kept in this browser. The server sends the
-// entries of a layer, and answers of layers are asked for, only while the layer is shown.
+// The layers of the map, and their menu, which also explains the colours. This browser keeps the choice. Only while a
+// layer is shown, the server sends the entries of the layer, or the page asks for the layer's data.
 import { $, make, narrow } from './dom.js';
 import { entries, get } from './server.js';
 import { store, stored, t } from './texts.js';
 
 export const LAYERS = ['plan', 'areas', 'allocation', 'laser', 'heat', 'fences'];
 const AT_FIRST = ['plan', 'areas'];
-const STREAMS = ['plan', 'allocation']; // their entries begin with their names; `laser` has the name of the robot besides
+const STREAMS = ['plan', 'allocation']; // keys of entries begin with these names, or with `laser` and the name of a robot
 const KEY = ['dock', 'parking', 'closed']; // what the map shows without a layer
-const FRESH = 60000; // ms after which the heat is asked for again
-const HOURS = 24; // of the heat
+const FRESH = 60000; // ms after which the page asks for the heat map again
+const HOURS = 24; // hours that the heat map shows
 let shown = new Set(readStored()), changed = null, laserOf = '';
 const asked = { heat: { at: 0, of: null, values: null }, fences: { at: 0, of: null, values: null } };
 
@@ -21,13 +21,13 @@ function readStored() {
 export const hasLayer = name => shown.has(name);
 export const layerValues = name => (shown.has(name) && asked[name].values) || [];
 
-// The part of the address of the events that says which layers are sent.
+// Returns the part of the events' address that says which layers the server sends.
 export function wantedStreams() {
   const names = STREAMS.filter(name => shown.has(name));
   return `layers=${names.join(',')}${shown.has('laser') && laserOf ? `&laser=${encodeURIComponent(laserOf)}` : ''}`;
 }
 
-// given(needsStream): the layers have changed, and the events too if `needsStream`.
+// given(needsStream) is called when the layers have changed; needsStream: other events are needed, too.
 export function startLayers(given) {
   changed = given;
   $('layers_button').onclick = () => showMenu($('layers').hidden);
@@ -57,7 +57,7 @@ export function showLayerNames() {
   showHint();
 }
 
-// The laser is that of the chosen robot.
+// Shows the laser of the chosen robot.
 export function showLaserOf(robot) {
   if (laserOf === robot) return;
   laserOf = robot;
@@ -78,7 +78,7 @@ function toggle(name, isOn) {
   refresh();
 }
 
-// Asks for what the server sends as answers: the heat of the last hours, and the fences of the site.
+// Asks for the data that the server sends as answers: the heat map of the last hours, and the fences of the site.
 export function refresh() {
   ask('heat', FRESH, `/api/history?hours=${HOURS}`, answer => answer.edges);
   ask('fences', Infinity, '/api/fences', answer => answer.fences);

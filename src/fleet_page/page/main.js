@@ -11,7 +11,7 @@ import { leaveHistory, loadHistory, startHistory } from './history.js';
 import { enterReplay, leaveReplay, startReplay } from './replay.js';
 
 const TABS = ['missions', 'robots', 'edges', 'history', 'replay', 'audit'];
-const SILENT = 12000; // ms without a message after which the server counts as lost: it sends one every 5 s
+const SILENT = 12000; // ms without a message after which the server counts as lost; it sends a message every 5 s
 const BEGAN = Date.now();
 let me = { role: null, login: false }, tab = 'missions', shownSite = null, sayTimer = null, ageShown = 0;
 
@@ -53,7 +53,7 @@ function begin() {
   followIfShown();
 }
 
-// A page that nobody sees holds no connection: the browser has only six for all its pages.
+// A page that nobody sees has no connection, because the browser has only six for all its pages.
 function followIfShown() {
   if (document.hidden) unfollow();
   else if (me.role) follow(wantedStreams, changed, showLogin);
@@ -69,7 +69,7 @@ async function login(event) {
 
 // -- messages of the server --------------------------------------------------------------------
 
-// The layers of the map have changed: other events are wanted, or only the picture changes.
+// Called when the layers of the map have changed: requests other events, or only draws the map again.
 function layersChanged(needsStream) {
   if (needsStream) followIfShown();
   redraw();
@@ -109,7 +109,7 @@ function showLink() {
   $('moving').classList.toggle('stale', isCut || isDead);
 }
 
-// The title of the window tells of a stop also in a tab behind others.
+// The title of the window shows a stop, so that people see it even if another tab is in front.
 function showStop() {
   const stop = me.role && entries.get('stop');
   const words = stop ? [t('stopped'), stop.since ? t('stopped_since', { time: momentOf(stop.since) }) : '', stop.by ? t('stopped_by', stop) : '', stop.why ? t('stopped_why', { why: said(stop.why) }) : '', '. '].join('') : '';
@@ -131,7 +131,7 @@ function showLists() {
   showAlarms(me);
 }
 
-// What the fleet does, in figures; each opens the list of what it counts.
+// Shows the numbers of robots and missions. A click on a number opens the list of those that it counts.
 function showCounts() {
   const counts = me.role && entries.get('counts');
   const opens = { open: () => openTab('missions'), done: () => openTab('history') };
@@ -145,7 +145,7 @@ function showEdges() {
     me.role === 'see' ? '' : make('button', { 'data-act': 'open', 'aria-label': `${t('open')} ${edge}`, onclick: () => act({ act: 'open', edges: [edge] }) }, t('open'))), language + me.role);
 }
 
-// An area is closed if all of its edges are.
+// An area is closed if all of its edges are closed.
 function showAreas() {
   const closed = new Set((entries.get('closed') || []).map(drawnEdge));
   const areas = Object.entries(entries.get('areas') || {}).map(([name, { edges }]) => ({ name, edges, shut: edges.filter(edge => closed.has(edge)).length }));
@@ -155,7 +155,7 @@ function showAreas() {
     ...me.role === 'see' ? [] : [button(area, 'close', 'close', { edges: area.edges }), button(area, 'open', 'open', { edges: area.edges }), button(area, 'remove_area', 'remove', { name: area.name })]), language + me.role);
 }
 
-// A click on the name of an area: its acts, at the name.
+// Shows the acts of an area beside its name after a click on the name.
 function chooseArea(name, label) {
   const { edges } = (entries.get('areas') || {})[name] || { edges: [] };
   openTab('edges');
@@ -164,7 +164,7 @@ function chooseArea(name, label) {
   openMenu(label, ['close', 'open'].map(kind => [kind, `${t(kind)} ${name}`, () => act({ act: kind, edges })]));
 }
 
-// A click on the map adds an edge to those typed, or takes it away.
+// A click on the map adds an edge to the typed edges, or removes it from them.
 function toggleEdge(edge) {
   const typed = $('edge').value.split(/[\s,]+/).filter(Boolean), text = String(edge);
   $('edge').value = (typed.includes(text) ? typed.filter(one => one !== text) : [...typed, text]).join(' ');
@@ -217,7 +217,7 @@ function showTab(name) {
   if (name === 'audit') loadAudit();
 }
 
-// The panel beside the map: open, wide or folded, as this browser had it last.
+// The panel beside the map: open, wide or folded. This browser keeps the state.
 function showPanel(state) {
   store('panel', state);
   $('fleet').dataset.panel = state;
@@ -235,7 +235,7 @@ async function loadAudit() {
     make('p', { class: row.ok ? 'soft' : 'bad' }, `${row.ok ? '' : `${t('not_done')}: `}${becameWords(row.outcome)}`))));
 }
 
-const HIDDEN = ['step']; // a number that no person knows
+const HIDDEN = ['step']; // a number that means nothing to people
 const DETAILS = { mission: 'mission', destinations: 'add_destination', stays: 'stay', edges: 'edge', robot: 'robot', robot_type: 'robot_type', priority: 'priority' };
 function detailWords(details) {
   const shown = (name, value) => name === 'answer' ? t(`answer_${value}`) : name === 'arguments' ? value.map(pair => pair.join(' = ')).join(', ') : `${DETAILS[name] ? `${t(DETAILS[name])} ` : ''}${[value].flat().join(' ')}`;

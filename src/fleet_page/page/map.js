@@ -7,29 +7,29 @@ import { drawResources, marksAround, reachOf, resourceLayer, stationPlaces } fro
 import { Walls } from './walls.js';
 import { hasLayer, layerValues, showLaserOf } from './layers.js';
 
-const REACH = 16; // pixels around a vertex within which a click selects it
-const NAMES_FROM = 12, BATTERY_FROM = 20; // px per m from which all vertices have their names, and robots their charge
-const MARGIN = { x: 45, y: 35, rem: 3 }; // px around the site; above it, in rem, for the bar of a stop, and below it for alarms on the map
+const REACH = 16; // px from a vertex within which a click selects the vertex
+const NAMES_FROM = 12, BATTERY_FROM = 20; // px per m from which on all vertices show their names, and robots their charge
+const MARGIN = { x: 45, y: 35, rem: 3 }; // px around the site; rem above it for the bar of a stop, and below it for alarms on the map
 const GOLDEN = 0.618034; // as in rviz_drawing: each new hue is far from all earlier ones
 const TROUBLE = ['STOPPED', 'TAKEN_OVER', 'FAILED', 'OFF_GRAPH', 'UNKNOWN'];
 const GONE = ['OFFLINE', 'OUT_OF_SERVICE', 'ABSENT'];
 const canvas = $('site'), svg = $('moving');
 const view = { x: 0, y: 0, scale: 20 }; // centre of the view in m, pixels per m
 const edgesById = new Map(), verticesById = new Map(), robots = new Map();
-let drawnEdges = new Set(); // ids of the edges of the user's graph; an edge may be a section of one
+let drawnEdges = new Set(); // ids of the edges that the user drew; an edge of the graph may be a section of such an edge
 let walls = null, handlers = {}, heat = null, chosen = [], chosenRobot = '', past = null, drawn = 0;
-let isFree = false; // the user has moved the view: it stays when the window changes
+let isFree = false; // whether the user has moved the view; it then stays when the window changes
 let rem = 16; // px; larger on a wall screen
-let followed = '', fixed = [], words = []; // the robot in the middle of the view; the boxes of vertices and of their names, and of the words of stations and the like
-let areaSigns = []; // the boxes of their names: a robot's label covers one only if there is no other place
+let followed = '', fixed = [], words = []; // the robot in the middle of the view; the boxes of vertices and their names; the boxes of the words of resources
+let areaSigns = []; // the boxes of the areas' names: a robot's label covers one only if there is no other place
 let buttons = [0, 0, 0, 0]; // the box of the buttons in the map
-let shownMarks = ''; // what stands around vertices, as their names keep clear of it
+let shownMarks = ''; // the marks around vertices, of which the vertices' names keep clear
 
 const hidden = { 'aria-hidden': 'true' };
 const allocationLayer = makeSvg('g', { ...hidden, class: 'allocations' }), planLayer = makeSvg('g', hidden), laserLayer = makeSvg('path', { ...hidden, class: 'laser' });
 const areaLayer = makeSvg('g', { id: 'map_areas' }), robotLayer = makeSvg('g');
 svg.append(allocationLayer, planLayer, laserLayer, areaLayer, resourceLayer, robotLayer);
-const shade = document.createElement('canvas'); // where the outlines of areas are made
+const shade = document.createElement('canvas'); // the canvas in which the outlines of areas are made
 
 export function startMap(given) {
   handlers = given;
@@ -81,7 +81,7 @@ function click(event) {
   const box = svg.getBoundingClientRect(), at = [event.clientX - box.left, event.clientY - box.top];
   let best = null, least = REACH;
   for (const [id, x, y, kind] of site.vertices) {
-    if (kind === 'cut') continue; // it divides an edge, and is no place of the user's graph
+    if (kind === 'cut') continue; // it divides an edge, and the user has not drawn it
     const [px, py] = pixel(x, y), away = Math.hypot(px - at[0], py - at[1]);
     if (away < least) { least = away; best = id; }
   }
@@ -132,7 +132,7 @@ function fit() {
   if (walls && walls.bounds) { xs.push(walls.bounds[0], walls.bounds[2]); ys.push(walls.bounds[1], walls.bounds[3]); }
   if (!xs.length || !box.width) return;
   const [left, right, low, high] = [Math.min(...xs), Math.max(...xs), Math.min(...ys), Math.max(...ys)];
-  // The site is beside or above the buttons, wherever there is more room.
+  // The site is beside the buttons or above them, depending on where there is more room.
   const news = Math.max(MARGIN.y, MARGIN.rem * parseFloat(getComputedStyle(document.documentElement).fontSize));
   const least = $('fleet').dataset.panel === 'folded' ? news : MARGIN.y;
   const margins = [
@@ -160,7 +160,7 @@ function pixel(x, y) {
   return [size.width / 2 + (x - view.x) * view.scale, size.height / 2 - (y - view.y) * view.scale];
 }
 
-// The position of a vertex in the window; null: there is no such vertex.
+// Returns the position of a vertex in the window; null: there is no such vertex.
 export function screenPlace(id) {
   const vertex = verticesById.get(id), box = svg.getBoundingClientRect();
   if (!vertex || size.width < 2) return null;
@@ -235,7 +235,7 @@ function drawSite() {
   });
 }
 
-// Fences of the robots' map: areas and lines where no robot plans a path.
+// Draws the fences of the robots' map: areas and lines through which no robot plans a path.
 function drawFences(paint, colour) {
   paint.strokeStyle = paint.fillStyle = colour; paint.lineWidth = 2;
   for (const points of layerValues('fences')) {
@@ -249,7 +249,7 @@ function drawFences(paint, colour) {
 const shownAreas = () => hasLayer('areas') ? Object.entries(entries.get('areas') || {}) : [];
 const edgesOf = ids => site.edges.filter(edge => ids.includes(edge[4]));
 
-// Each area has one outline around all of its edges: a broad line along them, of which the inside is taken out.
+// Draws one outline around all edges of each area: a broad line along the edges, whose inside is then removed.
 function outlineAreas(paint, ratio, closed, colour) {
   const areas = shownAreas();
   if (!areas.length) return;
@@ -276,7 +276,7 @@ function outlineAreas(paint, ratio, closed, colour) {
   }
 }
 
-// The name of an area is a button at its edge that lies highest.
+// The name of an area is a button at the highest of the area's edges.
 function drawAreas() {
   const places = new Places(size.width, size.height), kept = document.activeElement?.closest?.('.area')?.dataset.key;
   coverControls(places);
@@ -304,7 +304,7 @@ function drawAreas() {
   if (kept) [...areaLayer.children].find(one => one.dataset.key === kept)?.focus();
 }
 
-// Names of places choose first; a name for which there is no room is left out until the view is nearer.
+// Names of places choose first. A name without room is left out until the user zooms in.
 function drawNames(paint, radius) {
   const places = new Places(size.width, size.height), texts = [], marks = marksAround();
   fixed = [];
@@ -326,19 +326,19 @@ function drawNames(paint, radius) {
   }
 }
 
-// No text lies under the buttons of the map, or under the bar of a stop.
+// Keeps texts away from the buttons of the map and from the bar of a stop.
 function coverControls(places) {
   places.cover(buttons);
   if ($('bars').clientHeight) places.cover([0, 0, size.width, $('bars').clientHeight]);
 }
 
-// vertices: for each destination; those of a group are several.
+// vertices: one list for each destination; the list of a group has several vertices.
 export function showChosen(vertices) { chosen = vertices; redraw(); }
 export function showHeat(edges) { heat = edges; redraw(); }
 export function chooseRobot(name) { chosenRobot = name; showLaserOf(name); drawMoving(null); }
 export function showPast(moment) { past = moment; drawMoving(null); }
 
-// The hue of a robot is that of RViz, which counts the robots in the same order.
+// The hue of a robot is the same as in RViz, which counts the robots in the same order.
 const hueOf = name => 360 * ((0.55 + ((entries.get(`robot:${name}`) || {}).number || 0) * GOLDEN) % 1);
 export const colourOf = name => `hsl(${hueOf(name)} 60% 42%)`;
 
@@ -357,7 +357,7 @@ function keepInMiddle() {
   redraw();
 }
 
-// Updates the moving objects; keys: entries that changed, null: all.
+// Updates the moving objects; keys: the entries that have changed; null: all entries.
 export function drawMoving(keys) {
   if (past) { drawPast(); return; }
   const wanted = new Set();
@@ -397,15 +397,15 @@ function dropRobots(wanted) {
   for (const [name, shapes] of robots) if (!wanted.has(name)) { shapes.group.remove(); robots.delete(name); }
 }
 
-// A robot's label keeps its side while that is free. It may cover vertices and other names, but no other robot: if
-// there is no such place, it is left out until the view is nearer. Labels of the chosen robot and of those in trouble
+// A robot's label keeps its side while this side is free. It may cover vertices and other names, but no other robot. A
+// label without such a place is left out until the user zooms in. Labels of the chosen robot and of robots in trouble
 // choose first, and are always shown.
 function placeLabels() {
   const places = new Places(size.width, size.height);
   coverControls(places);
   for (const box of [...fixed, ...areaSigns, ...words]) places.cover(box, true);
   for (const { x, y, reach } of robots.values()) {
-    const half = reach * Math.SQRT1_2;  // the square within its disc: else no label at a corner would be clear of its own robot
+    const half = reach * Math.SQRT1_2;  // the square within its disc; with a larger box, a label at a corner would always cover its own robot
     places.cover([x - half, y - half, x + half, y + half]);
   }
   for (const shapes of [...robots.values()].sort((a, b) => b.isFirst - a.isFirst)) {
@@ -450,10 +450,10 @@ function placeRobot(name, [x, y, theta], robot) {
   if (shapes.words !== words) { shapes.words = words; shapes.group.setAttribute('aria-label', words); shapes.title.textContent = words; }
 }
 
-// While a step takes or gives the load, nobody knows who has it, and nobody has to look.
+// While a step takes or gives the load, nobody knows where the load is, and nobody has to look for it.
 export const loadState = robot => robot.load === 'UNKNOWN' && robot.works ? 'MOVES' : robot.load;
 
-// What a robot carries; empty: nothing.
+// Returns words for the load of a robot; empty: it carries nothing.
 export const loadWords = robot => robot.load === 'EMPTY' ? '' : t(`load_${loadState(robot)}`, { mission: `M${robot.load_serial}` }) + (robot.load_types && robot.load_types.length ? ` (${robot.load_types.join(', ')})` : '');
 
 export function robotWords(robot) {
@@ -466,7 +466,7 @@ export function robotWords(robot) {
   return [...TROUBLE, ...GONE].includes(robot.state) ? `${doing}: ${why}` : `${doing} (${t('waits_for')}: ${why})`;
 }
 
-// The reason why a robot does not work or drive: from its code if the words come from the robot.
+// Returns why a robot does not work or drive; from its code if the words come from the robot.
 export function outageWords(robot) {
   const words = said(robot.waits_for), code = robot.outage;
   const isForeign = language !== 'en' && words === robot.waits_for && code && !['NONE', 'UNKNOWN'].includes(code);
@@ -514,7 +514,8 @@ function drawPlans() {
   planLayer.replaceChildren(...shapes);
 }
 
-// What each robot may occupy: the part of each edge that is not behind it, its vertex, and other places, as broad as it is.
+// Draws the places that each robot may occupy, as broad as the robot: the part of each edge that is not behind the robot,
+// its vertex, and other places.
 function drawAllocations() {
   const shapes = [];
   for (const [name, [holds, vertex, places]] of all('allocation:')) {
@@ -531,7 +532,7 @@ function drawAllocations() {
   allocationLayer.replaceChildren(...shapes);
 }
 
-// The points in px of the part of an edge, in driving direction, after the fraction that is cleared.
+// Returns the points (px) of an edge after the cleared fraction, in driving direction.
 function partOf(signed, cleared) {
   const edge = edgesById.get(Math.abs(signed)), points = [];
   if (!edge) return points;
@@ -544,7 +545,7 @@ function partOf(signed, cleared) {
   return [[0, 1].map(axis => from[axis] + part * (to[axis] - from[axis])), ...points.slice(k + 1)];
 }
 
-// The points of the chosen robot's laser: x and y in cm, one after the other.
+// Draws the points of the chosen robot's laser: x and y in cm, one after the other.
 function drawLaser() {
   const points = entries.get(`laser:${chosenRobot}`) || [];
   let d = '';

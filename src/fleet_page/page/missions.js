@@ -12,7 +12,7 @@ const ENDED = ['SUCCEEDED', 'FAILED', 'REFUSED', 'CANCELLED', 'EXPIRED'];
 const URGENT = ['NEEDS_PERSON']; // states that come first
 const BAD = ['FAILED', 'REFUSED', 'NEEDS_PERSON', 'EXPIRED'];
 const MOST_ENDED = 100;
-// Each column has its value for the order; the lists begin in the order `urgency`.
+// For each column, the value by which it orders a list. At first a list is in the order `urgency`.
 const ORDERS = {
   urgency: null, state: mission => t(`mission_${mission.state}`), id: mission => mission.serial || mission.id, robot: mission => mission.robot || '',
   asked: mission => mission.stamp, to_end: mission => mission.ended || mission.ends_at || Infinity, by: mission => mission.by || '', priority: mission => -(mission.priority || 0) };
@@ -205,7 +205,7 @@ function missionRow(mission) {
   return row;
 }
 
-// In a narrow panel a value has its word, in a wide one its column.
+// In a narrow panel each value has a word before it; in a wide panel it has a column.
 const word = key => make('span', { class: 'word' }, `${t(key)} `);
 const at = (key, seconds) => [word(key), make('time', { title: dateOf(seconds) }, clockOf(seconds))];
 
@@ -222,10 +222,11 @@ function edit(id) {
 
 const canAnswer = (mission, person) => Boolean(mission.asks) && person.role !== 'see';
 
-// The reason of a mission's state. For a person with buttons to answer, it names no command that does the same.
+// Returns the reason of a mission's state. If the person has buttons to answer, it does not name the command for the
+// same act.
 export const reasonWords = (mission, person) => said(mission.reason || '', canAnswer(mission, person));
 
-// The answers that a step takes: one that only waits for a person to do it cannot be tried again.
+// Returns buttons for the possible answers to a step. A step that only waits until a person has done it has no retry.
 export function answerButtons(mission, person) {
   if (!canAnswer(mission, person)) return '';
   const answers = mission.state === 'NEEDS_PERSON' ? ['retry', 'skip', 'fail', 'done'] : ['skip', 'fail', 'done'];

@@ -1,7 +1,8 @@
 // Finds places for texts beside their points, so that no text covers another.
 //
-// A text is at the first of its places that is free, as in rviz_drawing, which places the texts of RViz and of the
-// editor. If none is free, `text.may` says what it may cover to be shown: soft boxes, or all. It covers as little as it can.
+// A text gets the first of its places that is free, as in rviz_drawing, which places the texts of RViz and of the
+// editor. If no place is free, `text.may` says what the text may cover: soft boxes, or all boxes. It then gets the place
+// where it covers least.
 export const ABOVE_FIRST = [[0, -1], [0, 1], [1, 0], [-1, 0], [1, -1], [-1, -1], [1, 1], [-1, 1]];
 export const BELOW_RIGHT_FIRST = [[1, 1], [-1, 1], [1, -1], [-1, -1], [0, 1], [0, -1], [1, 0], [-1, 0]];
 const CELL = 64; // px of the grid in which neighbours are found
@@ -21,9 +22,9 @@ export class Places {
     }
   }
 
-  // The side of a text, as an index in `sides`; -1: there is no place for it.
-  // text: x, y of its point, `away` of the text from it, width, height, and what it `may` cover ('soft', 'all'; nothing
-  // without it); before: the side where it was.
+  // Returns the side of a text, as an index in `sides`; -1: there is no place for the text.
+  // text: x, y of its point, distance `away` from the point, width, height, and `may`: what it may cover ('soft', 'all';
+  // without `may` nothing); before: the side where the text was.
   place(text, sides, before = -1) {
     const order = before < 0 ? sides.keys() : [before, ...[...sides.keys()].filter(side => side !== before)];
     let best = -1, least = { firm: Infinity, soft: Infinity };
@@ -37,7 +38,7 @@ export class Places {
     return best;
   }
 
-  // How much of a box is covered, in px²; what lies outside the window counts as covered and firm.
+  // Returns how much of a box is covered (px²) by firm and by soft boxes. The part outside the window counts as firm.
   covered(box) {
     const size = (box[2] - box[0]) * (box[3] - box[1]);
     const sum = { firm: size - shared(box, [0, 0, this.width, this.height]), soft: 0 };

@@ -22,7 +22,7 @@ export async function enterReplay() {
   if (wanted === null) { slider.value = slider.max; $('moment_time').textContent = dateOf(span[1]); }
 }
 
-// If the slider moves faster than answers come, only the last moment is requested.
+// If the slider moves faster than answers come, only the newest moment is requested.
 async function show(time) {
   wanted = time;
   $('moment_time').textContent = dateOf(time);

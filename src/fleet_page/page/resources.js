@@ -8,7 +8,7 @@ export const resourceLayer = makeSvg('g');
 const LINE_AWAY = 7; // px from the line of a door to its words
 const LEAST = { station: 8, queue: 6, machine: 11 }, SIZES = { station: 0.45, queue: 0.35, machine: 0.62 }; // px and m: half of the width
 
-// Draws all anew. view: pixel, scale, rem, widthOf, places (for the words), edges and vertices by id.
+// Draws all resources again. view: pixel, scale, rem, widthOf, places (for the words), edges and vertices by id.
 // Returns the boxes of all words.
 export function drawResources(view) {
   const texts = [], shapes = [], squares = new Set(all('machine:').flatMap(([, machine]) => machine.vertices));
@@ -21,7 +21,7 @@ export function drawResources(view) {
   return placeTexts(texts, view);
 }
 
-// The places of a station or group that a mission may name; none for a station with several places that are not equal.
+// Returns the places of a station or group if a mission may name it; none for a station whose places are not equal.
 export function stationPlaces(name) {
   const station = entries.get(`resource:${name}`);
   return station && station.kind === 'STATION' && (station.is_group || station.vertices.length === 1) ? station.vertices : [];
@@ -29,7 +29,7 @@ export function stationPlaces(name) {
 
 const halfOf = (kind, view) => Math.max(LEAST[kind], SIZES[kind] * view.scale);
 
-// What stands around vertices, by vertex: 'station', 'queue' or 'machine'.
+// Returns the mark around each marked vertex, by vertex: 'station', 'queue' or 'machine'.
 export function marksAround() {
   const marks = new Map();
   for (const [, { queue, vertices }] of all('resource:')) {
@@ -40,10 +40,11 @@ export function marksAround() {
   return marks;
 }
 
-// px from a vertex to the edge of what stands around it; 0: nothing does.
+// Returns the distance (px) from a vertex to the outer edge of the mark around it; 0: there is no mark.
 export const reachOf = (mark, scale) => mark ? halfOf(mark, { scale }) : 0;
 
-// Whole names choose first: those of stations, doors and machines before those of queue places. They cover rings only if they must.
+// Texts choose in this order: names of stations, doors and machines, then those of queue places. They cover rings only
+// if there is no other place.
 function placeTexts(texts, view) {
   const boxes = [];
   for (const [id, mark] of marksAround()) {
@@ -70,7 +71,7 @@ function groupOf(kind, name, words) {
   return group;
 }
 
-// squares: vertices with a machine, outside of whose square the words are.
+// squares: vertices with a machine; the words are outside the machine's square.
 function drawResource(name, resource, view, texts, squares) {
   const shown = resourceWords(name, resource), words = resource.robots.length ? `${shown} (${resource.robots.join(', ')})` : shown;
   const isStation = resource.kind === 'STATION', group = groupOf(`resource ${resource.look}${isStation ? ' station' : ''}`, name, words), middles = [];
@@ -86,7 +87,7 @@ function drawResource(name, resource, view, texts, squares) {
   return group;
 }
 
-// No words lie on the line of a door.
+// Keeps words away from the line of a door.
 function coverLine(points, places) {
   for (let k = 1; k < points.length; k += 1) {
     const [from, to] = [points[k - 1], points[k]], parts = Math.ceil(Math.hypot(to[0] - from[0], to[1] - from[1]) / (2 * LINE_AWAY));

@@ -1,4 +1,4 @@
-// The list of robots. The chosen one shows its acts, its battery, its last missions and events; the map can follow it.
+// The list of robots. For the chosen robot it shows acts, battery, last missions and events; the map can follow the robot.
 import { $, make, makeSvg, showRows, withCode } from './dom.js';
 import { all, get } from './server.js';
 import { clockOf, dateOf, language, momentOf, said, store, stored, t } from './texts.js';
@@ -6,8 +6,8 @@ import { chooseRobot, colourOf, followRobot, loadState, loadWords, outageWords, 
 
 export const GROUPS = ['idle', 'driving', 'working', 'waiting', 'charging', 'trouble', 'away'];
 const MOST_MISSIONS = 5, MOST_EVENTS = 8;
-const FRESH = 60000; // ms after which battery and events are asked for again
-const GAP = 900; // s without a value of the battery after which its curve is interrupted
+const FRESH = 60000; // ms after which the page asks for battery and events again
+const GAP = 900; // s; if two values of the battery are further apart, the curve has a gap
 const CURVE = { width: 300, height: 60 };
 let me = { role: null }, act = null, chosen = '', followed = '';
 let log = { robot: '', of: '', at: 0, number: 0, charges: [], events: [] }; // of the chosen robot
@@ -36,7 +36,7 @@ export function showRobots(person) {
   showRows($('robots'), robots, robot => robot.name, robotRow, language + me.role + chosen);
 }
 
-// What keeps robots from working: the code for people who look it up, the words, the beginning and the remedy.
+// Shows what keeps robots from working: the code (for the documentation), the words, the beginning and the remedy.
 function showFaults() {
   const faults = all('robot:').map(([name, robot]) => ({ name, code: robot.fault, since: robot.fault_since, why: robot.fault === 'NOT_OPEN' ? t('not_open', { name: robot.not_open }) : outageWords(robot) || t(`outage_${robot.outage}`) })).filter(fault => fault.code)
     .sort((a, b) => a.since - b.since || a.name.localeCompare(b.name, undefined, { numeric: true }));
@@ -56,7 +56,7 @@ function showGroups() {
   select.value = before;
 }
 
-// Asks for battery and events of the chosen robot: when it was chosen, when it changed, and after a while.
+// Asks for battery and events of the chosen robot when the robot is chosen, when it changes, and after some time.
 async function askForLog() {
   const robot = chosen && all(`robot:${chosen}`).find(([rest]) => !rest), of = robot && JSON.stringify([robot[1].state, robot[1].alarm, robot[1].works, robot[1].asks, robot[1].mission]);
   if (!robot || (log.robot === chosen && log.of === of && Date.now() - log.at < FRESH)) return;
@@ -71,7 +71,7 @@ async function askForLog() {
 const missionsOf = name => all('mission:').map(([, mission]) => mission).filter(mission => mission.robot === name).reverse().slice(0, MOST_MISSIONS)
   .map(({ id, serial, state, reason, ended, stamp }) => ({ id, serial, state, reason, at: ended || stamp }));
 
-// A mission as people say it, and the id of its request.
+// Returns the short name of a mission for people; without a serial, the id of its request.
 export const shortName = mission => mission.serial ? `M${mission.serial}` : String(mission.id);
 export const fullName = mission => mission.serial ? `${shortName(mission)} (${mission.id})` : String(mission.id);
 

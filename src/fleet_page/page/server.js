@@ -4,7 +4,7 @@ export let site = { vertices: [], edges: [], radii: {}, map: null };
 export let heardAt = 0;
 
 let source = null;
-const asking = new Set(); // the requests that are not answered yet
+const asking = new Set(); // requests without an answer yet
 
 export async function get(path) {
   const request = new AbortController();

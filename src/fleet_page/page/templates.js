@@ -1,4 +1,4 @@
-// Missions of templates, whose parameters a person fills in by name or by clicks on the map, and timetables.
+// Timetables, and missions of templates. A person fills in a template's parameters by name or by clicks on the map.
 import { $, make, showRows } from './dom.js';
 import { entries } from './server.js';
 import { language, store, stored, t } from './texts.js';
@@ -51,7 +51,7 @@ function mark(name) {
   for (const input of inputs()) input.classList.toggle('filling', input.name === name);
 }
 
-// A click on the map fills the parameter that was entered last; the next one that is empty follows.
+// A click on the map fills the parameter whose field the person entered last. Then it is the next empty one's turn.
 export function fillParameter(place) { // id of a vertex, or name of a station
   const input = inputs().find(one => one.name === filling);
   if (!input) return;

@@ -1,4 +1,4 @@
-// The texts of the page in one language; a text that is missing shows its key.
+// The texts of the page in one language. For a missing text, the page shows its key.
 const LANGUAGES = ['en', 'de'];
 let table = {}, patterns = [];
 export let language = 'en';
@@ -8,7 +8,7 @@ const textsOf = async name => (await fetch(`/page/${name}.json`)).json();
 export async function useLanguage(wanted) {
   const name = LANGUAGES.includes(wanted) ? wanted : 'en', english = textsOf('en');
   const [own, spoken] = await Promise.all([name === 'en' ? english : textsOf(name), english]);
-  // The name changes together with the texts: a list that is shown meanwhile is in the language that it says.
+  // The language's name and the texts change together, so a list that is shown meanwhile is marked as its language.
   language = name; table = own; patterns = patternsOf(spoken);
   document.documentElement.lang = language;
   for (const element of document.querySelectorAll('[data-t]')) element.textContent = t(element.dataset.t);
@@ -23,17 +23,17 @@ export function t(key, values = {}) {
   return (table[key] || key).replace(/\{(\w+)\}/g, (_, name) => String(values[name] ?? ''));
 }
 
-// The English table has the fleet manager's sentences: they are recognised by the texts of these keys.
+// The English table contains the sentences of the fleet manager. The page recognises such a sentence by its text.
 function patternsOf(english) {
   return Object.entries(english).filter(([key]) => /^(words|outage)_/.test(key)).map(([key, text]) => ({
     key, names: [...text.matchAll(/\{(\w+)\}/g)].map(found => found[1]),
     form: new RegExp(`^${text.replace(/[.*+?^$()|[\]\\]/g, '\\$&').replace(/\{why\}/g, '(.+)').replace(/\{\w+\}/g, '([^:]+?)')}$`, 's') }));
 }
 
-// Sentences that end with a command to type, and their texts beside the buttons that do the same.
+// For each sentence that ends with a command to type: the key of the text to show beside buttons for the same act.
 const BESIDE_BUTTONS = { words_ask: 'step_asks', words_step_person: 'step_of_person', words_step_program: 'step_of_program' };
 
-// A text of the fleet manager in the language of the page; texts that come from robots stay as they are.
+// Returns a text of the fleet manager in the language of the page. Texts that come from robots stay unchanged.
 export function said(words, isBesideButtons = false) {
   for (const { key, names, form } of patterns) {
     const found = form.exec(words);
@@ -60,7 +60,7 @@ export function clockOf(seconds) {
   return isToday ? new Date(seconds * 1000).toLocaleTimeString(language, { hour: '2-digit', minute: '2-digit' }) : dateOf(seconds);
 }
 
-// The time alone for a moment of today.
+// Returns a moment as text: for a moment of today, only the time.
 export function momentOf(seconds) {
   return new Date(seconds * 1000).toDateString() === new Date().toDateString() ? timeOf(seconds) : dateOf(seconds);
 }

@@ -1,6 +1,6 @@
-// The walls of the map at every zoom. A picture that is made smaller loses thin walls: here each step of half the
-// size keeps a cell as wall if any of its four cells is one.
-const BOUNDED = 64; // cells of the longer side of the picture in which the bounds are found
+// The walls of the map at every zoom. When a picture is made smaller, it usually loses thin walls. Here each step halves
+// the size, and a cell is a wall if any of the four cells that it replaces is a wall.
+const BOUNDED = 64; // length, in cells, of the longer side of the picture in which the bounds are searched
 
 export class Walls {
   // image: one pixel for each cell; [x, y, width, height]: its place in m.
@@ -25,7 +25,7 @@ export class Walls {
     paint.drawImage(picture, left, top, picture.width * size, picture.height * size);
   }
 
-  // The smallest rectangle with all walls, in m: [left, low, right, high]; null: there are none.
+  // Returns the smallest rectangle that contains all walls, in m: [left, low, right, high]; null: there are no walls.
   boundsOf({ cells, wide }) {
     const size = this.cell * 2 ** (this.levels.length - 1);
     let [left, top, right, bottom] = [Infinity, Infinity, -1, -1];

@@ -1,4 +1,4 @@
-"""A real headless Chromium, and a page that a thread serves to it, without ROS."""
+"""A real Chromium without a display, and a page that a thread serves to it, without ROS."""
 from __future__ import annotations
 
 import asyncio
@@ -30,7 +30,7 @@ PATIENCE = 8.0  # s
 
 
 class ServedPage:
-    """A page on a free port, in a thread of its own; `do` runs a function in this thread."""
+    """A page on a free port, served by its own thread; `do` runs a function in this thread."""
 
     def __init__(self, folder: Path, secured: bool = False, chart: str = CHART,
                  fill: Callable[[Page], None] = show_fleet) -> None:
@@ -46,7 +46,7 @@ class ServedPage:
         self._ticking = asyncio.run_coroutine_threadsafe(self._tick(), self._loop)
 
     async def _tick(self) -> None:
-        """The fleet manager publishes its state while it runs."""
+        """Publishes the state of the fleet manager while it runs."""
         while True:
             if self._alive:
                 self.page.model.update_robots(self.page.model.robots.values(), time.time())
@@ -60,15 +60,15 @@ class ServedPage:
         return asyncio.run_coroutine_threadsafe(run(), self._loop).result(PATIENCE)
 
     def die(self) -> None:
-        """The fleet manager stops to publish."""
+        """Makes the fleet manager publish nothing any more."""
         self._alive = False
 
     def hang(self) -> None:
-        """The page's process takes requests no more."""
+        """Makes the page's process accept no requests any more."""
         asyncio.run_coroutine_threadsafe(self._site.hang(), self._loop).result(PATIENCE)
 
     def go_on(self) -> None:
-        """The page's process works again."""
+        """Makes the page's process work again."""
         asyncio.run_coroutine_threadsafe(self._site.go_on(), self._loop).result(PATIENCE)
 
     def close(self) -> None:
@@ -100,7 +100,7 @@ class Browser:
         self.driver = webdriver.Chrome(service=Service(DRIVER), options=options)
 
     def resize(self, width: int, height: int) -> None:
-        """Sets the size of the visible area, for example that of a phone."""
+        """Sets the size of the visible area, for example to the size of a phone."""
         self.driver.execute_cdp_cmd('Emulation.setDeviceMetricsOverride', {
             'width': width, 'height': height, 'deviceScaleFactor': 1, 'mobile': False})
 
@@ -111,7 +111,9 @@ class Browser:
         return self.driver.execute_script(text, *values)
 
     def wait(self, condition: Callable[[], Any], what: str = 'it') -> Any:
-        """Waits until the condition is true; errors of elements that come and go count as false."""
+        """Waits until the condition is true. An error of an element that comes or goes counts as
+        false.
+        """
         from selenium.common.exceptions import WebDriverException
         deadline = time.monotonic() + PATIENCE
         while True:
@@ -135,9 +137,9 @@ class Browser:
         self.wait(clicked, selector)
 
     def click_vertex(self, vertex: int) -> None:
-        """Clicks as a finger does: on the map, at the drawn vertex, after the map has come to rest.
+        """Clicks on the map at the drawn vertex, after the map has come to rest.
 
-        The map moves when the window, the panel or the site changes; news do not move it.
+        The map moves when the window, the panel or the site changes. Messages do not move it.
         """
         x, y = self.wait(lambda: self.driver.execute_async_script('''
             const [vertex, done] = arguments;
@@ -152,7 +154,7 @@ class Browser:
         self.click_at(x, y)
 
     def click_words(self, selector: str) -> None:
-        """Clicks in the middle of words on the map."""
+        """Clicks in the middle of an element with words on the map."""
         box = self.wait(lambda: self.script('''
             const box = document.querySelector(arguments[0]).getBoundingClientRect();
             return [box.left + box.width / 2, box.top + box.height / 2];''', selector), selector)
@@ -168,7 +170,7 @@ class Browser:
         return self.script('return document.querySelector(arguments[0]).textContent', selector)
 
     def picture(self, name: str) -> None:
-        """Saves a picture among the artefacts of the test run."""
+        """Saves a picture of the window in the folder of the test's pictures."""
         if Path('') != PICTURES:
             self.driver.save_screenshot(str(PICTURES / f'fleet_page_{name}.png'))
 
@@ -183,7 +185,7 @@ class Browser:
         return found
 
     def problems(self) -> list:
-        """The errors and refused contents in the console."""
+        """Returns the errors, and the contents that were refused, from the browser's console."""
         return [entry['message'] for entry in self.driver.get_log('browser')
                 if entry['level'] == 'SEVERE']
 

@@ -1,6 +1,6 @@
 """Finds texts of the page that are cut off, that lie on each other, or that lie outside the window.
 
-What scrolls is judged as far as it is in view. Labels of robots may cover names on the map.
+Of an area that scrolls, only the visible part counts. Labels of robots may cover names on the map.
 """
 from __future__ import annotations
 
@@ -69,6 +69,6 @@ return [...found];'''
 
 
 def layout_faults(window: Any) -> List[str]:
-    """The faults of what the window shows now."""
+    """Returns the faults of the present content of the window."""
     faults: List[str] = window.script(FAULTS)
     return faults

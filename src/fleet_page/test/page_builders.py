@@ -42,7 +42,7 @@ def graph(columns: int = 4, rows: int = 3) -> Graph:
 
 
 def robot(name: str = 'a', **values: Any) -> ShownRobot:
-    """A robot that drives along edge 1 to vertex 2, with nothing to wait for."""
+    """Returns a robot that drives along edge 1 to vertex 2 and waits for nothing."""
     known = {'type': 'agv', 'state': 'BUSY', 'outage': 'NONE', 'edge': 1, 'fraction': 0.5,
              'seen': 100.0, 'battery': 0.75, 'mission': 7, 'destination': 2, 'waits_for': ''}
     return ShownRobot(name, **{**known, **values})
@@ -72,7 +72,7 @@ def page(folder: str, journal: Missions = no_missions, **values: Any) -> Page:
 
 
 def show_fleet(shown: Page, now: Optional[float] = None) -> None:
-    """A site, two robots, a plan and three missions."""
+    """Shows a site, two robots, a plan and three missions."""
     now = time.time() if now is None else now
     model = shown.model
     model.graph = graph()
@@ -89,15 +89,15 @@ def show_fleet(shown: Page, now: Optional[float] = None) -> None:
 
 
 class FakeFleet:
-    """Takes acts in place of the fleet manager, and records them with the persons' names."""
+    """Stands in for the fleet manager: accepts acts, and records them with the persons' names."""
 
     def __init__(self) -> None:
         self.acts: List[Tuple[Act, Person]] = []
         self.slow: Optional[threading.Event] = None
-        """If set, all acts except stops wait for it."""
+        """If this is not None, all acts except stops wait for the event."""
 
     def do(self, act: Act, person: Person) -> ActOutcome:
-        """The function that `WebServer` calls."""
+        """Carries out an act for `WebServer`."""
         if self.slow is not None and act.kind is not ActKind.STOP:
             self.slow.wait(10.0)
         self.acts.append((act, person))
@@ -105,7 +105,7 @@ class FakeFleet:
                           77 if act.kind is ActKind.SEND else 0)
 
     def stop(self, person: str) -> ActOutcome:
-        """The function that `Door` calls."""
+        """Carries out a stop for `Door`."""
         return self.do(Act(ActKind.STOP), Person(person, UserRole.OPERATE))
 
     @property
@@ -115,7 +115,7 @@ class FakeFleet:
 
 
 def token_file(folder: Path, mode: int = 0o600) -> str:
-    """Three persons, one of each role."""
+    """Writes a token file with three persons, one for each role. Returns its path."""
     path = folder / 'tokens'
     path.write_text('# role name token\n' + ''.join(
         f'{role} {role}r {token}\n' for role, token in TOKENS.items()))
@@ -124,7 +124,7 @@ def token_file(folder: Path, mode: int = 0o600) -> str:
 
 
 def tokens(folder: Path) -> Tokens:
-    """The tokens of that file, loaded."""
+    """Returns the tokens of `token_file`, loaded."""
     return load_tokens(token_file(folder))
 
 
@@ -150,7 +150,8 @@ class ServedSite:
             '127.0.0.1', 0, certificates_of(*self._pair) if self._pair else None)
 
     async def hang(self) -> None:
-        """The page's process takes connections no more, as a stopped process does."""
+        """Makes the page's process accept no connections any more, like a process that is stopped.
+        """
         await self._runner.cleanup()
         with contextlib.suppress(FileNotFoundError):  # some versions of Python remove it
             os.unlink(self._socket)
@@ -159,7 +160,7 @@ class ServedSite:
         self._hanging.listen(200)
 
     async def go_on(self) -> None:
-        """The page's process works again."""
+        """Makes the page's process work again."""
         self._hanging.close()
         os.unlink(self._socket)
         self.web = WebServer(self.page, self.fleet.do)
@@ -172,7 +173,7 @@ class ServedSite:
 
 
 async def until(condition: Any, seconds: float = 5.0) -> None:
-    """Waits in an event loop."""
+    """Waits in an event loop until the condition is true."""
     deadline = time.monotonic() + seconds
     while not condition():
         assert time.monotonic() < deadline, 'the condition did not become true'

@@ -1,6 +1,6 @@
-"""Makes pictures of the page at four sizes, with 1, 8 and 60 robots, in trouble and stopped.
+"""Makes pictures of the page at four sizes, with 1, 8 and 60 robots, with troubles and stopped.
 
-    pictures.py FOLDER [WORD...]    only the pictures whose names contain one of the words
+    pictures.py FOLDER [WORD...]    with words: only pictures with one of them in their names
 """
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ AT_REST = '''
 
 
 def walls(columns: int, rows: int) -> WallMap:
-    """A hall around the graph, with pillars; walls are one cell thick."""
+    """Returns a hall around the graph, with pillars. Its walls are one cell thick."""
     wide, tall = int((3 * columns + 1) / CELL), int((3 * rows + 1) / CELL)
     cells = np.zeros((tall, wide), np.int8)
     cells[[0, -1], :] = cells[:, [0, -1]] = 100
@@ -69,7 +69,7 @@ def walls(columns: int, rows: int) -> WallMap:
 
 
 def robots(count: int, in_trouble: bool) -> Dict[str, ShownRobot]:
-    """Robots with work, in all groups."""
+    """Returns robots of all groups, with missions."""
     found = {}
     for k in range(count):
         state, outage, waits_for = TROUBLES.get(k % 20, ('', '', '')) if in_trouble else ('',) * 3
@@ -84,7 +84,7 @@ def robots(count: int, in_trouble: bool) -> Dict[str, ShownRobot]:
 
 
 def show(page: Page, count: int, in_trouble: bool, is_stopped: bool) -> None:
-    """Fills a page."""
+    """Shows a fleet on a page."""
     columns, rows = FLEETS[count]
     now, model = time.time(), page.model
     model.graph = graph(columns, rows)
@@ -144,7 +144,7 @@ def show_work(page: Page, now: float) -> None:
 
 
 def show_layers(page: Page, fleet: Dict[str, ShownRobot]) -> None:
-    """Shows what the layers of the map have, with a scan of the first robot."""
+    """Shows entries for all layers of the map, with a laser scan of the first robot."""
     model, edges = page.model, list(page.model.graph.edges)
     model.show_allocations({name: ShownAllocation(tuple(
         (edges[(3 * k + step) % len(edges)], 0.0 if step else 0.3)
@@ -160,7 +160,7 @@ def show_layers(page: Page, fleet: Dict[str, ShownRobot]) -> None:
 def open_view(window: Browser, view: str, frames: int = 40) -> None:
     """Opens one of VIEWS in a window that shows the page, and waits until the map rests.
 
-    frames -- in which the map rests
+    frames -- number of frames for which the map must rest
     """
     window.script('''document.documentElement.dataset.theme = arguments[0];
         const language = document.getElementById('language');

@@ -1,6 +1,6 @@
-"""axe-core finds no problem on any tab, light or dark, on a phone and on a desktop, in trouble.
+"""axe-core finds no problem on any tab of a page with troubles: light, dark, on phone and desktop.
 
-Runs only with `scripts/test.sh --long`, which installs axe-core in build/axe.
+The test runs only with `scripts/test.sh --long`, which installs axe-core in build/axe.
 """
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ RUN = '''const done = arguments[0];
 axe.run().then(found => done([found.passes.length, found.violations.map(
   one => [one.id, one.nodes.map(node => node.html)])]));'''
 TAB_OF = {'template': 'missions', 'layers': 'robots'}
-JUDGED = 10  # least number of rules; with fewer, axe-core has not really checked the page
+JUDGED = 10  # rules; if axe-core applied fewer, it has not really checked the page
 
 
 @pytest.fixture(scope='module')

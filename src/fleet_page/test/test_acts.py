@@ -1,4 +1,4 @@
-"""The acts of a client: exactly those in the table are accepted."""
+"""The page accepts exactly the acts in the table from a client."""
 import math
 
 import pytest

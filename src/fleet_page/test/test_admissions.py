@@ -1,4 +1,4 @@
-"""Who may stay before a login: nobody takes all places, and a newcomer is let in."""
+"""Before a login, no client can take all places, and a new connection is let in."""
 from __future__ import annotations
 
 import pytest

@@ -1,4 +1,4 @@
-"""STOP apart from the page: it answers under floods, and while the page's process hangs."""
+"""STOP works even under floods of requests, and while the page's process hangs."""
 from __future__ import annotations
 
 import asyncio
@@ -20,11 +20,11 @@ from fleet_page.door import worker as worker_module  # noqa: E402
 from fleet_page.door.stops import Stops  # noqa: E402
 
 STOP = {'act': 'stop'}
-QUICK = 0.5  # s; a STOP that waits for anything in these tests would take longer by far
+QUICK = 0.5  # s; in these tests a STOP that waits for anything takes far longer
 
 
 async def connect(client, *lines: str, address: str = '127.0.0.1'):
-    """A connection that has sent these lines of a request, and then nothing."""
+    """Returns a connection on which these lines of a request were sent, and nothing more."""
     port = int(client.origin.rpartition(':')[2])
     reader, writer = await asyncio.open_connection('127.0.0.1', port, local_addr=(address, 0))
     writer.write(''.join(f'{line}\r\n' for line in lines).encode())
@@ -32,7 +32,7 @@ async def connect(client, *lines: str, address: str = '127.0.0.1'):
 
 
 async def ended(reader, seconds: float = 5.0) -> bytes:
-    """All that comes until the other side ends the connection."""
+    """Returns all bytes that come until the other side ends the connection."""
     try:
         return await asyncio.wait_for(reader.read(), seconds)
     except ConnectionResetError:
@@ -40,7 +40,7 @@ async def ended(reader, seconds: float = 5.0) -> bytes:
 
 
 async def stopped_in(client) -> float:
-    """The time, in s, until a stop on a new connection has succeeded."""
+    """Returns the time (s) until a stop on a new connection has succeeded."""
     begun = time.monotonic()
     status, answer = await client.act(STOP)
     assert status == 200 and answer['ok'], answer
@@ -185,7 +185,7 @@ def test_requests_that_the_page_does_not_answer_take_no_place_of_a_stop(tmp_path
             task.cancel()
         await asyncio.gather(*waiting, return_exceptions=True)
         await client.session.close()
-        await until(lambda: not site.door._relayed)  # who has gone holds no place
+        await until(lambda: not site.door._relayed)  # ended clients hold no places
         await site.go_on()
     served(tmp_path, test, secured=True)
 

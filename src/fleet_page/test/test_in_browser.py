@@ -1,4 +1,4 @@
-"""The page in a real Chromium: each act from click to fleet, languages, sizes, keyboard."""
+"""The page in a real Chromium: each act from the click to the fleet, languages, sizes, keyboard."""
 from __future__ import annotations
 
 import colorsys
@@ -76,7 +76,7 @@ def window(browser, served):
 
 
 def asked(window, served, kind, **values):
-    """The act that arrived at the fleet."""
+    """Returns the act of this kind that arrived at the fleet, and checks its values."""
     act = window.wait(lambda: next((act for act, _ in served.fleet.acts if act.kind is kind), None),
                       kind.value)
     for name, value in values.items():
@@ -510,7 +510,7 @@ def test_an_alarm_sounds_until_a_person_has_seen_it_and_stays_until_its_cause_is
     def sounds():
         return window.driver.execute_async_script(
             "import('/page/alarms.js').then(alarms => arguments[0](alarms.isSounding()));")
-    window.click('#tab_button_robots')  # a browser plays nothing before
+    window.click('#tab_button_robots')  # a browser plays no sound before a click
     window.wait(sounds)
     window.click('#sound')
     assert not sounds()
@@ -618,7 +618,7 @@ BAR = 'THE FLEET IS STOPPED since '
 
 
 def stopped_words(window):
-    """The words of the red bar; empty: it is not shown."""
+    """Returns the words of the red bar; empty if the bar is not shown."""
     return window.script('''const bar = document.getElementById('stopped');
         return bar.hidden ? '' : bar.textContent;''')
 
@@ -801,7 +801,7 @@ def test_a_stop_does_not_wait_for_requests_that_the_page_does_not_answer(window,
     window.click('#stop')
     asked(window, served, ActKind.STOP)
     served.go_on()
-    window.problems()  # the requests that were given up
+    window.problems()  # drops errors of the requests that were given up
 
 
 def test_a_mission_is_sent_by_clicks_on_the_map(window, served):
@@ -836,7 +836,8 @@ def test_favourites_are_kept_used_and_removed(window, served):
 
 
 def show_templates(served):
-    """A template whose parameters are places, another one without, and a station."""
+    """Shows a template whose parameters are places, a template without parameters, and a station.
+    """
     served.do(lambda: (
         served.page.model.show_templates([ShownTemplate('pallet', ('from', 'to')),
                                           ShownTemplate('tour', ())]),
@@ -1086,7 +1087,7 @@ def test_the_page_knows_the_edges_and_places_of_the_users_graph_not_their_sectio
     window.click('#closed [data-act=open]')
     asked(window, served, ActKind.OPEN, edges=(3,))
     window.click('#tab_button_missions')
-    window.click_vertex(between)  # nothing but the edge is there
+    window.click_vertex(between)  # at this vertex only the edge is shown
     window.wait(lambda: window.one('#edge').get_attribute('value') == '3')
     assert window.driver.find_elements('css selector', '#chosen li') == []
 

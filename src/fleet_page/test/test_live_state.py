@@ -1,4 +1,4 @@
-"""A client is known by the revision that it has; it gets only what is newer."""
+"""The server knows the revision that a client has, and sends only newer entries."""
 import json
 
 from hypothesis import given

@@ -1,4 +1,4 @@
-"""Each text of the page is in both language tables, and the page loads nothing from elsewhere."""
+"""Each text of the page is in both language tables, and the page loads no files of other sites."""
 import ast
 import gzip
 import json
@@ -92,7 +92,10 @@ def test_texts_never_become_html_and_nothing_comes_from_elsewhere(name):
 
 
 def said_by_the_fleet_manager():
-    """All texts in its sources and in the page's commands, with {} for inserted values."""
+    """Returns all texts in the sources of the fleet manager and in the page's commands.
+
+    {} stands for an inserted value.
+    """
     packages = Path(__file__).parents[2]
     paths = [*packages.glob('fleet_core/src/*/supervision/*.py'),
              *packages.glob('fleet_core/src/*/work/*.py'),
@@ -104,7 +107,7 @@ def said_by_the_fleet_manager():
 
 
 def texts_in(tree):
-    """All texts in Python code, with {} for inserted values, and the parts between these."""
+    """Yields all texts in Python code with {} for inserted values, and the parts between them."""
     for node in ast.walk(tree):
         if isinstance(node, ast.JoinedStr):
             yield ''.join(part.value if isinstance(part, ast.Constant) else '{}'
@@ -167,7 +170,7 @@ def test_every_outcome_of_an_act_is_translated(path):
 
 
 def whole_texts_in(tree):
-    """The texts in Python code, with {} for inserted values, without the parts of others."""
+    """Yields the texts in Python code with {} for inserted values, without the parts of a text."""
     if isinstance(tree, ast.JoinedStr):
         yield next(texts_in(tree))
     elif isinstance(tree, ast.Constant) and isinstance(tree.value, str):
@@ -178,7 +181,7 @@ def whole_texts_in(tree):
 
 
 def said_by(module, name):
-    """A function without its docstring; without a name: the constants of the module."""
+    """Returns the function `name` without its docstring; without a name, the module's constants."""
     if not name:
         return ast.Module([node for node in module.body if isinstance(node, ast.Assign)], [])
     function = next(node for node in ast.walk(module)

@@ -75,7 +75,7 @@ def test_a_mistake_in_the_token_file_takes_nobodys_access(tmp_path, text):
     rewrite(tmp_path, text)
     with pytest.raises(TokenFileError):
         file.refresh()
-    assert not file.refresh()  # the mistake is told once
+    assert not file.refresh()  # the mistake is reported only once
     assert file.tokens.person(TOKENS['operate']) is not None
 
 

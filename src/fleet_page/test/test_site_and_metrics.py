@@ -1,4 +1,4 @@
-"""The site as pages receive it, and the metrics of the fleet for Prometheus."""
+"""The data of the site that browsers receive, and the metrics of the fleet for Prometheus."""
 import zlib
 from dataclasses import replace
 

@@ -1,4 +1,4 @@
-"""The page over TLS: tokens and cookies are never sent unencrypted."""
+"""With TLS, the page never sends tokens and cookies unencrypted."""
 from __future__ import annotations
 
 import asyncio
@@ -21,7 +21,9 @@ pytestmark = pytest.mark.skipif(shutil.which('openssl') is None, reason='openssl
 
 
 def make_certificate(folder, name: str = 'page', *more: str):
-    """A certificate for this computer and its key, as docs/reference/fleet_page.md describes."""
+    """Makes a certificate for this computer, and the certificate's key, as described in
+    docs/reference/fleet_page.md.
+    """
     certificate, key = folder / f'{name}.pem', folder / f'{name}.key'
     subprocess.run(
         ['openssl', 'req', '-x509', '-newkey', 'ec', '-pkeyopt', 'ec_paramgen_curve:prime256v1',
@@ -37,7 +39,7 @@ def pair(tmp_path_factory):
 
 
 def served(folder, pair, test) -> None:
-    """Runs test(port, client_context) with a page that needs a login, over TLS."""
+    """Runs test(port, client_context) with a page that uses TLS and needs a login."""
     async def work() -> None:
         site = ServedSite(folder, True, pair=pair)
         await site.open()
@@ -96,7 +98,7 @@ def test_a_key_that_everybody_may_read_is_refused_in_one_sentence(tmp_path):
     os.chmod(key, 0o644)
     with pytest.raises(WrongCertificate, match=f'Others may read the key in {key}: chmod 600'):
         certificates_of(certificate, key)
-    os.chmod(key, 0o640)  # as Debian's group ssl-cert has it
+    os.chmod(key, 0o640)  # the mode of keys for Debian's group ssl-cert
     certificates_of(certificate, key)
 
 

@@ -1,4 +1,4 @@
-"""The page over HTTP: permissions, hostile requests, and cheap event streams."""
+"""The page by HTTP: permissions, hostile requests, and event streams that cost little."""
 from __future__ import annotations
 
 import asyncio
@@ -76,7 +76,7 @@ def served(folder, test, secured: bool = False, journal=no_missions, **more) -> 
         await site.open()
 
         def new_client(address: str = '127.0.0.1') -> Client:
-            # Without `unsafe`, cookies of an address without a name would not be kept.
+            # Without `unsafe`, the jar does not keep cookies of a bare IP address.
             sessions.append(ClientSession(cookie_jar=CookieJar(unsafe=True),
                                           connector=TCPConnector(local_addr=(address, 0))))
             return Client(sessions[-1], site.port)

@@ -1,4 +1,4 @@
-"""systemd learns that a unit works as long as each of its nodes was healthy a moment ago."""
+"""systemd is told that a unit works while each of its nodes had a good report a short time ago."""
 from __future__ import annotations
 
 from fleet_services.health import PATIENCE, Health

@@ -1,4 +1,4 @@
-"""A site is saved while it runs. After a restore, its fleet begins as with a lost journal."""
+"""A site is saved while it runs. After a restore, its fleet begins as if the journal were lost."""
 from __future__ import annotations
 
 import io
@@ -25,7 +25,7 @@ from world.supervised_fleet import SupervisedFleet
 TEXT = 'graph_fleet_manager/closed_edges.json'
 GRAPH = 'Vertices: []\nEdges: []\n'
 TOKENS = 'see anna 0123456789abcdef0123456789abcdef\n'
-SERVICE = 61234  # a user without rights, whom no system knows
+SERVICE = 61234  # a user without rights, whom no system has
 
 
 def corridor(length: int) -> Graph:
@@ -168,7 +168,7 @@ def test_what_it_does_not_know_it_does_not_do(words, home):
 
 @pytest.fixture
 def foreign(monkeypatch):
-    """The state of services whose user is not root, below a folder that this user can reach."""
+    """The state of services whose user is not root, below a folder that this user can enter."""
     if os.geteuid() != 0:
         pytest.skip('only root can work for another user')
     with tempfile.TemporaryDirectory() as name:
@@ -236,7 +236,7 @@ def test_secrets_are_not_written_into_a_folder_of_the_services(tmp_path, foreign
 
 
 def contains(folder: Path, content: bytes) -> bool:
-    """Whether an archive in the folder contains this."""
+    """Returns whether an archive in the folder contains a file with this content."""
     for archive in folder.glob('*.tar.gz'):
         with tarfile.open(archive) as source:
             if any(content in source.extractfile(member).read() for member in source.getmembers()):
@@ -245,7 +245,7 @@ def contains(folder: Path, content: bytes) -> bool:
 
 
 def test_the_command_imports_nothing_from_where_it_is_called(tmp_path):
-    """Neither from the working directory, nor from PYTHONPATH, nor from the user's folder."""
+    """It imports nothing from the working directory, from PYTHONPATH, or from the user's folder."""
     user_site = tmp_path / '.local/lib' / f'python3.{sys.version_info.minor}' / 'site-packages'
     user_site.mkdir(parents=True)
     mark = tmp_path / 'imported'

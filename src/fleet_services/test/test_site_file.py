@@ -1,4 +1,4 @@
-"""The site file is read strictly: each error is named with its line."""
+"""The site file is read strictly: each error message names the line."""
 from __future__ import annotations
 
 from pathlib import Path

@@ -1,4 +1,5 @@
-"""Units contain what systemd needs, start in the right order, and have few permissions."""
+"""Units contain everything that systemd needs, start in the right order, and have few permissions.
+"""
 from __future__ import annotations
 
 import re

@@ -1,9 +1,9 @@
-"""A site of 1.0.0 goes on with this version: its own backup is restored, and each file is read.
+"""This version restores the backup of a site of 1.0.0, and reads each of its files.
 
 test/vectors/release_1_0_0 has files that the code of 1.0.0 wrote: graph, graph in force, closed
-edges, and the dumps of journal and records of the page. Its readers accepted the fleet file and the
-site file. `archive` packs them as the backup command of 1.0.0 did. The journal as it stands on a
-disk, with an open mission, is the subject of test_journal.py.
+edges, and the dumps of journal and records of the page. Version 1.0.0 accepted the fleet file and
+the site file. `archive` packs them like the backup command of 1.0.0. test_journal.py tests the
+journal as a file on the disk, with an open mission.
 """
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ DATABASES = {JOURNAL: ROOT / 'src/fleet_simulation/test/supervision/journal_1_0_
 
 @pytest.fixture
 def archive(tmp_path) -> Path:
-    """A backup of 1.0.0: each file under its path, with its mode."""
+    """Makes a backup of 1.0.0, with the path and mode of each file."""
     path = tmp_path / 'backup.tar.gz'
     with tarfile.open(path, 'w:gz') as target:
         for file in sorted(FILES.rglob('*/*')):
@@ -80,7 +80,7 @@ def test_closed_edges_of_1_0_0_stay_closed(home):
 
 
 def test_the_graph_in_force_of_1_0_0_is_known_after_the_update(home):
-    """If the file has changed since, the first start asks the robots first."""
+    """If the graph file has changed since, the first start waits for the robots' reports."""
     file, kept = home.parent / 'site/graph.yaml', home / 'graph_fleet_manager/graph_in_force.yaml'
     kept.write_text(kept.read_text().replace('/tmp/hall', str(file.parent)))
     assert not GraphInForce(str(kept)).must_hear_robots(str(file))

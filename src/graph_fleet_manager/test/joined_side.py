@@ -1,4 +1,4 @@
-"""A stand-in for the other side of joined ROS masters: a master and its discovery by XML-RPC."""
+"""A stand-in for the other side of joined ROS masters: a master and master_discovery (XML-RPC)."""
 from __future__ import annotations
 
 import socket
@@ -10,7 +10,7 @@ from xmlrpc.server import SimpleXMLRPCServer
 
 
 class OtherSide:
-    """Serves both at an address; the attributes are the answers."""
+    """Serves the master and master_discovery at an address; the attributes are the answers."""
 
     def __init__(self, address: str) -> None:
         self.address = address
@@ -61,14 +61,14 @@ class OtherSide:
         return 1, '', 1
 
     def close(self) -> None:
-        """Ends it."""
+        """Ends both servers."""
         for server in self._servers:
             server.shutdown()
             server.server_close()
 
 
 def unused_port(address: str) -> int:
-    """A port at which no program listens now."""
+    """Returns a port at which no program listens now."""
     with socket.socket() as probe:
         probe.bind((address, 0))
         return probe.getsockname()[1]

@@ -40,7 +40,7 @@ def loop(clock):
 
 
 def noted(notes, word):
-    """An event that writes its own name down."""
+    """Returns an event that adds its own name to `notes`."""
     def event(supervisor, now):
         notes.append(word)
         return ()
@@ -48,7 +48,7 @@ def noted(notes, word):
 
 
 def reported(notes, word):
-    """A report that writes its own name down."""
+    """Returns a report that adds its own name to `notes`."""
     return lambda supervisor, now, arrived: noted(notes, word)(supervisor, now)
 
 
@@ -119,7 +119,7 @@ def test_a_tick_that_many_reports_keep_away_comes_in_time_and_knows_which_report
 
 
 class WatchedLoop:
-    """An event loop in which everything takes some time, with a record of what its thread took."""
+    """An event loop in which every event takes some time, with a record of the events taken."""
 
     def __init__(self, seed):
         self.random, self.clock = Random(seed), Clock()
@@ -145,7 +145,7 @@ class WatchedLoop:
             (self.loop.put_urgent if kind == 'stop' else self.loop.put)(event)
 
     def waiting(self, kind):
-        """The times of arrival of everything that was not taken yet."""
+        """Returns the times of arrival of all events of a kind that were not taken yet."""
         return self.arrived[kind][len(self.taken[kind]):]
 
     def tick(self, now, heard):
@@ -160,8 +160,8 @@ class WatchedLoop:
         return ()
 
     def next_event(self):
-        """Runs one turn of the thread. Returns what it took and how long that took; more may
-        arrive meanwhile."""
+        """Runs one turn of the thread, in which more events may arrive. Returns the event's kind
+        and duration."""
         before, begun = {kind: len(taken) for kind, taken in self.taken.items()}, self.clock.now
         event = self.loop.next_event()
         took = self.random.random() * self.slowness
@@ -224,7 +224,7 @@ def fleet():
 
 
 def test_after_a_stall_no_robot_is_silent_that_reported_meanwhile(fleet):
-    """A command that arrived during the stall does not change this."""
+    """A command that arrived during the stall makes no difference."""
     loop = SupervisorEvents(lambda: fleet.now)
     fleet.request(1, 3)
     for late in range(28):
@@ -242,7 +242,7 @@ def test_after_a_stall_no_robot_is_silent_that_reported_meanwhile(fleet):
 
 def test_after_the_process_stood_still_no_robot_is_silent_that_reported_meanwhile(
         fleet, monkeypatch):
-    """Its reports waited in a socket, and no callback could note when they came."""
+    """The robot's reports waited in a socket, and no callback could note when they came."""
     loop = SupervisorEvents(lambda: fleet.now)
     loop.next_event()(fleet.supervisor, fleet.now)
     fleet.now += 7.0
@@ -306,7 +306,7 @@ def test_a_request_is_not_kept_where_it_cannot_be(clock):
 
 
 def take_all(loop, fleet, turns):
-    """The actions of the given number of turns."""
+    """Takes the given number of turns. Returns their actions."""
     return [action for _ in range(turns)
             for action in loop.next_event()(fleet.supervisor, fleet.now)]
 

@@ -21,7 +21,7 @@ KEYS = {'solved', 'reason', 'planning_time', 'geometry_time', 'sum_of_costs', 'l
 
 
 class Files:
-    """The three files of a call in a folder, and the result of the call."""
+    """The three files for a call of the command, in a folder, and the result of the call."""
 
     def __init__(self, folder: Path, graph, robots, missions, types=(AGV,), clearance=0.1):
         self.folder = folder
@@ -165,7 +165,7 @@ def test_a_destination_behind_a_one_way_edge_is_refused(tmp_path, capsys):
 
 
 def test_a_destination_behind_a_dock_is_refused_with_the_true_reason(tmp_path, capsys):
-    """As with two docks on one lane: edges lead there, but no route leads through a dock."""
+    """Edges lead to the destination, but only through a dock, and no route leads through a dock."""
     plain = corridor(4)
     graph = Graph([replace(vertex, dock=vertex.id in (3, 4))
                    for vertex in plain.vertices.values()], plain.edges.values())
@@ -177,7 +177,7 @@ def test_a_destination_behind_a_dock_is_refused_with_the_true_reason(tmp_path, c
 
 
 def test_more_robots_than_can_park_are_refused(tmp_path, capsys):
-    """c must end between the places of a and b, which have only one place left between them."""
+    """c must end between the places of a and b, where only one place is left."""
     graph = graph_of({1: (0, 0), 2: (0.5, 0), 3: (1, 0), 4: (3, 0)}, {k: (k, k + 1)
                                                                      for k in (1, 2, 3)})
     files = Files(tmp_path, graph, {'a': ('agv', 1), 'b': ('agv', 3), 'c': ('agv', 4)}, {'c': [2]})

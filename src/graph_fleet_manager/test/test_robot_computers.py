@@ -1,4 +1,4 @@
-"""The ROS masters that a fleet manager joins: the computers of a fleet file's robots."""
+"""A fleet manager joins the ROS masters on the computers of the robots in its fleet file."""
 from __future__ import annotations
 
 from pathlib import Path

@@ -1,9 +1,9 @@
 /* hosted PROGRAM ARGUMENT...: runs a Python program in a fork of the node host of the same launch.
  *
- * It represents that process to roslaunch, which starts it. It passes on the standard streams, the
- * folder, the environment and the arguments, forwards signals, and ends with the same status as the
- * process. As the launch-prefix of a <node> it leaves respawn, logs and Ctrl-C to roslaunch. It is
- * written in C because a site runs hundreds of these: each needs 0.1 MB.
+ * roslaunch starts `hosted` in place of that fork. `hosted` passes on the standard streams, the
+ * folder, the environment and the arguments, forwards signals, and ends with the status of the
+ * fork. As the launch-prefix of a <node> it leaves respawn, logs and Ctrl-C to roslaunch. It is
+ * written in C because a site runs hundreds of them; each one needs only 0.1 MB.
  */
 #define _GNU_SOURCE
 #include <errno.h>
@@ -42,7 +42,7 @@ static socklen_t host_address(struct sockaddr_un *address)
         die("/proc/self/ns/pid");
     space[length] = '\0';
     memset(address, 0, sizeof *address);
-    address->sun_family = AF_UNIX; /* an abstract name: no file */
+    address->sun_family = AF_UNIX; /* an abstract name, so no file is made */
     int written = snprintf(address->sun_path + 1, sizeof address->sun_path - 1, "node_host/%s/%d",
                            space, (int)getppid());
     return (socklen_t)(offsetof(struct sockaddr_un, sun_path) + 1 + (size_t)written);
@@ -60,7 +60,7 @@ static void end_by(int number)
     exit(128 + number);
 }
 
-/* Waits for the host, which may still be starting; a signal ends the wait and this process. */
+/* Waits for the host, which may still start; a signal ends the wait and this process. */
 static int connect_to_host(const sigset_t *signals)
 {
     struct sockaddr_un address;
@@ -138,7 +138,7 @@ static void send_request(int host, int count, char **arguments)
     free(head[0]);
 }
 
-/* Forwards signals until the end; returns the status of the process in the form of wait(2). */
+/* Forwards signals until the fork ends. Returns the fork's status in the form of wait(2). */
 static int wait_for_end(int host, int signals)
 {
     struct pollfd watched[] = {{host, POLLIN, 0}, {signals, POLLIN, 0}};

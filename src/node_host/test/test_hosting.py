@@ -1,4 +1,4 @@
-"""The host and `hosted` as processes; this process is the parent of both, as roslaunch would be."""
+"""The host and `hosted` as processes; this process is the parent of both, in roslaunch's place."""
 from __future__ import annotations
 
 import os
@@ -38,7 +38,7 @@ class Launch:
             str(SOURCES / name / 'src') for name in ('node_host', 'node_lifecycle'))}
 
     def host(self, *modules, before=''):
-        """Starts a host; `before` runs in it first."""
+        """Starts a host. Before that, the process runs the code `before`."""
         code = f"{before}\nfrom node_program import run_main; run_main('node_host.program')"
         return self._popen([sys.executable, '-c', code, *modules])
 
@@ -82,8 +82,8 @@ def until(condition):
 
 
 def is_there(pid):
-    """Returns whether the process runs. One that has ended counts as gone even if nobody waits for
-    it, as in a container whose first process waits only for its own children.
+    """Returns whether the process runs. A process that has ended counts as gone even if no process
+    waits for it: in a container, the first process may wait only for its own children.
     """
     try:
         return Path(f'/proc/{pid}/stat').read_text().rpartition(')')[2].split()[0] != 'Z'
@@ -124,7 +124,7 @@ def test_a_fork_holds_nothing_of_the_host_open_and_has_one_thread(launch):
                          " len(os.listdir('/proc/self/task')))")
     status, output, _ = result(program)
     assert status == 0
-    assert output == '[0, 1, 2, 3] 1\n'  # 3 says that the program has started
+    assert output == '[0, 1, 2, 3] 1\n'  # descriptor 3 reports that the program has started
 
 
 def test_a_crash_ends_one_program_with_its_traceback_and_no_other(launch):
@@ -252,7 +252,7 @@ root_only = pytest.mark.skipif(os.geteuid() != 0, reason='only root can be anoth
 
 
 class OtherUser:
-    """A process of another user: a child of this one, as the host and its programs are."""
+    """A process of another user: a child of this process, like the host and its programs."""
 
     def __init__(self, work):
         reader, writer = os.pipe()

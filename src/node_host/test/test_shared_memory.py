@@ -23,7 +23,10 @@ print(sum(id(one) >> 12 in pages for one in made))
 
 
 def on_shared_pages(size: int, *options: str) -> int:
-    """Of 150 new objects, the number on pages with older objects, between which are 200 holes."""
+    """Makes 150 new objects in a process whose older objects have 200 holes between them.
+
+    Returns how many of the new objects are on pages with older objects.
+    """
     return int(subprocess.run([sys.executable, '-c', PROGRAM, str(size), *options], check=True,
                               env={'PYTHONPATH': str(SOURCES)}, stdout=subprocess.PIPE,
                               text=True).stdout)

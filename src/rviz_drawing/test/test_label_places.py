@@ -20,14 +20,14 @@ def label(x, y, words='agv_1  100 %\nto 49\n(ld90_1)'):
 
 
 def rectangles(places, labels):
-    """West, south, east and north edge of each label."""
+    """Yields the west, south, east and north edge of each label."""
     for name, one in labels.items():
         middle, half = np.array(one.middle(places.side(name))), np.array(one.size) / 2.0
         yield (*(middle - half), *(middle + half))
 
 
 def covered(one, other):
-    """The area, in m2, that two rectangles share."""
+    """Returns the area (m2) that two rectangles share."""
     width = min(one[2], other[2]) - max(one[0], other[0])
     height = min(one[3], other[3]) - max(one[1], other[1])
     return max(width, 0.0) * max(height, 0.0)

@@ -1,14 +1,14 @@
-"""Tells a web browser from a program.
+"""Distinguishes requests of web browsers from requests of programs.
 
-Any web page can let the browser that shows it send requests to any address that the browser
+Any web page can make the browser that shows it send requests to every address that the browser
 reaches: to a ROS master, a ROS node, or a control port. The page cannot read the answer, but the
-request would be carried out. These rules tell such requests from those of programs:
+request would be carried out. These rules recognise such requests:
 
 - The first line of an HTTP request is no line of a line protocol (`is_http_request`).
-- An XML-RPC server of ROS refuses what programs of ROS never send (`reason_to_refuse`). A browser
-  sends `Origin` with each POST, and a page of another site cannot choose the content type
-  `text/xml`. A site whose name suddenly belongs to another address (DNS rebinding) is recognised by
-  the header `Host`: it is a name that this computer does not have.
+- An XML-RPC server of ROS refuses requests that programs of ROS never send (`reason_to_refuse`). A
+  browser sends `Origin` with each POST, and a page of another site cannot choose the content type
+  `text/xml`. A site can change the address of its name to an address here (DNS rebinding). Then the
+  header `Host` has a name that this computer does not have.
 """
 from __future__ import annotations
 
@@ -32,17 +32,15 @@ def is_http_request(first_line: bytes) -> bool:
 
 
 def is_from_browser(names: Iterable[str]) -> bool:
-    """Returns whether these are the names of the headers of a request
-    that a web page makes a browser send.
+    """Returns whether headers with these names belong to a request that a web page makes a browser
+    send.
     """
     return any(name.lower().startswith(_OF_BROWSERS) for name in names)
 
 
 def reason_to_refuse(method: str, headers: Iterable[Tuple[str, str]],
                      hosts: OwnHosts) -> Optional[str]:
-    """Returns why an XML-RPC server of ROS refuses an HTTP request.
-
-    None if it comes from a program.
+    """Returns why an XML-RPC server of ROS refuses an HTTP request; None: it accepts the request.
     """
     by_name = {name.lower(): value.strip() for name, value in headers}
     if method != 'POST':
@@ -64,12 +62,12 @@ def reason_to_refuse(method: str, headers: Iterable[Tuple[str, str]],
 class OwnHosts:
     """The values of the header Host under which programs reach this computer.
 
-    They follow from what the computer knows about itself, without a setting:
+    The computer knows these values without a setting:
 
-    - every IP address, and every name without a dot: no web page has such a name
+    - every IP address, and every name without a dot, because no web page has such a name
     - `localhost`, the host name, and the host name under `.local` (mDNS)
     - the names in ROS_HOSTNAME, ROS_IP and ROS_MASTER_URI
-    - the full name of the computer, which is only looked up if no other rule fits
+    - the full name of the computer, which is looked up only if no other rule fits
     """
 
     def __init__(self, environment: Mapping[str, str] = os.environ,
@@ -95,7 +93,7 @@ class OwnHosts:
 
 
 def _host(text: str) -> str:
-    """Returns a host without its port, in the form in which hosts are compared."""
+    """Returns a host without its port, in a form for comparisons."""
     bracketed = re.match(r'\[([^\]]*)\](?::\d*)?\Z', text)
     if bracketed is not None:
         return bracketed.group(1).lower()

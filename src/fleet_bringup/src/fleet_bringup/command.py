@@ -67,13 +67,13 @@ def _show(files: Dict[str, str]) -> None:
 
 
 def prepare(options: Options, folder: str, check: bool = True) -> Dict[str, str]:
-    """Writes all files into a folder. Returns their paths, by the kind of file.
+    """Writes all files into a folder. Returns their paths by the kind of file.
 
-    With `check`, a port that is in use is an error. Raises CannotStart, FileError, GraphError.
+    With `check`, a port in use is an error. Raises CannotStart, FileError, GraphError.
     """
     gathered = gather(options, folder, check)
     files = gathered.files
-    if all(entry.is_simulated for entry in gathered.entries):  # a simulation keeps nothing
+    if all(entry.is_simulated for entry in gathered.entries):  # a simulation keeps no closed edges
         files['closed_edges'] = os.path.join(folder, 'closed_edges.json')
         files['journal'] = os.path.join(folder, 'fleet.sqlite')
         files['page'] = os.path.join(folder, 'page')
@@ -113,9 +113,8 @@ def gather(options: Options, folder: str, check: bool = True) -> Gathered:
 
 
 def laboratory_folder(package: str) -> str:
-    """Returns the folder with the map and the graph of the laboratory.
-
-    It is in the folder of the installed package omron_ld90, or at the top of the repository.
+    """Returns the folder with the map and the graph of the laboratory: in the folder of the
+    installed package omron_ld90, or at the top of the repository.
     """
     installed = os.path.join(package, 'maps')
     return installed if os.path.isdir(installed) else os.path.join(package, '..', '..', 'maps')
@@ -124,8 +123,8 @@ def laboratory_folder(package: str) -> str:
 def _fleet(options: Options, folder: str, graph: Graph) -> Tuple[Fleet, str]:
     """Returns the fleet and the path of its file.
 
-    `graph` is the graph before long edges are divided, because no robot parks where an edge is
-    divided.
+    graph -- the graph whose long edges are not divided yet: where an edge is divided, no robot
+             parks
     """
     if options.fleet.isdigit():
         count = int(options.fleet)
@@ -160,7 +159,7 @@ def _site(options: Options, folder: str, graph: Graph, entries: List[RobotEntry]
 
 
 def _with_work(site: StartedSite, options: Options, laboratory: str) -> StartedSite:
-    """Returns the site with its work file. Raises FileError if that is wrong."""
+    """Returns the site with its work file. Raises FileError if the work file is wrong."""
     path = os.path.join(laboratory, 'lab_work.yaml') if options.work else options.work_file
     if not path:
         return site

@@ -21,9 +21,9 @@ from trajectory_graph import Graph, save_graph
 class StartedSite:
     """The graph, the map and the work of the fleet, as files.
 
-    map_file    -- empty without LD-90s
-    work_file   -- empty: none
-    has_devices -- the work file has devices
+    map_file    -- empty if there are no LD-90s
+    work_file   -- empty: there is none
+    has_devices -- whether the work file has devices
     """
 
     graph: Graph
@@ -75,7 +75,7 @@ def simulated_robots(entries: Sequence[RobotEntry], graph: Graph) -> str:
 def _pose_on(graph: Graph, vertex: int) -> Optional[Sequence[float]]:
     """Returns the pose on a vertex, with the heading of the first edge that leads away from it.
 
-    None for a dock, because the simulator places a robot into its dock itself.
+    None for a dock: the simulator itself places a robot in its dock.
     """
     place = graph.vertex(vertex)
     ways = graph.edges_from(vertex)

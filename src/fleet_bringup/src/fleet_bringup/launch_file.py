@@ -18,16 +18,16 @@ from fleet_bringup.robot_entries import AGV, LD90, RobotEntry
 RESPAWN = {'respawn': 'true', 'respawn_delay': '2'}
 #: The file in ROS_HOME in which the bridge of a real robot keeps its last route.
 ROUTE_FILE = 'omron_ld90/{}_route.json'
-#: The format of log lines: with the name of the node, because all robots share one screen. A format
-#: that the user or `start_output` has set is kept.
+#: The format of log lines. It includes the node's name, because all robots share one screen. A
+#: format that the user or `start_output` has set is kept.
 SCREEN = "$(eval optenv('ROSCONSOLE_FORMAT', '[${severity}] [${time}] ${node}: ${message}'))"
-#: s that a simulated door takes to open, and a simulated PLC to hand a load over.
+#: Times (s): a simulated door opens, a simulated PLC hands a load over.
 TRAVEL, HAND_OVER = 3.0, 3.0
 #: Namespace of the node that shows the map of the LD-90s.
 MAP = 'fleet'
-#: The program that stands for a fork of the node host. $(find ...) finds it in no quoted text.
+#: The program that stands for a fork of the node host. $(find ...) works in no quoted text.
 HOSTED_BY = {'name': 'hosted_by', 'value': '$(find node_host)/hosted'}
-#: The attributes that make a node such a fork. roslaunch splits the prefix at blanks.
+#: The attributes that turn a node into a fork. roslaunch splits the prefix at blanks.
 HOSTED = {'launch-prefix': '"$(arg hosted_by)"'}
 #: The modules of the fleet manager's nodes, which the node host imports once for all forks.
 MODULES = tuple(f'graph_fleet_manager.nodes.{node}' for node in (
@@ -54,9 +54,8 @@ def parts_of(entries: Sequence[RobotEntry], options: Options) -> Sequence[Part]:
 
 def launch_text(entries: Sequence[RobotEntry], site: StartedSite, options: Options,
                 files: Dict[str, str], parts: Collection[Part] = tuple(Part)) -> str:
-    """Returns the launch file of some parts.
-
-    `files`: paths by the kind of file, see `command.prepare`.
+    """Returns the launch file of some parts. `files`: paths by the kind of file, see
+    `command.prepare`.
     """
     root = ET.Element('launch')
     root.append(ET.Comment(f' Made by scripts/run.sh fleet:={options.fleet} '.replace('--', '- -')))
@@ -77,7 +76,7 @@ def _simulators(root: ET.Element, entries: Sequence[RobotEntry], site: StartedSi
         _ld90_simulator(root, site, options, files)
         for entry in entries:
             if entry.robot.driver == LD90 and entry.is_simulated:
-                # the controllers remember nothing of the robots of an older run
+                # so the controllers remember no robots of an earlier run
                 ET.SubElement(root, 'param', name=f'{entry.name}/omron_controller/robot_id',
                               type='str', value='$(anon simulator)')
     if any(entry.robot.driver == AGV for entry in entries):
@@ -122,9 +121,8 @@ def _devices(root: ET.Element, site: StartedSite, options: Options, files: Dict[
 
 
 def _memory(files: Dict[str, str]) -> Dict[str, str]:
-    """Returns the persistent files of the fleet manager.
-
-    Empty with real robots: its default files.
+    """Returns the files in which the fleet manager keeps data; empty for real robots, for which it
+    uses its default files.
     """
     return {name: files[key] for name, key in (
         ('closed_edges_file', 'closed_edges'), ('journal', 'journal')) if key in files}
@@ -150,7 +148,7 @@ def _ld90(root: ET.Element, entry: RobotEntry, site: StartedSite, options: Optio
         'route_file': '' if entry.is_simulated else ROUTE_FILE.format(entry.name),
         'strategy': options.strategy, 'hosted': _xml(options.hosted), 'node_host': 'false'})
     group = ET.SubElement(root, 'group', ns=entry.name)
-    if entry.is_simulated:  # parameters of an older run under the same ROS master do not apply
+    if entry.is_simulated:  # so parameters of an earlier run at the same ROS master do not apply
         group.set('clear_params', 'true')
     _node(group, 'robot_state_publisher', 'omron_ld90', 'robot_state_publisher', {
         'base_frame': f'{entry.name}/base_link', 'laser_frame': f'{entry.name}/laser_link'},
@@ -209,10 +207,10 @@ def _include(parent: ET.Element, package: str, launch: str, arguments: Dict[str,
 
 
 def literal(value: Any) -> str:
-    """Returns a value that roslaunch uses as it is; raises CannotStart for one that it would
-    evaluate.
+    """Returns a value that roslaunch uses unchanged. Raises CannotStart for a value that roslaunch
+    would evaluate.
 
-    roslaunch replaces `$(...)` everywhere, also by results of Python, and has no way to quote it.
+    roslaunch replaces `$(...)` everywhere, even in results of Python, and has no way to quote it.
     """
     text = str(value)
     if '$(' in text:
@@ -222,5 +220,5 @@ def literal(value: Any) -> str:
 
 
 def _words(*values: Any) -> str:
-    """Arguments of a program, each as one word."""
+    """Returns the arguments of a program, each quoted as one word."""
     return ' '.join(shlex.quote(literal(value)) for value in values)

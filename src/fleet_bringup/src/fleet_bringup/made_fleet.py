@@ -1,4 +1,4 @@
-"""Makes a fleet from a number N: N LD-90s and N AGVs, on distinct parking vertices."""
+"""Makes a fleet for a number N: N LD-90s and N AGVs, each on a parking vertex of its own."""
 from __future__ import annotations
 
 from typing import List, Sequence
@@ -10,12 +10,12 @@ from fleet_core.planning.road_network import RoadNetwork
 from trajectory_graph import Graph
 
 CLEARANCE = 0.1  # m
-#: m that are released ahead of a robot of a type: for braking, and until the next order comes.
+#: Metres ahead of a robot that are released: for braking, and until the next order comes. By type.
 RELEASE_AHEAD = {'ld90': 8.0, 'agv': 2.0}
 
 
 def made_fleet(count: int, graph: Graph) -> Fleet:
-    """Returns `count` LD-90s and as many AGVs; raises CannotStart if the graph cannot park them."""
+    """Returns `count` LD-90s and as many AGVs. Raises CannotStart if they cannot all park."""
     docks = frozenset(vertex.id for vertex in graph.vertices.values() if vertex.dock)
     ld90 = RobotType('ld90', 0.43, 1.35, 0.25, False, docks)
     agv = RobotType('agv', 0.35, 1.0, 0.0, False)
@@ -35,10 +35,9 @@ def made_fleet(count: int, graph: Graph) -> Fleet:
 
 def parking_places(graph: Graph, types: Sequence[RobotType], clearance: float,
                    enough: int) -> List[int]:
-    """Returns the vertices, without docks, on which robots of the largest type may all stand for
-    ever.
+    """Returns vertices, without docks, on which robots of the largest type may all stand for ever.
 
-    The search ends when it has found `enough` vertices. It returns fewer if it finds no more.
+    The search ends when it has found `enough` vertices. If it finds fewer, it returns these.
     """
     largest = max(types, key=lambda kind: kind.reach)
     network = RoadNetwork(graph)

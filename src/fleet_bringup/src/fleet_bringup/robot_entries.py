@@ -1,4 +1,4 @@
-"""The keys of a fleet file for the start of its robots, in addition to those for planning.
+"""The keys of a fleet file that only the start of the robots needs.
 
     robots:
     - {name: ld90_1, type: ld90, vertex: 16, driver: ld90, host: 10.0.0.5, arcl_port: 7171,
@@ -10,8 +10,8 @@
 
 - An LD-90 with a `host` is a real robot. Without a `host` it is simulated.
 - All AGVs are simulated.
-- For a robot with the driver `none` nothing is started: it has its own software.
-- A robot with a `computer` has its own ROS master there, which is joined with that of the fleet.
+- For a robot with the driver `none` nothing is started, because it has its own software.
+- A robot with a `computer` has its own ROS master there. This master is joined with the fleet's.
 """
 from __future__ import annotations
 
@@ -44,7 +44,8 @@ class RobotEntry:
     line     -- line of the robot in the fleet file
     host     -- address of a real robot; empty: it is simulated
     start    -- x (m), y (m) and heading (degrees) of a simulated robot; None: on its vertex
-    computer -- address of its own computer. Nothing is started here then, and its driver is `none`
+    computer -- address of the robot's own computer. Then nothing is started here, and its driver
+                is `none`
     """
 
     robot: Robot

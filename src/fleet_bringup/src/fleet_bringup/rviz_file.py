@@ -1,4 +1,4 @@
-"""The RViz configuration of a fleet: that of graph_fleet_manager, with displays of single robots.
+"""The RViz configuration of a fleet: the one of graph_fleet_manager, with displays of each robot.
 """
 from __future__ import annotations
 

@@ -1,16 +1,16 @@
-"""`start_output`: runs roslaunch, and shows of its output what a person needs.
+"""`start_output`: runs roslaunch, and shows the part of its output that a person needs.
 
     start_output ARGUMENT...      the arguments of roslaunch
 
-roslaunch and the nodes of a fleet print some hundred lines at a start. This shows one line for each
-stage, all warnings and errors, and the line that says what is ready; from then on all that nodes
-say. After Ctrl-C it shows errors only. It decides only what is shown: ROS keeps all lines in its
-log files. It passes SIGINT, SIGTERM and SIGHUP on to roslaunch, also those that come before
-roslaunch runs, and ends with its exit status. If nothing reads its output any more, it ends
-roslaunch.
+roslaunch and the nodes of a fleet print some hundred lines at a start. This program shows one line
+for each stage, all warnings and errors, and the line that says what is ready. After that line it
+shows everything that nodes print. After Ctrl-C it shows errors only. It decides only what is shown:
+ROS keeps all lines in its log files. It passes SIGINT, SIGTERM and SIGHUP on to roslaunch, even if
+they come before roslaunch runs. Its exit status is that of roslaunch. If its own output is closed,
+it ends roslaunch.
 
-It knows the kind of a line by the fields of its form (`screen_lines`), never by its words. Lines in
-another form, which the user has set in ROSCONSOLE_FORMAT, are all shown.
+It recognises the kind of a line by the fields of its form (`screen_lines`), never by its words. The
+user can set another form in ROSCONSOLE_FORMAT; lines in that form are all shown.
 
 States:  STARTING  until a node says that it is ready, or PATIENCE is over
          RUNNING   until a signal comes
@@ -30,7 +30,7 @@ from typing import Dict, List, Optional, Pattern, Sequence, Tuple
 
 from node_program.screen_lines import FORM, READY
 
-PATIENCE = 60.0  # s after which a start that nothing calls ready shows all lines
+PATIENCE = 60.0  # s after which a start without the line that says what is ready shows all lines
 LATE = (f'For {PATIENCE:.0f} s no node has said that all is ready: from here on all lines are '
         'shown.')
 _ESCAPE = re.compile(r'\x1b\[[0-9;]*[A-Za-z]')
@@ -40,7 +40,7 @@ _OF_A_NODE = re.compile(  # in the FORM of screen_lines
 _TRACEBACK = 'Traceback (most recent call last):'
 _SUMMARY_NODE = re.compile(r' {4}\S+ \(\S+/\S+\)$')
 _MASTER = re.compile(r'ROS_MASTER_URI=(\S+)')
-#: Lines of a normal start or end that say nothing to a person.
+#: Lines of a normal start or end that mean nothing to a person.
 _NOISE: Tuple[Pattern[str], ...] = tuple(map(re.compile, (
     r'\.\.\. logging to ', r'Checking log directory', r'Press Ctrl-C to interrupt$',
     r'Done checking log file', r'started roslaunch server ', r'SUMMARY$', r'=+$',
@@ -51,7 +51,7 @@ _NOISE: Tuple[Pattern[str], ...] = tuple(map(re.compile, (
     r'\.\.\. shutting down processing monitor complete$', r'done$',
     r'(faults|ready: ARCL) on ',  # of a simulator
     r'\d+: Note: It is recommended to replace `message_size_limit`',  # of some mosquittos
-    # RViz prints these with some graphics drivers, and draws right
+    # RViz prints these lines with some graphics drivers, but draws correctly
     r'QStandardPaths: ', r'\[(rospack|librospack)\].*(media_export|executing command)',
     r'rviz/glsl120/', r' GLSL link result', r'active samplers with a different type')))
 
@@ -70,16 +70,16 @@ class StartOutput:
     def __init__(self) -> None:
         self.state = StartState.STARTING
         self._nodes = 0
-        self._traceback: List[str] = []  # of what Ctrl-C ends, as far as it has come
+        self._traceback: List[str] = []  # the part, so far, of a traceback due to Ctrl-C
 
     def end(self) -> None:
-        """Notes that a person ends the launch."""
+        """Notes that a person has ended the launch."""
         self.state = StartState.ENDING
 
     def shown(self, line: str, seconds: float) -> str:
-        """Returns what a person sees of a line; empty: nothing.
+        """Returns the text to show for a line; empty: nothing is shown.
 
-        seconds -- since the start
+        seconds -- time since the start
         """
         if self.state is StartState.STARTING and seconds > PATIENCE:
             self.state = StartState.RUNNING
@@ -102,7 +102,7 @@ class StartOutput:
         return line if severity == 'WARN' or self.state is StartState.RUNNING else ''
 
     def _of_roslaunch(self, line: str) -> str:
-        """Returns what is shown of a line of roslaunch, or of a program that prints by itself."""
+        """Returns the text to show for a line of roslaunch, or of a program that is no node."""
         if self.state is StartState.ENDING:
             return self._of_the_end(line)
         if self.state is StartState.RUNNING:
@@ -116,7 +116,7 @@ class StartOutput:
         return line
 
     def _of_the_end(self, line: str) -> str:
-        """Returns what is shown of a line after Ctrl-C: no traceback of what this ended."""
+        """Returns the text to show for a line after Ctrl-C, without the tracebacks of Ctrl-C."""
         if not self._traceback and line != _TRACEBACK:
             return line
         self._traceback.append(line)
@@ -127,7 +127,7 @@ class StartOutput:
 
 
 class PassedSignals:
-    """Passes signals on to a program, as soon as it runs."""
+    """Passes signals on to a program as soon as the program runs."""
 
     def __init__(self, output: StartOutput) -> None:
         self._output = output
@@ -135,7 +135,7 @@ class PassedSignals:
         self._launch: Optional[subprocess.Popen[str]] = None
 
     def receive(self, number: int, _: Optional[FrameType] = None) -> None:
-        """Passes a signal on; the handler of signals."""
+        """Passes a signal on. This is the handler of signals."""
         self._output.end()
         if self._launch is None:
             self._early.append(number)
@@ -143,7 +143,7 @@ class PassedSignals:
             self._launch.send_signal(number)
 
     def begin(self, launch: subprocess.Popen[str]) -> None:
-        """Passes signals on to this program, which runs now, also those that came before."""
+        """Passes signals on to this program, which runs now. Earlier signals are sent first."""
         self._launch = launch
         for number in self._early:
             launch.send_signal(number)
@@ -153,11 +153,11 @@ def main(arguments: Optional[Sequence[str]] = None) -> int:
     """Runs the command; returns the exit status of roslaunch."""
     output, begun = StartOutput(), time.monotonic()
     environment: Dict[str, str] = {
-        'ROSCONSOLE_FORMAT': FORM, **os.environ, 'PYTHONUNBUFFERED': '1'}  # else lines come late
+        'ROSCONSOLE_FORMAT': FORM, **os.environ, 'PYTHONUNBUFFERED': '1'}  # so lines come at once
     signals = PassedSignals(output)
     for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
         signal.signal(number, signals.receive)
-    # Its group is its own: else a Ctrl-C would reach it twice, here and from the terminal.
+    # A process group of its own: otherwise Ctrl-C would reach it from here and from the terminal.
     launch = subprocess.Popen(
         ['roslaunch', '--disable-title',
          *(sys.argv[1:] if arguments is None else arguments)],
@@ -171,7 +171,7 @@ def main(arguments: Optional[Sequence[str]] = None) -> int:
             continue
         try:
             print(shown, flush=True)
-        except BrokenPipeError:  # the reader has gone, as with `| head`
+        except BrokenPipeError:  # the reader has ended, as with `| head`
             os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
             signals.receive(signal.SIGINT)
     return launch.wait()

@@ -1,4 +1,4 @@
-"""From a number or a fleet file to launch and RViz files; needs a ROS workspace."""
+"""A number or a fleet file becomes launch and RViz files; needs a ROS workspace."""
 from __future__ import annotations
 
 import shlex
@@ -29,7 +29,7 @@ from trajectory_graph import load_graph  # noqa: E402
 def made(tmp_path_factory):
     folder = str(tmp_path_factory.mktemp('fleet'))
     with warnings.catch_warnings():
-        # a user would see such a warning and not understand it
+        # a user would see such a warning and would not understand it
         warnings.simplefilter('error', RuntimeWarning)
         return prepare(parse(['fleet:=2', 'longest_edge:=1.5', 'rviz:=true', 'demo:=true']),
                        folder, check=False)

@@ -1,4 +1,4 @@
-"""Launch files and the node host: each hosted node is a Python program with a shared module."""
+"""Each node that a launch file gives to the node host is a Python program with a shared module."""
 from __future__ import annotations
 
 import re

@@ -1,1 +1,1 @@
-"""Shows the fleet in a browser. It is one node with one address, and needs no internet."""
+"""Shows the fleet in a browser. It is one node at one address, and it needs no internet."""

@@ -1,4 +1,4 @@
-"""The fleet manager's messages on the page, and the page's requests."""
+"""The page shows the fleet manager's messages, and sends requests as messages."""
 from __future__ import annotations
 
 import json
@@ -144,7 +144,7 @@ def test_an_allocation_has_its_edges_its_vertex_and_its_other_places():
 
 
 def laser(places: Any) -> PointCloud2:
-    """A cloud in the layout of the receiver."""
+    """Returns a cloud in the layout of the receiver of laser data."""
     data = np.array(places, '<f4').reshape(-1, 3)
     fields = [PointField(name, 4 * k, PointField.FLOAT32, 1) for k, name in enumerate('xyz')]
     return PointCloud2(height=1, width=len(data), fields=fields, point_step=12,
@@ -226,7 +226,7 @@ def test_a_grid_that_is_too_large_is_refused_before_its_cells_are_read():
 
 
 class Topic:
-    """A publisher that records the messages it sends, with its connections to these nodes."""
+    """A publisher that is connected to the nodes in `listeners` and records what it sends."""
 
     listeners: Tuple[str, ...] = ('/fleet_page', '/path_supervisor', '/graph_server')
 
@@ -347,7 +347,7 @@ def test_edges_are_closed_and_opened_by_a_command(commands, kind, command):
     Act(ActKind.SEND, destinations=(2,)), Act(ActKind.CANCEL, mission=1),
     Act(ActKind.CLOSE, edges=(1,))])
 def test_what_no_program_takes_is_told_as_not_done(commands, monkeypatch, act):
-    monkeypatch.setattr(Topic, 'listeners', ('/fleet_page',))  # it records what others send
+    monkeypatch.setattr(Topic, 'listeners', ('/fleet_page',))  # it only listens for the audit
     assert not commands.do(act, ANNA).ok
 
 
@@ -384,7 +384,7 @@ def test_a_stop_that_did_not_work_is_told_with_its_reason(monkeypatch):
 
 
 def test_a_direct_stop_does_not_take_the_name_of_the_page(monkeypatch):
-    """A ROS master ends a node as soon as another one registers with its name."""
+    """A ROS master ends a node as soon as another node registers with the same name."""
     arguments = ['page', '__name:=fleet_page', '_port:=8080', '__master:=http://a:1', 'b:=c']
     monkeypatch.setattr('sys.argv', arguments)
     rospy.names.reload_mappings(arguments)
@@ -396,7 +396,7 @@ def test_a_direct_stop_does_not_take_the_name_of_the_page(monkeypatch):
 
 
 def asked_by(name: str, message: Any) -> Any:
-    """The message as it arrives from a node with this name."""
+    """Returns a message as it arrives from a node with this name."""
     message._connection_header = {'callerid': name}
     return message
 

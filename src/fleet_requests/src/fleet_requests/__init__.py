@@ -1,4 +1,4 @@
-"""Requests and commands to the fleet manager, as all programs of this workspace send them."""
+"""Requests and commands to the fleet manager, for all programs of this workspace."""
 from __future__ import annotations
 
 import random
@@ -17,16 +17,16 @@ from itrci_nav_msgs.msg import (
 )
 from itrci_nav_msgs.srv import GetMissionStatus, GetMissionStatusResponse
 
-SILENCE = 10.0  # s without news of a mission after which its sender asks for the stored status
-WAIT = 1.0      # s to wait for a service that may not exist
+SILENCE = 10.0  # s: after this time without news of a mission, its sender asks for its status
+WAIT = 1.0      # s to wait for a service, which may not exist
 _NEW_ID = random.SystemRandom()
 
 
 class _Channel(NamedTuple):
-    """Where a kind of message is sent.
+    """The topic for a kind of message.
 
-    receiver  -- the name of the node that carries it out
-    complaint -- what to say if that node does not listen
+    receiver  -- the name of the node that carries the message out
+    complaint -- the text for people if this node does not listen
     """
 
     topic: str
@@ -46,7 +46,7 @@ _CHANNELS: Mapping[Type[Any], _Channel] = {
 
 
 class NotSent(Exception):
-    """The receiver of a message does not listen. The text says which one is missing."""
+    """The receiver of a message does not listen. The text names the receiver."""
 
 
 class ServiceSilent(Exception):
@@ -54,11 +54,11 @@ class ServiceSilent(Exception):
 
 
 class ServiceRefused(Exception):
-    """A service has answered that it did not do what was asked. The text is its message."""
+    """A service has answered that it did not carry out the call. The text is its message."""
 
 
 class Sender:
-    """The topic for one kind of message: one of those in `_CHANNELS`."""
+    """The topic for one kind of message in `_CHANNELS`."""
 
     def __init__(self, kind: Type[Any]) -> None:
         self.topic, self._receiver, self.complaint = _CHANNELS[kind]
@@ -66,7 +66,7 @@ class Sender:
 
     @property
     def is_heard(self) -> bool:
-        """Whether the receiver gets what is sent. Others also listen, such as the fleet page."""
+        """Whether the receiver is connected; other nodes, such as the fleet page, do not count."""
         return any(name.rpartition('/')[2] == self._receiver
                    for _, name, *_ in self._publisher.impl.get_stats_info())
 
@@ -74,25 +74,25 @@ class Sender:
         """Stamps a message with the present time, and sends it. Raises NotSent."""
         if not self.is_heard:
             raise NotSent(self.complaint)
-        if isinstance(message, DeviceRequest):  # it has the fields of Open-RMF, so no header
+        if isinstance(message, DeviceRequest):  # a message of Open-RMF, which has no header
             message.request_time = rospy.Time.now()
         else:
             message.header.stamp = rospy.Time.now()
         self._publisher.publish(message)
 
     def repeat(self, message: Any) -> None:
-        """Sends a message again. It keeps its stamp, so the fleet manager knows it."""
+        """Sends a message again with its first stamp, by which the fleet manager recognises it."""
         self._publisher.publish(message)
 
 
 class ImpossibleRequest(ValueError):
-    """A request cannot be made. The text says why, and what to do."""
+    """A request cannot be made. The text says why, and what to do instead."""
 
 
 def mission_request(destinations: Sequence[Union[int, str]], **fields: Any) -> MissionRequest:
-    """Returns a request of a mission. Its id is random if `fields` of the message name none.
+    """Returns a request of a mission. If `fields` has no id, the id is random.
 
-    destinations -- ids of vertices, and names of groups of which any place will do
+    destinations -- ids of vertices, and names of groups; a group stands for any of its places
 
     Raises ImpossibleRequest for a group with `dwell`.
     """
@@ -105,35 +105,35 @@ def mission_request(destinations: Sequence[Union[int, str]], **fields: Any) -> M
 
 
 def visits(destinations: Sequence[Union[int, str]]) -> List[MissionStop]:
-    """Stops at which nothing is to be done, at vertices and at places of groups."""
+    """Returns stops without steps, at vertices and at places of groups."""
     return [MissionStop(group=one) if isinstance(one, str) else MissionStop(vertex=one)
             for one in destinations]
 
 
 class MissionNews:
-    """When the last news of each open mission came, so that a missed end is asked for.
+    """The time of the last news of each open mission, to notice that an end was missed.
 
-    The status of a mission is lost if the fleet manager ends before it has sent it, or if a queue
-    overflows. So the sender of a mission asks for the stored status after a silence.
+    The status of a mission is lost if the fleet manager ends before it has sent the status, or if a
+    queue overflows. So after a silence the sender of a mission asks for the stored status.
     """
 
     def __init__(self) -> None:
         self._heard: Dict[int, float] = {}
 
     def __contains__(self, request_id: int) -> bool:
-        """Whether there was news of this mission, and its end is still open."""
+        """Whether the mission has had news and has not ended."""
         return request_id in self._heard
 
     def heard(self, request_id: int) -> None:
-        """Notes that there is news of a mission now."""
+        """Notes that news of a mission has come now."""
         self._heard[request_id] = time.monotonic()
 
     def ended(self, request_id: int) -> None:
-        """Forgets a mission, of which no more news is expected."""
+        """Forgets a mission that has ended."""
         self._heard.pop(request_id, None)
 
     def silent(self) -> List[int]:
-        """Returns the missions of which there was no news for `SILENCE` s."""
+        """Returns the missions without news for at least `SILENCE` s."""
         latest = time.monotonic() - SILENCE
         return [id for id, heard in list(self._heard.items()) if heard <= latest]
 
@@ -142,7 +142,7 @@ def stored_status(request_id: int, stamp: Optional[rospy.Time] = None,
                   ) -> Optional[GetMissionStatusResponse]:
     """Asks for the stored status of a mission. None: the fleet manager does not answer.
 
-    stamp -- the stamp of the request; None: of the last mission with this id
+    stamp -- the stamp of the request; None: the last mission with this id
     """
     ask = rospy.ServiceProxy('/get_mission_status', GetMissionStatus)
     try:
@@ -156,8 +156,8 @@ def call(service: str, kind: Type[Any] = Trigger, *arguments: Any, wait: float =
     """Calls a service whose answer has the fields of Trigger, and returns the answer's message.
 
     wait         -- s to wait for the service
-    requested_by -- the person or program that calls, for the records of the fleet manager; it goes
-                    into the header of the connection, because a Trigger has no field for it
+    requested_by -- the person or program that calls, for the records of the fleet manager. It is
+                    in the header of the connection, because a Trigger has no field for it
 
     Raises ServiceSilent and ServiceRefused.
     """

@@ -1,4 +1,5 @@
-"""What is sent is stamped once; what nobody takes or does is told."""
+"""Each message is stamped once. If no program receives or carries out a message, this is reported.
+"""
 from __future__ import annotations
 
 import time
@@ -25,7 +26,7 @@ from itrci_nav_msgs.srv import GetMissionStatusResponse
 
 
 class Topic:
-    """A publisher that keeps the stamps of its messages, with its connections to these nodes."""
+    """A publisher that keeps the stamps of its messages and is connected to these nodes."""
 
     listeners: Tuple[str, ...] = ('/path_supervisor', '/graph_server', '/fleet_page')
 
@@ -106,7 +107,7 @@ def test_each_request_has_an_id_of_its_own_unless_one_is_given():
 
 
 def service(monkeypatch, answer: Any) -> List[Any]:
-    """All services give this answer, or raise it. Returns the arguments of the calls."""
+    """Makes all services give this answer, or raise it. Returns the arguments of the calls."""
     asked: List[Any] = []
 
     def ask(*arguments: Any) -> Any:

@@ -48,7 +48,7 @@ PRIVATE = 0o600  # mode of archives and of restored files
 _SITE, _HOME = 'site', 'ros_home'
 
 Contents = Dict[str, IO[bytes]]
-"""Temporary files without a name, by their names in an archive."""
+"""Temporary files without names; the keys are their names in an archive."""
 
 
 def main(arguments: Optional[Sequence[str]] = None) -> int:
@@ -79,14 +79,13 @@ def main(arguments: Optional[Sequence[str]] = None) -> int:
 
 
 def ros_home() -> Path:
-    """Returns the folder in which nodes keep their persistent files, or
-    that of a site's services.
-    """
+    """Returns the folder in which nodes, or the services of a site, keep their data."""
     return Path(os.environ.get('ROS_HOME') or Path.home() / '.ros')
 
 
 def save(archive: Path, files: Sequence[Path], home: Path) -> List[str]:
-    """Writes the archive, and one of secrets if there are any. Returns lines about their contents.
+    """Writes the archive, and an archive of the secrets if there are any. Returns lines about the
+    contents.
     """
     by_name = {path.name: path for path in files}
     if len(by_name) < len(files):
@@ -120,7 +119,7 @@ def save(archive: Path, files: Sequence[Path], home: Path) -> List[str]:
 
 
 def _is_of_this_command(archive: Path) -> bool:
-    """Returns whether a file is an archive of secrets of an earlier backup."""
+    """Returns whether a file is an archive of secrets that an earlier backup wrote."""
     with ExitStack() as stack:
         packed = _new(stack)
         read_as_owner(archive, packed)
@@ -134,25 +133,25 @@ def _is_of_this_command(archive: Path) -> bool:
 
 
 def _new(stack: ExitStack) -> IO[bytes]:
-    """Returns a temporary file without a name, which lasts as long as the stack."""
+    """Returns a temporary file without a name. It lasts as long as the stack."""
     return stack.enter_context(tempfile.TemporaryFile())
 
 
 def _services(home: Path) -> List[int]:
-    """Returns the users, other than root, that own the state."""
+    """Returns the users, except root, that own the state."""
     return [owner for owner in (_owner(state_folder(home, folder), home) for folder in UNITS)
             if owner]
 
 
 def _owner(folder: Path, home: Path) -> int:
-    """Returns the owner of a folder of state: the owner of ROS_HOME may have put a link in its
-    place.
+    """Returns the owner of a folder of state. If root does not own ROS_HOME, the owner of ROS_HOME
+    counts: this user may have put a link in place of the folder.
     """
     return owner_of(home) or owner_of(folder)
 
 
 def _saved_state(home: Path, stack: ExitStack) -> Contents:
-    """Copies of the persistent files, each made with the rights of its folder's owner."""
+    """Returns copies of the persistent files, each made with the rights of its folder's owner."""
     found: Contents = {}
     for name in (*DATABASES, *TEXTS):
         folder = _folder_of(name, home)
@@ -170,7 +169,8 @@ def _folder_of(name: str, home: Path) -> Path:
 
 
 def _copy_state(path: Path, into: IO[bytes]) -> None:
-    """Copies a persistent file, if it exists: of a database its state at one moment."""
+    """Copies a persistent file, if it exists. The copy of a database has its state at one moment.
+    """
     if not path.is_file():
         return
     if path.suffix != '.sqlite':
@@ -187,7 +187,7 @@ def _copy_state(path: Path, into: IO[bytes]) -> None:
 
 
 def _write(archive: Path, contents: Contents) -> None:
-    """Writes an archive completely, or leaves the old one."""
+    """Writes the whole archive, or keeps the old one."""
     with tempfile.TemporaryFile() as whole:
         with tarfile.open(fileobj=whole, mode='w:gz') as target:
             for name, content in contents.items():
@@ -248,7 +248,10 @@ def _place_of(member: tarfile.TarInfo, folder: Path, home: Path) -> Tuple[Path, 
 
 
 def _renew_journal(journal: Path, content: IO[bytes], said: IO[bytes]) -> None:
-    """Makes a saved journal one that the fleet manager can begin with, unless one runs."""
+    """Turns a saved journal into a journal with which the fleet manager can begin.
+
+    Raises NotDone while a fleet manager runs.
+    """
     try:
         if journal.is_file():
             JournalDatabase(str(journal)).close()

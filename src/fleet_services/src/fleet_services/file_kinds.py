@@ -1,4 +1,4 @@
-"""Tells which files of a site are secrets, by their content and never by their mode."""
+"""Decides which files of a site are secrets: by their content, never by their mode."""
 from __future__ import annotations
 
 from typing import FrozenSet, Tuple
@@ -16,10 +16,7 @@ _WORDS = ('password', 'passwd', 'token', 'secret')
 
 
 def is_secret(content: bytes) -> bool:
-    """Returns whether a file may be a secret.
-
-    What is no known kind of file without secrets, is one.
-    """
+    """Returns whether a file may be a secret: it is not of a kind that is known to have none."""
     if content.startswith(_KNOWN):
         return False
     if content.lstrip().startswith(_CERTIFICATE):

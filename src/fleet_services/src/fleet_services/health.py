@@ -3,13 +3,13 @@ from __future__ import annotations
 
 from typing import Dict, FrozenSet, Iterable
 
-PATIENCE = 15.0  # s that a node may be silent, or report a hang, before its unit counts as hung
+PATIENCE = 15.0  # s; a unit counts as hung if a node is silent or reports a hang for longer
 
 
 class Health:
     """The state of a unit's nodes, from the reports of their watchdogs.
 
-    roslaunch restarts a node that ends within `PATIENCE`.
+    If a node ends, roslaunch restarts it within `PATIENCE`.
     """
 
     def __init__(self, nodes: Iterable[str]) -> None:
@@ -17,7 +17,7 @@ class Health:
         self.nodes: FrozenSet[str] = frozenset(nodes)
 
     def hear(self, node: str, is_well: bool, now: float) -> None:
-        """Takes the report of a watchdog at `now` (s, monotonic). Ignores nodes of other units."""
+        """Notes the report of a watchdog at `now` (s, monotonic); ignores nodes of other units."""
         if is_well and node in self.nodes:
             self._well[node] = now
 
@@ -27,8 +27,6 @@ class Health:
         return self.nodes == set(self._well)
 
     def hung(self, now: float) -> FrozenSet[str]:
-        """Returns the nodes without a good report for more than `PATIENCE`.
-
-        `now` in s, monotonic.
+        """Returns the nodes without a good report for more than `PATIENCE`; `now` in s, monotonic.
         """
         return frozenset(node for node, heard in self._well.items() if now - heard > PATIENCE)

@@ -27,16 +27,16 @@ from fleet_services.site_file import SiteFile
 from fleet_services.state_folders import DATA, LOGS, make_private, move, planned_moves
 from fleet_services.units import System, unit_files
 
-#: Environment variables of this process that the nodes need too.
+#: Environment variables of this process that the nodes need, too.
 _INHERITED = re.compile(r'ROS_(?!MASTER_URI|IP|HOSTNAME|HOME|LOG_DIR|NAMESPACE)\w+|PYTHONPATH|PATH|'
                         r'LD_LIBRARY_PATH|CMAKE_PREFIX_PATH')
-#: Names of nodes that have no watchdog of this project.
+#: Names of nodes that are not watched by a watchdog of this project.
 NOT_WATCHED = re.compile(r'/(?:\w+/)*(?:node_host|ld90_sim|master_discovery|master_sync)\w*\Z')
-#: Those of them that are lists of folders. An empty entry would stand for the working directory.
+#: Environment variables that are lists of folders. An empty entry would be the working directory.
 _LISTS = re.compile(r'ROS_PACKAGE_PATH|PYTHONPATH|PATH|LD_LIBRARY_PATH|CMAKE_PREFIX_PATH')
 UNITS = 'etc/systemd/system'
 SETTINGS = 'etc/fleet'
-READABLE, RUNNABLE = 0o640, 0o750  # modes of what the services' group reads, and runs or enters
+READABLE, RUNNABLE = 0o640, 0o750  # modes of files that the services' group reads, or runs
 PUBLIC, SECRET, CLOSED = 0o644, 0o600, 0o700
 
 
@@ -57,7 +57,7 @@ class Machine:
 
     @property
     def is_this(self) -> bool:
-        """Whether it is the machine that runs this program, not an image of another."""
+        """Whether this is the machine that runs this program, and not an image of another one."""
         return self.root == Path('/')
 
     @property
@@ -66,8 +66,10 @@ class Machine:
         return self.is_this and Path('/run/systemd/system').is_dir()
 
     def ids(self, user: str) -> Tuple[int, int]:
-        """Returns the numbers of a user and the group of the same name; -1, which changes nothing,
-        if the machine does not have them, or only root could use them.
+        """Returns the numbers of a user and of the group with the same name.
+
+        A number is -1, which changes nothing, if the machine does not have the name, or if this
+        process is not root.
         """
         if os.geteuid() != 0:
             return -1, -1
@@ -145,7 +147,7 @@ def install(site: SiteFile, package: Path, machine: Machine) -> List[str]:
 
 
 def remove(name: str, machine: Machine, purge: bool) -> List[str]:
-    """Removes a site's services, with `purge` also its data. Returns lines about the result."""
+    """Removes a site's services; `purge`: its data, too. Returns lines about the result."""
     target = machine.path(UNITS, f'fleet-{name}.target')
     units = _units_of(target)
     settings = machine.path(SETTINGS, name)
@@ -179,7 +181,7 @@ def _units_of(target: Path) -> List[Path]:
 
 def _make_settings(site: SiteFile, system: System, machine: Machine, package: Path,
                    folder: Path) -> InstallationPlan:
-    """Makes all files that the units need, in a new folder: a running site keeps its old one."""
+    """Makes all files that the units need, in a new folder. A running site keeps its old folder."""
     plan = _make_files(site, system, folder)
     shutil.copyfile(package / 'config' / 'restart_pause', folder / 'restart_pause')
     _write(folder / 'environment', _environment(site, os.environ))
@@ -191,7 +193,7 @@ def _make_settings(site: SiteFile, system: System, machine: Machine, package: Pa
         os.chown(path, -1, group)
     for name, source in plan.secrets.items():
         _keep_secret(Path(source), folder / 'secrets' / name)
-        if not system.has_credentials:  # the services read it themselves
+        if not system.has_credentials:  # the services themselves read the secrets
             (folder / 'secrets').chmod(RUNNABLE)
             os.chown(folder / 'secrets', -1, group)
             os.chown(folder / 'secrets' / name, user, group)
@@ -200,9 +202,9 @@ def _make_settings(site: SiteFile, system: System, machine: Machine, package: Pa
 
 def _divide_state(site: SiteFile, plan: InstallationPlan, system: System,
                   machine: Machine) -> List[str]:
-    """Moves the state of a site of 1.0.0, and of a robot whose unit is another one now.
+    """Moves the state of a site of 1.0.0, and the state of a robot whose unit has changed.
 
-    Only the owner of the state touches it. What belongs to no unit stays where it is.
+    Only the owner of the state touches it. State that belongs to no unit stays where it is.
     """
     home = machine.path(DATA, site.name)
     user, group = machine.ids(site.user)
@@ -211,7 +213,7 @@ def _divide_state(site: SiteFile, plan: InstallationPlan, system: System,
     running = _units_of(machine.path(UNITS, system.target))
     if moves and running and machine.runs_systemd:
         _run('systemctl', 'stop', *(unit.name for unit in running))
-    if owner:  # the folder of a site of 1.0.0, or of one that never ran
+    if owner:  # the folder of a site of 1.0.0, or of a site that never ran
         as_user(owner, lambda: move(moves), group)
     _own(home, -1 if os.geteuid() else 0, group, RUNNABLE)
     for name in (service.name for service in plan.services):
@@ -225,7 +227,7 @@ def _divide_state(site: SiteFile, plan: InstallationPlan, system: System,
 
 
 def _close(folders: Iterable[Path], group: int) -> None:
-    """Makes the files in these folders private, each as the user that owns the folder."""
+    """Makes the files in these folders private, each with the rights of the folder's owner."""
     for folder in folders:
         if folder.is_dir() and not folder.is_symlink():
             as_user(owner_of(folder), partial(make_private, folder), group)
@@ -262,13 +264,14 @@ def _make_files(site: SiteFile, system: System, settings: Path) -> InstallationP
 
 
 def _installed(path: str, settings: Path, system: System) -> str:
-    """Returns the path of a file after the installation. Files of packages keep their path."""
+    """Returns the path that a file has after the installation. Files of packages keep their paths.
+    """
     name = Path(path).name
     return f'{system.settings}/{name}' if (settings / name).exists() else path
 
 
 def _watched(text: str, name: str, nodes: List[str]) -> str:
-    """Returns the launch file, with a node that reports the state of these nodes to systemd."""
+    """Returns the launch file with one more node, which reports the state of `nodes` to systemd."""
     root = ET.fromstring(text)
     node = ET.SubElement(root, 'node', {
         'name': f'service_watch_{name.replace("-", "_")}', 'pkg': 'fleet_services',
@@ -280,8 +283,8 @@ def _watched(text: str, name: str, nodes: List[str]) -> str:
 def _nodes_of(launch: Path) -> List[str]:
     """Returns the nodes of a launch file that have a watchdog of this project.
 
-    roslaunch's `load_config_default` also reads the file of roscore, which starts two programs that
-    find out versions. That takes most of its time, and no node of the site comes from there.
+    roslaunch's `load_config_default` is not used: it also reads the file of roscore, which starts
+    two programs to find out versions. This would take most of the time and add no node of the site.
     """
     read = ROSLaunchConfig()
     try:
@@ -299,8 +302,9 @@ def _program(name: str) -> str:
 
 
 def _folder_of_master() -> str:
-    """Returns the folder of this workspace's ROS master, which refuses web browsers. roscore starts
-    the first `rosmaster` in PATH.
+    """Returns the folder of this workspace's ROS master, which refuses web browsers.
+
+    roscore starts the first `rosmaster` in PATH.
     """
     found = find_node('node_lifecycle', 'rosmaster')
     if not found:
@@ -319,7 +323,7 @@ def _environment(site: SiteFile, environment: Mapping[str, str]) -> str:
     kept['PATH'] = f'{_folder_of_master()}:{kept["PATH"]}'
     kept.update({'ROS_IP': site.address, 'LANG': 'C.UTF-8',
                  'ROS_MASTER_URI': f'http://{site.address}:{site.master_port}',
-                 # a unit imports only what root has installed
+                 # so a unit imports only files that root has installed
                  'PYTHONNOUSERSITE': '1', 'PYTHONSAFEPATH': '1', 'PYTHONDONTWRITEBYTECODE': '1'})
     return ''.join(f'{name}="{value}"\n' for name, value in kept.items())
 
@@ -331,7 +335,7 @@ def _write(path: Path, text: str, mode: int = READABLE) -> None:
 
 
 def _keep_secret(source: Path, kept: Path) -> None:
-    """Makes a copy that only root can read."""
+    """Makes a copy of a file that only root can read."""
     kept.parent.mkdir(mode=CLOSED, exist_ok=True)
     with open(os.open(kept, os.O_WRONLY | os.O_CREAT | os.O_EXCL, SECRET), 'wb') as stream:
         stream.write(source.read_bytes())
@@ -357,9 +361,9 @@ def _check_reads(user: str, package: Path) -> None:
 
 
 def refuse_replaceable(paths: Iterable[Path], user: int) -> None:
-    """Raises NotInstalled for a file that the services' user, or all users, can replace.
+    """Raises NotInstalled for a file that the services' user, or every user, can replace.
 
-    Root reads and runs these files.
+    This matters because root reads and runs these files.
     """
     for path in paths:
         for place in (path.absolute(), path.resolve()):

@@ -1,7 +1,8 @@
 """Does work in the folders of other users with their rights, never with those of root.
 
-A user may put a link into a folder of its own at any time. A program of root that works there reads
-or writes what the link names. A process with the rights of that user cannot do more than the user.
+A user can put a link into a folder of its own at any time. If a program with the rights of root
+works there, it reads or writes the file that the link names. A process with the rights of that user
+cannot do more than the user.
 """
 from __future__ import annotations
 
@@ -24,7 +25,7 @@ class NotDone(Exception):
 
 
 def owner_of(folder: Path) -> int:
-    """Returns the user that owns a folder, or the nearest one above it that exists."""
+    """Returns the owner of a folder, or of the nearest existing folder above it."""
     while not folder.exists() and folder != folder.parent:
         folder = folder.parent
     return folder.stat().st_uid
@@ -33,10 +34,10 @@ def owner_of(folder: Path) -> int:
 def as_user(user: int, work: Callable[[], None], group: int = _NOBODY) -> None:
     """Calls `work` with the rights of a user; raises NotDone with the reason of a failure.
 
-    Root calls it in a process of its own, which gives up the rights of root. Another caller has no
-    rights to give up, and calls it in this process.
+    Under root, `work` runs in a separate process, which gives up the rights of root. Any other
+    caller has no rights to give up, so `work` runs in this process.
 
-    group -- the group of a user that this system does not know, such as that of an image
+    group -- the group of a user that this system does not know, such as a user of an image
     """
     if os.geteuid() != 0 or user == 0:
         work()
@@ -55,7 +56,7 @@ def as_user(user: int, work: Callable[[], None], group: int = _NOBODY) -> None:
 
 
 def _work_as(user: int, group: int, work: Callable[[], None], writer: int) -> int:
-    """Runs the child: gives up the rights of root, works, and reports a failure."""
+    """Runs in the child process: gives up the rights of root, works, and reports a failure."""
     try:
         group, groups = _groups_of(user, group)
         os.setgroups(groups)
@@ -82,7 +83,8 @@ def _groups_of(user: int, group: int) -> Tuple[int, List[int]]:
 def read_as_owner(path: Path, into: IO[bytes]) -> None:
     """Copies a file with the rights of the owner of its directory entry; raises NotDone, OSError.
 
-    A link of root is followed: root made it. A link of another user is followed as that user.
+    A link that root owns is followed with the rights of root. A link of another user is followed
+    with the rights of that user.
     """
     for _ in range(_MOST_LINKS):
         entry = os.lstat(path)
@@ -94,7 +96,9 @@ def read_as_owner(path: Path, into: IO[bytes]) -> None:
 
 
 def copy_regular(path: Path, into: IO[bytes], follows: bool = False) -> None:
-    """Copies a regular file. Another kind might never end, and a second name may be a trap."""
+    """Copies a regular file with one name. Other kinds of files may never end, and a second name
+    may be a trap.
+    """
     flags = os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC | (0 if follows else os.O_NOFOLLOW)
     with open(os.open(path, flags), 'rb') as source:
         status = os.fstat(source.fileno())
@@ -107,7 +111,7 @@ def copy_regular(path: Path, into: IO[bytes], follows: bool = False) -> None:
 
 
 def copy_all(source: IO[bytes], into: IO[bytes]) -> None:
-    """Copies the rest of a file, and passes it on to the other processes that have it open."""
+    """Copies the rest of a file, and flushes it for other processes that have the copy open."""
     block = source.read(_BLOCK)
     while block:
         into.write(block)
@@ -116,9 +120,9 @@ def copy_all(source: IO[bytes], into: IO[bytes]) -> None:
 
 
 def put_file(place: Path, content: IO[bytes], mode: int, kept: Optional[Path] = None) -> None:
-    """Writes a file completely, or leaves the old one. Never follows a link with its name.
+    """Writes the whole file, or keeps the old one. Never follows a link with the file's name.
 
-    kept -- the name under which the old file stays
+    kept -- the name under which the old file is kept
     """
     unfinished = place.with_name(f'{place.name}.unfinished')
     unfinished.unlink(missing_ok=True)

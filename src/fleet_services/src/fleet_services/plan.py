@@ -1,8 +1,8 @@
-"""Plans the services of a site: their launch files, and the secrets that each may read.
+"""Plans the services of a site: their launch files, and the secrets that each service may read.
 
-Each secret of the site (ARCL passwords, the page's tokens and key) is read only by the service that
-needs it, from the path at which systemd provides it. Each service keeps its state in a folder of
-its own, and communicates only with the addresses that it needs, if the site file tells them.
+Only the service that needs a secret of the site (ARCL password, the page's tokens or key) reads it,
+from the path at which systemd provides it. Each service keeps its state in a folder of its own. It
+communicates only with the addresses that it needs, if the site file lists the networks.
 """
 from __future__ import annotations
 
@@ -29,9 +29,9 @@ _OF_THE_PAGE = ('token_file', 'key_file')
 class InstallationPlan:
     """The files to install.
 
-    launches -- texts of launch files, by the names of their services
-    secrets  -- the source file of each secret, by the secret's name
-    robots   -- the service of each robot whose nodes run here
+    launches -- text of the launch file of each service, by the service's name
+    secrets  -- source file of each secret, by the secret's name
+    robots   -- service of each robot whose nodes run here, by the robot's name
     """
 
     services: Tuple[Service, ...]
@@ -41,7 +41,7 @@ class InstallationPlan:
 
     @property
     def state(self) -> Dict[str, str]:
-        """The service by the folder of ROS_HOME that it needs, for folders of one service."""
+        """For each folder of ROS_HOME that only one service needs: the name of the service."""
         names = {service.name for service in self.services}
         return {folder: name for folder, name in UNITS.items() if name in names}
 
@@ -93,9 +93,8 @@ def plan_services(site: SiteFile, entries: Sequence[RobotEntry], graph: StartedS
 def _with_secret_passwords(
         group: Sequence[RobotEntry], service: str,
         system: System) -> Tuple[List[RobotEntry], Dict[str, str]]:
-    """Returns the robots, whose passwords the service reads from its secrets.
-
-    And these by their names.
+    """Returns the robots with the paths from which the service reads their passwords, and the
+    password files by the names of these secrets.
     """
     own, secrets = [], {}
     for one in group:
@@ -108,9 +107,8 @@ def _with_secret_passwords(
 
 
 def _networks(site: SiteFile, entries: Sequence[RobotEntry]) -> Optional[Tuple[str, ...]]:
-    """Returns the addresses with which any service may communicate.
-
-    None: the site file does not tell.
+    """Returns the addresses with which every service may communicate; None: the site file does not
+    list them.
     """
     if site.networks:
         return _with(tuple(site.networks), [site.address])
@@ -119,9 +117,8 @@ def _networks(site: SiteFile, entries: Sequence[RobotEntry]) -> Optional[Tuple[s
 
 
 def _with(known: Optional[Tuple[str, ...]], hosts: Sequence[str]) -> Optional[Tuple[str, ...]]:
-    """Returns these addresses and others.
-
-    None if one of them is a name, which only DNS can tell.
+    """Returns the addresses `known` and those of `hosts`; None if a host has a name, because only
+    DNS knows its address.
     """
     if known is None:
         return None
@@ -139,7 +136,7 @@ def _is_loopback(host: str) -> bool:
 
 
 def _groups(entries: Sequence[RobotEntry], size: int) -> List[Tuple[str, List[RobotEntry]]]:
-    """Groups of at most `size` LD-90s that share a unit, with the names of their services."""
+    """Returns groups of at most `size` LD-90s that share a unit, with the names of the services."""
     ld90s = [entry for entry in entries if entry.robot.driver == LD90]
     return [(f'robots-{number + 1}', ld90s[begin:begin + size])
             for number, begin in enumerate(range(0, len(ld90s), size))]

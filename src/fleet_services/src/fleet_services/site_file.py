@@ -1,10 +1,10 @@
-"""The site file: describes the services of a fleet on this computer.
+"""The site file, which describes the services of a fleet on this computer.
 
     name: hall                 # part of the units' names: fleet-hall-manager.service ...
-    user: fleet                # an unprivileged user; created if it is missing
+    user: fleet                # a user without rights; created if it does not exist
     address: 10.0.0.9          # address by which robots' computers reach this one; 127.0.0.1
     master_port: 11311
-    robots_per_unit: 10        # most LD-90s whose nodes share a unit
+    robots_per_unit: 10        # largest number of LD-90s whose nodes share a unit
     networks: [10.0.0.0/24]    # networks with which the services may communicate; without it: all
     arguments:                 # those of scripts/run.sh fleet:=...; files relative to this file
       fleet: fleet.yaml
@@ -32,7 +32,7 @@ from trajectory_graph.strict_yaml import Field, WrongYaml
 KEYS = ('name', 'user', 'address', 'master_port', 'robots_per_unit', 'networks', 'arguments')
 _NAME = re.compile(r'[a-z][a-z0-9-]{0,30}\Z')
 _ADDRESS = re.compile(r'[0-9A-Za-z.:-]+\Z')
-#: Arguments that are paths, or may be one.
+#: Arguments that are paths or can be paths.
 _FILES = ('fleet', 'graph_file', 'work_file', 'base_map', 'map_file', 'token_file',
           'certificate_file', 'key_file')
 #: Arguments that need a screen.

@@ -4,7 +4,7 @@
     /var/lib/fleet/hall/page/fleet_page/...
     /var/lib/fleet/hall/robots-1/omron_ld90/...
 
-Up to version 1.0.0 all units had the folder of the site, which was ROS_HOME of all nodes.
+Up to version 1.0.0, all units shared the folder of the site, and it was ROS_HOME of all nodes.
 """
 from __future__ import annotations
 
@@ -17,9 +17,9 @@ from fleet_services.ownership import NotDone, owner_of, rename
 
 DATA, LOGS = 'var/lib/fleet', 'var/log/fleet'
 MASTER, MANAGER, PAGE = 'master', 'manager', 'page'
-#: The unit that has each folder of ROS_HOME.
+#: The unit to which each folder of ROS_HOME belongs.
 UNITS: Mapping[str, str] = {'graph_fleet_manager': MANAGER, 'fleet_page': PAGE}
-#: The folder of ROS_HOME with files of single robots, and the ends of their names.
+#: The folder of ROS_HOME with the files of single robots.
 ROBOTS = 'omron_ld90'
 _ENDINGS = ('_route.json', '_motion.json')
 _LOCK = '.lock'
@@ -31,24 +31,24 @@ Moves = List[Tuple[Path, Path]]
 
 
 def state_folder(home: Path, folder: str) -> Path:
-    """Returns the ROS_HOME whose part `folder` is. `home` is ROS_HOME, or the folder of a site."""
+    """Returns the ROS_HOME that contains `folder`; `home` is ROS_HOME, or the folder of a site."""
     unit = home / UNITS[folder]
     is_site = home.absolute().parts[-4:-1] == tuple(DATA.split('/'))
     return unit if is_site and unit.is_dir() else home
 
 
 def planned_moves(site: Path, units: Mapping[str, str], robots: Mapping[str, str]) -> Moves:
-    """Returns what must move so that each unit finds its state in its own folder; see `move`.
+    """Returns the files and folders to move so that each unit finds its state in its own folder.
 
     site   -- the folder of the site
-    units  -- unit by folder of ROS_HOME (`UNITS`), for the units that the site has
-    robots -- unit by the name of its robot
-    Raises NotDone if the state of a unit is there twice.
+    units  -- the unit for each folder of ROS_HOME (`UNITS`), for the units that the site has
+    robots -- the unit of each robot, by the robot's name
+    Raises NotDone if the state of a unit exists twice. See `move`.
     """
     moves = [(site / folder, site / unit / folder) for folder, unit in units.items()
              if (site / folder).is_dir()]
     moves += _moves_of_robots(site, robots)
-    if owner_of(site):  # not root's: a site of 1.0.0
+    if owner_of(site):  # root does not own it, so it is a site of 1.0.0
         moves += [(file, site / MASTER / file.name) for file in sorted(site.glob(_PROCESS_IDS))]
     moves = [(source, target) for source, target in moves
              if not (source.name.endswith(_LOCK) and target.exists())]
@@ -60,7 +60,7 @@ def planned_moves(site: Path, units: Mapping[str, str], robots: Mapping[str, str
 
 
 def _moves_of_robots(site: Path, robots: Mapping[str, str]) -> Iterator[Tuple[Path, Path]]:
-    """Yields what must move so that each robot's files are in the folder of its unit."""
+    """Yields the files to move so that the files of each robot are in the folder of its unit."""
     names = {f'{robot}{ending}{lock}': unit for robot, unit in robots.items()
              for ending in _ENDINGS for lock in ('', _LOCK)}
     for home in [site, *sorted(site.glob('robots-*'))] if site.is_dir() else []:
@@ -75,9 +75,9 @@ def _files(folder: Path) -> Iterator[Path]:
 
 
 def move(moves: Moves) -> None:
-    """Moves files and folders on the same file system. A link is moved, never followed.
+    """Moves files and folders within a file system. A link itself is moved, not its target.
 
-    A folder of files of robots that is then empty goes.
+    A folder with files of robots is removed if it is empty afterwards.
     """
     for source, target in moves:
         target.parent.mkdir(parents=True, exist_ok=True, mode=_FOLDER)
@@ -88,8 +88,9 @@ def move(moves: Moves) -> None:
 
 
 def make_private(folder: Path) -> None:
-    """Gives the folder of a unit, and all files of this user in it, the modes of the table in
-    docs/explanation/security.md. Files of version 1.0.0 have other modes. No link is followed.
+    """Sets the modes of a unit's folder, and of all files of this user in it, according to the
+    table in docs/explanation/security.md. Files of version 1.0.0 have other modes. No link is
+    followed.
     """
     folder.chmod(_FOLDER)
     for path, folders, files in os.walk(folder):

@@ -1,6 +1,6 @@
 """The texts of systemd units; see systemd.exec(5) and systemd.service(5).
 
-The functions here do not look at the machine; `System` describes it.
+The functions here do not examine the machine: `System` describes it.
 """
 from __future__ import annotations
 
@@ -9,9 +9,9 @@ from typing import Dict, List, Optional, Sequence, Tuple
 
 CREDENTIALS_FROM = 247    # first version of systemd with LoadCredential
 RESTART_STEPS_FROM = 254  # first version of systemd with RestartSteps
-WATCHDOG = 30  # s without a notification after which systemd restarts a unit
-START = 180    # s that a unit may take until all its nodes work
-STOP = 90      # s that a unit may take to end, with the pause before a restart
+WATCHDOG = 30  # s; systemd restarts a unit that has not notified it for this time
+START = 180    # s in which all nodes of a unit must begin to work
+STOP = 90      # s in which a unit must end, including the pause before a restart
 OPEN_FILES = 16384
 
 #: Restrictions of each unit; `systemd-analyze security` rates them. ProcSubset is not set, because
@@ -34,7 +34,7 @@ HARDENING = (
 class System:
     """The site and the machine of the units. Folders and programs have absolute paths.
 
-    settings -- folder of the launch files and the environment, which only root writes
+    settings -- folder of the launch files and of the environment; only root writes there
     pause    -- the program that waits before a restart
     version  -- version of systemd
     """
@@ -75,10 +75,11 @@ class Service:
     """One unit.
 
     command -- ExecStart
-    secrets -- names of the secrets that it may read
-    is_watched -- whether it notifies systemd that it is ready, and that it works
-    reads -- names of the services whose state it may read, but not change
-    peers -- addresses and networks with which it may communicate, besides this computer; None: all
+    secrets -- names of the secrets that the unit may read
+    is_watched -- whether the unit notifies systemd that it is ready and that it works
+    reads -- names of the services whose state the unit may read, but not change
+    peers -- addresses and networks with which the unit may communicate, besides this computer;
+             None: with all
     """
 
     name: str
@@ -108,7 +109,7 @@ def _service(service: Service, before: Sequence[str], system: System) -> str:
         '[Unit]', f'Description={service.description} of the site {system.site}',
         f'PartOf={system.target}', 'Wants=network-online.target',
         f'After={" ".join(("network-online.target", *before))}',
-        'StartLimitIntervalSec=0',  # restarts never end, but their pauses grow
+        'StartLimitIntervalSec=0',  # restarts go on for ever, but the pauses between them grow
         '', '[Service]', f'User={system.user}', f'Group={system.user}',
         f'EnvironmentFile={system.settings}/environment',
         f'Environment=HOME={state} ROS_HOME={state} ROS_LOG_DIR={logs}',
@@ -116,7 +117,7 @@ def _service(service: Service, before: Sequence[str], system: System) -> str:
         f'LogsDirectory=fleet/{own}', 'LogsDirectoryMode=0700',
         f'RuntimeDirectory=fleet-{system.site}-{service.name}', 'RuntimeDirectoryMode=0700',
         'RuntimeDirectoryPreserve=yes',
-        # Of the folders of all sites and units, a unit sees its own.
+        # In the folders of all sites and units, a unit sees only its own.
         'TemporaryFileSystem=%S/fleet:ro %L/fleet:ro', f'BindPaths={state} {logs}',
         *(f'BindReadOnlyPaths=-%S/fleet/{system.site}/{other}' for other in service.reads),
         f'WorkingDirectory={state}', f'ExecStart={service.command}',

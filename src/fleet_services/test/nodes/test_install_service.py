@@ -1,4 +1,4 @@
-"""A site below a folder: the installed files and their removal; needs a ROS workspace."""
+"""A site is installed below a folder, and removed again; needs a ROS workspace."""
 from __future__ import annotations
 
 import os
@@ -22,7 +22,7 @@ FINISHED_MAP = Path(__file__).resolve().parents[4] / 'maps' / 'lab.map'
 
 
 def make_site(folder: Path, map_file: str = '') -> Path:
-    """The files of a site. Without a finished map its installation makes one, in seconds."""
+    """Makes the files of a site. Without `map_file`, the installation itself makes the map (s)."""
     (folder / 'tokens').write_text(TOKENS)
     (folder / 'tokens').chmod(0o600)
     write_site(folder, f'fleet: 2, token_file: tokens, map_file: "{map_file}"')
@@ -50,15 +50,13 @@ def root(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture
 def installed(site: Path, root: Path) -> Path:
-    """The folder below which `site` is installed: a copy of the shared one, for a test that
-    changes it.
-    """
+    """Returns a copy of the folder below which `site` is installed, for a test that changes it."""
     return Path(shutil.copytree(root, site / 'root', symlinks=True))
 
 
 @pytest.fixture(autouse=True, scope='module')
 def systemd() -> Iterator[None]:
-    """The version of systemd of Debian 12, whatever this machine has."""
+    """Sets the version of systemd to the one of Debian 12, on any machine."""
     before = command.systemd_version
     command.systemd_version = lambda: 252
     yield
@@ -158,7 +156,7 @@ def image(site: Path) -> Path:
 
 
 def different(image: Path) -> List[str]:
-    """How the files of the site differ from the table of docs/explanation/security.md."""
+    """Returns how the files of the site differ from the table in docs/explanation/security.md."""
     names = {0: 'root', SERVICE: 'services'}
     return differences(one for folder in ('etc/fleet', 'var/lib/fleet', 'var/log/fleet',
                                           'etc/systemd/system')
@@ -191,11 +189,11 @@ STATE = {'graph_fleet_manager/fleet.sqlite': 'manager', 'graph_fleet_manager/fle
          'omron_ld90/ld90_2_route.json': 'robots-2',
          'omron_ld90/ld90_2_route.json.lock': 'robots-2',
          'roscore-11311.pid': 'master', 'roscore-11312.pid': 'master'}
-"""The unit that has each persistent file."""
+"""The unit to which each persistent file belongs."""
 
 
 def make_site_of_1_0_0(image: Path, files: Iterable[str] = (*STATE, 'notes')) -> Path:
-    """The state of a site as version 1.0.0 left it: one folder, which all units had."""
+    """Makes the state of a site of version 1.0.0: one folder, which all units shared."""
     home = image / 'var/lib/fleet/hall'
     for name in files:
         (home / name).parent.mkdir(parents=True, exist_ok=True)
@@ -207,8 +205,8 @@ def make_site_of_1_0_0(image: Path, files: Iterable[str] = (*STATE, 'notes')) ->
 
 
 def make_logs_of_1_0_0(image: Path, unit: str) -> Path:
-    """The logs of a unit as version 1.0.0 left them: systemd made their folder with mode 0755, and
-    ROS's logging gives each folder the mode of the one above it.
+    """Makes the logs of a unit of version 1.0.0: systemd made their folder with mode 0755, and ROS
+    gave each folder the mode of the folder above it.
     """
     logs = image / 'var/log/fleet/hall' / unit
     (logs / 'run' / 'node').mkdir(parents=True)

@@ -1,1 +1,1 @@
-"""A fleet manager for robots that drive on a trajectory graph; knows no particular robot."""
+"""A fleet manager for robots that drive on a trajectory graph. It depends on no robot type."""

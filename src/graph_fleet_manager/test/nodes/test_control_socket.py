@@ -14,7 +14,8 @@ SILENT = 2.0  # s
 
 
 def test_a_client_that_says_nothing_is_no_standstill_of_the_node() -> None:
-    """A silent client once blocked the node: the watchdog told people to restart the simulator."""
+    """A silent client once blocked the node, and the watchdog asked for a restart of the simulator.
+    """
     server = AgvControlServer(0, lambda line: None, dict)
     with socket.create_connection(('127.0.0.1', server.port), timeout=20.0) as connection:
         connection.sendall(b'where\n')

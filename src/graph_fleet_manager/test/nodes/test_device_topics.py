@@ -1,4 +1,5 @@
-"""path_supervisor asks devices and hears them by the messages of fleet_devices."""
+"""path_supervisor sends requests to devices, and gets their reports, in messages of fleet_devices.
+"""
 from __future__ import annotations
 
 import time
@@ -40,7 +41,7 @@ def test_a_request_to_a_device_is_published_as_fleet_devices_reads_it(
 
 
 class Events:
-    """Keeps the newest report by its key, as `SupervisorEvents` does."""
+    """Keeps the newest report for each key, like `SupervisorEvents`."""
 
     def __init__(self) -> None:
         self.reports: Dict[str, Callable[..., Any]] = {}
@@ -50,7 +51,7 @@ class Events:
 
 
 class HearingSupervisor:
-    """A supervisor that keeps what it hears of devices, and when."""
+    """A supervisor that keeps the reports of devices, and the times when they came."""
 
     def __init__(self) -> None:
         self.heard: List[Tuple[DeviceReport, float]] = []
@@ -62,7 +63,7 @@ class HearingSupervisor:
 
 @pytest.fixture
 def heard(monkeypatch: pytest.MonkeyPatch) -> Callable[..., List[Tuple[DeviceReport, float]]]:
-    """Returns what a supervisor hears of messages that arrive at the ROS time 1000 s."""
+    """Returns the reports that a supervisor gets from messages that arrive at ROS time 1000 s."""
     def hear(*messages: DeviceState) -> List[Tuple[DeviceReport, float]]:
         node, supervisor = object.__new__(PathSupervisor), HearingSupervisor()
         node._events = Events()

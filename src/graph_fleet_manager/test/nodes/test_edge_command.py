@@ -1,4 +1,4 @@
-"""The command `edge` repeats what it sends until graph_server has carried it out."""
+"""The command `edge` repeats its message until graph_server has carried it out."""
 from __future__ import annotations
 
 from typing import List
@@ -13,9 +13,9 @@ from trajectory_graph import CurveType, Edge, Graph, Vertex
 
 
 class LossyGraphServer:
-    """Loses the first messages, as while it is not connected yet but the fleet page is.
+    """Loses the first messages, as if only the fleet page were connected to the topic yet.
 
-    It is sender and source in one: it publishes the closed edges after a command.
+    It stands for the sender of commands and for the source of the closed edges.
     """
 
     def __init__(self, lost: int) -> None:
@@ -33,7 +33,7 @@ class LossyGraphServer:
             self._told.append(ClosedEdges(edges=message.edges))
 
     def wait(self, seconds: float) -> None:
-        """Nothing comes later than at once."""
+        """Does not wait, because every message comes at once."""
 
     def unread(self) -> List[ClosedEdges]:
         told, self._told = self._told, []

@@ -103,7 +103,7 @@ def test_programs_get_all_fields_as_json():
 
 @pytest.fixture
 def called(monkeypatch):
-    """The called services. `gone` is no longer in the fleet file, `near` reports."""
+    """The called services. Robot `gone` is no longer in the fleet file; robot `near` reports."""
     called = []
 
     def call(service, kind, *arguments):
@@ -215,6 +215,6 @@ def test_which_robots_are_absent_must_be_said(called, arguments):
     ('localhost', ''), ('127.0.0.1', ''),
     ('no-such-computer.invalid', "This computer's own name, no-such-computer.invalid, has no")])
 def test_a_computer_whose_name_has_no_address_is_told(host, expected):
-    """Subscribers connect to a publisher by that name; without an address nothing would arrive."""
+    """Subscribers connect to a publisher by this name. If it has no address, nothing arrives."""
     assert name_problem(host).startswith(expected)
     assert bool(name_problem(host)) == bool(expected)

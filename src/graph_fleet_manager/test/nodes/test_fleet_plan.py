@@ -1,4 +1,4 @@
-"""/fleet_plan costs nothing without subscribers, and a new subscriber gets the newest plan."""
+"""/fleet_plan needs no CPU time without subscribers. A new subscriber gets the newest plan."""
 from __future__ import annotations
 
 import queue
@@ -12,7 +12,7 @@ from graph_fleet_manager.nodes.fleet_plan import FleetPlanTopic
 
 
 class _Publisher:
-    """A publisher whose subscribers the test counts."""
+    """A publisher; the test sets the number of its subscribers."""
 
     subscribers = 0
 

@@ -1,4 +1,4 @@
-"""The fleet stop is obeyed at once: without graph, without disk, beside a hanging supervisor."""
+"""The fleet stop works at once, even without a graph or a disk, or if the supervisor hangs."""
 from __future__ import annotations
 
 import math
@@ -49,7 +49,7 @@ class Services:
                                      lambda _, stop: self.past.append(stop))
 
     def call(self, name, supervisor=None, hangs=False, request=None):
-        """The answer, and the actions for the supervisor's thread."""
+        """Calls a service. Returns its answer, and the actions for the supervisor's thread."""
         answers, actions = [], []
 
         def ask():
@@ -134,14 +134,14 @@ def test_the_causes_have_the_numbers_of_the_message(cause):
 
 
 def resumed(fleet):
-    """Resumes a fleet; returns why not, and what people are told if it is done."""
+    """Resumes a fleet. Returns why that failed, and the text for people if it succeeded."""
     problem, actions = fleet.supervisor.resume_fleet(fleet.now)
     fleet.do(actions)
     return problem, fleet.supervisor.who_goes_on
 
 
 def test_a_resume_is_done_and_names_the_robots_that_stay():
-    """Who reads `not done` believes that nothing drives."""
+    """A person who reads `not done` believes that no robot drives."""
     fleet = SupervisedFleet(corridor(8), {'a': (AGV, 1), 'b': (AGV, 8)})
     fleet.request(1, 3, robot='a')
     fleet.run(2.0)
@@ -203,7 +203,7 @@ def test_an_early_stop_is_repeated_until_the_supervisor_takes_over():
 
 @pytest.mark.parametrize('dies', [True, False])
 def test_a_robot_stopped_early_goes_on_with_its_mission_after_a_resume(dies):
-    """Either this process begins to supervise, or it dies after it has stored the stop."""
+    """Either this process begins to supervise, or it is killed after it has stored the stop."""
     fleet = SupervisedFleet(corridor(6), {'a': (AGV, 1)})
     fleet.request(1, 6)
     fleet.run(3.0)
@@ -290,7 +290,7 @@ def test_a_stop_that_cannot_be_stored_is_done_and_that_is_said(services):
 
 @pytest.mark.parametrize('name', ['/resume_fleet', '/a/join_fleet'])
 def test_what_was_not_done_in_time_is_not_done_later(services, monkeypatch, name):
-    """The caller was told that the robots do not go on, and may stand among them by then."""
+    """The caller was told that the robots do not go on, and may stand among them later."""
     monkeypatch.setattr(fleet_services, 'PATIENCE', 0.1)
     fleet = SupervisedFleet(corridor(3), {'a': (AGV, 1), 'b': (AGV, 3)})
     fleet.run(3.0)

@@ -18,7 +18,7 @@ from graph_fleet_manager.multimaster.peer_master import MasterApi, NoAnswer
 
 
 class FleetManager:
-    """The fleet manager's service as rospy serves it, for one call."""
+    """Serves the fleet manager's service like rospy, for one call."""
 
     def __init__(self, answer=None, header=None) -> None:
         self._server = socket.create_server(('127.0.0.1', 0))
@@ -123,7 +123,7 @@ def test_a_damaged_file_is_no_crash(noted):
 
 
 class Route:
-    """A topic on which a robot receives routes, as rospy publishes to it; only `connected` ones."""
+    """A robot's topic for routes, as rospy publishes to it. Only robots in `connected` get them."""
 
     routes: dict = {}
     connected: tuple = ()
@@ -149,7 +149,7 @@ TOPICS = {'/a/target_route': 'itrci_nav_msgs/TargetRoute', '/fleet_state': 'x/Fl
 
 @pytest.fixture
 def hung(monkeypatch):
-    """A fleet manager that accepts calls and answers none, and a ROS master that works."""
+    """A fleet manager that accepts calls but does not answer, and a ROS master that works."""
     monkeypatch.setattr(stop, 'PATIENCE', 0.1)
     stop_address.note('http://127.0.0.1:1', FleetManager().address)
     monkeypatch.setattr(MasterApi, 'topic_types', lambda *_: TOPICS)

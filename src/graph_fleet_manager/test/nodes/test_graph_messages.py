@@ -1,4 +1,4 @@
-"""The messages that graph_server publishes, and those of robots that it reads."""
+"""The messages that graph_server publishes, and the messages of robots that it reads."""
 from __future__ import annotations
 
 import genpy

@@ -1,4 +1,4 @@
-"""The lists of missions and of closed edges fit a terminal; programs get all of them as JSON."""
+"""The lists of missions and of closed edges fit a terminal; as JSON they have every field."""
 from __future__ import annotations
 
 import argparse

@@ -207,7 +207,8 @@ def test_a_vertex_that_no_message_can_hold_is_refused():
     ('pause', MissionState.PAUSED), ('resume', MissionState.ACTIVE),
     ('resume', MissionState.PENDING)])
 def test_a_mission_that_is_so_already_is_told_at_once(monkeypatch, capsys, word, state):
-    """The fleet manager publishes nothing if nothing changes; the command asks it for the state."""
+    """The fleet manager publishes only changes, so the command asks the fleet manager for the
+    state."""
     asked = []
     monkeypatch.setattr(Nobody, 'send', lambda _, message: asked.append(message))
     change(monkeypatch, word, status(state))
@@ -352,7 +353,7 @@ def test_a_file_of_stops_may_name_a_station_but_a_group_is_no_vertex(site, monke
 
 
 class Sent:
-    """Takes the request that the command would send, and answers that it is accepted."""
+    """Keeps the request that the command sends, and answers that the request is accepted."""
 
     def __init__(self, monkeypatch):
         monkeypatch.setattr(mission, 'connect', self.connect)
@@ -445,7 +446,7 @@ def test_a_timetable_is_paused_and_resumed(monkeypatch, word, paused):
 
 @pytest.fixture
 def explained(monkeypatch):
-    """What the fleet manager answers to mission why; None: it does not answer."""
+    """The fleet manager's answer to `mission why`; None: it does not answer."""
     told = ExplainMissionResponse(
         found=True, state=MissionStatus.PENDING, waits_for_code=ExplainMissionResponse.ROBOT,
         waits_for='it waits for a robot to be free', until=41.6, robots=[

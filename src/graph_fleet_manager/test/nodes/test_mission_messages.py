@@ -191,7 +191,7 @@ def test_a_request_with_a_time_that_no_status_could_tell_is_refused_in_a_status(
 
 @pytest.mark.parametrize('stamp', [stamp.to_sec() for stamp in LATEST])
 def test_a_mission_with_such_a_time_that_was_accepted_before_can_be_told(stamp):
-    """Journals of earlier releases have such times."""
+    """Journals of earlier releases can have a time that no message can carry."""
     status_message(Status(3, MissionState.PENDING, stamp=stamp), NOW).serialize(io.BytesIO())
 
 

@@ -1,4 +1,4 @@
-"""`mission --wait` learns of the end of its mission, even if messages were lost."""
+"""`mission --wait` notices the end of its mission, even if messages were lost."""
 from __future__ import annotations
 
 from typing import FrozenSet, List, Optional
@@ -20,7 +20,7 @@ def status(state: MissionState, stamp: float = STAMP) -> MissionStatus:
 
 
 class Fleet:
-    """A fleet manager whose messages are lost: those on the topic, and the stored states."""
+    """A fleet manager whose messages can be lost, and whose stored states can be read."""
 
     def __init__(self) -> None:
         self.topic: List[MissionStatus] = []
@@ -63,7 +63,7 @@ def test_an_end_that_was_told_before_the_program_listened_is_found(fleet):
 def test_an_end_that_died_with_the_fleet_manager_is_found_at_its_restart(fleet):
     fleet.stored = status(MissionState.ACTIVE)
     assert fleet.state() is MissionState.ACTIVE
-    fleet.connections = frozenset()  # the fleet manager dies between commit and message
+    fleet.connections = frozenset()  # the fleet manager is killed between commit and message
     assert fleet.state() is MissionState.ACTIVE
     fleet.connections, fleet.stored = frozenset((2,)), status(MissionState.SUCCEEDED)
     assert fleet.state() is MissionState.SUCCEEDED

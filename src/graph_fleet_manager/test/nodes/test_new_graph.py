@@ -1,4 +1,4 @@
-"""A new graph that does not fit the work file: nothing is granted by the former graph any more."""
+"""If a new graph does not fit the work file, nothing is granted by the old graph any more."""
 from __future__ import annotations
 
 from types import SimpleNamespace
@@ -16,7 +16,7 @@ NOW = 100.0
 
 
 def node(supervisor: Optional[Any], graph: Any) -> path_supervisor.PathSupervisor:
-    """path_supervisor without ROS, to which this graph has just come."""
+    """Returns path_supervisor without ROS, which has just got this graph."""
     made = object.__new__(path_supervisor.PathSupervisor)
     made._supervisor, made._graph, made._closed, made._begin_at = supervisor, graph, (), NOW
     made._file = SimpleNamespace(open=lambda now: None, journal=object())

@@ -1,4 +1,4 @@
-"""The planner answers each request once, also one that comes twice."""
+"""The planner answers each request once, even if the request comes twice."""
 from __future__ import annotations
 
 import threading

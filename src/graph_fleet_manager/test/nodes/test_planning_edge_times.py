@@ -18,7 +18,7 @@ WHOLE: Table = dict.fromkeys(KEYS, 10.0)
 
 
 class Dialogue:
-    """A supervisor that asks a planner until it gets an answer, as the nodes do."""
+    """A supervisor that repeats its question until the planner answers, like the nodes."""
 
     def __init__(self, rate: float = 1.0) -> None:
         self.rate = rate
@@ -32,7 +32,7 @@ class Dialogue:
         return self.filled(msg.PlanRequest(plan_id=self.plan_id), table)
 
     def filled(self, message: msg.PlanRequest, table: Table) -> msg.PlanRequest:
-        """The request with the times that the planner lacks, as it arrives over ROS."""
+        """Fills in the times that the planner lacks. Returns the request as it arrives by ROS."""
         self.sent.fill(message, table, self.rate)
         self.sizes.append(len(message.edge_times))
         buffer = BytesIO()
@@ -45,7 +45,7 @@ class Dialogue:
         return None if found is None else dict(found)
 
     def ask(self, table: Table) -> Table:
-        """Asks once, and again with all times if the planner lacks some."""
+        """Asks once. If the planner lacks times, asks a second time with all times."""
         message = self.request(table)
         found = self.table_of(message)
         if found is None:

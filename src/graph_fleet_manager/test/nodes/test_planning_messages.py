@@ -1,4 +1,4 @@
-"""Requests and answers are unchanged after a way through their messages; bad values are refused."""
+"""Requests and answers survive the conversion to messages and back; bad values are refused."""
 from __future__ import annotations
 
 from io import BytesIO
@@ -85,7 +85,7 @@ def through_ros(message):
 
 
 def close(one, other):
-    """True if both are equal, except for the precision of ROS times (1 ns) and of floats."""
+    """Returns whether both are equal within the precision of ROS times (1 ns) and of floats."""
     if isinstance(one, float):
         return other == pytest.approx(one, abs=2e-8)
     if isinstance(one, (tuple, list)):

@@ -1,4 +1,4 @@
-"""The simulated PLC answers each hand-over of its missions once it is due, until that is shown."""
+"""The simulated PLC answers each hand-over when it is due, until a status shows the answer."""
 from __future__ import annotations
 
 import threading
@@ -23,7 +23,7 @@ class Commands:
 
 
 class Plc(PlcSimulator):
-    """A PLC without ROS whose hand-overs take 3 s, and a clock that the test sets."""
+    """A PLC without ROS. Its hand-overs take 3 s, and the test sets its clock."""
 
     def __init__(self) -> None:
         self._templates, self._seconds = frozenset({'pallet'}), 3.0
@@ -35,7 +35,7 @@ class Plc(PlcSimulator):
                                          'template': 'pallet', **fields}))
 
     def answers(self, now: float) -> List[int]:
-        """Keys of the steps that it answers at this time."""
+        """Returns the keys of the steps that the PLC answers at this time."""
         before, self.now = len(self._commands.sent), now
         self._tick()
         return [one.step_key for one in self._commands.sent[before:]]

@@ -1,4 +1,4 @@
-"""The command `station` lists claims of stations and devices, and what is wrong with devices."""
+"""The command `station` lists claims of stations and devices, and the faults of devices."""
 from __future__ import annotations
 
 from typing import Any, Optional

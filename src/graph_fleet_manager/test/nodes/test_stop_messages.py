@@ -1,4 +1,4 @@
-"""Requests with stops go through messages unchanged, and wrong ones are refused."""
+"""Requests with stops survive the conversion to messages and back; wrong requests are refused."""
 from __future__ import annotations
 
 import pytest

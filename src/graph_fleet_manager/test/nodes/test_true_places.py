@@ -1,4 +1,4 @@
-"""A reported place is valid for a short time, whatever the clock says."""
+"""A reported place is valid for a short time, even if the clock jumps."""
 from __future__ import annotations
 
 import time

@@ -14,18 +14,18 @@ from node_lifecycle.bounded_messages import when_too_large
 from trajectory_graph import Graph, GraphError
 from trajectory_graph.messages import graph_from_message
 
-REFUSALS_TOLD = 10.0  # s between two log lines about them
+REFUSALS_TOLD = 10.0  # s between two log lines about refused messages
 OnGraph = Callable[[Graph, rospy.Time], None]
 
 
 class FollowedGraph:
-    """Keeps the graph in force: that of the last valid message, or else the first `graph`.
+    """Keeps the graph in force: that of the last valid message; before the first one, `graph`.
 
-    A message that is no valid graph is refused with a warning, and the graph in force stays.
+    A message without a valid graph is refused with a warning, and the graph in force stays.
 
-    on_graph   -- called with each different graph and the stamp of its message, in a thread of ROS
+    on_graph   -- called in a thread of ROS with each new graph and the stamp of its message
     graph      -- the graph in force before the first message
-    each       -- also call `on_graph` for a valid message with the graph that is in force
+    each       -- whether `on_graph` is also called if a valid message has the graph in force
     on_refused -- called with the reason why a message is refused
     """
 

@@ -33,7 +33,7 @@ def refusals(monkeypatch) -> list:
 
 
 def message(length: float = 4.0, edges: int = 1) -> GraphMessage:
-    """Two vertices `length` m apart, and the given number of edges between them."""
+    """Returns a graph: two vertices `length` m apart, and this number of edges between them."""
     return GraphMessage(
         vertices=[Vertex(id=1, frame_id='map/nn0'), Vertex(id=2, frame_id='map/nn0', x=length)],
         edges=[Edge(id=id, origin_id=1, destination_id=2, curve_type='line')

@@ -18,7 +18,7 @@ PR_SET_PDEATHSIG, PR_SET_NAME = 1, 15
 M_ARENA_MAX = -8
 _LIBC = ctypes.CDLL(None)
 ENDS = (signal.SIGINT, signal.SIGTERM)
-"""Signals of the host that must not get lost between a fork and its own handlers."""
+"""Signals that a fork must not lose before it has its own handlers."""
 
 
 def end_with(host: int) -> None:
@@ -37,7 +37,7 @@ def restore_signals(mask: Iterable[int]) -> None:
 
 
 def become(request: StartRequest, streams: Sequence[int]) -> None:
-    """Takes the streams, folder, environment and arguments of the request; starts a new session."""
+    """Adopts the streams, folder, environment and arguments of a request; starts a new session."""
     os.setsid()
     for target, stream in enumerate(streams):
         os.dup2(stream, target)
@@ -60,7 +60,7 @@ def become(request: StartRequest, streams: Sequence[int]) -> None:
 
 
 def _show_as(arguments: Sequence[str]) -> None:
-    """Shows the program's own command line in process lists, cut to the length of the host's."""
+    """Shows the program's own command line in process lists; the host's length limits it."""
     _LIBC.prctl(PR_SET_NAME, os.fsencode(os.path.basename(arguments[0])))
     with open('/proc/self/stat', encoding='utf-8') as stat:
         begin, end = map(int, stat.read().rsplit(')', 1)[1].split()[45:47])
@@ -69,7 +69,7 @@ def _show_as(arguments: Sequence[str]) -> None:
 
 
 def _draw_other_random_numbers() -> None:
-    """Seeds numpy's generator again; Python's own does so by itself in a fork."""
+    """Seeds numpy's generator again, because a fork does this only for Python's own generator."""
     numpy_random = sys.modules.get('numpy.random')
     if numpy_random is not None:
         numpy_random.seed()

@@ -1,8 +1,8 @@
-"""The host: one process with one thread, which forks for the `hosted` processes of a launch.
+"""The host: a process with one thread, which makes forks for the `hosted` processes of a launch.
 
-Each connection represents one program from its start to its end. `hosted` sends the request and
-then signals for the program, one byte each. The host sends back the status in the form of wait(2).
-If a connection ends, its program is killed, because only SIGKILL ends a `hosted` before its
+Each connection represents one program from its start to its end. `hosted` sends a request, and then
+one byte for each signal to the program. The host sends back the exit status in the form of wait(2).
+If a connection ends, the host kills its program: only SIGKILL can end a `hosted` before its
 program.
 """
 from __future__ import annotations
@@ -27,12 +27,12 @@ STREAMS = 3
 STATUS = struct.Struct('i')
 CREDENTIALS = struct.Struct('3i')  # pid, uid, gid
 EXIT_1 = 1 << 8  # exit status 1 in the form of wait(2)
-END_WITHIN = 5.0  # s after SIGINT or SIGTERM of the host until SIGKILL of the remaining programs
+END_WITHIN = 5.0  # s after SIGINT or SIGTERM in which the host kills the programs that still run
 
 
 @dataclass(eq=False)
 class _Program:
-    """One connection, and its process once it was forked."""
+    """A connection, and the process of its program after the fork."""
 
     connection: socket.socket
     request: Optional[StartRequest] = None
@@ -60,11 +60,12 @@ class Host:
             signal.signal(number, lambda *_: None)
 
     def serve(self) -> bool:
-        """Serves until the end; returns True in each fork, which must then run its program, and
-        False in the host."""
+        """Serves until the end. Returns False in the host, and True in each fork, which must then
+        run its program.
+        """
         while self._ends_at is None or self._programs:
             for key, _ in self._selector.select(self._patience()):
-                if self._selector.get_map().get(key.fd) is key:  # else it has ended meanwhile
+                if self._selector.get_map().get(key.fd) is key:  # it has not ended meanwhile
                     key.data()
             if self._ends_at is not None and time.monotonic() >= self._ends_at:
                 for program in self._programs:
@@ -141,7 +142,7 @@ class Host:
         sys.stdout.flush()
         sys.stderr.flush()
         pipe: Tuple[int, ...] = ()
-        blocked = signal.pthread_sigmask(signal.SIG_BLOCK, child.ENDS)  # for the sake of the fork
+        blocked = signal.pthread_sigmask(signal.SIG_BLOCK, child.ENDS)  # until the fork is ready
         try:
             start_pipe, start_pipe_end = pipe = os.pipe()
             pid = os.fork()
@@ -198,7 +199,7 @@ class Host:
                 self._report(by_pid.pop(pid), status)
 
     def _end(self) -> None:
-        """Ends all programs like Ctrl-C, and accepts no more."""
+        """Ends all programs as Ctrl-C does, and accepts no more connections."""
         if self._ends_at is not None:
             return
         self._ends_at = time.monotonic() + END_WITHIN
@@ -211,7 +212,7 @@ class Host:
         if program.pid:
             _send_signal(program, number)
         else:
-            self._report(program, number)  # it ends before it was forked
+            self._report(program, number)  # it ends before its fork
 
     def _forget_connection(self, program: _Program) -> None:
         if program.pid:
@@ -242,7 +243,7 @@ class Host:
         program.streams = []
 
     def _close(self) -> None:
-        """Closes, in a fork, everything that the host has open."""
+        """Closes, in a fork, all that the host has open."""
         signal.set_wakeup_fd(-1)
         self._selector.close()
         for one in (self._listener, self._wakeup, self._wakeup_end):

@@ -1,7 +1,7 @@
 """`node_host MODULE...`: imports these modules once, then forks programs for `hosted`.
 
-It is no ROS node itself. A module that cannot be imported is reported and skipped: a program that
-needs it tries again.
+It is not a ROS node itself. A module that cannot be imported is reported and skipped. A program
+that needs the module tries to import it again.
 """
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ def main() -> Optional[int]:
 
 
 def _allow_files() -> None:
-    """Raises the limit of open files: the host has two open for each of its programs."""
+    """Raises the limit of open files, because the host has two open files for each program."""
     soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
     wanted = OPEN_FILES if hard == resource.RLIM_INFINITY else min(OPEN_FILES, hard)
     if soft != resource.RLIM_INFINITY and soft < wanted:

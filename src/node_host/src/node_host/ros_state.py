@@ -16,10 +16,10 @@ CONFIGURATION = 'ROS_PYTHON_LOG_CONFIG_FILE'
 
 
 def prepare() -> None:
-    """Does, in the host, once what each node would otherwise do in its own memory.
+    """Does work once in the host that each node would otherwise do in its own memory.
 
-    Without the environment variable each rospy node searches all packages for its logging
-    configuration. The other calls import modules or fill Python's caches: 4 MB in each fork.
+    The environment variable saves each rospy node a search in all packages for its logging
+    configuration. The other calls import modules or fill Python's caches, 4 MB in each fork.
     """
     if CONFIGURATION not in os.environ:
         found = next(filter(os.path.isfile, _places()), None)
@@ -27,13 +27,15 @@ def prepare() -> None:
             os.environ[CONFIGURATION] = found
     configparser.ConfigParser().read(os.environ.get(CONFIGURATION, []))
     yaml.safe_load('{key: [1, 1.5, true, text]}')
-    'localhost'.encode('idna')  # sockets do this with each name
+    'localhost'.encode('idna')  # sockets encode each name like this
     xmlrpc.client.loads(xmlrpc.client.dumps((1, 'text', ['list', {'key': 1.0}]), 'call'))
     http.client.parse_headers(io.BytesIO(b'Content-Type: text/xml\r\nContent-Length: 1\r\n\r\n'))
 
 
 def _places() -> Iterator[str]:
-    """Yields the possible paths, in the order of rosgraph.roslogging."""
+    """Yields the paths at which a logging configuration may be, in the order of
+    rosgraph.roslogging.
+    """
     try:
         import rospkg
     except ImportError:
@@ -47,7 +49,7 @@ def _places() -> Iterator[str]:
 
 
 def read_names() -> None:
-    """Reads, in a fork, remappings and namespace again, because rospy read them in the host."""
+    """Reads remappings and namespace again in a fork, because rospy has read those of the host."""
     names = sys.modules.get('rospy.names')
     if names is not None:
         names.reload_mappings(sys.argv)

@@ -1,8 +1,8 @@
-"""Separates memory that forks share from memory that they write.
+"""Separates memory that forks share from memory to which they write.
 
-Python and the C library allocate free space between the objects of the host. A fork that writes
-there copies the whole page, with all shared data on it. So the host fills these holes before the
-first fork. A fork returns the memory that only its start needed.
+Python and the C library put new objects into the holes between the objects of the host. If a fork
+writes into a hole, the kernel copies the whole page, with all shared data on the page. So the host
+fills these holes before the first fork. A fork also returns the memory that only its start needed.
 """
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ from typing import List
 LARGEST = 512  # bytes; Python leaves larger objects to the C library
 STEP = 16  # bytes between two size classes of Python
 SMALL = 64  # bytes; there are many holes of up to this size
-SMALL_HOLES, HOLES = 4000, 500  # per size class; more than in a host of all our nodes
-_BYTES_ITSELF = sys.getsizeof(b'')  # size of `bytes` without their content
+SMALL_HOLES, HOLES = 4000, 500  # per size class; a host of all our nodes has fewer holes
+_BYTES_ITSELF = sys.getsizeof(b'')  # size of a `bytes` without content
 _LIBC = ctypes.CDLL(None)
 _FILLER: List[object] = []
 

@@ -1,7 +1,7 @@
 """Decides which of the requested programs may start now.
 
-Only few start at a time, so that the ROS master keeps up. A program that ends soon after its start
-waits longer each time. Uses neither processes nor a clock.
+Only a few programs start at the same time, so that the ROS master keeps up. A program that ends
+soon after its start waits longer each time. This module uses neither processes nor a clock.
 """
 from __future__ import annotations
 
@@ -9,9 +9,9 @@ from dataclasses import dataclass
 from typing import Dict, Generic, Hashable, List, Optional, TypeVar
 
 AT_A_TIME = 6
-START_WITHIN = 5.0  # s after which a program counts as started even if it has not reported so
-SOON = 10.0  # s from start to end within which an end counts as early
-FIRST_DELAY = 1.0  # s, after the second early end in a row; then doubled
+START_WITHIN = 5.0  # s after which a program counts as started even if it does not report that
+SOON = 10.0  # s; an end within this time after the start counts as early
+FIRST_DELAY = 1.0  # s, after the second early end in a row; each further early end doubles it
 LONGEST_DELAY = 30.0  # s
 
 Key = TypeVar('Key', bound=Hashable)
@@ -25,17 +25,17 @@ class _Waiting(Generic[Key]):
 
 
 class StartQueue(Generic[Key]):
-    """Keys identify single runs, identities identify programs. Times are monotonic, in s."""
+    """A queue. A key identifies one run, an identity a program. Times are monotonic, in s."""
 
     def __init__(self, at_a_time: int = AT_A_TIME) -> None:
         self._at_a_time = at_a_time
         self._waiting: List[_Waiting[Key]] = []
-        self._starting: Dict[Key, float] = {}  # the time until which each counts as starting
+        self._starting: Dict[Key, float] = {}  # until when each of them counts as starting
         self._running: Dict[Key, _Run] = {}
         self._early_ends: Dict[Hashable, int] = {}
 
     def ask(self, key: Key, identity: Hashable, now: float) -> float:
-        """Requests a start; returns the delay (s) that results from the program's early ends."""
+        """Requests a start. Returns the delay (s) that follows from the program's early ends."""
         delay = delay_after(self._early_ends.get(identity, 0))
         self._waiting.append(_Waiting(key, identity, now + delay))
         return delay
@@ -54,9 +54,8 @@ class StartQueue(Generic[Key]):
         return None
 
     def seconds_to_next(self, now: float) -> Optional[float]:
-        """Returns the seconds until `next` may return a program without another event.
-
-        None: never.
+        """Returns the seconds until `next` may return a program without a further event; None if
+        it needs a further event.
         """
         if not self._waiting:
             return None
@@ -70,7 +69,7 @@ class StartQueue(Generic[Key]):
         self._starting.pop(key, None)
 
     def ended(self, key: Key, failed: bool, now: float) -> None:
-        """Notes that the program has ended, or its request was withdrawn."""
+        """Notes that the program has ended, or that its request was withdrawn."""
         self._waiting = [one for one in self._waiting if one.key != key]
         self.started(key)
         run = self._running.pop(key, None)
@@ -89,9 +88,7 @@ class _Run:
 
 
 def delay_after(early_ends: int) -> float:
-    """Returns the seconds before the next start of a program
-    after this number of early ends in a row.
-    """
+    """Returns the delay (s) of a program's next start after this number of early ends in a row."""
     if early_ends < 2:
         return 0.0
     return min(LONGEST_DELAY, FIRST_DELAY * 2.0 ** min(early_ends - 2, 10))

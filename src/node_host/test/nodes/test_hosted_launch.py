@@ -1,4 +1,4 @@
-"""The nodes that roslaunch would start from launch files with hosted nodes."""
+"""The nodes that roslaunch would start for launch files with hosted nodes."""
 from __future__ import annotations
 
 import subprocess
@@ -11,7 +11,7 @@ NODE = '''<node name="{name}" pkg="rostopic" type="rostopic" args="list"
 
 
 def nodes_of(folder: Path, *names: str) -> subprocess.CompletedProcess:
-    """The output of `roslaunch --nodes`, which needs no ROS master and starts nothing."""
+    """Returns the result of `roslaunch --nodes`, which needs no ROS master and starts nothing."""
     launch = folder / 'some.launch'
     launch.write_text('\n'.join([
         '<launch>', '<include file="$(find node_host)/launch/node_host.launch"/>',

@@ -3,6 +3,7 @@ from __future__ import annotations
 
 
 def boot_id() -> str:
-    """Returns the id of the boot. What is not forced to the disk counts within one boot only."""
+    """Returns the id of the boot. Data that are not forced to the disk are valid in one boot only.
+    """
     with open('/proc/sys/kernel/random/boot_id', encoding='ascii') as stream:
         return stream.read().strip()

@@ -1,12 +1,13 @@
-"""Limits what rospy receives: it neither collects nor reads more than a message type may have.
+"""Limits the messages that rospy receives: larger ones are neither collected nor read.
 
-rospy collects a message of any announced length (up to 4 GB) and then makes an object of each of
-its elements. Here the length is compared with `message_limits` as soon as it has arrived:
+rospy collects a message of any announced length (up to 4 GB), and then makes an object for each of
+the message's elements. Here, the length is compared with `message_limits` as soon as it arrives:
 
-- A message of a topic is left out, byte by byte as it comes. The messages around it arrive.
-- A request or answer of a service ends its connection: the other side gets an error at once.
-- The header of a connection ends it. The first bytes of an HTTP request also announce such a
-  header, so a web browser gets no further.
+- A topic's message that is too large is left out, byte by byte as it comes. Other messages arrive.
+- A service's request or answer that is too large ends its connection. The other side gets an error
+  at once.
+- A header that is too large ends its connection. The first bytes of an HTTP request look like the
+  length of such a header, so a web browser gets no further.
 """
 from __future__ import annotations
 
@@ -46,9 +47,9 @@ def limit_messages() -> None:
 
 
 def when_too_large(topic: str, then: OnTooLarge) -> None:
-    """Calls `then` with the reason for each message of this topic that is left out.
+    """Makes rospy call `then` with the reason for each message of this topic that is left out.
 
-    Without this a warning is logged. The topic is named in full.
+    Without `then` a warning is logged. `topic` is the full name.
     """
     _told[topic] = then
 
@@ -60,7 +61,7 @@ def leaving_out(read: Read) -> Read:
         most = limit_of(topic.recv_data_class._type)
         pending = getattr(topic, '_pending', None)
         if pending or buffer.tell() > most or _length(buffer, 0) > most:
-            # A new connection begins with a new message.
+            # The first byte on a new connection begins a new message.
             rest = pending[1] if pending and pending[0] is sock else 0
             topic._pending = (sock, _leave_out(topic.resolved_name, buffer, most, rest))
             if not topic._pending[1]:
@@ -71,9 +72,9 @@ def leaving_out(read: Read) -> Read:
 
 
 def _leave_out(topic: str, buffer: BytesIO, most: int, rest: int) -> int:
-    """Removes the next `rest` bytes and all messages that are too large from a buffer.
+    """Removes the next `rest` bytes, and all messages that are too large, from a buffer.
 
-    Returns the number of bytes still to come that must be removed as well.
+    Returns the number of further bytes to remove, which have not come yet.
     """
     data = buffer.getvalue()
     begin = position = min(rest, len(data))
@@ -96,11 +97,11 @@ def _leave_out(topic: str, buffer: BytesIO, most: int, rest: int) -> int:
 
 
 def ending(read: Read, start: int) -> Read:
-    """Wraps a service's `read_messages`; a message begins `start` bytes behind the buffer's."""
+    """Wraps a service's `read_messages`. A message begins at byte `start` of the buffer."""
     @wraps(read)
     def within_limits(service: Any, buffer: BytesIO, messages: List[Any], sock: socket) -> None:
         if buffer.tell() < start + _LENGTH.size:
-            return  # else rospy collects an error message of any length
+            return  # otherwise rospy would collect an error message of any length
         most = limit_of(service.recv_data_class._type)
         length = _length(buffer, start)
         if length > most:
@@ -122,7 +123,7 @@ def bounded_header(read: Callable[[Any, BytesIO, int], Any]) -> Callable[[Any, B
 
 
 class _HeaderSocket:
-    """Receives the header of a connection; raises an error if it announces too many bytes."""
+    """Reads the header of a connection. Raises an error if the header announces too many bytes."""
 
     def __init__(self, sock: socket) -> None:
         self._socket = sock

@@ -1,7 +1,7 @@
 """Reports ROS time that stands still or steps back, for nodes under /use_sim_time.
 
-Such a node works, but all that it publishes carries the same time, so receivers take none of it as
-new. Without this report, nothing would name the cause.
+Such a node works, but everything that it publishes has the same time. Receivers then ignore it,
+because they see nothing new. Without this report, nothing would name the cause.
 """
 from __future__ import annotations
 

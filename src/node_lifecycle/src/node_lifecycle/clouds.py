@@ -8,10 +8,11 @@ MAX_POINTS = 100_000
 
 
 def places_in(cloud: PointCloud2) -> np.ndarray:
-    """Returns (N, 2) x, y in the cloud's frame, m; points that are not finite are omitted.
+    """Returns x and y (N, 2) of the points in the cloud's frame (m), without points that are not
+    finite.
 
-    Raises ValueError, with a clause for a person, for a cloud without the layout that it declares,
-    without float32 x and y, or with more than MAX_POINTS points.
+    Raises ValueError with a clause for a person: the cloud does not have the layout that it
+    declares, has no float32 x and y, or has more than MAX_POINTS points.
     """
     count = cloud.width * cloud.height
     if count > MAX_POINTS:

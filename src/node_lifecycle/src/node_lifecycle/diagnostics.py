@@ -1,4 +1,4 @@
-"""A node's part of /diagnostics: the statuses of its tasks, once a second until it ends."""
+"""A node's part of /diagnostics: the statuses of its tasks, once a second until the node ends."""
 from __future__ import annotations
 
 from typing import Any, Callable, Mapping
@@ -14,9 +14,9 @@ Task = Callable[[DiagnosticStatusWrapper], Any]  # fills the status in
 
 
 def publish_diagnostics(hardware_id: str, tasks: Mapping[str, Task]) -> None:
-    """Publishes the tasks' statuses, each as `<node>: <its name>`; a separate thread calls them.
+    """Publishes the status of each task as `<node>: <name>`; a separate thread calls the tasks.
 
-    `hardware_id`: what the statuses are about, the robot's address or name, else `none`.
+    hardware_id -- the robot's address or name, if the statuses are about a robot; otherwise `none`
     """
     updater = Updater()
     updater.setHardwareID(hardware_id)
@@ -26,11 +26,12 @@ def publish_diagnostics(hardware_id: str, tasks: Mapping[str, Task]) -> None:
 
 
 def guarded(task: Task) -> Callable[[DiagnosticStatusWrapper], DiagnosticStatusWrapper]:
-    """Returns the task, with its failures reported as a status; an exception would end all
-    diagnostics.
+    """Returns the task with one change: a failure is reported as a status. Without this change, an
+    exception would end all diagnostics.
 
-    Text that is not valid Unicode, such as some names in files, is escaped for the same reason. The
-    log gets a line when the task begins to fail, when its failure changes, and when it works again.
+    Text that is not valid Unicode, such as some file names, is escaped for the same reason. The log
+    gets a line when the task begins to fail, when the failure changes, and when the task works
+    again.
     """
     failed = ''
 

@@ -1,7 +1,7 @@
-"""The event loop of a node: callbacks queue calls, and one thread makes them and ticks.
+"""The event loop of a node: callbacks queue calls, and one thread makes the calls and the ticks.
 
-A due tick runs after the calls that were queued at that time. A tick checks for missing messages,
-so messages that are already queued must be processed first. No number of calls prevents a tick.
+A tick that is due runs after the calls that are already queued then: it looks for missing messages,
+and they may be among these calls. But no number of calls keeps a tick away.
 """
 from __future__ import annotations
 
@@ -23,13 +23,14 @@ class EventLoop:
         self._ending = threading.Event()
 
     def put(self, call: Call) -> None:
-        """Queues a call; from any thread, never waits."""
+        """Queues a call. Any thread may call this; it never waits."""
         self._calls.put(call)
 
     def put_if_room(self, call: Call, most: int, crowded: Call) -> None:
-        """Queues a call; waits while more than `most` calls are queued, so that a topic drops some.
+        """Queues a call. Waits while more than `most` calls are queued; meanwhile a topic drops
+        messages.
 
-        crowded -- called repeatedly while it waits
+        crowded -- called again and again while this waits
         """
         while self._calls.qsize() > most and not self._ending.wait(self._period):
             crowded()
@@ -43,7 +44,7 @@ class EventLoop:
     def run(self) -> None:
         """Makes the calls until `end`. An exception of a call also ends the loop."""
         due = self._clock()
-        before: Optional[int] = None  # calls left before the due tick; None: no tick is due
+        before: Optional[int] = None  # calls to make before the due tick; None: no tick is due
         while not self._ending.is_set():
             now = self._clock()
             if before is None and now >= due:

@@ -1,4 +1,4 @@
-"""Headings in the plane in the form of ROS: quaternions about z (REP 103), radians."""
+"""Headings in the plane (rad) in the form of ROS: as quaternions about z (REP 103)."""
 from __future__ import annotations
 
 import math

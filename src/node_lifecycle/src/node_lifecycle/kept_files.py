@@ -1,4 +1,4 @@
-"""JSON files with the data that a node must keep longer than its process lives."""
+"""JSON files with data that a node must keep after the end of its process."""
 from __future__ import annotations
 
 import fcntl
@@ -12,22 +12,19 @@ import rospkg
 from file_replacement import replace_file
 from node_lifecycle.parameters import ConfigurationError
 
-PATIENCE = 4.0  # s in which the node that this one replaces must have ended
+PATIENCE = 4.0  # s in which an earlier node with this file must have ended
 
 
 def in_ros_home(path: str) -> str:
-    """Returns the path of a file: a relative path begins in ROS_HOME.
-
-    An empty one means no file.
-    """
+    """Returns the path of a file. A relative path is in ROS_HOME; an empty path means no file."""
     return os.path.join(rospkg.get_ros_home(), path) if path else ''
 
 
 def hold(path: str, parameter: str) -> None:
     """Reserves a file for this process until its end, with a lock file beside it.
 
-    Raises ConfigurationError if another process has it. If nothing can be written or locked,
-    nothing is reserved: a node without a stored memory can still drive.
+    Raises ConfigurationError if another process has reserved it. If the lock file cannot be written
+    or locked, the file is not reserved: a node without stored data can still drive.
     """
     if not path:
         return
@@ -56,10 +53,10 @@ def _lock(descriptor: int, given_up: threading.Event) -> None:
 
 
 def replace_json(path: str, content: Any, on_disk: bool = False) -> None:
-    """Writes a file such that it is complete at any time; raises OSError.
+    """Writes a file that is complete at any time; raises OSError.
 
-    on_disk -- True: it survives a power cut. False: it outlives the process only, and the node does
-               not wait for a disk
+    on_disk -- True: the file survives a power cut. False: it survives the end of the process, and
+               the node does not wait for a disk
     """
     os.makedirs(os.path.dirname(os.path.abspath(path)), exist_ok=True)
     replace_file(path, json.dumps(content), on_disk=on_disk)

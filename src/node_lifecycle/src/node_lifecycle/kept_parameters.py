@@ -1,7 +1,7 @@
-"""Keeps the parameters that a node found at its start, for a ROS master that lacks them.
+"""Keeps the parameters that a node found at its start, to set them at a ROS master without them.
 
-Parameters are lost with their master, and a launch file sets them only once. A node that is
-respawned under a new master would find none of them.
+When a master ends, its parameters are lost, and a launch file sets them only once. A node that is
+respawned under a new master would find no parameters.
 """
 from __future__ import annotations
 
@@ -25,9 +25,9 @@ class KeptParameters:
         self._values: Dict[str, Any] = {}
 
     def keep(self, name: str, value: Any, but: Collection[str] = ()) -> None:
-        """Remembers the present value of a parameter, or of all parameters in a namespace.
+        """Keeps the present value of a parameter, or of all parameters in a namespace.
 
-        `but`: names to leave out, because the node writes these parameters itself.
+        but -- names to leave out, because the node itself writes these parameters
         """
         for leaf, content in _leaves(name, value):
             if leaf not in but:

@@ -1,6 +1,7 @@
-"""Initializes a node even if its log cannot be written: a full or read-only disk ends no node.
+"""Initializes a node even if its log cannot be written, so that no full or read-only disk ends it.
 
-rospy ends a program whose log file it cannot open, and raises errors of the standard streams.
+rospy ends a program whose log file it cannot open. It also raises the errors of the standard
+streams.
 """
 from __future__ import annotations
 
@@ -25,9 +26,9 @@ _TOPICS_LEFT_OUT = '/rosout_disable_topics_generation'
 
 
 def init_node(name: str, **options: Any) -> None:
-    """Calls rospy.init_node; without a log file if there can be none.
+    """Calls rospy.init_node, without a log file if none can be made.
 
-    From now on the node refuses web browsers, and messages that are too large.
+    From now on the node refuses requests of web browsers, and messages that are too large.
     """
     topic_connections.mend()
     bounded_messages.limit_messages()
@@ -38,14 +39,14 @@ def init_node(name: str, **options: Any) -> None:
     for handler in logging.getLogger('rosout').handlers:
         handler.addFilter(_bounded)
         _guard(handler, 'emit', _harmless)
-    for handler in logging.getLogger().handlers:  # they print a traceback for each failed message
+    for handler in logging.getLogger().handlers:  # a message that fails prints a traceback here
         handler.addFilter(_bounded)
         _guard(handler, 'handleError', _but_for_disks)
 
 
 def _bounded(record: logging.LogRecord) -> bool:
-    """Shortens an entry, and escapes its control characters, as a filter of a handler."""
-    if not getattr(record, 'is_bounded', False):  # each handler gets the same record
+    """Shortens an entry and escapes its control characters. This is a filter for handlers."""
+    if not getattr(record, 'is_bounded', False):  # all handlers get the same record
         with suppress(TypeError, ValueError):  # a wrong format: the handler reports it
             record.msg, record.args = entry(record.getMessage()), ()
         record.is_bounded = True
@@ -55,7 +56,7 @@ def _bounded(record: logging.LogRecord) -> bool:
 def _ask_once() -> None:
     """Caches a parameter that rospy reads from the master at every log line.
 
-    A node must be able to log without a master, and with one that does not answer.
+    A node must be able to log without a master, and with a master that does not answer.
     """
     get_param_server_cache().set(_TOPICS_LEFT_OUT, bool(rospy.get_param(_TOPICS_LEFT_OUT, False)))
 
@@ -71,8 +72,9 @@ class _NoFile(logging.NullHandler):
 def _possible_log_file() -> Iterator[None]:
     """Yields a context in which no log file is made if it could not be opened.
 
-    Without a folder for the file, rospy would set up no log at all, and the node could not even
-    report on its console why it cannot work. So rospy gets a folder that exists; it writes nothing.
+    Without a folder for the file, rospy would set up no log at all. Then the node could not even
+    report on its console why it cannot work. So rospy gets a folder that exists, but writes nothing
+    there.
     """
     folder = rospkg.get_log_dir()
     try:
@@ -103,7 +105,7 @@ _Handle = Callable[[logging.LogRecord], None]
 
 
 def _guard(handler: logging.Handler, method: str, guard: Callable[[_Handle], _Handle]) -> None:
-    """Wraps a method of a handler; the handlers are rospy's, so only their methods are replaced."""
+    """Wraps a method of a handler. The handlers belong to rospy, so only methods are replaced."""
     setattr(handler, method, guard(getattr(handler, method)))
 
 

@@ -1,4 +1,4 @@
-"""Limits log messages that a stranger or a robot can cause, so that they fill no disk."""
+"""Limits log messages that strangers or robots can cause, so that they cannot fill a disk."""
 from __future__ import annotations
 
 import threading
@@ -7,7 +7,7 @@ from typing import Callable, Dict, Optional
 
 import rospy
 
-BURST = 5  # messages of a kind that are logged within PERIOD
+BURST = 5  # messages of one kind that are logged within PERIOD, at most
 PERIOD = 10.0  # s
 
 
@@ -23,7 +23,8 @@ class LogThrottle:
         self._kinds: Dict[str, _Kind] = {}
 
     def pass_on(self, kind: str, message: str) -> Optional[str]:
-        """Returns the message to log, or None; it says how many like it were omitted before."""
+        """Returns the message to log, with the number of those left out before; None: log nothing.
+        """
         with self._lock:
             now = self._clock()
             state = self._kinds.setdefault(kind, _Kind(now))

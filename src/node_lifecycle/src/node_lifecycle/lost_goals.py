@@ -1,7 +1,7 @@
 """Detects goals of ROS actions that will not end: the server is gone, or a message was lost.
 
-actionlib's client reports neither. A server publishes its status about five times a second, and a
-goal or a result does not need longer than a few of these periods.
+actionlib's client reports neither case. A server publishes its status about five times a second,
+and a goal or a result arrives within a few of these periods.
 """
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from typing import Any, Optional
 
 from actionlib import ActionClient, ClientGoalHandle, CommState
 
-STATUSES_WAITED = 5  # statuses of the server within which a goal or a result must arrive
+STATUSES_WAITED = 5  # statuses of the server; a goal or a result must arrive before so many
 
 
 class Loss(Enum):
@@ -25,7 +25,8 @@ _ON_ITS_WAY = {CommState.WAITING_FOR_GOAL_ACK: Loss.GOAL, CommState.WAITING_FOR_
 
 
 class ServerWatch:
-    """Watches the server of one action client. Call `count_status` several times a second."""
+    """Watches an action client's server. A caller must call `count_status` several times a second.
+    """
 
     def __init__(self, client: ActionClient) -> None:
         self._client = client
@@ -34,7 +35,7 @@ class ServerWatch:
         """The number of statuses that `count_status` has counted."""
 
     def count_status(self) -> None:
-        """Counts a status that came since the last call."""
+        """Counts a status if one has come since the last call."""
         status = self._client.last_status_msg
         if status is not self._last:
             self._last = status
@@ -51,13 +52,13 @@ class GoalWatch:
 
     def __init__(self, server: ServerWatch, handle: ClientGoalHandle) -> None:
         self.handle = handle
-        """Kept because actionlib forgets a goal without a handle."""
+        """The handle; it is kept because actionlib forgets a goal without a handle."""
         self._server = server
         self._state: int = CommState.WAITING_FOR_GOAL_ACK
         self._since = server.statuses  # number of statuses when this state began
 
     def loss(self) -> Optional[Loss]:
-        """Returns why the goal will not end; None if it may end."""
+        """Returns why the goal will not end; None if it may still end."""
         if self._server.is_gone:
             return Loss.SERVER
         state = self.handle.get_comm_state()

@@ -17,20 +17,21 @@ KEEP_ALIVE = 0.5  # s, as in the library
 class OrderedMarkerServer(InteractiveMarkerServer):
     """Sends updates and keep-alives in the order of their numbers.
 
-    The server of the ROS distribution sends keep-alives from a timer's thread. A keep-alive that is
-    numbered during an update arrives after the update with an older number. RViz then removes all
-    markers for a second, which also ends a drag or an open menu.
+    The server of the ROS distribution sends keep-alives from the thread of a timer. A keep-alive
+    that gets its number during an update arrives after the update, with an older number. RViz then
+    removes all markers for a second, which also ends a drag or closes a menu.
 
-    That timer also follows ROS time, which may stand still. So keep-alives come from elsewhere.
+    The library's timer also follows ROS time, which may stand still. So this server sends its
+    keep-alives from a `Periodic`.
 
-    The whole state is sent with the next keep-alive rather than with every update: it is many times
-    as long as an update, and only a viewer that joins later reads it.
+    The whole state is sent with the next keep-alive, not with every update: it is many times as
+    long as an update, and only a viewer that joins later reads it.
     """
 
     def __init__(self, topic_ns: str, q_size: int = 100) -> None:
-        """`topic_ns`: namespace of the topics `update`, `update_full` and `feedback`.
+        """topic_ns -- namespace of the topics `update`, `update_full` and `feedback`
 
-        `q_size`: length of the queue for feedback; above it, the oldest feedback is lost.
+        q_size -- length of the queue for feedback; if it is full, the oldest feedback is lost
         """
         self._order = threading.RLock()
         self._whole_is_due = False
@@ -47,10 +48,10 @@ class OrderedMarkerServer(InteractiveMarkerServer):
         self._whole_is_due = True
 
     def keepAlive(self, msg: Any) -> None:  # noqa: N802
-        """Does nothing when the library's own timer calls it: see `keep_alive`."""
+        """Does nothing: the library's own timer calls this. See `keep_alive`."""
 
     def keep_alive(self) -> None:
-        """Shows viewers that the server is alive; called twice a second."""
+        """Shows viewers that the server works. It is called twice a second."""
         with self._order:
             if self._whole_is_due:
                 self._whole_is_due = False

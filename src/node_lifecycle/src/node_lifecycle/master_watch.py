@@ -1,8 +1,8 @@
 """Registers the node and its parameters again after a restart of the ROS master.
 
-Without this a node keeps its existing connections, but no new node finds it. The master is queried
-for a service of the node, not for the node itself. Reason: rospy reads a parameter at each log
-line, and this makes a new master know the node, but without its topics and services.
+Without this a node keeps its present connections, but no new node finds it. The master is asked for
+a service of the node, not for the node itself: rospy reads a parameter at each log line, and then a
+new master knows the node, but not its topics and services.
 """
 from __future__ import annotations
 
@@ -27,13 +27,13 @@ PERIOD = 3.0  # s
 
 
 class NodeAtMaster(Protocol):
-    """The registrations of a node at a ROS master. Each call raises if the master is not there."""
+    """The registrations of a node at a ROS master. If there is no master, each call raises."""
 
     def is_known(self) -> bool:
-        """Returns whether the master knows a registration of the node; a cheap query."""
+        """Returns whether the master knows one registration of the node; this query is cheap."""
 
     def restore(self) -> None:
-        """Sets the node's parameters that the master lacks, and registers everything again."""
+        """Sets the node's parameters that the master lacks, and repeats all registrations."""
 
     def is_complete(self) -> bool:
         """Returns whether the master knows all registrations of the node."""
@@ -42,7 +42,7 @@ class NodeAtMaster(Protocol):
 class MasterWatch:
     """Checks repeatedly whether the master knows this node.
 
-    A master may end while the node registers, so a registration is repeated until it was complete.
+    A master may end while the node registers. So a registration is repeated until it is complete.
     """
 
     def __init__(self, node: NodeAtMaster) -> None:
@@ -54,9 +54,9 @@ class MasterWatch:
         threading.Thread(target=self._run, name='master watch', daemon=True).start()
 
     def register_again(self) -> bool:
-        """Registers the node if the master is there and lacks it.
+        """Registers the node again if the master works but lacks the node.
 
-        Returns whether the registration has become complete in this call.
+        Returns whether this call has completed the registration.
         """
         try:
             if self._is_complete and self._node.is_known():
@@ -65,7 +65,7 @@ class MasterWatch:
             self._node.restore()
             self._is_complete = self._node.is_complete()
         except (OSError, http.client.HTTPException, xmlrpc.client.Error, rosgraph.MasterException):
-            return False  # the master is not there now
+            return False  # there is no master now
         return self._is_complete
 
     def _run(self) -> None:
@@ -98,7 +98,7 @@ class ThisNode:
         return True
 
     def restore(self) -> None:
-        """See NodeAtMaster. Sets the parameters first: a registered node counts as complete."""
+        """See NodeAtMaster. Parameters come first, because a registered node counts as complete."""
         self._parameters.set_missing(self._master)
         listeners = get_registration_listeners()
         for kind, name, type_or_uri in _registrations():
@@ -114,8 +114,7 @@ class ThisNode:
 
 
 def _registrations() -> Set[Tuple[str, str, str]]:
-    """Returns kind, name, and type or URI of each registration
-    that rospy has made for this node.
+    """Returns the kind, the name, and the type or URI of each registration of this node at rospy.
     """
     topics, services = get_topic_manager(), get_service_manager()
     return {(kind, name, type_or_uri) for kind, entries in (

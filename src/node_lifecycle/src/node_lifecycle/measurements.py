@@ -1,4 +1,4 @@
-"""Reads measurements that foreign programs publish: one rule for all readers."""
+"""Reads measurements that other programs publish, with the same rule for all readers."""
 from __future__ import annotations
 
 import math
@@ -8,10 +8,10 @@ from node_lifecycle.log_throttle import warn
 
 
 def measured(value: float, low: float, high: float, what: str) -> Optional[float]:
-    """Returns the value, or None if it says nothing: NaN, or a number outside `low`..`high`.
+    """Returns the value; None if it is NaN or outside `low`..`high`.
 
-    A number outside is never moved to a limit: a percentage of 23.0 is a mistake of its program,
-    and not a full battery. The log names it; the reader keeps the last valid value.
+    A value outside is never moved to a limit: a charge of 23.0 is a mistake of the program that
+    sent it, and not a full battery. The log names it, and the reader keeps the last valid value.
     """
     if low <= value <= high:
         return value

@@ -1,9 +1,9 @@
 """The largest messages that nodes of this workspace read, in bytes, for every type they receive.
 
-A limit is some times the largest message that a large site sends (200 robots, a graph of 60,000
-vertices and edges). A message above it is a mistake or an attack. Reading it would delay the node,
-because Python needs some 50 bytes and 1 us for each number of an array. `bounded_messages` applies
-the limits.
+A limit is several times the largest message that a large site sends (200 robots, a graph of 60,000
+vertices and edges). A larger message is a mistake or an attack. It would delay the node that reads
+it, because Python needs some 50 bytes and 1 us for each number of an array. `bounded_messages`
+applies the limits.
 """
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ MAP = 100_000_000 + POINT
 """The largest map that `map_visualisation` publishes, one byte for each cell."""
 
 OTHER = FLEET
-"""Types that are not listed: only a site's own configuration names such types."""
+"""The limit of other types: only the configuration of a site can name them."""
 
 LIMITS: Dict[str, int] = {
     'actionlib_msgs/GoalID': POINT,
@@ -106,5 +106,5 @@ LIMITS: Dict[str, int] = {
 
 
 def limit_of(message_type: str) -> int:
-    """Returns the most bytes of a message of this type (`package/Name`) that are read."""
+    """Returns the largest number of bytes that a message of this type (`package/Name`) may have."""
     return LIMITS.get(message_type, OTHER)

@@ -1,4 +1,4 @@
-"""Reads parameters strictly: the error for a missing or wrong one says what to do."""
+"""Reads parameters strictly. If one is missing or wrong, the error says what to do."""
 from __future__ import annotations
 
 import math
@@ -13,15 +13,15 @@ NOT_THERE = object()
 
 
 class ConfigurationError(Exception):
-    """A parameter or file is unusable for the node; the text says which one and what to do."""
+    """A parameter or file cannot be used. The text says which one, and what to do."""
 
 
 def parameter(name: str, default: Any = REQUIRED, kind: Type = str) -> Any:
     """Returns the parameter `name` (e.g. `~robot_ip`) as `kind`; raises ConfigurationError.
 
-    The type must match, with two exceptions: a whole number is accepted as a float, and a number as
-    a text, because roslaunch turns `password:=1234` into a number. A required text must not be
-    empty, and a float must be finite.
+    The type must match, with two exceptions: a whole number is accepted as a float; a number is
+    accepted as a text, because roslaunch turns `password:=1234` into a number. A required text must
+    not be empty, and a float must be finite.
     """
     where = f'Parameter {rospy.resolve_name(name)}'
     value = rospy.get_param(name, NOT_THERE)
@@ -38,7 +38,7 @@ def parameter(name: str, default: Any = REQUIRED, kind: Type = str) -> Any:
 
 
 def _as_kind(value: Any, kind: Type) -> Any:
-    """Returns the value as `kind`; raises TypeError with what it must be."""
+    """Returns the value as `kind`. Raises TypeError with a text about the required form."""
     is_number = isinstance(value, (int, float)) and not isinstance(value, bool)
     if is_number and kind is str:
         return str(value)

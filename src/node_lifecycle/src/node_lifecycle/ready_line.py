@@ -1,4 +1,4 @@
-"""Says what is ready, so that people know that they may begin."""
+"""Logs what is ready, so that people know when they may begin."""
 from __future__ import annotations
 
 import rospy
@@ -7,5 +7,5 @@ from node_program.screen_lines import READY
 
 
 def announce_ready(words: str) -> None:
-    """Logs what is ready, and what a person can do. Programs know the line by its logger."""
+    """Logs what is ready and what a person can do. Programs recognise the line by its logger."""
     rospy.loginfo('%s', words, logger_name=READY)

@@ -1,4 +1,4 @@
-"""Files with passwords: how they are read, and that only their owner should read them."""
+"""Files with passwords: reads them, and warns if other users than the owner can read them."""
 from __future__ import annotations
 
 import os
@@ -12,9 +12,9 @@ _MOST_BYTES = 1000
 
 
 def read_password_file(path: str, what: str, is_secret: bool = True) -> bytes:
-    """Returns the password that a file contains. Raises ConfigurationError, never with its text.
+    """Returns the password in a file. Raises ConfigurationError, whose text has no password.
 
-    what      -- whose password it is, for people
+    what      -- whose password it is, as a text for people
     is_secret -- warn if others can read the file
     """
     try:
@@ -32,7 +32,8 @@ def read_password_file(path: str, what: str, is_secret: bool = True) -> bytes:
 
 
 def problem_of_password(password: bytes) -> str:
-    """Returns why a text can be no password, such as 'is empty or not set'; '': it can be one."""
+    """Returns why a text cannot be a password, such as 'is empty or not set'; '' if it can be one.
+    """
     if not password:
         return 'is empty or not set'
     is_plain = all(0x20 <= byte < 0x7f for byte in password)

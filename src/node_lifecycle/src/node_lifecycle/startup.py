@@ -1,9 +1,9 @@
 """Starts and ends a node, and starts its watchers.
 
-Under `respawn` a node that exits because of a wrong configuration would be restarted for ever. So
-it keeps running: it logs the error once, shows it as ERROR in /diagnostics, and waits for its
-restart. Every node waits for its ROS master. Its threads are watched for blocking. It registers
-itself and its parameters again at a master that was restarted.
+Under `respawn`, a node that exits because of a wrong configuration would be restarted for ever. So
+such a node keeps running: it logs the error once, shows it as ERROR in /diagnostics, and waits for
+its restart. Every node waits for its ROS master. A watchdog looks for blocked threads. If the
+master is restarted, the node registers itself and its parameters there again.
 """
 from __future__ import annotations
 
@@ -29,19 +29,20 @@ from node_lifecycle.parameters import ConfigurationError
 from node_lifecycle.watchdog import Watchdog
 
 MASTER_PERIOD = 0.3  # s between two checks for a ROS master
-END_WITHIN = 3.0  # s after SIGINT or SIGTERM in which the process ends, regardless of rospy
+END_WITHIN = 3.0  # s after SIGINT or SIGTERM in which the process ends, even if rospy does not
 
 
 def run(name: str, start: Callable[[], Any],
         misconfigured: Callable[[str], Any] = lambda reason: None,
         libraries: Tuple[str, ...] = (), written: Tuple[str, ...] = ()) -> None:
-    """Runs a node: `start` reads parameters, builds objects and connects callbacks; then waits.
+    """Runs a node. `start` reads parameters, builds objects and connects callbacks. Then waits.
 
-    The result of `start` is kept alive; its `close()`, if it has one, is called at shutdown.
+    The result of `start` is kept alive. If it has a `close()`, this is called at shutdown.
     If `start` raises ConfigurationError, `misconfigured` is called with the reason, so that a node
-    can report it on its own topics; its result is also kept alive. Watches the threads of the
-    package of `start` and of its `libraries`. A new ROS master gets the parameters that `parameter`
-    has read, and all private parameters, except those `written` by the node itself.
+    can report the reason on its own topics; the result of `misconfigured` is kept alive, too. The
+    watchdog watches the threads in the package of `start` and in `libraries`. A new ROS master gets
+    the parameters that `parameter` has read, and all private parameters. Exceptions are those that
+    the node itself has `written`.
     """
     init_node(name)
     KEPT.keep(rospy.get_name(), rospy.get_param(rospy.get_name(), {}),
@@ -63,7 +64,7 @@ def run(name: str, start: Callable[[], Any],
     except Exception:
         if not ending.is_set():
             raise
-        os._exit(0)  # it was ended during its start, so its topics or its master are gone
+        os._exit(0)  # the node ended during its start, so its topics or its master are gone
     else:
         if hasattr(node, 'close'):
             rospy.on_shutdown(node.close)
@@ -82,15 +83,15 @@ def init_node(name: str) -> None:
         log_file.init_node(name, disable_signals=True)
     except rospy.ROSInitException:
         if rospy.is_shutdown():
-            os._exit(0)  # it ended during its start: rospy's server threads would run for ever
+            os._exit(0)  # otherwise rospy's server threads would run for ever
         raise
 
 
 def check_namespace(namespace: str) -> None:
     """Raises ConfigurationError for a namespace within a namespace.
 
-    A node has relative names, which begin with its namespace, and absolute ones, such as /graph.
-    Other programs find its relative names under one level, for example under the robot's name.
+    A node has relative names, which begin with its namespace, and absolute names, such as /graph.
+    Other programs look for its relative names at one level, such as under the robot's name.
     """
     levels = namespace.strip('/').split('/')
     if len(levels) > 1:
@@ -101,7 +102,7 @@ def check_namespace(namespace: str) -> None:
 
 
 def _wait_for_master() -> None:
-    """Waits for the ROS master, because rospy fails if it must set parameters without one."""
+    """Waits for the ROS master: without a master, rospy fails when it must set parameters."""
     uri, told = rosgraph.get_master_uri(), False
     while not rosgraph.is_master_online():
         if rospy.is_shutdown():
@@ -113,16 +114,16 @@ def _wait_for_master() -> None:
 
 
 def _wrong(reason: str) -> Task:
-    """Returns a task that reports the error as long as the node waits for its restart."""
+    """Returns a task that reports the error while the node waits for its restart."""
     return lambda status: status.summary(DiagnosticStatus.ERROR, reason)
 
 
 def _end_on_signals() -> None:
-    """Lets signals shut down the node in a separate thread, and end it within END_WITHIN seconds.
+    """Makes signals shut down the node in a separate thread, and end it within END_WITHIN seconds.
 
-    rospy's own handlers shut down inside the interrupted code, which may hold the lock that they
-    wait for. Also, rospy can deadlock if it is ended while it registers. Because of this about one
-    node in forty hung when it was ended during its start.
+    rospy's own handlers shut down inside the interrupted code. If that code holds the lock for
+    which a handler waits, the node hangs. rospy can also deadlock if it is ended while it
+    registers: about one node in forty hung when it was ended during its start.
     """
     def end(number: int, _frame: Any) -> None:
         threading.Thread(target=rospy.signal_shutdown, args=(f'signal {number}',),
@@ -138,7 +139,7 @@ def _end_on_signals() -> None:
 def _end_quietly(ending: threading.Event) -> None:
     """Drops errors of callbacks and threads that use ROS while the node ends.
 
-    Topics close before is_shutdown(), so no thread can know in time that it must not publish.
+    Topics close before is_shutdown() is true. So no thread knows in time that it must not publish.
     """
     logging.getLogger('rosout').addFilter(
         lambda record: not (ending.is_set() and 'to a closed topic' in record.getMessage()))
@@ -151,7 +152,8 @@ def _end_quietly(ending: threading.Event) -> None:
 
 
 def _wait_for_end(ending: threading.Event) -> None:
-    """Waits until rospy has unregistered; rospy.spin checks for that only twice a second."""
+    """Waits until rospy has unregistered the node; rospy.spin notices this only after up to 0.5 s.
+    """
     while not rospy.is_shutdown():
         if ending.wait(0.5):
             rospy.rostime.wallsleep(0.01)

@@ -1,13 +1,13 @@
-"""Corrects three weaknesses of rospy's topic connections, which show when many nodes start at once.
+"""Corrects three faults of rospy's topic connections, which appear if many nodes start at once.
 
-- A node's topic server lets five connections wait. The kernel drops a sixth one, and its client
-  tries again after 1, 3, 7 and 15 s. So a latched message may come that late.
-- A subscriber may be told of a publisher twice, e.g. whenever another publisher of the topic
-  appears. It then makes two connections at once. Each side drops the one that it considers older.
-  If these are different ones, no connection is left, and rospy makes no new one.
-- A node's server reads the headers of connections one after the other, without a time limit. A
-  client that sends no header, or an XML-RPC call to an earlier node on this port, blocks all
-  others.
+- A node's topic server lets five connections wait. The kernel drops the sixth, and its client tries
+  again after 1, 3, 7 and 15 s. So a latched message may come that late.
+- A subscriber may be told of a publisher twice, for example when another publisher of the topic
+  appears. It then makes two connections at once. Each side drops the connection that it considers
+  older. If the two sides drop different ones, no connection is left, and rospy makes no new one.
+- A node's server reads the headers of connections one after the other, without a time limit. All
+  other clients are blocked by a client that sends no header, or that sends an XML-RPC call for an
+  earlier node on this port.
 """
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ Welcome = Callable[[Any, socket, Any], Any]
 
 
 def mend() -> None:
-    """Applies to rospy the three corrections `with_room`, `one_at_a_time` and `each_by_itself`."""
+    """Applies the corrections `with_room`, `one_at_a_time` and `each_by_itself` to rospy."""
     if not hasattr(ROSHandler._connect_topic, '__wrapped__'):
         ROSHandler._connect_topic = one_at_a_time(ROSHandler._connect_topic)
         TCPServer._create_server_sock = with_room(TCPServer._create_server_sock)
@@ -36,9 +36,9 @@ def mend() -> None:
 
 
 def one_at_a_time(connect: Connect) -> Connect:
-    """Wraps `connect` so that it does not run twice at once for one topic of one publisher.
+    """Wraps `connect` so that it runs only once at a time for a topic and a publisher.
 
-    The second call finds the connection of the first one, and makes none.
+    A second call then finds the connection of the first call, and makes none.
     """
     locks: WeakValueDictionary[Tuple[str, str], threading.Lock] = WeakValueDictionary()
     guard = threading.Lock()
@@ -54,7 +54,7 @@ def one_at_a_time(connect: Connect) -> Connect:
 
 
 def with_room(create: Callable[[Any], socket]) -> Callable[[Any], socket]:
-    """Wraps `create` so that the socket lets as many connections wait as the system allows."""
+    """Wraps `create` so that as many connections can wait at the socket as the system allows."""
     @wraps(create)
     def roomy(server: Any) -> socket:
         made = create(server)
@@ -65,7 +65,7 @@ def with_room(create: Callable[[Any], socket]) -> Callable[[Any], socket]:
 
 
 def each_by_itself(welcome: Welcome) -> Welcome:
-    """Wraps `welcome` so that each client has a separate thread, which ends without a header."""
+    """Wraps `welcome` so that each client has its own thread. Without a header, the thread ends."""
     def within_time(server: Any, client: socket, address: Any) -> None:
         before = client.gettimeout()
         client.settimeout(HEADER_WITHIN)

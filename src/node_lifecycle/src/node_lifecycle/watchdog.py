@@ -1,8 +1,8 @@
 """Detects blocked threads of a node, and reports them in /diagnostics.
 
-Two locks taken in opposite order block a node for good, and nothing else shows it: the node keeps
-its connections, and its last values stay on the screen. So a separate thread checks every
-`PERIOD` where all other threads are. It takes none of their locks.
+If two threads take two locks in opposite order, they block a node for ever. Nothing else shows
+this: the node keeps its connections, and its last values stay on the screen. So a separate thread,
+which takes none of these locks, checks every `PERIOD` where all other threads are.
 """
 from __future__ import annotations
 
@@ -34,21 +34,21 @@ class Standstill(NamedTuple):
 
 
 class _Look(NamedTuple):
-    """The state of a thread: its position, frame by frame, and how much it has run."""
+    """The state of a thread: its position, frame by frame, and counters that grow while it runs."""
 
     position: Tuple[Tuple[object, int], ...]
     run: str
 
 
 class ThreadWatch:
-    """Checks the threads of this process; `blocked` returns the blocked ones.
+    """Checks the threads of this process.
 
     A thread is blocked under these conditions:
-    - It is inside code of `packages`.
+    - It is in the code of `packages`.
     - It does not wait for an event.
-    - For `standstill` seconds it has not moved and not run at all. Then it waits for a lock, or for
-      another program.
-    Other threads are not judged: those of rospy wait all the time.
+    - For `standstill` seconds it has neither moved nor run. So it waits for a lock or for another
+      program.
+    Other threads are not judged, because rospy's own threads wait all the time.
     """
 
     def __init__(self, packages: Tuple[str, ...], standstill: float = STANDSTILL) -> None:
@@ -76,9 +76,8 @@ class ThreadWatch:
         return found
 
     def _place(self, frame: FrameType) -> Optional[str]:
-        """Returns the thread's place in the watched code.
-
-        None if it is elsewhere or waits for an event.
+        """Returns the thread's place in the watched code; None if the thread is elsewhere, or
+        waits for an event.
         """
         if _waits(frame):
             return None
@@ -109,7 +108,7 @@ def _waits(frame: FrameType) -> bool:
 
 
 def _run_so_far(native_id: Optional[int]) -> str:
-    """Returns the kernel's counters of a thread, which change whenever the thread runs."""
+    """Returns the kernel's counters of a thread. They change whenever the thread runs."""
     try:
         with open(f'/proc/self/task/{native_id}/status', encoding='ascii') as status:
             switches = [line for line in status if 'ctxt_switches' in line]

@@ -1,7 +1,7 @@
-"""A thread that a node cannot work without.
+"""A thread without which a node cannot work.
 
-If it ended because of an error, the node would keep its topics and do nothing, but look alive to
-others. So the whole process ends, and roslaunch restarts it.
+If only this thread ended, the node would keep its topics and do nothing, but seem to work. So an
+error in the thread ends the whole process, and roslaunch restarts the node.
 """
 from __future__ import annotations
 
@@ -32,8 +32,8 @@ def start_worker(name: str, work: Callable[[], None],
 
 
 def _is_end_of_node(error: Exception) -> bool:
-    """Returns whether the error is due to the end of the node: topics close
-    before is_shutdown().
+    """Returns whether the end of the node caused the error: topics close before is_shutdown() is
+    true.
     """
     return rospy.is_shutdown() or (isinstance(error, rospy.ROSException)
                                    and 'closed topic' in str(error))

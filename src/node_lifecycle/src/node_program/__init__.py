@@ -1,6 +1,6 @@
-"""Starts a program; contains what must be done before the program's modules are imported.
+"""Starts a program, after the work that must come before the import of the program's modules.
 
-It is separate from `node_lifecycle` and does not import ROS, because it has to come first.
+It is separate from `node_lifecycle` and does not import ROS, because it must run first.
 """
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def when_started(then: Callable[[], None]) -> None:
 
 
 def node_started() -> None:
-    """Tells that the node of this process has started and registered with the ROS master."""
+    """Notes that the node of this process has started and registered with the ROS master."""
     while _when_started:
         _when_started.pop()()
 
@@ -31,9 +31,9 @@ def node_started() -> None:
 def run_main(module: str) -> None:
     """Runs a node: imports the module and calls its `main()`, whose result is the exit status.
 
-    SIGINT ends the program at once until the node itself handles signals. As an exception it could
-    be swallowed while libraries are imported: the node would still start, and roslaunch would wait
-    15 s for it to end. Files that the node makes are for its own user only.
+    Until the node handles SIGINT itself, SIGINT ends the program at once. If SIGINT raised an
+    exception, an import could swallow it. Then the node would still start, and roslaunch would wait
+    15 s for its end. Only the node's own user may read files that the node makes.
     """
     os.umask(PRIVATE)
     signal.signal(signal.SIGINT, signal.SIG_DFL)
@@ -43,8 +43,8 @@ def run_main(module: str) -> None:
 def run_command(module: str, function: str = 'main') -> None:
     """Runs a command: like `run_main`, but Ctrl-C ends it silently, with exit status 130.
 
-    During `main`, Ctrl-C raises KeyboardInterrupt there, so that it can clean up. Before and after
-    `main`, Ctrl-C ends the process at once. Control characters in its output are escaped, because
+    During `main`, Ctrl-C raises KeyboardInterrupt, so that `main` can clean up. Before and after
+    `main`, Ctrl-C ends the process at once. Control characters in the output are escaped, because
     reasons and names come from other programs.
     """
     make_output_inert()

@@ -1,7 +1,7 @@
-"""Text of others that does nothing to what shows it: a terminal, a log, or a spreadsheet.
+"""Makes text from others harmless for a terminal, a log, or a spreadsheet that shows it.
 
-Control characters move the cursor of a terminal, erase lines, change its title, or let it type.
-A cell that begins like a formula is calculated by a spreadsheet.
+Control characters can move the cursor of a terminal, erase lines, change the title, or type input.
+A spreadsheet calculates a cell that begins like a formula.
 """
 from __future__ import annotations
 
@@ -11,9 +11,9 @@ import sys
 from typing import Any
 
 LONGEST_ENTRY = 4000
-"""Characters of one log entry; the rest of a longer one is only counted."""
+"""Largest number of characters in a log entry. Of a longer entry, the rest is only counted."""
 
-# C0 and C1 except tab and line feed, and what reorders the letters of a line
+# C0 and C1 except tab and line feed, and characters that change the order of letters in a line
 _ACTIVE = re.compile('[\x00-\x08\x0b-\x1f\x7f-\x9f\u061c\u200e\u200f\u2028-\u202e\u2066-\u2069]')
 _FORMULA = ('=', '+', '-', '@', '\uff1d', '\uff0b', '\uff0d', '\uff20')
 _NUMBERS = re.compile(r'[-+]?[\d.][\d.,eE%: -]*\Z')
@@ -33,26 +33,26 @@ def entry(text: str) -> str:
 
 
 def cell(text: str) -> str:
-    """Returns a cell of a CSV file: inert, and no formula. Numbers stay what they are."""
+    """Returns a cell of a CSV file: inert, and never a formula. Numbers stay unchanged."""
     text = inert(text)
     is_formula = text.lstrip().startswith(_FORMULA) and not _NUMBERS.match(text)
     return f"'{text}" if is_formula else text
 
 
 class InertStream(io.TextIOWrapper):
-    """An output stream that escapes the control characters of all that is printed."""
+    """An output stream that escapes control characters in everything that is printed."""
 
     def write(self, text: str) -> int:
         """Writes the text."""
         return super().write(inert(text))
 
     def return_to_line_begin(self) -> None:
-        """Lets the next text replace the line of a terminal."""
+        """Makes the next text replace the present line of a terminal."""
         super().write('\r')
 
 
 def return_to_line_begin(stream: Any) -> None:
-    """Lets the next text replace the line of a terminal, on any stream."""
+    """Makes the next text replace the present line of a terminal, on any stream."""
     if isinstance(stream, InertStream):
         stream.return_to_line_begin()
     else:

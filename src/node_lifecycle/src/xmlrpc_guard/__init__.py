@@ -1,7 +1,7 @@
-"""Lets the XML-RPC servers of rosgraph refuse web browsers: ROS master, and nodes of rospy.
+"""Makes the XML-RPC servers of rosgraph (ROS master, nodes of rospy) refuse web browsers.
 
-It is separate from `node_lifecycle` and does not import rospy, because the ROS master needs none of
-them.
+It is separate from `node_lifecycle` and does not import rospy, because the ROS master needs neither
+of the two.
 """
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _log = logging.getLogger('xmlrpc')
 
 
 def guard_servers() -> None:
-    """Applies to all XML-RPC servers that this process starts from now on."""
+    """Guards all XML-RPC servers that this process starts from now on."""
     rosgraph.xmlrpc.SilenceableXMLRPCRequestHandler = GuardedRequestHandler
 
 
@@ -30,7 +30,7 @@ class GuardedRequestHandler(SilenceableXMLRPCRequestHandler):
     _next_log = 0.0
 
     def parse_request(self) -> bool:
-        """Reads the request line and the headers; False if the request has been refused."""
+        """Reads the request line and the headers. Returns False if the request was refused."""
         if not super().parse_request():
             return False
         reason = reason_to_refuse(self.command, self.headers.items(), self.hosts)

@@ -1,6 +1,6 @@
-"""rosmaster: the ROS master, with the arguments of ROS's own; web browsers cannot use it.
+"""rosmaster: a ROS master that refuses web browsers; it takes the arguments of ROS's own rosmaster.
 
-roslaunch and roscore find this program in PATH before ROS's own.
+roslaunch and roscore find this program in PATH before the one of ROS.
 """
 from __future__ import annotations
 

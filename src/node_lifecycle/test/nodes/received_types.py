@@ -1,7 +1,8 @@
 """Finds the message types that the nodes of this workspace receive, in their source code.
 
-A type that is received is passed on as a value: to a Subscriber, to an action, or in a table of
-these. Types that are only called, published or named in annotations are not received.
+The code of a node passes a type that it receives on as a value: to a Subscriber, to an action, or
+in a table of such types. A type that is only called, published or named in annotations does not
+count.
 """
 from __future__ import annotations
 
@@ -14,7 +15,7 @@ from typing import Any, Dict, Iterator, Set, Tuple
 SOURCES = Path(__file__).resolve().parents[3]
 _SENDERS = ('Publisher', 'isinstance', 'publisher')
 _OF_EVERY_ACTION = ('actionlib_msgs.msg.GoalID', 'actionlib_msgs.msg.GoalStatusArray')
-#: What libraries receive on behalf of nodes that use them.
+#: Types that libraries receive for the nodes that use them.
 _OF_LIBRARIES = {
     'rospy': ('rosgraph_msgs.msg.Clock', 'roscpp.srv.GetLoggers', 'roscpp.srv.SetLoggerLevel'),
     'tf2_ros': ('tf2_msgs.msg.TFMessage',),
@@ -24,7 +25,7 @@ _OF_LIBRARIES = {
 
 @lru_cache(None)
 def received_types() -> Dict[str, str]:
-    """The types (`package/Name`) with a module that receives each."""
+    """Returns the received types (`package/Name`), each with a module that receives it."""
     found: Dict[str, str] = {}
     for file in sorted(SOURCES.glob('*/src/**/*.py')):
         text = file.read_text(encoding='utf-8')
@@ -37,7 +38,7 @@ def received_types() -> Dict[str, str]:
 
 
 def _passed_on(tree: ast.AST) -> Iterator[str]:
-    """The full names of imported message classes that the module passes on as values."""
+    """Yields the full names of imported message classes that the module passes on as values."""
     imported = {(name.asname or name.name): f'{node.module}.{name.name}'
                 for node in ast.walk(tree) if isinstance(node, ast.ImportFrom)
                 if (node.module or '').split('.')[-1] in ('msg', 'srv') for name in node.names}
@@ -51,7 +52,7 @@ def _passed_on(tree: ast.AST) -> Iterator[str]:
 
 
 def _without_values(node: ast.AST) -> Tuple[ast.AST, ...]:
-    """The parts of a node of the syntax tree in which a class is not passed on."""
+    """Returns the parts of a node of the syntax tree in which no class is passed on."""
     if isinstance(node, ast.Call):
         name = getattr(node.func, 'attr', getattr(node.func, 'id', ''))
         return (node.func, *node.args) if name in _SENDERS else (
@@ -68,7 +69,7 @@ def _without_values(node: ast.AST) -> Tuple[ast.AST, ...]:
 
 
 def _messages(name: str) -> Iterator[str]:
-    """The types on the wire that a message, service or action class stands for."""
+    """Yields the types on the wire for the class of a message, service or action."""
     module, _, kind = name.rpartition('.')
     cls: Any = getattr(import_module(module), kind)
     if hasattr(cls, '_request_class'):

@@ -1,4 +1,4 @@
-"""Nodes read no message that is larger than its type may be, and do not even collect it."""
+"""Nodes neither read nor collect a message that is larger than its type may be."""
 from __future__ import annotations
 
 import io
@@ -28,8 +28,8 @@ from node_lifecycle.message_limits import LIMITS, OTHER, limit_of
 PACKAGE = Path(__file__).resolve().parents[2] / 'package.xml'
 TOPIC = '/topic'
 SHARES = (0.5, 1, 10)
-PIECE = 2 ** 16  # bytes that a socket delivers at once
-#: Passed on as values, but only as parts of messages, or to be published.
+PIECE = 2 ** 16  # bytes in one piece from a socket
+#: Types that are passed on as values, but only as parts of messages or for publishers.
 NOT_RECEIVED = {'itrci_nav_msgs/DeviceUse', 'itrci_nav_msgs/Edge', 'itrci_nav_msgs/EdgeState',
                 'itrci_nav_msgs/StepParameter', 'itrci_nav_msgs/StepState', 'itrci_nav_msgs/Vertex',
                 'omron_ld90_msgs/LastCommand',
@@ -49,7 +49,7 @@ def _warnings(monkeypatch) -> List[str]:
 
 
 def class_of(message_type: str) -> Any:
-    """The class of a message, or of a part of a service."""
+    """Returns the class of a message, or of the request or response of a service."""
     for part in ('Request', 'Response'):
         service = message_type[:-len(part)]
         if message_type.endswith(part) and get_service_class(service) is not None:
@@ -58,12 +58,12 @@ def class_of(message_type: str) -> Any:
 
 
 def framed(message: Any, size: int) -> bytes:
-    """A message on the wire, made longer so that it has `size` bytes."""
+    """Returns a message as on the wire, made longer so that it has `size` bytes."""
     return b''.join(wire(message, size))
 
 
 def wire(message: Any, size: int) -> Iterator[bytes]:
-    """The same in pieces, as a socket delivers it."""
+    """Yields the same bytes as `framed` in pieces, as a socket delivers them."""
     content = io.BytesIO()
     message.serialize(content)
     rest = size - content.tell()
@@ -74,7 +74,9 @@ def wire(message: Any, size: int) -> Iterator[bytes]:
 
 
 def received(cls: Any, pieces: Iterable[bytes]) -> Tuple[List[Any], int]:
-    """The messages that a subscriber reads from a stream, and the most bytes that it collects."""
+    """Returns the messages that a subscriber reads from a stream, and the largest number of bytes
+    that it collects.
+    """
     protocol = TCPROSSub(TOPIC, cls)
     buffer, messages, most = io.BytesIO(), [], 0
     for piece in pieces:
@@ -109,7 +111,8 @@ def test_the_table_has_no_type_that_nobody_receives():
 
 
 def test_the_package_declares_the_messages_of_its_table():
-    """So these tests run alone; the nodes themselves read only types that their packages declare.
+    """Without these dependencies the tests could not run alone. At run time, a node reads only
+    types that its own package declares.
     """
     declared = re.findall(r'_depend>(\w+)<', PACKAGE.read_text(encoding='utf-8'))
     assert {message_type.split('/')[0] for message_type in LIMITS} <= set(declared)

@@ -1,4 +1,4 @@
-"""A node whose ROS time stands still or steps back names the clock."""
+"""If the ROS time of a node stands still or steps back, the node reports the clock."""
 from __future__ import annotations
 
 import logging
@@ -19,7 +19,7 @@ class Clocks:
         self.watch = ClockWatch(lambda: self.ros, lambda: self.monotonic)
 
     def status(self, after: float, ros: float) -> DiagnosticStatus:
-        """The status when `after` s have passed and ROS time is `ros`."""
+        """Returns the status after `after` s more, at the ROS time `ros`."""
         self.monotonic += after
         self.ros = ros
         status = DiagnosticStatusWrapper()

@@ -1,4 +1,4 @@
-"""What others write is shown, and does nothing to terminal, log or spreadsheet."""
+"""Text from others is shown, and is harmless for a terminal, a log or a spreadsheet."""
 from __future__ import annotations
 
 import csv

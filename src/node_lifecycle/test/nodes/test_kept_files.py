@@ -1,4 +1,4 @@
-"""Only one node keeps its memory in a file."""
+"""Only one node at a time keeps its data in a file."""
 from __future__ import annotations
 
 import subprocess
@@ -32,7 +32,7 @@ def test_a_second_node_is_told_in_a_sentence_until_the_first_one_has_ended(path,
                            'end that node, or .* with ~motion_file.$'):
             hold(path, '~motion_file')
         monkeypatch.setattr(kept_files, 'PATIENCE', 20.0)
-        holder.stdin.close()  # it ends while the next one waits
+        holder.stdin.close()  # the first node ends while the second one waits
         hold(path, '~motion_file')
 
 

@@ -22,7 +22,7 @@ from xmlrpc_guard import GuardedRequestHandler
 
 
 class FullDisk(logging.Handler):
-    """A handler like rospy's for the standard streams: it raises errors."""
+    """A handler that raises errors, like rospy's handler for the standard streams."""
 
     def emit(self, record):
         raise OSError(errno.ENOSPC, 'No space left on device')
@@ -81,7 +81,7 @@ def test_a_log_file_that_is_full_says_nothing_but_a_wrong_message_does(monkeypat
 
 
 def opens_a_log(path):
-    """Opens a log as rospy does, which finds the handler's class by its name."""
+    """Returns a function that opens a log as rospy does: by the name of the handler's class."""
     return lambda name, **options: logging.handlers.RotatingFileHandler(str(path), 'a', 1000, 4)
 
 
@@ -113,7 +113,7 @@ logging.getLogger('rosout').error('the node cannot work')
 
 @pytest.mark.parametrize('folder', ['/proc/nowhere', '/dev/null', '/dev/null/log'])
 def test_a_node_whose_log_folder_cannot_be_made_says_so_and_still_logs_on_its_console(folder):
-    """As with a user without a home, and on a read-only root."""
+    """This happens for a user without a home, and on a read-only root."""
     result = subprocess.run([sys.executable, '-c', LOGS_AN_ERROR], text=True, check=True,
                             env={**os.environ, 'ROS_LOG_DIR': folder}, stdout=subprocess.PIPE,
                             stderr=subprocess.STDOUT, timeout=60)

@@ -13,7 +13,7 @@ from node_lifecycle.master_watch import MasterWatch, ThisNode
 
 
 class Master:
-    """A master that knows the node completely, by one of two registrations, or not; or is away."""
+    """A master that knows two registrations of the node, one of them, or none; or that is away."""
 
     def __init__(self, known: int = 2, there: bool = True) -> None:
         self.known = known
@@ -35,7 +35,7 @@ class Master:
     def restore(self) -> None:
         self._answer(True)
         self.restored += 1
-        # the other registration went to the master before
+        # the first of the two registrations has reached the master before
         self.known = 1 if self.ends_in_between else 2
 
 
@@ -68,7 +68,7 @@ def test_a_master_that_ends_while_a_node_registers_is_told_the_rest():
 
 
 class Rosmaster:
-    """The functions of a ROS master that a node uses; registrations come by `notify_added`."""
+    """The functions of a ROS master for a node. Registrations come through `notify_added`."""
 
     def __init__(self) -> None:
         self.nodes: List[str] = []
@@ -113,7 +113,7 @@ def rosmaster(monkeypatch) -> Rosmaster:
 
 
 def test_a_line_of_the_log_makes_no_node_known(rosmaster):
-    rosmaster.nodes.append('/me')  # as the master does for the node that asks it for a parameter
+    rosmaster.nodes.append('/me')  # a master does this for a node that asks it for a parameter
     watch = MasterWatch(ThisNode(rosmaster, KeptParameters()))
     assert watch.register_again()
     assert {name for _, _, name in rosmaster.registered} == {

@@ -1,4 +1,4 @@
-"""A measurement out of range is ignored with a warning; no reader moves it to a limit."""
+"""A reader ignores a measurement out of range with a warning, and never moves it to a limit."""
 from __future__ import annotations
 
 import math

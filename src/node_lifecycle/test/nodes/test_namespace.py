@@ -1,4 +1,4 @@
-"""A node under ROS_NAMESPACE works, or says in a sentence why it cannot."""
+"""A node under ROS_NAMESPACE works, or one sentence says why it cannot."""
 from __future__ import annotations
 
 import pytest

@@ -43,7 +43,7 @@ def thread_that_raises(error: Exception) -> None:
 
 
 def test_a_thread_that_publishes_while_the_node_ends_prints_no_traceback(said, monkeypatch):
-    reported, ending = [], threading.Event()  # those that would be printed with a traceback
+    reported, ending = [], threading.Event()  # `reported`: errors that would print a traceback
     monkeypatch.setattr(threading, 'excepthook', lambda args: reported.append(args.exc_value))
     closed = rospy.ROSException('publish() to a closed topic')
     _end_quietly(ending)

@@ -1,4 +1,4 @@
-"""One thread makes the calls of a node in order, and checks the clock in between."""
+"""One thread makes the calls of a node in order, and its ticks between them."""
 from __future__ import annotations
 
 import threading
@@ -52,7 +52,7 @@ def test_a_tick_comes_though_calls_never_cease():
 
 def test_what_waits_when_a_tick_is_due_is_made_before_it():
     made: List[str] = []
-    loop = EventLoop(lambda: made.append('tick'), 1.0, Clock(5.0))  # a tick is due at every look
+    loop = EventLoop(lambda: made.append('tick'), 1.0, Clock(5.0))  # a tick is always due
     for number in range(50):
         loop.put(lambda number=number: made.append(f'call {number}'))
     loop.put(loop.end)

@@ -1,4 +1,4 @@
-"""A node's program ends on Ctrl-C from its first line on, and so does a command."""
+"""A node's program, and a command, ends on Ctrl-C from its first line on."""
 from __future__ import annotations
 
 import signal

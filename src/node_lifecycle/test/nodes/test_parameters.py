@@ -1,4 +1,4 @@
-"""Parameters that are missing, of another type or out of range are refused with one sentence."""
+"""One sentence refuses a parameter that is missing, has another type, or is out of range."""
 from __future__ import annotations
 
 import math

@@ -1,4 +1,4 @@
-"""Periodic work goes on whatever ROS time does; a node whose ROS time stands still says so."""
+"""Periodic work goes on even if ROS time stands still or steps; a node then reports its clock."""
 from __future__ import annotations
 
 import logging
@@ -17,7 +17,7 @@ PERIOD = 0.01  # s
 
 @pytest.fixture
 def simulated_time() -> Iterator[None]:
-    """ROS time as /use_sim_time sets it up: it stands still at 0 until somebody moves it."""
+    """ROS time under /use_sim_time: it stands still at 0 until a test moves it."""
     rostime.switch_to_wallclock()
     rostime.set_rostime_initialized(True)
     rostime._set_rostime(genpy.Time(0))
@@ -28,7 +28,7 @@ def simulated_time() -> Iterator[None]:
 
 @pytest.fixture
 def calls() -> Iterator[threading.Semaphore]:
-    """Released at each call."""
+    """A semaphore that is released at each call."""
     called = threading.Semaphore(0)
     periodic = Periodic('test', PERIOD, called.release)
     yield called

@@ -1,4 +1,4 @@
-"""The line that says what is ready, as another program reads it."""
+"""Another program recognises the line that says what is ready."""
 from __future__ import annotations
 
 import io

@@ -1,4 +1,4 @@
-"""rospy's connections of topics when many nodes start at once."""
+"""The topic connections of rospy if many nodes start at once."""
 from __future__ import annotations
 
 import socket
@@ -20,7 +20,7 @@ SOURCES = Path(__file__).resolve().parents[3]
 
 
 class Subscriber:
-    """Connects as rospy does: checks for a connection, asks, and makes one."""
+    """Connects like rospy: looks for a connection, asks the publisher, and makes a connection."""
 
     def __init__(self) -> None:
         self.made: List[str] = []
@@ -29,7 +29,7 @@ class Subscriber:
         self.asking = threading.Semaphore(0)
 
     def connect(self, topic: str, publisher: str) -> None:
-        """The function that rospy calls `_connect_topic`."""
+        """Stands for the function that rospy calls `_connect_topic`."""
         if publisher in self.made:
             return
         self.asked[publisher] = self.asked.get(publisher, 0) + 1
@@ -68,7 +68,7 @@ def test_a_publisher_that_does_not_answer_keeps_no_other_one_waiting():
 def test_many_connections_may_wait_for_a_node_that_is_busy(monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setenv('ROS_IP', '127.0.0.1')
     topic_connections.mend()
-    server = TCPServer(lambda *_: None)  # it was not started, so it accepts none
+    server = TCPServer(lambda *_: None)  # it does not run, so it accepts no connection
     with ExitStack() as stack:
         stack.callback(server.server_sock.close)
         for _ in range(MANY):

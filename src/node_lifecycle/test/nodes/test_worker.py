@@ -1,4 +1,4 @@
-"""A thread that a node cannot do without: if it fails, the process ends."""
+"""If a thread fails without which a node cannot work, the process ends."""
 from __future__ import annotations
 
 from typing import Callable, List

@@ -1,4 +1,4 @@
-"""The XML-RPC servers of ROS answer programs, and carry out nothing for a web page."""
+"""The XML-RPC servers of ROS answer programs, but do nothing for a web page."""
 from __future__ import annotations
 
 import http.client
@@ -14,8 +14,8 @@ import rosgraph.xmlrpc
 import xmlrpc_guard
 from xmlrpc_guard import GuardedRequestHandler, guard_servers
 
-#: What Chromium adds to `fetch(url, {method: 'POST', mode: 'no-cors', body: text})`. It leaves
-#: Sec-Fetch-* out where the address is not "potentially trustworthy", i.e. not loopback.
+#: Headers that Chromium adds to `fetch(url, {method: 'POST', mode: 'no-cors', body: text})`. It
+#: leaves out Sec-Fetch-* if the address is not "potentially trustworthy", that is, not loopback.
 FETCH = {'Content-Type': 'text/plain;charset=UTF-8', 'Origin': 'http://evil.example',
          'Sec-Fetch-Site': 'cross-site', 'Sec-Fetch-Mode': 'no-cors', 'Sec-Fetch-Dest': 'empty',
          'Accept': '*/*', 'Referer': 'http://evil.example/', 'User-Agent': 'Mozilla/5.0'}
@@ -54,7 +54,7 @@ def _server() -> Iterator[rosgraph.xmlrpc.XmlRpcNode]:
         node.start()
         assert node.handler.is_ready.wait(10)
         yield node
-    node.is_shutdown = True  # `shutdown` closes the socket of a loop that goes on for ever
+    node.is_shutdown = True  # `shutdown` only closes the socket; the loop would run for ever
     node.server.shutdown()
     node.shutdown('the end of the tests')
 
@@ -72,7 +72,7 @@ def _port(server, monkeypatch) -> int:
 
 
 def sent(port: int, headers: Dict[str, str], method: str = 'POST', call: str = 'setParam') -> int:
-    """Sends the call as the request of a browser; the status of the answer."""
+    """Sends the call as a browser would. Returns the status of the answer."""
     connection = http.client.HTTPConnection('127.0.0.1', port, timeout=10)
     try:
         connection.request(method, '/', xmlrpc.client.dumps(CALLS[call], call), headers)

@@ -1,1 +1,1 @@
-"""Markers for RViz, and the places of texts so that none covers another."""
+"""Markers for RViz, and places for texts so that no text covers another."""

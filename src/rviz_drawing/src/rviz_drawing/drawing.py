@@ -46,9 +46,9 @@ def pose_at(place: XY, yaw: float = 0.0, z: float = 0.0) -> Pose:
 def shape(kind: int, namespace: str, number: int, paint: ColorRGBA,
           size: Tuple[float, float, float], pose: Optional[Pose] = None,
           frame: str = FRAME) -> Marker:
-    """Returns a marker, at the frame's origin without `pose`.
+    """Returns a marker; without `pose` it is at the frame's origin.
 
-    `size` is its `scale`, as for this `kind`.
+    `size` is the marker's `scale`, with the meaning that this `kind` gives it.
     """
     marker = Marker(type=kind, ns=namespace, id=number, color=paint, scale=Vector3(*size),
                     pose=pose or pose_at((0.0, 0.0)))
@@ -58,9 +58,9 @@ def shape(kind: int, namespace: str, number: int, paint: ColorRGBA,
 
 def text(namespace: str, number: int, words: str, place: XY, height: float, paint: ColorRGBA,
          z: float = 1.0, frame: str = FRAME) -> Marker:
-    """Returns a text that faces the viewer, centred at `place`; `height` of a capital letter.
+    """Returns a text that faces the viewer, centred at `place`; `height`: height of a capital.
 
-    Letters that RViz lacks are replaced, see `drawable`.
+    Letters that RViz lacks are replaced; see `drawable`.
     """
     marker = shape(Marker.TEXT_VIEW_FACING, namespace, number, paint, (0.0, 0.0, height),
                    pose_at(place, z=z), frame)
@@ -89,10 +89,7 @@ def _drawable_letter(letter: str) -> str:
 
 def lines(namespace: str, number: int, paint: ColorRGBA, width: float,
           polylines: Iterable[np.ndarray], z: float, frame: str = FRAME) -> Marker:
-    """Returns all polylines, each (N, 2), in one marker.
-
-    Without polylines the marker is a deletion.
-    """
+    """Returns one marker with all polylines, each (N, 2); without polylines, a deletion."""
     marker = shape(Marker.LINE_LIST, namespace, number, paint, (width, 0.0, 0.0),
                    frame=frame)
     for polyline in polylines:
@@ -106,7 +103,7 @@ def many(kind: int, namespace: str, number: int, paint: ColorRGBA,
          size: Tuple[float, float, float], places: np.ndarray, frame: str = FRAME) -> PointsMarker:
     """Returns a marker of many `places` (N, 3); if there are none, it deletes an older marker.
 
-    It can be sent in a FastMarkerArray only.
+    Only a FastMarkerArray can send it.
     """
     return PointsMarker(
         places, header=Header(frame_id=frame), ns=namespace, id=number, type=kind, color=paint,
@@ -115,12 +112,12 @@ def many(kind: int, namespace: str, number: int, paint: ColorRGBA,
 
 
 def complete(markers: Iterable[Marker]) -> FastMarkerArray:
-    """Returns an array with all `markers` of a topic; it first deletes all older ones."""
+    """Returns an array with all `markers` of a topic. Its first marker deletes all older ones."""
     return FastMarkerArray(markers=[Marker(action=Marker.DELETEALL), *markers])
 
 
 def at_height(places: np.ndarray, z: float) -> np.ndarray:
-    """Returns places (N, 2) on the floor as (N, 3), `z` above it."""
+    """Returns places (N, 2) on the floor as places (N, 3) at the height `z`."""
     lifted = np.full((len(places), 3), z)
     lifted[:, :2] = np.asarray(places, float).reshape(-1, 2)
     return lifted
@@ -147,14 +144,14 @@ def ring(centre: XY, radius: float, corners: int = 24) -> np.ndarray:
 
 
 def square(centre: XY, half: float) -> np.ndarray:
-    """Returns a closed polyline (5, 2) around `centre`; `half`: half of its side."""
+    """Returns a closed polyline (5, 2), a square around `centre`; `half`: half of its side."""
     return np.array(centre) + half * np.array([(1, 1), (-1, 1), (-1, -1), (1, -1), (1, 1)], float)
 
 
 def arrowhead(tip: XY, yaw: float, length: float, z: float) -> np.ndarray:
-    """Returns the triangle (3, 3), for TRIANGLE_LIST, of an arrow along `yaw` that ends at `tip`.
+    """Returns an arrow along `yaw` with its tip at `tip`: a triangle (3, 3) for TRIANGLE_LIST.
 
-    Counter-clockwise seen from above, because RViz does not light the other side.
+    Its corners are counter-clockwise from above, because RViz does not light the other side.
     """
     along = length * np.array((math.cos(yaw), math.sin(yaw)))
     across = 0.5 * np.array((-along[1], along[0]))

@@ -1,7 +1,7 @@
-"""Shapes flat on the floor, many in one marker. Metres, radians.
+"""Shapes flat on the floor, many of them in one marker. Units are metres and radians.
 
-RViz draws each marker separately, and draws lines again for each frame. So the parts of one drawing
-are one list of triangles: with a thousand edges this is ten times as fast.
+RViz draws each marker separately, and draws lines anew in each frame. So all parts of a drawing are
+one list of triangles. With a thousand edges this is ten times as fast.
 """
 from __future__ import annotations
 
@@ -31,8 +31,8 @@ DIGITS = {
     '9': [(0.5, 0), (2.5, 1), (4, 4), (4, 6.5), (3, 8), (1, 8), (0, 6.5), (0, 4.7), (1, 3.3),
           (3, 3.3), (4, 4.7)],
 }
-"""The strokes of the digits, in eighths of their height. Digits are drawn because RViz is slow with
-text."""
+"""The strokes of the digits, in eighths of a digit's height. Digits are drawn as shapes, because
+RViz is slow with text."""
 STROKE = 1.4  # width of a stroke, in eighths of the height
 
 
@@ -70,7 +70,7 @@ def moved(part: FlatShape, to: Tuple[float, float]) -> FlatShape:
 
 
 def together(markers: Iterable[Marker]) -> Marker:
-    """Returns one marker of several that `flat` made at the origin."""
+    """Returns one marker that joins several markers, which `flat` has made at the origin."""
     whole = flat(())
     for marker in markers:
         whole.points += marker.points
@@ -107,6 +107,6 @@ def number(value: int, height: float, z: float, paint: ColorRGBA) -> List[FlatSh
 
 
 def number_size(value: int, height: float) -> Tuple[float, float]:
-    """Returns width and height of a number; its middle is half of `height` above the origin."""
+    """Returns width and height of a number. Its middle is `height` / 2 above the origin."""
     unit = height / 8.0
     return unit * (6.0 * len(str(value)) - 1.7 + STROKE), height + unit * STROKE

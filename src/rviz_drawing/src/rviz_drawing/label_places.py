@@ -1,7 +1,8 @@
 """Chooses where the label of each robot is drawn, so that labels stay readable when robots meet.
 
-A label keeps its side while that is free. If it must, it covers edges rather than names and rings
-of vertices and stations, and other labels and robots least of all (`placing`).
+A label keeps its side while this side is free. If no side is free, it covers edges rather than
+names and rings of vertices and stations, and other labels and robots only as a last choice
+(`placing`).
 """
 from __future__ import annotations
 
@@ -21,7 +22,7 @@ from trajectory_graph.placing import (
 )
 
 GAP = 0.12  # m between a robot and its label
-NAME_WEIGHT = 10.0  # a text over a text is harder to read than one over a line
+NAME_WEIGHT = 10.0  # of names, because a text on a text is harder to read than a text on a line
 
 
 @dataclass(frozen=True)
@@ -46,7 +47,8 @@ class Label:
                 for side in ABOVE_FIRST]
 
     def middle(self, side: int) -> Tuple[float, float]:
-        """Returns the centre of the text (m) if it is drawn on this one of ABOVE_FIRST."""
+        """Returns the centre of the text (m) if the text is on this side, an index in ABOVE_FIRST.
+        """
         return middle_of(self.boxes()[side])
 
 
@@ -63,18 +65,18 @@ class LabelPlaces:
     def choose(self, labels: Mapping[str, Label], window: Optional[Box] = None,
                names: Iterable[Box] = (), buttons: Iterable[Box] = (),
                beneath: Optional[Places] = None) -> None:
-        """Chooses the sides again, for the present positions.
+        """Chooses the sides for the present positions.
 
-        labels  -- by name of the robot; the first ones choose first
-        window  -- what people see; None: that is not known
-        names   -- and rings of vertices and stations, which a label may cover if it must
-        buttons -- which it must not cover
+        labels  -- by name of the robot; earlier labels choose first
+        window  -- the area that people see; None: it is not known
+        names   -- boxes of names and of rings, which a label may cover if it must
+        buttons -- boxes of buttons, which no label should cover
         beneath -- the edges, as soft boxes
         """
         places = Places(window, beneath=beneath)
         for box in names:
             places.cover(box, is_soft=True, weight=NAME_WEIGHT)
-        # The square within its disc: else no label beside a corner would be clear of its own robot.
+        # The square within the disc: around a larger one no label at a corner would be free.
         for box in (*buttons, *(box_around((one.x, one.y), (math.sqrt(2.0) * one.radius,) * 2)
                                 for one in labels.values())):
             places.cover(box)

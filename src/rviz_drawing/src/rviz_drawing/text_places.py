@@ -1,8 +1,8 @@
 """Finds places for the ids and labels of vertices, so that no text covers another.
 
-A text is at its usual place if that is free, otherwise at the nearest free place around its vertex.
-If there is no free place within REACH, the text is not shown. To keep the picture steady, only
-texts that have changed, and texts that are not at their usual places, get new places.
+A text is at its usual place if this place is free, otherwise at the nearest free place around its
+vertex. If no place within REACH is free, the text is not shown. To keep the picture steady, only
+texts that have changed, or that are not at their usual places, get new places.
 """
 from __future__ import annotations
 
@@ -14,23 +14,23 @@ Point = Tuple[float, float]
 Key = Tuple[str, int]  # the kind of the text, and the id of its vertex
 
 REACH = 1.5   # m; largest distance between the edge of a text and its vertex
-STEP = 0.15   # m between two places in the outward direction
+STEP = 0.15   # m between two possible places in the outward direction
 MARGIN = 0.2  # m between a vertex and the nearest text that is not at its usual place
 LINE_HEIGHT = 1.1  # of the text height
-# Widths of letters in Liberation Sans, the font of RViz, in 1/1000 of its size, by the letters
-# that have them; all others are OTHER_WIDTH wide. A space is drawn as wide as an A.
+# Widths of letters in Liberation Sans, the font of RViz, in 1/1000 of the font's size: for each
+# width, its letters. All others are OTHER_WIDTH wide. A space is drawn as wide as an A.
 _WIDTHS = {191: "'", 222: 'ijl', 278: '!,./:;I[]\\ftr', 333: '()-`', 355: '"', 389: '*',
            500: 'JcksvxyzZ', 556: '#$0123456789?L_abdeghnopqu', 584: '+<=>~', 611: 'FT',
            667: ' &ABEKPSVXY', 722: 'CDHNRUw', 778: 'GOQ', 833: 'Mm', 889: '%', 944: 'W'}
 _WIDTH_OF = {letter: width / 1000.0 for width, letters in _WIDTHS.items() for letter in letters}
 OTHER_WIDTH = 0.72
-TEXT_SCALE = 0.82  # width of a letter in RViz for a width of 1 and a text height of 1; measured
+TEXT_SCALE = 0.82  # measured: width of a letter in RViz, for a width of 1 and a text height of 1
 # Right and left are tried last, because edges are often there.
 _SIDES = ((0, -1), (0, 1), (1, -1), (-1, -1), (1, 1), (-1, 1), (1, 0), (-1, 0))
 
 
 class VertexText(NamedTuple):
-    """A text beside a vertex, m.
+    """A text beside a vertex; lengths in m.
 
     size  -- width and height of the text
     usual -- the middle of the text at its usual place, relative to the vertex
@@ -55,7 +55,7 @@ class TextPlaces:
         return self._middles[key]
 
     def show(self, texts: Mapping[Key, VertexText]) -> None:
-        """Places these texts; the first ones choose first."""
+        """Places these texts; earlier texts choose first."""
         for key, text in list(self._texts.items()):
             if texts.get(key) != text or self._middles[key] != _usual(text):
                 self._remove(key)
@@ -90,7 +90,7 @@ def _usual(text: VertexText) -> Point:
 
 
 def _middles(text: VertexText) -> List[Point]:
-    """Returns the possible middles, the best first: the usual one, then outwards on all sides."""
+    """Returns the possible middles of a text, the best first: the usual one, then outwards."""
     (x, y), (width, height) = text.vertex, text.size
     return [_usual(text), *(
         (x + right * (away + width / 2.0), y + up * (away + height / 2.0))

@@ -26,13 +26,13 @@ HEADER = Header(seq=7, stamp=genpy.Time(12, 34), frame_id='map')
 
 def written(message) -> bytes:
     buffer = io.BytesIO()
-    buffer.write(b'before')  # a message is written after others
+    buffer.write(b'before')  # other messages are in the buffer before this one
     message.serialize(buffer)
     return buffer.getvalue()
 
 
 def plain_marker(marker: PointsMarker) -> Marker:
-    """The same marker with a list of Point objects."""
+    """Returns the same marker with a list of Point objects."""
     fields = {name: getattr(marker, name) for name in Marker.__slots__}
     return Marker(**{**fields, 'points': [Point(*row) for row in marker.array.tolist()]})
 

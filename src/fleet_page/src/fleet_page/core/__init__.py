@@ -1,1 +1,1 @@
-"""The content of the page and the permissions, independent of ROS and of the web server."""
+"""The content of the page, and the permissions. It needs neither ROS nor the web server."""

@@ -50,7 +50,7 @@ class ActKind(Enum):
 
 @dataclass(frozen=True)
 class Act:
-    """One act. Fields that it does not need are empty.
+    """One act. A field that the act does not need is empty.
 
     mission -- request id
     robot   -- the robot that the act concerns, or that must serve the mission
@@ -58,8 +58,8 @@ class Act:
     stays   -- s at each destination, negative: until released; empty: no stays
     name    -- name of a favourite, an area, a template or a timetable, or key of an alarm
     arguments -- of the template, each with the name of its parameter
-    answer  -- to a step: one of ANSWERS
-    step    -- key of the step that the answer is about; 0: the one that asks now
+    answer  -- the answer to a step: one of ANSWERS
+    step    -- key of the step that is answered; 0: the step that waits for an answer now
 
     Each attribute is a field of the browser's message.
     """
@@ -88,7 +88,7 @@ class ActOutcome:
 
 
 class WrongAct(Exception):
-    """The request is not valid. The text says what it must be."""
+    """The request is not valid. The text says what is required."""
 
 
 def _whole(value: Any) -> int:
@@ -107,7 +107,7 @@ def _ids(value: Any, most: int) -> Tuple[int, ...]:
 
 
 def _destinations(value: Any) -> Tuple[Destination, ...]:
-    """Returns the ids of vertices, and names of stations and groups."""
+    """Returns destinations: ids of vertices, and names of stations and groups."""
     if not isinstance(value, list) or not 0 < len(value) <= MOST_DESTINATIONS:
         raise WrongAct(f'must be a list of 1 to {MOST_DESTINATIONS} ids or names')
     return tuple(_text(one) if isinstance(one, str) else _ids([one], 1)[0] for one in value)
@@ -142,7 +142,7 @@ def _stays(value: Any) -> Tuple[float, ...]:
     if not isinstance(value, list) or len(value) > MOST_DESTINATIONS:
         raise WrongAct(f'must be a list of at most {MOST_DESTINATIONS} numbers')
     for element in value:
-        # The comparisons come first: a whole number of 400 digits has no float.
+        # Compared first, because a whole number of 400 digits cannot become a float.
         if isinstance(element, bool) or not isinstance(element, (int, float)) or not (
                 -LONGEST_STAY <= element <= LONGEST_STAY):
             raise WrongAct(f'must be numbers of seconds up to {LONGEST_STAY:.0f}, or negative')
@@ -156,7 +156,7 @@ def _answer(value: Any) -> str:
 
 
 def _step(value: Any) -> int:
-    """Returns the key of a step, as text: the numbers of a browser have 53 bits."""
+    """Returns the key of a step. It comes as text: a browser's numbers have only 53 bits."""
     if not isinstance(value, str) or not re.fullmatch('[0-9]{1,20}', value) or (
             int(value) > _UINT64):
         raise WrongAct('must be the key of a step, as text')
@@ -172,7 +172,7 @@ _NAME: Dict[str, Field] = {'name': _text}
 
 @dataclass(frozen=True)
 class Rule:
-    """The role that an act needs, its required fields and its optional fields."""
+    """The role that an act needs, its required fields, and its optional fields."""
 
     role: UserRole
     needed: Mapping[str, Field]

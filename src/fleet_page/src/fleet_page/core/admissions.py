@@ -1,12 +1,12 @@
-"""The limits on connections before a login: which are let in, and which must give way.
+"""The limits on connections before a login: which of them are let in, and which are ended.
 
-A connection counts here while it waits for a request, or is served without a login. While it
-carries out a request of a known person it does not count, and cannot be displaced.
+A connection counts while it waits for a request, or is served without a login. While it carries out
+a request of a known person, it does not count and is not ended.
 
-If there is no room, the oldest connection of the address that has the most gives way. So no client
-can take all places and keep them, and an address with few connections loses none as long as another
-has more. If half requests come faster than they can be kept, newcomers of such an address must
-bring a whole request at once: to refuse a half request costs least.
+If there is no room for a new connection, the address with the most connections loses its oldest
+one. So no client can take all places and keep them, and an address with few connections loses none
+while another has more. Half requests may come faster than they can be kept. Then a new connection
+from such an address must bring a whole request at once: to refuse a half request costs least.
 """
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from fleet_page.core.rate_limits import RateLimit
 
 MOST_OF_ADDRESS = 96
 MOST = 512
-EACH_SECOND = 2000.0  # half requests per second that displace others, of an address and in all
+EACH_SECOND = 2000.0  # half requests per second, per address and in all, that may displace others
 
 
 class Admissions:
@@ -28,7 +28,7 @@ class Admissions:
     def __init__(self) -> None:
         self._addresses: Dict[Hashable, str] = {}
         self._of: Dict[str, OrderedDict[Hashable, None]] = {}
-        self._by_size: Dict[int, OrderedDict[str, None]] = {}  # by connections
+        self._by_size: Dict[int, OrderedDict[str, None]] = {}  # addresses, by their connections
         self._largest = 0
         self._halves = RateLimit(EACH_SECOND, EACH_SECOND)
 
@@ -48,8 +48,7 @@ class Admissions:
         return False
 
     def arrive(self, key: Hashable, address: str) -> Optional[Hashable]:
-        """Counts a new connection. Returns the one that must give way to it, if there is no room.
-        """
+        """Counts a new connection. Returns the connection that must end to make room, or None."""
         displaced = None
         if self.of_address(address) >= MOST_OF_ADDRESS:
             displaced = next(iter(self._of[address]))
@@ -91,9 +90,7 @@ class Admissions:
 
 @lru_cache(maxsize=4096)
 def place_of(address: str) -> str:
-    """Returns the address under which connections are counted:
-    of IPv6 the network of one subscriber.
-    """
+    """Returns the address that counts for a connection; for IPv6, the network of a subscriber."""
     try:
         found = ipaddress.ip_address(address.partition('%')[0])
     except ValueError:

@@ -1,4 +1,4 @@
-"""Robots and missions as plain values, as the fleet manager publishes them."""
+"""Robots and missions as plain values, in the words of the fleet manager."""
 from __future__ import annotations
 
 from dataclasses import dataclass
@@ -16,7 +16,7 @@ MISSION_STATES = ('PENDING', 'ACTIVE', 'SUCCEEDED', 'FAILED', 'REFUSED', 'CANCEL
                   'CANCELLING', 'NEEDS_PERSON', 'BLOCKED', 'PLANNED', 'EXPIRED')
 OPEN_STATES = ('PENDING', 'ACTIVE', 'PAUSED', 'CANCELLING', 'NEEDS_PERSON', 'BLOCKED', 'PLANNED')
 DEADLINE_STATES = ('NONE', 'AHEAD', 'AT_RISK', 'MISSED')
-DEADLINE_ALARMS = DEADLINE_STATES[2:]  # of which people are told
+DEADLINE_ALARMS = DEADLINE_STATES[2:]  # those that are shown to people as alarms
 
 
 @dataclass(frozen=True)
@@ -32,18 +32,19 @@ class ShownPose:
 class ShownRobot:
     """One robot.
 
-    outage   -- name of the code in itrci_nav_msgs/FleetRobot without OUTAGE_; NONE if it works
+    outage   -- name of the code in itrci_nav_msgs/FleetRobot without OUTAGE_; NONE: it works
     edge     -- signed id; 0: off the graph
     fraction -- part of the edge that is behind the robot, 0..1
     seen     -- time of its last report, s since 1970; 0: never
     battery  -- charge, 0..1; None: unknown
     mission  -- request id; None: it has no mission
     to_end   -- s until its mission ends, as the fleet manager expects; None: unknown
-    not_open -- the device in which it is, and which does not report that it is open; empty: none
+    not_open -- the device that the robot is in although no report says that the device is open;
+                empty: there is none
     wait     -- name of the code of what it waits for (WaitCode)
     load     -- what it carries (name of a LoadState); load_serial: the serial of the load's
                 mission; load_types: the types of load that it may be, as far as they are known
-    software -- name and version of its software; empty: it does not tell them
+    software -- name and version of its software; empty: the robot does not report them
 
     Each attribute is a value that the page shows.
     """
@@ -69,24 +70,25 @@ class ShownRobot:
 
     @property
     def is_working(self) -> bool:
-        """Whether it carries out a step at a stop."""
+        """Whether the robot carries out a step at a stop."""
         return self.state == 'BUSY' and self.wait == WaitCode.STEP.name
 
     @property
     def needs_person(self) -> bool:
-        """Whether it waits for the answer of a person, or to be unloaded."""
+        """Whether the robot waits for a person's answer, or waits to be unloaded."""
         return self.state in ('IDLE', 'BUSY') and self.wait == WaitCode.PERSON.name
 
     @property
     def is_waiting(self) -> bool:
-        """Whether it has a mission, and waits for something."""
+        """Whether the robot has a mission and waits for something."""
         return self.mission is not None and not self.is_working and (
             self.wait != WaitCode.NOTHING.name)
 
 
 @dataclass(frozen=True)
 class ShownQueuePlace:
-    """A place at which robots wait for a station. `robot`: that has it; empty: none has."""
+    """A place at which robots wait for a station. `robot`: the robot that has the place, or empty.
+    """
 
     vertex: int
     robot: str = ''
@@ -95,16 +97,16 @@ class ShownQueuePlace:
 
 @dataclass(frozen=True)
 class ShownResource:
-    """A station, a door or the like, as the map shows it.
+    """A station, a door or another resource, as the map shows it.
 
     kind     -- name of the kind (fleet_core.interlocking.resources)
     edges    -- ids of the edges that need it
     vertices -- ids of the vertices that need it
-    device   -- what its device shows (name of a DeviceMode); empty: it has none
+    device   -- name of the DeviceMode of its device; empty: it has no device
     robots   -- names of the robots that claim it
     look     -- name of its ResourceLook, which has a colour
-    is_group -- its vertices are equal: a mission may name it in place of one of them
-    queue    -- of a station, the first place first
+    is_group -- whether its vertices are equal: a mission may then name the station instead of one
+    queue    -- the queue places of a station, the first place first
     """
 
     name: str
@@ -124,8 +126,8 @@ class ShownMachine:
 
     state    -- name of a MachineState
     look     -- name of its ResourceLook
-    vertices -- where it stands, or works; empty: that is not known
-    robot    -- for which it works; empty: none
+    vertices -- where the machine stands or works; empty: unknown
+    robot    -- the robot for which it works; empty: none
     """
 
     name: str
@@ -138,13 +140,13 @@ class ShownMachine:
 ALARMING = ('STOPPED', 'TAKEN_OVER', 'FAILED', 'OFF_GRAPH', 'TOO_NEAR', 'CLOCK', 'DEAF')
 NEVER_HEARD = 'NEVER_HEARD'
 _SILENT = 'SILENT'
-NOT_OPEN = 'NOT_OPEN'  # it is in a door that does not report that it is open
-LADEN = 'LADEN'        # it carries something, or may, and its mission has ended
+NOT_OPEN = 'NOT_OPEN'  # the robot is in a door, and no report says that the door is open
+LADEN = 'LADEN'        # the robot carries something, or may, and its mission has ended
 ALARMS = (*ALARMING, _SILENT, NEVER_HEARD, NOT_OPEN, LADEN)
 
 
 def alarm_of(robot: ShownRobot) -> str:
-    """Returns why a robot needs a person, as one of ALARMS; empty: it does not."""
+    """Returns why a robot needs a person, as one of ALARMS; empty if it needs none."""
     if robot.state == 'UNKNOWN':
         return NEVER_HEARD
     is_missed = robot.outage == _SILENT and robot.mission is not None
@@ -159,24 +161,24 @@ FAULTS = (*ALARMS, *(outage.name for outage in Outage if outage.name not in ALAR
 
 
 def fault_of(robot: ShownRobot) -> str:
-    """Returns what keeps a robot from working, as one of FAULTS; empty: nothing does."""
+    """Returns what keeps a robot from working, as one of FAULTS; empty if nothing does."""
     return alarm_of(robot) or ('' if robot.outage == 'NONE' else robot.outage)
 
 
 class RobotGroup(Enum):
-    """What a robot counts as in the header of the page; the value is its key there."""
+    """The groups of robots that the header of the page counts; the value is the group's key."""
 
     IDLE = 'idle'
     DRIVING = 'driving'
     WORKING = 'working'
-    """It carries out a step at a stop."""
+    """The robot carries out a step at a stop."""
     WAITING = 'waiting'
-    """It has something to do, and waits."""
+    """The robot has something to do, and waits."""
     CHARGING = 'charging'
     TROUBLE = 'trouble'
-    """It needs a person."""
+    """The robot needs a person."""
     AWAY = 'away'
-    """It is offline, out of service or absent."""
+    """The robot is offline, out of service or absent."""
 
 
 _WITH_WORK = {'IDLE': RobotGroup.IDLE, 'BUSY': RobotGroup.DRIVING, 'CHARGING': RobotGroup.CHARGING}
@@ -207,11 +209,11 @@ Line = Tuple[Tuple[float, float], ...]
 
 @dataclass(frozen=True)
 class ShownAllocation:
-    """What a robot may occupy.
+    """All places that a robot may occupy.
 
     holds  -- signed ids of edges, each with the fraction that is behind the robot
-    vertex -- on which it stands; 0: none
-    areas  -- radius (m) and line of each further place
+    vertex -- the vertex on which it stands; 0: none
+    areas  -- radius (m) and line of each other place
     """
 
     holds: Tuple[Tuple[int, float], ...]
@@ -223,14 +225,14 @@ class ShownAllocation:
 class MissionStatus:
     """The status of a mission. `stamp` (ns) distinguishes missions with the same id.
 
-    not_done -- the act that was not carried out, for the given reason; empty: the reason concerns
+    not_done -- the act that was not carried out for the given reason; empty: the reason concerns
                 the mission itself
     asks     -- key of the step that waits for an answer; 0: none does
-    told     -- when the fleet manager told it, s since 1970
+    told     -- time of the status, s since 1970
     deadline -- one of DEADLINE_STATES
     template -- the template and its arguments, for people; empty: none
     serial   -- number of the mission at this site, for people; 0: it was not accepted
-    destinations -- vertices in force; empty: those of the request
+    destinations -- the vertices in force; empty: those of the request are in force
 
     Each attribute is a value that the page shows.
     """
@@ -262,12 +264,12 @@ class ShownTemplate:
 class ShownTimetable:
     """A timetable. The page shows each value.
 
-    arguments -- of its template, each with the name of its parameter
-    every     -- minutes from one run to the next one of a day
-    begin     -- minute of the day of its first run
-    end       -- minutes from the beginning of that day to the last time at which a run may be
+    arguments -- arguments of its template, each with the name of its parameter
+    every     -- minutes from one run to the next, within a day
+    begin     -- minute of the day at which the first run is
+    end       -- latest time of a run, in minutes from the beginning of the same day
     days      -- days of the week on which it begins; 0 is Monday
-    next      -- of its next run, s since 1970; None: it is paused
+    next      -- time of the next run, s since 1970; None: it is paused
     """
 
     name: str
@@ -282,7 +284,7 @@ class ShownTimetable:
 
 @dataclass(frozen=True)
 class MissionRequest:
-    """The request of a mission. `template`: empty if it has destinations itself."""
+    """The request of a mission. `template` is empty if the request itself has destinations."""
 
     id: int
     stamp: int

@@ -39,22 +39,22 @@ from fleet_page.core.robot_events import RobotEvent, event_between
 from trajectory_graph import Graph
 
 DEAD_AFTER = 3.0      # s without /fleet_state, which comes twice a second
-MOST_ENDED = 200      # most ended missions on the page
-MOST_REQUESTS = 6000  # most requests that are remembered for their missions
+MOST_ENDED = 200      # ended missions on the page, at most
+MOST_REQUESTS = 6000  # requests that are kept for their missions, at most
 LONGEST_STEP = 5.0    # m between two poses; a longer step is not counted as driven
-LONGEST_GAP = 2.0     # s between two states that are counted at most
-LEAST_CHANGE = 2.0    # s by which the expected end of a mission must change to be shown
-SMALL_PART = 0.1      # the same, as a part of the time to go
-HOUR = 3600.0         # s of which the missions done are counted
+LONGEST_GAP = 2.0     # s: of a longer time between two states, only this much is counted
+LEAST_CHANGE = 2.0    # s: a smaller change of a mission's expected end is not shown,
+SMALL_PART = 0.1      # nor is a change by a smaller part than this of the time to go
+HOUR = 3600.0         # s; the page counts the missions that were done in this time
 NEEDS_PERSON = 'NEEDS_PERSON'  # state of a mission, and the cause of its alarm
 
 Key = Tuple[int, int]
 
 
 class FleetModel:
-    """Takes the messages of the fleet, writes the state to `live`, and sums up for the history.
+    """Reads the messages of the fleet, writes the state to `live`, and adds to the history's sums.
 
-    It has one method for each kind of message, because the page shows one state of them all.
+    There is one method for each kind of message, because all of them change one shown state.
     """
 
     def __init__(self) -> None:
@@ -66,7 +66,7 @@ class FleetModel:
         self.ended: Dict[str, int] = {}
         """Missions that ended since the start, by state."""
         self.distance: Dict[str, float] = {}
-        """The m that each robot has driven since the start."""
+        """Distance (m) that each robot has driven since the start."""
         self._ends: Dict[Key, float] = {}
         self._requests: Dict[Key, MissionRequest] = {}
         self._sums: Dict[str, Sums] = {}
@@ -90,12 +90,12 @@ class FleetModel:
         self.live.put('site', self.site_revision)
 
     def close_edges(self, edges: Iterable[int]) -> None:
-        """Takes the list of all closed edges."""
+        """Shows the edges in the list of all closed edges."""
         self.live.put('closed', sorted(edges))
 
     def show_resources(self, resources: Iterable[ShownResource],
                        machines: Iterable[ShownMachine] = ()) -> None:
-        """Shows all stations, doors and the like, and all machines."""
+        """Shows all stations, doors and other resources, and all machines."""
         self.live.replace('resource:', {one.name: asdict(one) for one in resources})
         self.live.replace('machine:', {one.name: asdict(one) for one in machines})
 
@@ -108,19 +108,19 @@ class FleetModel:
         self.live.put('timetables', [asdict(one) for one in timetables])
 
     def show_named(self, key: str, content: Mapping[str, Any]) -> None:
-        """Shows what users have stored under names; `key`: `favourites` or `areas`."""
+        """Shows what users have stored by name; `key` is `favourites` or `areas`."""
         self.live.put(key, dict(content))
 
     # -- robots -----------------------------------------------------------------------------------
 
     def update_robots(self, robots: Iterable[ShownRobot], now: float) -> None:
-        """Takes the states of all robots."""
+        """Updates the model with the states of all robots."""
         found = {robot.name: robot for robot in robots}
         if self._heard is not None:
             self._sum_up(found, min(max(now - self._heard, 0.0), LONGEST_GAP))
         self._heard = now
         for name in found:
-            # RViz numbers the robots in the same order: the number selects the colour.
+            # The number selects the colour; RViz numbers the robots in the same order.
             self._numbers.setdefault(name, len(self._numbers))
         self._show_robots(found, now)
         self._note_events(found, now)
@@ -139,13 +139,14 @@ class FleetModel:
             for name, robot in robots.items()})
 
     def _note_events(self, robots: Mapping[str, ShownRobot], now: float) -> None:
-        """Notes what happened to robots since their last states."""
+        """Notes for each robot the event since its last state, if there was one."""
         happened = (event_between(self.robots[name], robot, now)
                     for name, robot in robots.items() if name in self.robots)
         self._events.extend(event for event in happened if event is not None)
 
     def _follow_places(self) -> None:
-        """Shows each robot that has told no pose on the graph. Forgets robots that have gone."""
+        """Shows a robot without a reported pose at its place on the graph, and forgets the poses of
+        robots that are gone."""
         for name in [name for name in self.places if name not in self.robots]:
             del self.places[name]
             self.live.remove(f'pose:{name}')
@@ -163,7 +164,8 @@ class FleetModel:
         return fault, round(now) if fault else 0
 
     def _expect_ends(self, now: float) -> None:
-        """Notes when each mission under way ends. Small changes would only be noise."""
+        """Notes when each mission under way ends. Small changes are left out, because they are
+        only noise."""
         for key, status in self.missions.items():
             robot = self.robots.get(status.robot)
             if status.state not in OPEN_STATES or robot is None or robot.mission != status.id:
@@ -181,12 +183,12 @@ class FleetModel:
                 self._show_mission(key)
 
     def show_stop(self, stop: FleetStop) -> None:
-        """Shows whether the fleet is stopped, also while the fleet manager does not answer."""
+        """Shows whether the fleet is stopped, even while the fleet manager does not answer."""
         self.live.put('stop', {'cause': stop.cause.name, 'by': stop.by, 'since': stop.since,
                                'why': stop.why} if stop.is_in_force else None)
 
     def update_places(self, places: Mapping[str, ShownPose]) -> None:
-        """Takes the poses of robots."""
+        """Updates the model with the poses of robots."""
         for name, place in places.items():
             before = self.places.get(name)
             if before is not None:
@@ -198,9 +200,9 @@ class FleetModel:
             self._show_place(name, place)
 
     def tick(self, now: float) -> None:
-        """Checks whether the fleet manager is alive."""
+        """Checks whether the fleet manager still publishes."""
         alive = self._heard is not None and now - self._heard < DEAD_AFTER
-        # While it is alive the time is omitted, because each message would be a change.
+        # While it publishes, the time is omitted, because each message would change the time.
         self.live.put('fleet', {'alive': alive, 'heard': None if alive else self._heard})
         while self._done and now - self._done[0] > HOUR:
             self._done.popleft()
@@ -215,7 +217,7 @@ class FleetModel:
     # -- alarms -----------------------------------------------------------------------------------
 
     def _raise_alarm(self, alarm: str, cause: str, now: float) -> None:
-        """Keeps an alarm as long as its cause; an empty cause is none."""
+        """Keeps an alarm as long as it has a cause; if `cause` is empty, the alarm ends."""
         known = self.live.get(f'alarm:{alarm}')
         if not cause:
             self.live.remove(f'alarm:{alarm}')
@@ -223,7 +225,7 @@ class FleetModel:
             self.live.put(f'alarm:{alarm}', {'cause': cause, 'since': round(now), 'seen_by': ''})
 
     def acknowledge(self, alarm: str, person: str) -> bool:
-        """Notes that a person has seen an alarm. Returns whether there is such an alarm."""
+        """Notes that a person has seen an alarm. Returns whether the alarm exists."""
         known = self.live.get(f'alarm:{alarm}')
         if known is None:
             return False
@@ -255,24 +257,24 @@ class FleetModel:
                         self._edge_waiting[edge] = self._edge_waiting.get(edge, 0.0) + seconds
 
     def pop_sums(self) -> Tuple[Dict[str, Sums], Dict[int, float]]:
-        """Returns the sums since the last call, by robot, and the s of waiting, by edge."""
+        """Returns the sums since the last call by robot, and the waiting times (s) by edge."""
         sums, self._sums = self._sums, {}
         edges, self._edge_waiting = self._edge_waiting, {}
         return sums, edges
 
     def pop_events(self) -> List[RobotEvent]:
-        """Returns what happened to robots since the last call."""
+        """Returns the events of robots since the last call."""
         events, self._events = self._events, []
         return events
 
     @property
     def charges(self) -> Dict[str, float]:
-        """The charge of each battery that is known, by robot."""
+        """The charge of each battery whose charge is known, by robot."""
         return {name: robot.battery for name, robot in self.robots.items()
                 if robot.battery is not None}
 
     def moment(self) -> Dict[str, List[Any]]:
-        """Returns all robots in the form of the replay."""
+        """Returns all robots as they are now, in the form of the replay."""
         values: Dict[str, List[Any]] = {}
         for name, robot in self.robots.items():
             pose = self.live.get(f'pose:{name}')
@@ -283,12 +285,12 @@ class FleetModel:
     # -- plans and missions -----------------------------------------------------------------------
 
     def update_plans(self, plans: Mapping[str, ShownPlan]) -> None:
-        """Takes the plans of all robots."""
+        """Shows the plans of all robots."""
         self.live.replace('plan:', {name: [list(plan.edges), plan.released]
                                     for name, plan in plans.items() if plan.edges})
 
     def show_allocations(self, allocations: Mapping[str, ShownAllocation]) -> None:
-        """Shows what each robot may occupy; none while no browser shows them."""
+        """Shows the allocations of robots; they are empty while no browser shows them."""
         self.live.replace('allocation:', {
             name: [[[edge, round(cleared, 2)] for edge, cleared in one.holds], one.vertex,
                    [[radius, [list(point) for point in line]] for radius, line in one.areas]]
@@ -303,7 +305,7 @@ class FleetModel:
         self.live.remove(f'laser:{robot}')
 
     def note_request(self, request: MissionRequest) -> None:
-        """Takes the request of a mission. It may come before or after its first status."""
+        """Keeps the request of a mission. It may come before or after its first status."""
         key = (request.id, request.stamp)
         self._requests[key] = request
         while len(self._requests) > MOST_REQUESTS:
@@ -312,17 +314,17 @@ class FleetModel:
             self._show_mission(key)
 
     def knows(self, request: MissionRequest) -> bool:
-        """Returns whether the same request came before."""
+        """Returns whether the same request has come before."""
         return self._requests.get((request.id, request.stamp)) == request
 
     @property
     def unknown(self) -> Set[int]:
-        """Ids of open missions of which only the status is known, not the request."""
+        """Ids of the open missions whose status is known but whose request is not."""
         return {status.id for key, status in self.missions.items()
                 if key not in self._requests and status.state in OPEN_STATES}
 
     def note_history(self, lines: Iterable[HistoryLine]) -> None:
-        """Takes from the journal the requests that came before the page listened."""
+        """Adds requests from the journal that came before the page listened."""
         last = {line.request_id: line for line in lines}
         for key, status in list(self.missions.items()):
             line = last.get(status.id)
@@ -338,13 +340,13 @@ class FleetModel:
         self._done.extendleft(reversed(earlier))
 
     def forget_request(self, id: int) -> None:
-        """Forgets the request of a mission that may have changed, so that the journal is read."""
+        """Forgets the request of a mission that may have changed. The journal is then read."""
         for key in [key for key, status in self.missions.items()
                     if key[0] == id and status.state in OPEN_STATES]:
             self._requests.pop(key, None)
 
     def update_status(self, status: MissionStatus) -> None:
-        """Takes the status of a mission."""
+        """Shows the status of a mission."""
         key = (status.id, status.stamp)
         before = self.missions.pop(key, None)
         self.missions[key] = status
@@ -367,7 +369,7 @@ class FleetModel:
 
     def _note_times(self, key: Key, before: Optional[MissionStatus],
                     status: MissionStatus) -> None:
-        """Notes when a mission started and ended, if the page was there."""
+        """Notes when a mission started or ended, if the page got the status of that moment."""
         if before is None or before.state == status.state:
             return
         started, ended = self._times.get(key, (None, None))
@@ -383,7 +385,7 @@ class FleetModel:
             'id': status.id, 'serial': status.serial, 'stamp': status.stamp // 10 ** 9,
             'state': status.state, 'robot': status.robot, 'reached': status.reached,
             'reason': status.reason,
-            'asks': str(status.asks) if status.asks else ''}  # as text: a browser rounds it
+            'asks': str(status.asks) if status.asks else ''}  # text, because a browser would round
         for name, time in zip(('started', 'ended'), self._times.get(key, ())):
             if time is not None:
                 values[name] = round(time)
@@ -406,9 +408,8 @@ def _name_of(key: Key) -> str:
 
 
 def _robot_values(robot: ShownRobot) -> Dict[str, Any]:
-    """Returns a robot as browsers get it.
-
-    Values that change with each report are omitted or rounded.
+    """Returns the values of a robot for browsers. A value that changes with each report is left
+    out or rounded.
     """
     values = asdict(robot)
     for name in ('name', 'edge', 'fraction', 'seen', 'to_end', 'wait'):

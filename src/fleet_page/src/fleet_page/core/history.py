@@ -9,13 +9,13 @@ from fleet_core.supervision.history import HISTORY_COLUMNS, HistoryLine, row_of
 from fleet_page.core.records import HOUR, HistorySums
 from node_program.inert_text import cell
 
-HOTTEST = 200  # most edges in the heat map
+HOTTEST = 200  # edges in the heat map, at most
 
 
 def history_values(lines: Iterable[HistoryLine], sums: HistorySums, since: float,
                    now: float) -> Dict[str, Any]:
-    """Returns the missions per hour, sums per robot
-    and waiting per edge since a time (s since 1970).
+    """Returns the missions per hour, the sums per robot, and the waiting per edge, all since the
+    time `since` (s since 1970).
     """
     hours = {hour: {'SUCCEEDED': 0, 'FAILED': 0, 'CANCELLED': 0, 'EXPIRED': 0}
              for hour in range(int(since // HOUR), int(now // HOUR) + 1)}
@@ -42,8 +42,8 @@ def history_values(lines: Iterable[HistoryLine], sums: HistorySums, since: float
 
 
 def history_csv(lines: Iterable[HistoryLine], since: float) -> str:
-    """Returns the missions accepted since a time (s since 1970), as CSV with the columns of
-    `mission history --csv`.
+    """Returns the missions that were accepted since a time (s since 1970) as CSV. The columns are
+    those of `mission history --csv`.
     """
     text = io.StringIO()
     writer = csv.writer(text, lineterminator='\n')

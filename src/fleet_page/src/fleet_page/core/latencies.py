@@ -9,7 +9,7 @@ BOUNDS = (0.05, 0.1, 0.25, 0.5, 1.0, 2.0, 5.0, 10.0, 30.0)  # s
 
 
 class Histogram:
-    """Counts of values up to each bound, their sum and number."""
+    """The numbers of values up to each bound, the sum of all values, and their number."""
 
     def __init__(self) -> None:
         self.counts = [0] * len(BOUNDS)
@@ -35,16 +35,16 @@ class Histogram:
 class ReleaseWatch:
     """Measures how long robots without a released edge wait for the release of the next edge.
 
-    The time begins with the first plan in which the robot has edges but none is released. It ends
-    with the first plan in which one is released.
+    The time begins with the first plan in which the robot has edges but no released edge. It ends
+    with the first plan in which the robot has a released edge.
     """
 
     def __init__(self) -> None:
         self.seconds = Histogram()
-        self._held: Dict[str, float] = {}  # begin of each robot's wait
+        self._held: Dict[str, float] = {}  # when the wait of each robot began
 
     def note_plans(self, plans: Mapping[str, ShownPlan], now: float) -> None:
-        """Takes the plans at `now` (s)."""
+        """Measures with the plans at the time `now` (s)."""
         for name in [name for name in self._held if name not in plans]:
             del self._held[name]
         for name, plan in plans.items():

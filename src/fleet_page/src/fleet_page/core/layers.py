@@ -6,14 +6,14 @@ from typing import FrozenSet
 
 PLAN, ALLOCATION, LASER = 'plan', 'allocation', 'laser'
 LAYERS = (PLAN, ALLOCATION, LASER)
-"""An entry of a layer has a key that begins with one of these and a colon."""
+"""The layers of the map. The key of a layer's entry is the layer, a colon, and a name."""
 
 
 @dataclass(frozen=True)
 class ShownLayers:
-    """What one client shows.
+    """The layers that one client shows.
 
-    names -- of `LAYERS`, without LASER
+    names -- the shown layers of `LAYERS`, without LASER
     laser -- the robot whose laser is shown; empty: none
     """
 
@@ -29,7 +29,8 @@ class ShownLayers:
 
     @property
     def sources(self) -> FrozenSet[str]:
-        """The sources that the node receives only for such clients: `allocation`, `laser:NAME`."""
+        """The sources that the node receives only while a client shows them: `allocation`,
+        `laser:NAME`."""
         return frozenset((
             *(name for name in self.names if name == ALLOCATION),
             *([f'{LASER}:{self.laser}'] if self.laser else [])))

@@ -1,7 +1,8 @@
-"""The newest state as entries with keys. For each client only its last revision is known.
+"""The newest state as entries with keys. For each client, only the last revision that it has got is
+known.
 
-So no client has a queue. A slow client gets the newest state when it reads again, and a client that
-reads nothing costs nothing.
+So no client needs a queue. A slow client gets the newest state when it reads again. A client that
+does not read costs nothing.
 """
 from __future__ import annotations
 
@@ -11,8 +12,8 @@ from typing import Any, Dict, List, Mapping, Optional, Tuple
 
 from fleet_page.core.layers import ShownLayers
 
-MOST_GONE = 5000  # removed keys that are remembered; a client that lacks more gets all entries
-_KEPT_TEXTS = 16  # updates that are kept as text, because most clients need the same one
+MOST_GONE = 5000  # removed keys that are kept; a client that needs an older one gets all entries
+_KEPT_TEXTS = 16  # updates that are kept as text, because nearly all clients need the same update
 ALL = ShownLayers()
 
 
@@ -27,7 +28,7 @@ class LiveState:
         self._texts: OrderedDict[Tuple[int, int, ShownLayers], str] = OrderedDict()
 
     def put(self, key: str, value: Any) -> None:
-        """Sets an entry. The same value again is no change."""
+        """Sets an entry. An equal value is no change."""
         known = self._entries.get(key)
         if known is not None and known[1] == value:
             return
@@ -38,12 +39,12 @@ class LiveState:
         self._entries[key] = (self.revision, value)
 
     def get(self, key: str) -> Optional[Any]:
-        """Returns the value of an entry; None: there is none."""
+        """Returns the value of an entry; None if it does not exist."""
         known = self._entries.get(key)
         return None if known is None else known[1]
 
     def remove(self, key: str) -> None:
-        """Removes an entry, if it is there."""
+        """Removes an entry if it exists."""
         if self._entries.pop(key, None) is None:
             return
         self.revision += 1
@@ -52,7 +53,7 @@ class LiveState:
             self._oldest = self._gone.popitem(last=False)[1]
 
     def replace(self, prefix: str, values: Mapping[str, Any]) -> None:
-        """Replaces all entries whose keys begin with a prefix. The given keys are without it."""
+        """Replaces all entries whose keys begin with `prefix`. `values` has keys without it."""
         for key in [key for key in self._entries
                     if key.startswith(prefix) and key[len(prefix):] not in values]:
             self.remove(key)
@@ -65,10 +66,11 @@ class LiveState:
                 if key.startswith(prefix)}
 
     def update(self, seen: int, layers: ShownLayers = ALL) -> str:
-        """Returns the update for a client that has a revision and shows these layers, as JSON.
+        """Returns the update (JSON) for a client that has the revision `seen` and shows `layers`.
 
         Its fields are `revision`, `full` (true: the client must drop all other entries), `set`
-        (values by key) and `gone` (removed keys). Empty: nothing that it shows has changed.
+        (values by key) and `gone` (removed keys). It is empty if nothing has changed that the
+        client shows.
         """
         is_full = not self._oldest <= seen <= self.revision or seen <= 0
         wanted = (0 if is_full else seen, self.revision, layers)
@@ -80,7 +82,7 @@ class LiveState:
         return text
 
     def nothing_new(self) -> str:
-        """Returns an update without changes, which tells a client that the server is there."""
+        """Returns an update without changes. It shows a client that the server still works."""
         return _update_text(self.revision, False, {}, [])
 
     def _update(self, seen: int, revision: int, layers: ShownLayers) -> str:

@@ -63,7 +63,7 @@ def _of_robots(model: FleetModel) -> Iterable[str]:
 
 def _by(label: str, name: str, kind: str, words: str,
         values: Iterable[Tuple[str, object]]) -> Iterable[str]:
-    """Returns a family of metrics with one sample for each value of a label."""
+    """Returns one metric, with a sample for each value of a label."""
     return _family(name, kind, words, (
         f'{name}{{{label}="{escaped(own)}"}} {value}' for own, value in values))
 

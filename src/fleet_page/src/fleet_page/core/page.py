@@ -19,19 +19,19 @@ from fleet_page.core.roles import Person
 from fleet_page.core.site import WallMap, site_values
 
 Missions = Callable[[float], List[HistoryLine]]
-"""Returns the missions in the journal that have changed since a time (s since 1970), and the open
-ones. Raises JournalError. It may be slow."""
+"""Returns the missions in the journal that are open, or that have changed since a time (s since
+1970). Raises JournalError. It may be slow."""
 _LOG = logging.getLogger(__name__)
 REPLAY_PERIOD = 1.0   # s between two moments of the replay
 SUMS_PERIOD = 20.0    # s between two additions to the sums of the history
 NAMED: Dict[ActKind, NamedKind] = {
     ActKind.ADD_FAVOURITE: NamedKind.FAVOURITE, ActKind.REMOVE_FAVOURITE: NamedKind.FAVOURITE,
     ActKind.ADD_AREA: NamedKind.AREA, ActKind.REMOVE_AREA: NamedKind.AREA}
-MOST_EVENTS = 20      # most events of a robot that are shown
+MOST_EVENTS = 20      # events of a robot that are shown, at most
 
 
 class NamedWords(NamedTuple):
-    """The key in the live state, and the sentences, of what users store under names."""
+    """The key in the live state, and the sentences, for things that users store by name."""
 
     key: str
     unknown: str
@@ -53,7 +53,7 @@ class ShownSite:
     """The data of the site, except the graph.
 
     radii  -- m, by robot type
-    fences -- of the robots' map: x and y (m) of the ends of a line, or of the corners of an area
+    fences -- fences on the robots' map: x and y (m) of a line's ends, or of an area's corners
     """
 
     parking: frozenset = frozenset()
@@ -64,11 +64,11 @@ class ShownSite:
 
 
 class Page:
-    """Owns all data that browsers see. One thread uses it, except for `missions`.
+    """All data that browsers see. One thread uses it, except for `missions`.
 
-    It has an attribute for each kind of data: one message may change several of them.
+    There is an attribute for each kind of data, because one message may change several kinds.
 
-    tell_areas -- is called with all areas, by name, at first and after each change
+    tell_areas -- is called with all areas by name: once at first, and after each change
     """
 
     def __init__(self, records: Records, replay: ReplayRing, missions: Missions,
@@ -87,9 +87,8 @@ class Page:
     # -- data from the fleet ----------------------------------------------------------------------
 
     def tick(self, now: float) -> None:
-        """Does the periodic work: checks that the fleet manager is alive, and writes the records.
-
-        It is called several times per second.
+        """Does the periodic work several times per second: checks that the fleet manager still
+        publishes, and writes the records.
         """
         self.model.tick(now)
         if abs(now - self._recorded) >= REPLAY_PERIOD:
@@ -104,12 +103,12 @@ class Page:
             self._keep('events of robots', lambda: self.records.note_events(events))
 
     def update_plans(self, plans: Dict[str, ShownPlan], now: float) -> None:
-        """Takes the plans of all robots."""
+        """Shows the plans of all robots, and measures with them."""
         self.model.update_plans(plans)
         self.release.note_plans(plans, now)
 
     def update_status(self, status: MissionStatus) -> None:
-        """Takes the status of a mission, and updates the outcome in the audit list."""
+        """Shows the status of a mission, and updates the outcome in the audit list."""
         self.model.update_status(status)
         if status.not_done:
             self._keep('audit list', lambda: self.records.was_not_done(
@@ -121,7 +120,7 @@ class Page:
             self._keep('audit list', lambda: self.records.mission_became(status.id, words))
 
     def note_request(self, request: MissionRequest, sender: str, now: float) -> None:
-        """Takes the request of a mission. A request with a `sender` is added to the audit list."""
+        """Keeps the request of a mission. A request with a `sender` is added to the audit list."""
         is_new = not self.model.knows(request)
         self.model.note_request(request)
         if sender and is_new:
@@ -132,12 +131,12 @@ class Page:
             self.noticed(sender, act, now, request.id)
 
     def noticed(self, name: str, act: Act, now: float, mission: int = 0) -> None:
-        """Adds an act that a person or program requested without the page to the audit list."""
+        """Adds to the audit list an act that a person or program requested without the page."""
         self._keep('audit list', lambda: self.records.note(now, name, act, ActOutcome(
             True, '', mission)))
 
     def _keep(self, what: str, write: Callable[[], None]) -> None:
-        """Writes to the page's files. The fleet is shown even if that fails."""
+        """Writes to the page's files. If this fails, the page still shows the fleet."""
         try:
             write()
         except (OSError, sqlite3.Error) as error:
@@ -150,7 +149,7 @@ class Page:
     # -- requests of browsers ---------------------------------------------------------------------
 
     def done(self, person: Person, act: Act, outcome: ActOutcome, now: float) -> None:
-        """Adds an act of a person, and its outcome, to the audit list."""
+        """Adds an act of a person and the act's outcome to the audit list."""
         self._keep('audit list', lambda: self.records.note(now, person.name, act, outcome))
 
     def change_named(self, act: Act) -> ActOutcome:
@@ -186,16 +185,13 @@ class Page:
         return ActOutcome(found, '' if found else 'Its cause is gone.')
 
     def site_values(self) -> Callable[[], Dict[str, Any]]:
-        """Returns a function that makes the JSON values of the site as it is now, in any thread."""
+        """Returns a function that makes the JSON values of the present site, in any thread."""
         site = self.site
         return partial(site_values, self.model.graph, site.parking, site.docks, site.walls,
                        dict(site.radii))
 
     def robot_values(self, name: str) -> Optional[Dict[str, Any]]:
-        """Returns the battery and the events of a robot as JSON values.
-
-        None: there is no such robot.
-        """
+        """Returns the battery and the events of a robot as JSON values; None: no such robot."""
         if name not in self.model.robots:
             return None
         return {'charges': self.records.charges(name),

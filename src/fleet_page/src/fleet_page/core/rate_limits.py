@@ -7,14 +7,14 @@ MOST_KEYS = 2000
 
 
 class RateLimit:
-    """For each key: at most `at_once` tickets, and `each_second` new ones per second."""
+    """A limit per key: at most `at_once` tickets, with `each_second` new tickets per second."""
 
     def __init__(self, at_once: float, each_second: float) -> None:
         self._at_once, self._each_second = at_once, each_second
-        self._buckets: Dict[Hashable, Tuple[float, float]] = {}  # tickets left, and when
+        self._buckets: Dict[Hashable, Tuple[float, float]] = {}  # tickets left, and at what time
 
     def allows(self, key: Hashable, now: float) -> bool:
-        """Takes a ticket. Returns False if none is left."""
+        """Takes a ticket. Returns False if there is none left."""
         left, since = self._buckets.pop(key, (self._at_once, now))
         left = min(self._at_once, left + (now - since) * self._each_second)
         allowed = left >= 1.0

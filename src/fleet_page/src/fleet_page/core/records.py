@@ -1,5 +1,5 @@
-"""The records of the page: acts with their senders, favourites, areas, sums for the history, and
-for each robot its events and its battery."""
+"""The records of the page: acts and their requesters, favourites, areas, the history's sums, and
+the events and the battery of each robot."""
 from __future__ import annotations
 
 import json
@@ -11,13 +11,13 @@ from typing import Any, Dict, Iterable, List, Mapping, Tuple
 from fleet_page.core.acts import Act, ActOutcome
 from fleet_page.core.robot_events import RobotEvent
 
-MOST_ROWS = 50000       # most rows of the audit list; the oldest are deleted
-MOST_NAMED = 100        # most favourites, and most areas
+MOST_ROWS = 50000       # rows of the audit list, at most; the oldest ones are deleted
+MOST_NAMED = 100        # favourites, and areas, at most
 HOUR = 3600
 KEPT_HOURS = 24 * 90
 CHARGE_PERIOD = 300     # s between two values of a battery
-KEPT_CHARGE = 24 * HOUR  # s for which they are kept
-KEPT_EVENTS = 20000      # events of all robots; the oldest are deleted
+KEPT_CHARGE = 24 * HOUR  # s after which a value is deleted
+KEPT_EVENTS = 20000      # events of all robots together; the oldest ones are deleted
 _TABLES = '''
 CREATE TABLE IF NOT EXISTS audit (
     id INTEGER PRIMARY KEY, time REAL NOT NULL, person TEXT NOT NULL, act TEXT NOT NULL,
@@ -42,7 +42,7 @@ CREATE INDEX IF NOT EXISTS robot_event_by_robot ON robot_event (robot);
 
 
 class NamedKind(Enum):
-    """What users store under names; the value is the name of the table."""
+    """The kinds of things that users store by name; the value is the name of the table."""
 
     FAVOURITE = 'favourite'
     """A mission."""
@@ -60,8 +60,8 @@ class Sums:
 
     distance -- m driven
     busy     -- s with a mission
-    waiting  -- s with a mission in which it waited
-    watched  -- s for which the page received its state
+    waiting  -- s of `busy` in which the robot waited
+    watched  -- s in which the page received the robot's state
     """
 
     distance: float = 0.0
@@ -72,14 +72,14 @@ class Sums:
 
 @dataclass(frozen=True)
 class HistorySums:
-    """The sums of each robot, and the s that robots waited on each edge, the most first."""
+    """The sums of each robot, and the s that robots waited on each edge, the largest first."""
 
     robots: Dict[str, Sums]
     edges: List[Tuple[int, float]]
 
 
 class Records:
-    """The records in one SQLite file; `:memory:`: without a file. One thread at a time uses it.
+    """The records in one SQLite file; `:memory:`: in no file. Only one thread at a time uses it.
 
     It has methods for each kind of record, because no other class reads or writes the file.
     """
@@ -97,7 +97,7 @@ class Records:
     # -- audit ------------------------------------------------------------------------------------
 
     def note(self, time: float, person: str, act: Act, outcome: ActOutcome) -> None:
-        """Adds a request of a person, and its outcome, to the audit list."""
+        """Adds a person's request and its outcome to the audit list."""
         details = {name: value for name, value in asdict(act).items() if value and name != 'kind'}
         self._db.execute('INSERT INTO audit VALUES (NULL, ?, ?, ?, ?, ?, ?, ?)', (
             time, person, act.kind.value, json.dumps(details), outcome.ok, outcome.text,
@@ -106,13 +106,12 @@ class Records:
                          (MOST_ROWS,))
 
     def mission_became(self, mission: int, words: str) -> None:
-        """Replaces the outcome of the request for a mission."""
+        """Replaces the outcome of the request that a mission came from."""
         self._db.execute('UPDATE audit SET outcome = ? WHERE id = '
                          '(SELECT MAX(id) FROM audit WHERE mission = ?)', (words, mission))
 
     def was_not_done(self, act: str, mission: int, words: str) -> None:
-        """Notes that the fleet manager did not carry out the last act of this kind for a mission.
-        """
+        """Notes that the fleet manager did not carry out the last act of this kind on a mission."""
         self._db.execute(
             'UPDATE audit SET ok = 0, outcome = ? WHERE id = (SELECT MAX(id) FROM audit WHERE '
             "act = ? AND json_extract(details, '$.mission') = ?)", (words, act, mission))
@@ -128,7 +127,7 @@ class Records:
     # -- favourites and areas ---------------------------------------------------------------------
 
     def keep_named(self, kind: NamedKind, name: str, content: Mapping[str, Any]) -> None:
-        """Stores a favourite or area; one with the same name is replaced. Raises TooManyNamed."""
+        """Stores a favourite or an area, in place of one with this name. Raises TooManyNamed."""
         known = self.named(kind)
         if len(known) >= MOST_NAMED and name not in known:
             raise TooManyNamed
@@ -136,7 +135,7 @@ class Records:
                          (name, json.dumps(content)))
 
     def remove_named(self, kind: NamedKind, name: str) -> bool:
-        """Removes a favourite or area. Returns whether there was one."""
+        """Removes a favourite or an area. Returns whether it existed."""
         return self._db.execute(f'DELETE FROM {kind.value} WHERE name = ?', (name,)).rowcount > 0
 
     def named(self, kind: NamedKind) -> Dict[str, Any]:
@@ -147,7 +146,7 @@ class Records:
     # -- history ----------------------------------------------------------------------------------
 
     def add(self, now: float, robots: Mapping[str, Sums], edges: Mapping[int, float]) -> None:
-        """Adds to the sums of the present hour."""
+        """Adds these values to the sums of the present hour."""
         hour = int(now // HOUR)
         self._db.execute('BEGIN')
         for name, sums in robots.items():
@@ -166,19 +165,19 @@ class Records:
         self._db.execute('COMMIT')
 
     def sums(self, since: float) -> HistorySums:
-        """Returns the sums from the hour of the time `since` (s since 1970) on."""
+        """Returns the sums since the hour that contains the time `since` (s since 1970)."""
         return HistorySums(self.robot_sums(since), self.edge_waiting(since))
 
     def robot_sums(self, since: float) -> Dict[str, Sums]:
-        """Returns the sums of each robot, from the hour of the time `since` (s since 1970) on."""
+        """Returns the sums of each robot since the hour of the time `since` (s since 1970)."""
         rows = self._db.execute(
             'SELECT robot, SUM(distance), SUM(busy), SUM(waiting), SUM(watched) FROM robot_hour '
             'WHERE hour >= ? GROUP BY robot ORDER BY robot', (int(since // HOUR),))
         return {name: Sums(*numbers) for name, *numbers in rows}
 
     def edge_waiting(self, since: float) -> List[Tuple[int, float]]:
-        """Returns the seconds that robots waited on each edge, from that hour on,
-        the most first.
+        """Returns the seconds that robots waited on each edge since the hour of `since`, the
+        largest number first.
         """
         return list(self._db.execute(
             'SELECT edge, SUM(waiting) FROM edge_hour WHERE hour >= ? GROUP BY edge '
@@ -187,7 +186,7 @@ class Records:
     # -- robots -----------------------------------------------------------------------------------
 
     def keep_charges(self, now: float, charges: Mapping[str, float]) -> None:
-        """Keeps the charge of each battery (0..1), one value in each CHARGE_PERIOD."""
+        """Keeps the charge of each battery (0..1), one value for each CHARGE_PERIOD."""
         period = int(now // CHARGE_PERIOD)
         self._db.execute('BEGIN')
         for name, charge in charges.items():
@@ -198,15 +197,15 @@ class Records:
         self._db.execute('COMMIT')
 
     def charges(self, robot: str) -> List[Tuple[int, float]]:
-        """Returns the charge of a robot's battery with its time (s since 1970),
-        the oldest first.
+        """Returns the charges of a robot's battery with their times (s since 1970), the oldest
+        first.
         """
         rows = self._db.execute('SELECT period, charge FROM robot_charge WHERE robot = ? '
                                 'ORDER BY period', (robot,))
         return [(period * CHARGE_PERIOD, charge) for period, charge in rows]
 
     def note_events(self, events: Iterable[RobotEvent]) -> None:
-        """Adds what happened to robots."""
+        """Adds events of robots."""
         self._db.execute('BEGIN')
         for event in events:
             self._db.execute('INSERT INTO robot_event VALUES (NULL, ?, ?, ?, ?, ?, ?, ?, ?)',

@@ -1,8 +1,8 @@
-"""The recorded poses and states of all robots, in a ring of files: the oldest is deleted first.
+"""The recorded poses and states of all robots, in a ring of files, whose oldest is deleted first.
 
-A line is one moment: `{"t": seconds, "k": true, "r": {name: [x, y, theta, state, waits for,
-works]}}`. It has only the robots that changed. A key moment, with `k`, has all robots; reading can
-begin there.
+Each line is one moment: `{"t": seconds, "k": true, "r": {name: [x, y, theta, state, waits for,
+works]}}`. It has only the robots that have changed. A moment with `k`, a key moment, has all
+robots, so reading can begin with it.
 """
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ Moment = Dict[str, List[Any]]
 
 
 class ReplayRing:
-    """The ring of files in its own folder; `size`: bytes of all files."""
+    """The ring of files in a folder of its own; `size`: bytes of all files together."""
 
     def __init__(self, folder: str, size: int = SIZE) -> None:
         self._folder, self._segment_size = folder, size // SEGMENTS
@@ -47,7 +47,7 @@ class ReplayRing:
     def add(self, time: float, robots: Moment) -> None:
         """Adds a moment. Raises OSError if the disk cannot be written."""
         if self._end is not None and time <= self._end:
-            return  # the clock was set back: the recorded moments must stay in order
+            return  # the clock was set back, but the recorded moments must stay in order
         begins = self._size >= self._segment_size
         is_key = begins or not self._index or time - self._key_at >= KEY_PERIOD
         changed = robots if is_key else {
@@ -68,7 +68,7 @@ class ReplayRing:
         self._last, self._end, self._size = dict(robots), time, offset + len(line)
 
     def at(self, time: float) -> Optional[Dict[str, Any]]:
-        """Returns all robots at a time: `{"t": moment, "r": ...}`; None before the first moment."""
+        """Returns all robots at a time, `{"t": moment, "r": ...}`; None before the first moment."""
         place = bisect_right([entry[0] for entry in self._index], time + 0.005)
         if not place:
             return None
@@ -103,7 +103,7 @@ class ReplayRing:
                 offset += len(line)
 
     def _lines(self, number: int, offset: int) -> List[Dict[str, Any]]:
-        """Returns the moments from a key moment up to the next one."""
+        """Returns the moments from a key moment to the next key moment."""
         found: List[Dict[str, Any]] = []
         with open(self._path(number), 'rb') as stream:
             stream.seek(offset)

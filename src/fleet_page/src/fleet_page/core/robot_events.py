@@ -1,4 +1,4 @@
-"""What happened to a robot: each change of its state, its trouble, its work or its mission."""
+"""Events of robots: each change of a robot's state, trouble, work or mission."""
 from __future__ import annotations
 
 from dataclasses import dataclass
@@ -9,11 +9,11 @@ from fleet_page.core.fleet import ShownRobot, alarm_of
 
 @dataclass(frozen=True)
 class RobotEvent:
-    """A robot as it became.
+    """A robot after a change.
 
     time    -- s since 1970
-    works   -- it carries out a step at a stop
-    alarm   -- why it needs a person, as one of ALARMS; empty: it does not
+    works   -- whether it carries out a step at a stop
+    alarm   -- why it needs a person, as one of ALARMS; empty: it needs none
     mission -- request id; None: it has no mission
     """
 
@@ -28,7 +28,7 @@ class RobotEvent:
 
 
 def event_between(before: ShownRobot, after: ShownRobot, now: float) -> Optional[RobotEvent]:
-    """Returns what happened between two reports of a robot; None: nothing that is worth a line."""
+    """Returns the event between two reports of a robot; None: no change that is worth a line."""
     if _what(before) == _what(after):
         return None
     return RobotEvent(now, after.name, after.state, after.outage, after.is_working,

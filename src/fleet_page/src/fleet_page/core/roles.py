@@ -13,13 +13,13 @@ from shlex import quote
 from typing import Dict, List, Optional, Tuple
 
 SHORTEST_TOKEN = 16       # characters
-SESSION_TIME = 12 * 3600  # s without any request after which a session is over
+SESSION_TIME = 12 * 3600  # s: a session without a request for this time is over
 MOST_SESSIONS = 1000
 _NAME = re.compile(r'[A-Za-z0-9_.-]{1,40}')
 
 
 class UserRole(IntEnum):
-    """A role. A higher role permits all that a lower one permits."""
+    """A role. A higher role permits everything that a lower role permits."""
 
     SEE = 1
     OPERATE = 2
@@ -28,14 +28,15 @@ class UserRole(IntEnum):
 
 @dataclass(frozen=True)
 class Person:
-    """A user of the page. The name is written to the records and to `requested_by`."""
+    """A user of the page. The name appears in the records and in `requested_by`."""
 
     name: str
     role: UserRole
 
 
 LOCAL = Person('local', UserRole.ADMIN)
-"""The person for all requests if there is no token file: only this computer reaches the page."""
+"""The person of all requests if there is no token file: then only this computer reaches the page.
+"""
 
 
 class TokenFileError(Exception):
@@ -49,9 +50,7 @@ class Tokens:
         self._persons = persons
 
     def person(self, token: str) -> Optional[Person]:
-        """Returns the owner of a token, or None.
-
-        It is compared with all tokens in constant time.
+        """Returns the owner of a token, or None. The comparison takes the same time for any token.
         """
         return self.owner(digest_of(token))
 
@@ -87,7 +86,9 @@ def load_tokens(path: str) -> Tokens:
 
 
 class TokenFile:
-    """The tokens in a file that may change while the page runs; raises TokenFileError at first."""
+    """The tokens in a file that may change while the page runs. The first reading may raise
+    TokenFileError.
+    """
 
     def __init__(self, path: str) -> None:
         self._path = path
@@ -97,8 +98,8 @@ class TokenFile:
     def refresh(self) -> bool:
         """Reads the file if it has changed. Returns whether the tokens may have changed.
 
-        Raises TokenFileError once for each change that cannot be used. The tokens then stay as they
-        were: a mistake in the file must not take STOP from the people on the floor.
+        Raises TokenFileError once for each change that makes the file unusable. The tokens then
+        stay as they were: a mistake in the file must not deprive the people on the floor of STOP.
         """
         seen = _identity(self._path)
         if seen == self._seen:
@@ -131,7 +132,7 @@ def _person(words: List[str], where: str) -> Tuple[bytes, Person]:
 
 
 class Sessions:
-    """Open sessions. Only digests of their ids are kept, and of the tokens that opened them."""
+    """Open sessions. For each session, only the digests of its id and of its token are kept."""
 
     def __init__(self) -> None:
         self._sessions: Dict[bytes, Tuple[bytes, float]] = {}
@@ -146,9 +147,9 @@ class Sessions:
         return session
 
     def person(self, session: str, tokens: Tokens, now: float) -> Optional[Person]:
-        """Returns the owner of the session, by the tokens as they are now.
+        """Returns the owner of a session according to the present tokens.
 
-        None: there is no such session, it is over, or its token is no longer valid.
+        None: the session does not exist, is over, or its token is not valid any more.
         """
         key = digest_of(session)
         known = self._sessions.get(key)

@@ -1,4 +1,4 @@
-"""The site as data for browsers: vertices, edges as points of their curves, walls as a picture."""
+"""The site as data for browsers: vertices, points on the curves of edges, picture of the walls."""
 from __future__ import annotations
 
 import struct
@@ -10,8 +10,8 @@ import numpy as np
 
 from trajectory_graph import CurveType, Graph
 
-STEP = 0.25        # m between two points of a drawn curve, if that is less than MOST_STEPS
-MOST_STEPS = 40.0  # most steps of a curve
+STEP = 0.25        # m between two points of a drawn curve, if MOST_STEPS steps are enough
+MOST_STEPS = 40.0  # steps of a curve, at most
 MOST_CELLS = 4_000_000
 _OCCUPIED = 50
 
@@ -22,7 +22,7 @@ class WrongMap(Exception):
 
 @dataclass(frozen=True)
 class WallMap:
-    """An occupancy grid as a PNG. x, y: its lower left corner; lengths in m."""
+    """An occupancy grid as a PNG. x, y: the grid's lower left corner; all lengths in m."""
 
     png: bytes
     x: float
@@ -33,9 +33,9 @@ class WallMap:
 
 def wall_map(cells: np.ndarray, columns: int, rows: int, resolution: float, x: float,
              y: float) -> WallMap:
-    """Returns the walls of an occupancy grid; all other cells are transparent. Raises WrongMap.
+    """Returns the walls of an occupancy grid; cells without a wall are transparent.
 
-    The size is checked before any cell is read.
+    The size is checked before any cell is read. Raises WrongMap.
     """
     if not (columns > 0 and rows > 0 and columns * rows <= MOST_CELLS
             and len(cells) == columns * rows and 0.0 < resolution < 100.0):
@@ -46,8 +46,8 @@ def wall_map(cells: np.ndarray, columns: int, rows: int, resolution: float, x: f
 
 
 def _png(walls: np.ndarray) -> bytes:
-    """Returns a PNG with one bit per pixel: 0 transparent, 1 a grey that is visible on light
-    and dark.
+    """Returns a PNG with one bit per pixel: 0 is transparent, 1 is a grey that is visible on light
+    and on dark.
     """
     packed = np.packbits(walls, axis=1)
     rows = np.hstack([np.zeros((packed.shape[0], 1), np.uint8), packed])
@@ -63,7 +63,7 @@ def _png(walls: np.ndarray) -> bytes:
 
 def site_values(graph: Optional[Graph], parking: Collection[int], docks: Collection[int],
                 walls: Optional[WallMap], radii: Dict[str, float]) -> Dict[str, Any]:
-    """Returns the data that seldom change, as JSON values; positions in m, rounded to 1 cm."""
+    """Returns the data that rarely change, as JSON values; positions in m, rounded to 1 cm."""
     vertices, edges = [], []
     if graph is not None:
         for vertex in graph.vertices.values():

@@ -1,5 +1,5 @@
-"""The door of the page: a process of its own, which knows login, session and stop, and little else.
+"""The door of the page: a separate process that does login, session and stop, and little else.
 
-All connections of browsers end here. What is not a login or a stop goes to the page's process
-through a local socket. That process may be busy, hang or grow: the door answers all the same.
+All connections of browsers end here. The door passes all other requests to the page's process
+through a local socket. The door still answers if that process is busy, hangs or grows.
 """

@@ -1,4 +1,4 @@
-"""Listens, and limits connections before their persons are known."""
+"""Accepts connections, and limits them until their persons are known."""
 from __future__ import annotations
 
 import asyncio
@@ -12,17 +12,17 @@ from typing import Any, Callable, Dict, Optional, Set, cast
 
 from fleet_page.core.admissions import Admissions, place_of
 
-HEAD_WITHIN = 5.0       # s for the head of a request, the TLS handshake and the body, each
+HEAD_WITHIN = 5.0       # s for each of: the head of a request, the TLS handshake, the body
 IDLE = 60.0             # s for the next request of a connection
 STRANGER_WITHIN = 20.0  # s for the answer to a request without a login
 BACKLOG = 4096          # connections that wait in the kernel until they are accepted
 LONGEST_HEAD = 16384    # bytes
-_AT_ONCE = 256          # connections accepted before those that are open have their turn,
-_ADMITTED_AT_ONCE = 16  # and the most of these that are let in
-_PAUSE = 0.2            # s without accepting, if the operating system gives no connection
-_TLS_HANDSHAKE = b'\x16'  # the type of a record, its first byte; bytes 4 and 5: its length
+_AT_ONCE = 256          # new connections that are accepted before open connections are served,
+_ADMITTED_AT_ONCE = 16  # and how many of these are let in, at most
+_PAUSE = 0.2            # s without accepting, after the operating system had no connection left
+_TLS_HANDSHAKE = b'\x16'  # first byte of a record: its type; bytes 4 and 5: its length
 _ENCODING = re.compile(rb'\n[ \t]*content-encoding[ \t]*:', re.IGNORECASE)
-_KEPT = 64             # bytes of the text before, in which the name may have begun
+_KEPT = 64             # bytes of the preceding text, in which the header's name may have begun
 _REFUSED_ENCODING = (
     b'HTTP/1.1 415 Unsupported Media Type\r\nContent-Type: text/plain\r\nContent-Length: 37\r\n'
     b'Connection: close\r\n\r\nCompressed requests are not accepted.')
@@ -30,14 +30,14 @@ _LOG = logging.getLogger(__name__)
 
 
 class Connection(asyncio.Protocol):
-    """One connection: passes the bytes to aiohttp's protocol, and ends it if they do not come.
+    """One connection. It passes bytes to aiohttp's protocol, and ends if bytes do not come in time.
 
-    At first it is a bare socket, until the head of a request (with TLS the first record) is there.
-    So half a request costs little. Later, a head and body that do not come in time end it.
+    Until the head of a request has come (with TLS: the first record), it is only a socket. So half
+    a request costs little. Later it ends if a head or a body does not come in time.
 
-    The header `Content-Encoding` ends it too, before aiohttp expands the content: old versions of
-    aiohttp cannot be told not to. In a JSON body these bytes cannot occur, because a line end in a
-    string is escaped.
+    It also ends at the header `Content-Encoding`, before aiohttp expands the content: in old
+    versions of aiohttp this cannot be switched off. A JSON body cannot contain these bytes, because
+    a line end in a string is escaped.
     """
 
     def __init__(self, listener: DoorListener, sock: socket.socket, place: str) -> None:
@@ -53,12 +53,12 @@ class Connection(asyncio.Protocol):
     # -- a bare socket -----------------------------------------------------------------------------
 
     def wait_for_head(self) -> None:
-        """Begins as soon as the head is there. Until then its bytes stay with the kernel."""
+        """Begins as soon as the head has come. Until then the kernel keeps the bytes."""
         self._end_after(HEAD_WITHIN)
         self._on_bytes(0)
 
     def _on_bytes(self, seen: int) -> None:
-        """Notes that bytes have come; `seen`: their number at the call before."""
+        """Notes that bytes have come; `seen`: the number of bytes at the last call."""
         data = _peek(self._sock)
         if data is None:
             asyncio.get_event_loop().add_reader(self._sock, self._on_bytes, 0)
@@ -67,9 +67,9 @@ class Connection(asyncio.Protocol):
             self._stop_reading()
             self._begun = asyncio.ensure_future(self._begin())
         elif len(data) <= seen or len(data) >= LONGEST_HEAD or self._listener.is_foreign(data):
-            self.end()  # the other side has ended it, sends too much, or something else
+            self.end()  # the other side has ended it, sends too much, or sends no request
         else:
-            # The kernel tells when there are more bytes than these.
+            # The kernel reports when there are more bytes than these.
             self._sock.setsockopt(socket.SOL_SOCKET, socket.SO_RCVLOWAT, len(data) + 1)
             asyncio.get_event_loop().add_reader(self._sock, self._on_bytes, len(data))
 
@@ -78,8 +78,8 @@ class Connection(asyncio.Protocol):
         self._sock.setsockopt(socket.SOL_SOCKET, socket.SO_RCVLOWAT, 1)
 
     async def _begin(self) -> None:
-        """Makes the transport: with TLS, this is the handshake."""
-        self._listener.admissions.count(self, self.place)  # others give way before it
+        """Makes the transport; with TLS, this includes the handshake."""
+        self._listener.admissions.count(self, self.place)  # older connections are ended first
         loop = cast(asyncio.BaseEventLoop, asyncio.get_event_loop())
         try:
             await loop.connect_accepted_socket(lambda: self, self._sock, **self._listener.options)
@@ -112,7 +112,7 @@ class Connection(asyncio.Protocol):
         self.inner.data_received(data)
 
     def eof_received(self) -> None:
-        """Notes that the other side sends no more: the connection ends."""
+        """Notes that the other side sends nothing more. The connection ends."""
         self.inner.eof_received()
 
     def connection_lost(self, error: Optional[Exception]) -> None:
@@ -132,11 +132,11 @@ class Connection(asyncio.Protocol):
         """Notes that the other side has read."""
         self.inner.resume_writing()
 
-    # -- what the door says about it ---------------------------------------------------------------
+    # -- what the door says about the connection ---------------------------------------------------
 
     @contextlib.contextmanager
     def serving(self, is_known: bool) -> Any:
-        """Serves one request; `is_known`: of a person, so that it is not displaced meanwhile."""
+        """Serves one request; `is_known`: a person sent it, so the connection is not ended."""
         self._is_idle = False
         if is_known:
             self._stop_timer()
@@ -153,7 +153,7 @@ class Connection(asyncio.Protocol):
                     self._listener.admissions.count(self, self.place)
 
     def work_with(self, work: asyncio.Future[Any]) -> None:
-        """Cancels this work if the connection ends before it."""
+        """Makes the end of the connection cancel this work, if the work still runs then."""
         self._work = work
 
     def end(self) -> None:
@@ -161,7 +161,7 @@ class Connection(asyncio.Protocol):
         if self._transport is not None:
             self._transport.abort()
         elif self._begun is not None:
-            with contextlib.suppress(OSError):  # it may have ended by itself
+            with contextlib.suppress(OSError):  # it may have ended already
                 self._sock.shutdown(socket.SHUT_RDWR)
         else:
             self._stop_timer()
@@ -196,7 +196,7 @@ class DoorListener:
         self._socket: Optional[socket.socket] = None
 
     def listen(self, host: str, port: int) -> int:
-        """Begins to accept; returns the port. Raises OSError."""
+        """Begins to accept connections. Returns the port. Raises OSError."""
         family, kind, protocol, _, address = socket.getaddrinfo(
             host, port, type=socket.SOCK_STREAM, flags=socket.AI_PASSIVE)[0]
         self._socket = socket.socket(family, kind, protocol)
@@ -212,7 +212,7 @@ class DoorListener:
         return int(self._socket.getsockname()[1])
 
     def close(self) -> None:
-        """Accepts no more, and ends all connections."""
+        """Stops accepting connections, and ends all open ones."""
         if self._socket is not None:
             asyncio.get_event_loop().remove_reader(self._socket)
             self._socket.close()
@@ -240,7 +240,7 @@ class DoorListener:
             admitted += self._arrived(sock, place_of(address[0]))
 
     def _arrived(self, sock: socket.socket, place: str) -> bool:
-        """Returns whether the connection was let in."""
+        """Decides whether a new connection is let in, and returns this."""
         sock.setblocking(False)
         if self.admissions.must_bring_request(place, time.monotonic()) and not (
                 self.is_whole(_peek(sock) or b'')):
@@ -255,7 +255,7 @@ class DoorListener:
         return True
 
     def _pause(self, error: OSError) -> None:
-        """Accepts nothing for a moment: the operating system has no room for connections."""
+        """Accepts nothing for a moment, because the operating system has no connection left."""
         _LOG.warning('The page cannot accept a connection (%s).', error)
         loop, sock = asyncio.get_event_loop(), self._socket
         if sock is not None:
@@ -268,7 +268,9 @@ class DoorListener:
 
 
 def _peek(sock: socket.socket) -> Optional[bytes]:
-    """Returns the bytes that have come, which stay there; None: no byte yet; empty: the end."""
+    """Returns the bytes that have come, and leaves them in the socket; None: there are none yet;
+    empty: the other side has ended.
+    """
     try:
         return sock.recv(LONGEST_HEAD, socket.MSG_PEEK)
     except (BlockingIOError, InterruptedError):

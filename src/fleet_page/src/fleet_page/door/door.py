@@ -1,4 +1,4 @@
-"""What the door itself answers: login, session, stop, and the files of the page."""
+"""The requests that the door itself answers: login, session, stop, and the files of the page."""
 from __future__ import annotations
 
 import asyncio
@@ -26,10 +26,10 @@ Handler = Callable[[web.Request], Awaitable[web.StreamResponse]]
 
 COOKIE = 'fleet_page'
 LARGEST_REQUEST = 20_000
-MOST_RELAYED = 150       # requests that the page's process answers at the same time
-MOST_OF_PERSON = 60      # of these, for one person
-HELD_BACK = 1.0          # s until a request beyond the limits is refused
-TOKENS_PERIOD = 1.0      # s between two looks at the token file
+MOST_RELAYED = 150       # requests that the page's process answers at the same time, at most
+MOST_OF_PERSON = 60      # of these requests, the largest number for one person
+HELD_BACK = 1.0          # s after which a request beyond the limits is refused
+TOKENS_PERIOD = 1.0      # s between two checks of the token file
 _LOG = logging.getLogger(__name__)
 
 
@@ -43,9 +43,9 @@ class Access:
 
 
 class Door:
-    """The routes and sessions in front of the page's process. One event loop uses it.
+    """The routes and sessions in front of the page's process. One event loop uses them.
 
-    It has many attributes because it puts the parts of the door together.
+    It connects many parts, so it has many attributes.
     """
 
     def __init__(self, access: Access, files: PageFiles, stop: Callable[[str], ActOutcome],
@@ -72,7 +72,7 @@ class Door:
 
     async def listen(self, host: str, port: int,
                      certificates: Optional[ssl.SSLContext]) -> int:
-        """Begins to listen; returns the port. Raises OSError."""
+        """Begins to listen. Returns the port. Raises OSError."""
         await self._runner.setup()
         assert self._runner.server is not None  # since its setup
         self._listener = DoorListener(self._runner.server, certificates)
@@ -92,7 +92,7 @@ class Door:
         await self._runner.cleanup()
 
     async def _watch(self, tokens: TokenFile) -> None:
-        """Follows changes of the token file, so that a token can be revoked at once."""
+        """Checks the token file for changes, so that a person can revoke a token at once."""
         while True:
             await asyncio.sleep(TOKENS_PERIOD)
             try:
@@ -116,7 +116,7 @@ class Door:
                     answer = await self._guarded(request, handler)
             else:
                 with connection.serving(False):
-                    # A client that asks too much waits, else it would ask the more.
+                    # A client that asks too much must wait: otherwise it would ask even more.
                     await asyncio.sleep(HELD_BACK)
                     answer = refused(429, 'Too many requests.')
             if not answer.prepared:
@@ -129,7 +129,9 @@ class Door:
         return None if self._listener is None else self._listener.by_protocol.get(request.protocol)
 
     def _may_ask(self, request: web.Request, person: Optional[Person]) -> bool:
-        """Limits the requests to see something. Acts and logins have their own limits."""
+        """Returns whether a request to see something is within the limits. Acts and logins have
+        limits of their own.
+        """
         now = time.monotonic()
         if request.method == 'POST':
             return True
@@ -155,7 +157,7 @@ class Door:
             return refused(error.status, error.reason or '')
 
     def _person(self, request: web.Request) -> Optional[Person]:
-        """Returns the person of a request, by its cookie, or for a monitor by its token."""
+        """Returns the person of a request: by a cookie, or by a token if a monitor sent it."""
         if self._access.tokens is None:
             return LOCAL
         tokens = self._access.tokens.tokens
@@ -174,7 +176,7 @@ class Door:
         if self._access.tokens is not None and isinstance(token, str):
             person = self._access.tokens.tokens.person(token)
         if person is None or not isinstance(token, str):
-            # Only failures count: guesses never keep a valid token out.
+            # Only failures count, so other people's guesses cannot block a valid token.
             if not self._failures.allows(_place(request), time.monotonic()):
                 return refused(429, 'Too many attempts: wait a minute.')
             _LOG.warning('A login from %s was refused.', request.remote)
@@ -210,7 +212,7 @@ class Door:
     # -- acts -------------------------------------------------------------------------------------
 
     async def _act(self, request: web.Request) -> web.StreamResponse:
-        """Carries out a stop; passes other acts on."""
+        """Carries out a stop; passes all other acts on."""
         person = self._person(request)
         if person is None:
             return refused(401, 'Log in first.')
@@ -229,7 +231,7 @@ class Door:
         return web.json_response({'ok': outcome.ok, 'text': outcome.text, 'mission': 0})
 
     async def _stop(self, person: Person) -> ActOutcome:
-        """Stops the fleet and reports it, even if the browser does not wait for it."""
+        """Stops the fleet and reports the stop, even if the browser does not wait for it."""
         asked = time.time()
         outcome = await self._stops.stop(person.name)
         _LOG.info('%s stopped the fleet: %s', person.name, outcome.text)
@@ -237,7 +239,7 @@ class Door:
                              'text': outcome.text})
         return outcome
 
-    # -- all else ---------------------------------------------------------------------------------
+    # -- other requests ---------------------------------------------------------------------------
 
     async def _relay(self, request: web.Request) -> web.StreamResponse:
         person = self._person(request)

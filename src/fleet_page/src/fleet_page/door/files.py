@@ -1,4 +1,5 @@
-"""The static files of the page, read once at the start. No path in a request reaches the disk."""
+"""The static files of the page, read once at the start. A path in a request never reaches the disk.
+"""
 from __future__ import annotations
 
 import gzip
@@ -10,8 +11,8 @@ from typing import Dict, Optional
 from aiohttp import web
 
 CHART = '/usr/share/javascript/chart.js/chart.min.js'
-_CHART_MARK = b'Chart.js v3'  # Chart.js 2 needs other calls
-_LOOKED_AT = 300              # bytes at the beginning of the file, which contain its version
+_CHART_MARK = b'Chart.js v3'  # Chart.js 2 has different calls
+_LOOKED_AT = 300              # bytes at the beginning of the file; they contain the version
 _KINDS = {'.html': 'text/html', '.css': 'text/css', '.js': 'text/javascript',
           '.json': 'application/json', '.svg': 'image/svg+xml'}
 
@@ -25,7 +26,7 @@ class _File:
 
 
 class PageFiles:
-    """All files of a folder, and Chart.js if the operating system has a version that is new enough.
+    """All files of a folder, and Chart.js if the operating system has it in a new enough version.
     """
 
     def __init__(self, folder: str, chart: str = CHART) -> None:

@@ -1,7 +1,7 @@
-"""The process of the door: forked at the start, before the page's process has threads.
+"""The process of the door. It is forked at the start, while the page's process has no threads.
 
 The page's process sends its settings once, as a line of JSON. The door answers with its port, or
-with a sentence that says why it cannot work. It ends when the page's process ends.
+with a sentence that says why it cannot work. The door ends when the page's process ends.
 """
 from __future__ import annotations
 
@@ -35,7 +35,8 @@ class DoorError(Exception):
 
 @dataclass(frozen=True)
 class DoorSettings:
-    """What the door must know. worker: the Unix socket of the page's process; files: its folder."""
+    """The settings of the door. worker: Unix socket of the page's process; files: folder of files.
+    """
 
     listen: str
     port: int
@@ -53,16 +54,15 @@ class DoorSettings:
 
 
 class DoorProcess:
-    """The door, seen from the page's process."""
+    """The door's process, for use in the page's process."""
 
     def __init__(self, stop: Callable[[str], ActOutcome],
                  begin: Callable[[], None] = lambda: None) -> None:
-        """Forks the door, which calls `begin` first.
-
-        `stop` stops the fleet in the door's process, and may take seconds.
+        """Forks the door. It first calls `begin`. `stop` stops the fleet in the door's process, and
+        may take seconds.
         """
         here, there = socket.socketpair()
-        self._ended, lives = os.pipe()  # the door keeps its end open as long as it lives
+        self._ended, lives = os.pipe()  # `lives` stays open until the door ends
         self._pid = os.fork()
         if not self._pid:
             here.close()
@@ -72,7 +72,7 @@ class DoorProcess:
         self._channel = here
 
     def open(self, settings: DoorSettings) -> int:
-        """Opens the door; returns its port. Raises DoorError."""
+        """Opens the door. Returns its port. Raises DoorError."""
         self._channel.settimeout(OPEN_WITHIN)
         try:
             self._channel.sendall(json.dumps(asdict(settings)).encode() + b'\n')
@@ -85,8 +85,8 @@ class DoorProcess:
         return int(answer['port'])
 
     def wait(self) -> None:
-        """Waits until the door's process has ended. The wait is one for an event, so that the
-        watchdog of the node does not regard the thread as blocked.
+        """Waits until the door's process has ended. The thread waits for an event, so that the
+        watchdog of the node does not count it as blocked.
         """
         with selectors.DefaultSelector() as events:
             events.register(self._ended, selectors.EVENT_READ)
@@ -101,8 +101,8 @@ class DoorProcess:
 
 def _be_the_door(channel: socket.socket, stop: Callable[[str], ActOutcome],
                  begin: Callable[[], None]) -> NoReturn:
-    """Runs the door's process for its whole life."""
-    for number in (signal.SIGINT, signal.SIGTERM):  # they end the page's process, and so the door
+    """Runs the door's process until it ends."""
+    for number in (signal.SIGINT, signal.SIGTERM):  # they end the page's process, then the door
         signal.signal(number, signal.SIG_IGN)
     logging.basicConfig(level=logging.INFO, format=_FORMAT)
     status = 1
@@ -119,7 +119,7 @@ def _be_the_door(channel: socket.socket, stop: Callable[[str], ActOutcome],
     except BaseException:
         logging.getLogger(__name__).exception('The door of the page has failed.')
     finally:
-        os._exit(status)  # the rest of the forked program belongs to the page's process
+        os._exit(status)  # the rest of the program is for the page's process
 
 
 def _allow_connections() -> None:
@@ -150,7 +150,7 @@ async def _serve(settings: DoorSettings, channel: socket.socket,
                            'with ~port.'}
     channel.sendall(json.dumps(answer).encode() + b'\n')
     ended = asyncio.Event()
-    asyncio.get_event_loop().add_reader(channel, ended.set)  # is called until it is removed
+    asyncio.get_event_loop().add_reader(channel, ended.set)  # is called until the reader is removed
     await ended.wait()
     asyncio.get_event_loop().remove_reader(channel)
     if door is not None:

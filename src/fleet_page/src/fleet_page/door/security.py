@@ -17,8 +17,8 @@ HEADERS = {
     'Cache-Control': 'no-store',
 }
 TRANSPORT = {'Strict-Transport-Security': 'max-age=31536000'}
-"""The further header of a page with TLS: a browser that has accepted the certificate uses TLS for
-each later request to this host name."""
+"""The further header of a page with TLS. A browser that has accepted the certificate then uses TLS
+for each later request to this host name."""
 LOOPBACK = ('127.0.0.1', 'localhost', '::1')
 
 
@@ -31,7 +31,7 @@ def is_loopback(host: str) -> bool:
 class Addresses:
     """The host names of the page. A request with another host name is refused.
 
-    So no other web site can make a browser send requests to the page under that site's name. If
+    So another web site cannot make a browser send requests to the page under its own name. If
     `names` is empty, each host name is accepted; then only sessions protect the page.
     """
 

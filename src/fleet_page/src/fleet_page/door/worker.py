@@ -1,4 +1,4 @@
-"""The door's way to the page's process: requests that it passes on, and stops that it reports."""
+"""The door's connection to the page's process, for requests that it passes on and its own stops."""
 from __future__ import annotations
 
 import asyncio
@@ -14,14 +14,14 @@ from aiohttp import web
 from fleet_page.core.roles import Person
 
 PERSON, ROLE = 'X-Person', 'X-Role'
-STOPPED = '/stopped'   # the route for stops; no request of a browser is passed on to it
-ANSWER_WITHIN = 30.0   # s until the answer of the page's process begins
-STALLED = 30.0         # s after which a client that reads nothing is disconnected
-CHECKED = 1.0          # s between two checks of the session of an open stream
+STOPPED = '/stopped'   # the route by which the door reports stops; browsers cannot use it
+ANSWER_WITHIN = 30.0   # s within which the answer of the page's process must begin
+STALLED = 30.0         # s after which a client that does not read is disconnected
+CHECKED = 1.0          # s between two checks whether the session of an open stream is valid
 _RETRY = 1.0           # s
-_MOST_REPORTS = 1000   # stops that are kept until the page's process takes them
+_MOST_REPORTS = 1000   # stops that are kept for the page's process, at most
 _PASSED_ON = ('Accept-Encoding', 'If-None-Match', 'Last-Event-ID', 'Content-Type')
-_OWN_HEADERS = ('Accept-Encoding', 'User-Agent')  # of aiohttp: the client's own words count
+_OWN_HEADERS = ('Accept-Encoding', 'User-Agent')  # not added by aiohttp: the client's count
 _LEFT_OUT = frozenset(name.lower() for name in (
     'Connection', 'Transfer-Encoding', 'Keep-Alive', 'Date', 'Server'))
 _LOG = logging.getLogger(__name__)
@@ -45,7 +45,7 @@ class Worker:
 
     async def relay(self, request: web.Request, body: bytes, person: Person,
                     headers: Dict[str, str], may_go_on: Callable[[], bool]) -> web.StreamResponse:
-        """Passes a request on, and the answer back, as long as `may_go_on`."""
+        """Passes a request on, and its answer back while `may_go_on` returns True."""
         passed = {name: request.headers[name] for name in _PASSED_ON if name in request.headers}
         passed.update({PERSON: person.name, ROLE: person.role.name})
         try:
@@ -62,7 +62,7 @@ class Worker:
             answer.close()
 
     def report(self, stop: Dict[str, Any]) -> None:
-        """Reports a stop for the audit list, as soon as the page's process takes it."""
+        """Reports a stop for the audit list, as soon as the page's process can receive it."""
         self._reports.append(stop)
         if self._reporting is None or self._reporting.done():
             self._reporting = asyncio.ensure_future(self._report())
@@ -102,7 +102,7 @@ async def _pass_back(request: web.Request, answer: aiohttp.ClientResponse, heade
         else:
             _abort(request)
     except (ConnectionError, asyncio.TimeoutError, aiohttp.ClientError):
-        _abort(request)  # else unread data would be kept, or a half answer look whole
+        _abort(request)  # otherwise unread data would stay, or half an answer would seem whole
     return response
 
 

@@ -1,4 +1,4 @@
-"""Carries out all acts but stops, with the topics and services of RViz's menus and the commands."""
+"""Carries out all acts except stops, by the topics and services that RViz and the commands use."""
 from __future__ import annotations
 
 from typing import Any, Callable, Dict, Tuple, Type
@@ -34,9 +34,9 @@ _PAUSES: Dict[ActKind, bool] = {ActKind.PAUSE_TIMETABLE: True, ActKind.RESUME_TI
 class FleetCommands:
     """The publishers and service clients. Several threads call `do`, which waits for the result.
 
-    is_robot -- returns whether a robot has this name; else a name from the network could become
-                part of any service name
-    destination -- returns what the name of a station or group names; raises UnknownPlace
+    is_robot -- returns whether a robot has this name. Without this check, a name from the network
+                could become a part of any service name
+    destination -- returns what a name of a station or group stands for; raises UnknownPlace
     """
 
     def __init__(self, is_robot: Callable[[str], bool],
@@ -47,7 +47,7 @@ class FleetCommands:
         self._edges = Sender(EdgeCommand)
 
     def do(self, act: Act, person: Person) -> ActOutcome:
-        """Carries out an act for a person, and returns its outcome."""
+        """Carries out an act for a person. Returns the outcome."""
         by = by_page(person.name)
         try:
             if act.kind in (ActKind.SEND, ActKind.RUN):
@@ -97,7 +97,5 @@ class FleetCommands:
 
 
 def by_page(person: str) -> str:
-    """Returns the requester of an act that a person does on the page,
-    as the fleet manager records it.
-    """
+    """Returns the requester for the fleet manager's records, if a person acts on the page."""
     return f'{person} (page)'

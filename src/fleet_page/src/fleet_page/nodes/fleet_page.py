@@ -1,7 +1,7 @@
 """fleet_page: shows the fleet in a browser, and passes people's requests to the fleet manager.
 
-See docs/reference/fleet_page.md. It decides nothing about robots. A second process, the door, has
-all connections of browsers and carries out stops (fleet_page.door).
+See docs/reference/fleet_page.md. The node decides nothing about robots. A second process, the door,
+has all connections of browsers and carries out stops (fleet_page.door).
 
 Subscribes
     /graph, /closed_edges_in_force, /parking, /docking_points (latched, of graph_server)
@@ -91,15 +91,15 @@ from node_lifecycle import ConfigurationError, parameter, run
 from node_lifecycle.ready_line import announce_ready
 from trajectory_graph import Graph
 
-TICK = 0.2          # s between two runs of the work that no message triggers
-LOOK_UP = 3.0       # s between two readings of the journal while requests of missions are unknown
-START_WITHIN = 5.0  # s within which the page must listen
+TICK = 0.2          # s between two runs of the periodic work
+LOOK_UP = 3.0       # s between two readings of the journal while a mission's request is unknown
+START_WITHIN = 5.0  # s within which the page must begin to listen
 
 
 class FleetPageNode:
     """The node. Callbacks pass messages to the thread of the event loop, which owns the page.
 
-    It has many attributes because it puts the parts of the node together.
+    It connects many parts, so it has many attributes.
     """
 
     def __init__(self, door: DoorProcess) -> None:
@@ -152,7 +152,7 @@ class FleetPageNode:
         shutil.rmtree(self._sockets, ignore_errors=True)
 
     def _end_with_door(self) -> None:
-        """Ends this process with the door, so that roslaunch or systemd starts both again."""
+        """Ends this process when the door has ended, so that roslaunch or systemd restarts both."""
         self._door.wait()
         if not self._is_ending.is_set():
             rospy.logfatal('The door of the page has ended: the page ends too.')
@@ -170,7 +170,7 @@ class FleetPageNode:
         while not rospy.is_shutdown():
             now = time.time()
             self._page.tick(now)
-            if not is_read and self._page.model.robots:  # now the fleet manager has its journal
+            if not is_read and self._page.model.robots:  # now the fleet manager has a journal
                 is_read = True
                 await self._read_journal(now - HOUR)
             elif self._page.model.unknown and abs(now - looked) >= LOOK_UP:
@@ -179,9 +179,9 @@ class FleetPageNode:
             await asyncio.sleep(TICK)
 
     async def _read_journal(self, since: float) -> None:
-        """Reads in the journal the missions from before the page's start, and changed ones.
+        """Reads missions from the journal: those from before the page's start, and changed ones.
 
-        since -- the missions that have changed since then, and all open ones
+        since -- read the missions that have changed since this time, and all open missions
         """
         try:
             lines = await self._loop.run_in_executor(None, self._page.missions, since)
@@ -253,7 +253,10 @@ class FleetPageNode:
         self._page.model.site_changed()
 
     def _destination(self, word: str) -> Destination:
-        """Returns what a name of a person names. Threads of the HTTP server call it."""
+        """Returns what a person's name for a destination stands for.
+
+        Threads of the HTTP server call it.
+        """
         graph = self._page.model.graph
         if graph is None:
             raise UnknownPlace('there is no graph yet')
@@ -292,7 +295,7 @@ class FleetPageNode:
         self._notice(message, messages.edges_of(message))
 
     def _notice(self, message: Any, act: Optional[Act]) -> None:
-        """Adds a request of another sender to the audit list."""
+        """Adds a request that did not come from this page to the audit list."""
         sender = messages.sender_of(message, rospy.get_name())
         if sender and act is not None:
             self._page.noticed(sender, act, time.time())

@@ -1,4 +1,4 @@
-"""The stop of the whole fleet, as the door of the page carries it out."""
+"""The stop of the whole fleet, which the door of the page carries out."""
 from __future__ import annotations
 
 import sys
@@ -12,9 +12,10 @@ from graph_fleet_manager.commands.stop import stop
 
 
 def forget_node_arguments() -> None:
-    """Forgets the arguments of the page's node, e.g. its name, in the process of the door.
+    """Forgets the arguments of the page's node, such as its name, in the process of the door.
 
-    A direct stop makes this process a ROS node. With the name of the page, it would end the page.
+    A direct stop makes this process a ROS node. If it had the name of the page, it would end the
+    page.
     """
     sys.argv[1:] = [word for word in sys.argv[1:] if word.startswith('__master:=')]
     rospy.names.reload_mappings(sys.argv)
@@ -23,7 +24,7 @@ def forget_node_arguments() -> None:
 def stop_fleet(person: str) -> ActOutcome:
     """Stops all robots for a person, even if the fleet manager hangs.
 
-    One stop may run at a time, because a direct stop uses the topics of the robots.
+    Only one stop may run at a time, because a direct stop uses the topics of the robots.
     """
     try:
         return ActOutcome(True, stop(by_page(person)))

@@ -1,4 +1,4 @@
-"""The topics of layers that are received only while a browser shows them."""
+"""The topics of layers. They are received only while a browser shows the layer."""
 from __future__ import annotations
 
 import concurrent.futures
@@ -22,7 +22,7 @@ class LayerTopics:
 
     call -- calls a function with values in the thread of the event loop
 
-    A thread of its own asks the ROS master, which may be slow.
+    The ROS master may be slow. So a separate thread asks it.
     """
 
     def __init__(self, model: FleetModel, call: Callable[..., None]) -> None:
@@ -33,7 +33,7 @@ class LayerTopics:
         self._shown: Dict[str, float] = {}
 
     def watch(self, sources: FrozenSet[str]) -> None:
-        """Receives these sources (ShownLayers.sources) and no others."""
+        """Receives these sources (ShownLayers.sources) only."""
         for source in self._wanted - sources:
             self._hide(source)
         if sources != self._wanted:
@@ -47,7 +47,7 @@ class LayerTopics:
             self._model.hide_laser(source.partition(':')[2])
 
     def _show(self, source: str, show: Callable[..., None], *values: Any) -> None:
-        if source in self._wanted:  # else it came after its end
+        if source in self._wanted:  # a late message is dropped
             show(*values)
 
     # -- the thread that asks the ROS master ------------------------------------------------------

@@ -36,9 +36,9 @@ from itrci_nav_msgs import msg
 from node_lifecycle.clouds import places_in
 from node_lifecycle.headings import yaw_from_quaternion
 
-MOST_POINTS = 240    # most points of a laser that are shown
+MOST_POINTS = 240    # points of a laser that are shown, at most
 MOST_FENCES = 20000
-FAR = 1e5            # m from which on a point is no place
+FAR = 1e5            # m; a point as far away as this is an error
 _OUTAGES: Dict[int, str] = {
     value: name[len('OUTAGE_'):] for name, value in vars(msg.FleetRobot).items()
     if name.startswith('OUTAGE_')}
@@ -50,8 +50,8 @@ _EDGES: Dict[int, ActKind] = {number: kind for kind, number in EDGES.items()}
 
 
 def robots_of(message: msg.FleetState) -> List[ShownRobot]:
-    """Returns the robots in /fleet_state, each with the device in which it is and
-    that is not open.
+    """Returns the robots in /fleet_state, each with the device that it is in without a report that
+    the device is open.
     """
     not_open = {claim.robot: one.name for one in message.resources for claim in one.claims
                 if one.has_device and claim.state == msg.ResourceClaim.LOST}
@@ -72,7 +72,7 @@ def _robot_of(message: msg.FleetRobot, not_open: str) -> ShownRobot:
 
 
 def resources_of(message: msg.FleetState) -> List[ShownResource]:
-    """Returns the stations, doors and the like in /fleet_state."""
+    """Returns the stations, doors and other resources in /fleet_state."""
     return [ShownResource(
         one.name, KIND_OF_CODE[one.kind].name, tuple(one.edges), tuple(one.vertices),
         '' if device is None else device.mode.name, tuple(claim.robot for claim in one.claims),
@@ -101,7 +101,7 @@ def plans_of(message: msg.FleetPlan) -> Dict[str, ShownPlan]:
 
 
 def allocations_of(message: msg.FleetAllocations) -> Dict[str, ShownAllocation]:
-    """Returns what each robot may occupy, by name."""
+    """Returns the places that each robot may occupy, by robot."""
     return {one.robot: ShownAllocation(
         tuple(zip(one.edges, (_finite(part, 0.0) for part in one.cleared))), one.vertex,
         tuple((round(_finite(line.radius, 0.0), 2), tuple(
@@ -124,8 +124,7 @@ def laser_of(cloud: PointCloud2) -> List[int]:
 
 def fences_of(message: MarkerArray) -> Tuple[Tuple[float, ...], ...]:
     """Returns the fences that map_visualisation draws: corners of areas, and ends of lines, in m.
-
-    At most MOST_FENCES are shown.
+    They are at most MOST_FENCES.
     """
     found: List[Tuple[float, ...]] = []
     for marker in message.markers:
@@ -182,13 +181,13 @@ def timetables_of(message: msg.Timetables) -> List[ShownTimetable]:
 
 
 def areas_message(areas: Mapping[str, Any]) -> msg.EdgeAreas:
-    """Returns the areas by name, as the page keeps them."""
+    """Returns the areas as a message; the page keeps them by name."""
     return msg.EdgeAreas(areas=[msg.EdgeArea(name, list(area['edges']))
                                 for name, area in areas.items()])
 
 
 def command_of(message: msg.MissionCommand) -> Optional[Act]:
-    """Returns the act of a command for an open mission; None: there is no such command."""
+    """Returns the act of a command for an open mission; None: the command does not exist."""
     kind = _COMMANDS.get(message.command)
     return None if kind is None else Act(
         kind, mission=message.request_id, priority=message.priority,
@@ -197,15 +196,15 @@ def command_of(message: msg.MissionCommand) -> Optional[Act]:
 
 
 def edges_of(message: msg.EdgeCommand) -> Optional[Act]:
-    """Returns the act of a command for edges; None: there is no such command."""
+    """Returns the act of a command for edges; None: the command does not exist."""
     kind = _EDGES.get(message.command)
     return None if kind is None else Act(kind, edges=tuple(message.edges))
 
 
 def sender_of(message: Any, own: str) -> str:
-    """Returns the requester of a message; empty if this page sent it, or if the message names none.
+    """Returns the requester of a message; empty if this page sent it, or if it names no requester.
 
-    own -- node name of this page
+    own -- name of this page's node
     """
     sender = (message._connection_header or {}).get('callerid', '')
     return '' if sender == own else person_of(message.requested_by)
@@ -222,7 +221,7 @@ def request_of(message: msg.MissionRequest) -> MissionRequest:
 
 
 def walls_of(message: Any) -> WallMap:
-    """Returns the walls of a nav_msgs/OccupancyGrid, whose cells are an array; raises WrongMap."""
+    """Returns the walls of a nav_msgs/OccupancyGrid with its cells in an array; raises WrongMap."""
     info = message.info
     return wall_map(message.data, info.width, info.height, info.resolution,
                     info.origin.position.x, info.origin.position.y)

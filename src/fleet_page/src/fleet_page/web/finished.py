@@ -1,4 +1,4 @@
-"""Answers that take time to make: one thread makes them, all requests of that time share them."""
+"""Answers that take time to make: one thread makes an answer for all requests that wait for it."""
 from __future__ import annotations
 
 import asyncio
@@ -17,7 +17,7 @@ _COMPRESSED = 1000  # bytes from which an answer is compressed
 
 @dataclass(frozen=True)
 class WebAnswer:
-    """The bytes of an answer; `compressed`: by gzip, empty if that is not worth it."""
+    """The bytes of an answer; `compressed`: the same bytes with gzip, empty if not worth it."""
 
     content: bytes
     kind: str
@@ -32,21 +32,19 @@ def json_bytes(values: Any, status: int = 200) -> WebAnswer:
 
 
 class Finished:
-    """The last answers by name, each with the state that it is made of."""
+    """The last answer of each name, with the state from which it was made."""
 
     def __init__(self) -> None:
         self._thread = concurrent.futures.ThreadPoolExecutor(1, 'answers')
         self._made: OrderedDict[str, Tuple[Any, asyncio.Future[WebAnswer]]] = OrderedDict()
 
     def close(self) -> None:
-        """Makes no further answer."""
+        """Stops making answers."""
         self._thread.shutdown(wait=False)
 
     async def answer(self, request: web.Request, name: str, state: Any,
                      make: Callable[[], WebAnswer]) -> web.Response:
-        """Returns the answer of this name and state.
-
-        `make` is called in a thread if there is none.
+        """Returns the answer of this name for this state. If there is none, a thread calls `make`.
         """
         known = self._made.get(name)
         if known is None or known[0] != state:

@@ -1,6 +1,7 @@
 """The server of the page's process, behind the door: events, site, history and acts.
 
-The door has checked the person, and names it in two headers. This server decides nothing else.
+The door has checked the person, and names the person in two headers. This server checks only the
+role.
 """
 from __future__ import annotations
 
@@ -30,24 +31,24 @@ from fleet_page.web.finished import Finished, WebAnswer, json_bytes
 Do = Callable[[Act, Person], ActOutcome]
 """Carries out an act of the fleet. It is called in separate threads and may take seconds."""
 Watch = Callable[[FrozenSet[str]], None]
-"""Is told what must be received for the layers that browsers show (ShownLayers.sources)."""
+"""Gets the sources that the node must receive for the shown layers (ShownLayers.sources)."""
 Handler = Callable[[web.Request], Awaitable[web.StreamResponse]]
 
 PERIOD = 0.1          # s, the shortest time between two updates to a client
 SILENCE = 5.0         # s without a change after which an empty update is sent
-STALLED = 30.0        # s after which a client that reads nothing is disconnected
+STALLED = 30.0        # s after which a client that does not read is disconnected
 MOST_CLIENTS = 100
 MOST_CLIENTS_OF_ONE = 40
-KEPT_FOR_OPERATORS = 20  # of these, places that the role `see` cannot have
-FRESH = 2.0           # s for which an answer from the journal counts as new
+KEPT_FOR_OPERATORS = 20  # of these, places that a person with the role `see` cannot get
+FRESH = 2.0           # s in which an answer from the journal is used again
 MOST_HOURS = 24 * 90
-MOST_SOURCES = 10     # most sources received at once: lasers of robots, and the allocations
+MOST_SOURCES = 10     # sources that are received at once, at most: lasers, and the allocations
 
 
 class WebServer:
-    """The routes and streams of one page. One event loop uses it.
+    """The routes and streams of one page. One event loop uses them.
 
-    Its attributes are what more than one route needs: page, clients, finished answers and limits.
+    The attributes are used by more than one route: page, clients, finished answers and limits.
     """
 
     def __init__(self, page: Page, do: Do, watch: Watch = lambda sources: None) -> None:
@@ -93,10 +94,7 @@ class WebServer:
         return guard
 
     def _may(self, request: web.Request, role: UserRole) -> Person:
-        """Returns the person of the request.
-
-        Raises an HTTP error for a person without that role.
-        """
+        """Returns the person of the request. Raises an HTTP error if the role is too low."""
         person = _person(request)
         if person.role < role:
             raise web.HTTPForbidden(reason='Your role does not allow this.')
@@ -121,14 +119,14 @@ class WebServer:
             await self._stream(request, answer, seen, layers)
         except (ConnectionError, asyncio.TimeoutError):
             if request.transport is not None:
-                request.transport.abort()  # else the data that it did not read would be kept
+                request.transport.abort()  # otherwise the data that it did not read would be kept
         finally:
             self._clients[person] -= 1
             self._count_sources(layers, -1)
         return answer
 
     def _layers(self, request: web.Request) -> ShownLayers:
-        """Returns the layers of a request; without any, only the plan."""
+        """Returns the layers in a request; without layers, only the plan."""
         if 'layers' not in request.query:
             return ShownLayers()
         names = frozenset(request.query['layers'].split(',')) & frozenset(LAYERS) - {LASER}
@@ -144,7 +142,7 @@ class WebServer:
 
     async def _stream(self, request: web.Request, answer: web.StreamResponse, seen: int,
                       layers: ShownLayers) -> None:
-        """Sends the newest state until the door ends the connection, as it does with a session."""
+        """Sends the newest state until the door ends the connection, as at a session's end."""
         live, told = self._page.model.live, time.monotonic()
         while not self._closing and request.transport is not None:
             now = time.monotonic()
@@ -157,7 +155,8 @@ class WebServer:
             await asyncio.sleep(PERIOD)
 
     def _seen(self, event: str) -> int:
-        """Returns the revision that a reconnecting client has; 0: it has none of this server."""
+        """Returns the revision that a client had before it connected again; 0: none of this server.
+        """
         instance, _, number = event.partition('-')
         if instance != self._instance or not number.isdecimal() or len(number) > 15:
             return 0
@@ -262,7 +261,7 @@ class WebServer:
                                   'mission': outcome.mission})
 
     async def _done(self, person: Person, act: Act) -> ActOutcome:
-        """Carries out an act and records its outcome, even if the client does not wait for it."""
+        """Carries out an act and records its outcome, even if the client does not wait for this."""
         if act.kind in NAMED:
             outcome = self._page.change_named(act)
         elif act.kind is ActKind.ACKNOWLEDGE:
@@ -282,7 +281,7 @@ class WebServer:
 
 
 async def serve(server: WebServer, path: str) -> web.AppRunner:
-    """Begins to listen at a Unix socket, at which only the door asks. Raises OSError."""
+    """Begins to listen at a Unix socket; only the door connects to it. Raises OSError."""
     runner = web.AppRunner(server.app, access_log=None, handle_signals=False)
     await runner.setup()
     await web.UnixSite(runner, path, shutdown_timeout=1.0).start()
@@ -290,7 +289,7 @@ async def serve(server: WebServer, path: str) -> web.AppRunner:
 
 
 def _person(request: web.Request) -> Person:
-    """Returns the person of a request, as the door says."""
+    """Returns the person of a request, which the door has named."""
     return Person(request.headers[PERSON], UserRole[request.headers[ROLE]])
 
 
@@ -300,7 +299,7 @@ def _span(request: web.Request) -> Tuple[int, float]:
 
 
 def _moment() -> int:
-    """Answers of the same moment are the same."""
+    """Returns the number of the present moment; within one moment an answer is used again."""
     return int(time.monotonic() // FRESH)
 
 

@@ -1,8 +1,9 @@
-"""service_watch: notifies systemd that the nodes of a unit have started, and that none hangs.
+"""service_watch: tells systemd that the nodes of a unit have started and that no node hangs.
 
-The watchdog of each node publishes in /diagnostics. As soon as each node of the unit has had a good
-report, systemd gets READY=1. From then on systemd gets WATCHDOG=1 each second, as long as each node
-had a good report within the last 15 s. Without it, systemd restarts the unit after its WatchdogSec.
+The watchdog of each node publishes in /diagnostics. When every node of the unit has had a good
+report, this node sends READY=1 to systemd. Then it sends WATCHDOG=1 each second, as long as every
+node had a good report within the last 15 s. If it sends none, systemd restarts the unit after the
+unit's WatchdogSec.
 
 Subscribes
     /diagnostics (diagnostic_msgs/DiagnosticArray)

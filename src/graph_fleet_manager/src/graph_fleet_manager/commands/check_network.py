@@ -2,8 +2,9 @@
 
     check_network HOST [--master-port N] [--discovery-port N]
 
-Run it in the shell from which this side is launched, best while both sides run. It prints one line
-for each check, with advice. Exit status 0: no fault was found; 2: a check failed; 1: wrong input.
+Run it in the shell from which the nodes of this side are started; the other side should run, too.
+It prints one line for each check, with advice. Exit status 0: no fault was found; 2: a check
+failed; 1: wrong input.
 """
 from __future__ import annotations
 

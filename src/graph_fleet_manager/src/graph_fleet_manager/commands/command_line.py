@@ -1,17 +1,17 @@
-"""The parts that all commands share, also those without ROS: exit statuses and errors."""
+"""What all commands share, with or without ROS: exit statuses, errors, and the parser."""
 from __future__ import annotations
 
 import argparse
 from typing import NoReturn
 
 OK, WRONG, NOT_DONE = 0, 1, 2
-"""Exit statuses: done; wrong input, or no fleet manager; refused or not succeeded."""
+"""Exit statuses: done; wrong input, or no fleet manager; refused, or without success."""
 LARGEST = 2 ** 31 - 1
 """The largest number that a message to the fleet manager can hold."""
 
 
 def whole(text: str) -> int:
-    """Returns a whole number that a message can hold. Raises ArgumentTypeError."""
+    """Returns a text as a whole number that a message can hold. Raises ArgumentTypeError."""
     try:
         number = int(text)
     except ValueError:

@@ -1,8 +1,8 @@
 """The stop that `fleet stop` sends to the robots directly if the fleet manager does not answer.
 
-Each robot gets a stop with the number 0: it begins a new epoch, so no order that is on its way is
-obeyed. A fleet manager that hung and continues later finds this epoch in the reports of robots, and
-stops the fleet.
+Each robot gets a stop with the number 0. This number begins a new epoch, so the robot obeys no
+order that was sent before. If the fleet manager hung and continues later, it finds this epoch in
+the reports of the robots, and stops the fleet.
 """
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from itrci_nav_msgs.msg import FleetState, TargetRoute
 from node_lifecycle.log_file import init_node
 
 PATIENCE = 8.0    # s for the whole stop: rospy waits without end for a master that hangs
-NAMES_IN = 0.5    # s for the names in /fleet_state, which a fleet manager that hangs may not send
+NAMES_IN = 0.5    # s to wait for the names in /fleet_state; the fleet manager may hang
 REACHED_IN = 3.0  # s for the connections to the robots
 FLUSHED_IN = 0.3  # s for the messages to reach the robots over their connections
 _ROUTE = '/target_route'
@@ -71,15 +71,12 @@ def _stop(topics: Mapping[str, str]) -> StopResult:
     time.sleep(FLUSHED_IN)
     left = missed()
     for route in routes.values():
-        route.unregister()  # else a robot that connects later would be stopped too
+        route.unregister()  # otherwise a robot that connects later would be stopped
     return StopResult(tuple(name for name in routes if name not in left), tuple(left))
 
 
 def _fleet() -> List[str]:
-    """Returns the robots in /fleet_state.
-
-    Empty if the fleet manager does not publish it any more.
-    """
+    """Returns the robots in /fleet_state; empty if the fleet manager does not publish it now."""
     found: List[FleetState] = []
     subscriber = rospy.Subscriber('/fleet_state', FleetState, found.append)
     _wait(lambda: bool(found), NAMES_IN)

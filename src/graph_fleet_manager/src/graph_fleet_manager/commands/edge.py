@@ -1,6 +1,6 @@
 """The command `edge`: closes edges and areas to all robots, and opens them again.
 
-An area is named on the fleet page, which publishes all of them while it runs.
+A person names an area on the fleet page. The page publishes all areas while it runs.
 
 Exit status 0: done; 1: wrong input, or no fleet manager.
 """
@@ -78,7 +78,7 @@ def _is_id(word: str) -> bool:
 
 
 def ids_of(words: Iterable[str], areas: Mapping[str, Sequence[int]]) -> List[int]:
-    """Returns the edges that ids and names of areas stand for. Raises CommandProblem."""
+    """Returns the edges for ids and names of areas. Raises CommandProblem."""
     found: List[int] = []
     for word in words:
         if _is_id(word):
@@ -94,15 +94,15 @@ def ids_of(words: Iterable[str], areas: Mapping[str, Sequence[int]]) -> List[int
 
 def _area_values(graph: Graph, areas: Mapping[str, Sequence[int]],
                  closed: Iterable[int]) -> List[Dict[str, Any]]:
-    """Returns the areas: name, edges, and how many of these are closed."""
+    """Returns the areas: name, edges, and the number of these edges that are closed."""
     shut = drawn_ids(graph, closed)
     return [{'area': name, 'edges': list(edges), 'closed': len(set(edges) & set(shut))}
             for name, edges in sorted(areas.items())]
 
 
 def _closed(graph: Graph, edges: Iterable[int]) -> List[Dict[str, Any]]:
-    """Returns the closed edges, as the user has drawn them: id, vertices at the ends,
-    and length in m.
+    """Returns the closed edges as the user has drawn them: id, first and last vertex, and length
+    in m.
     """
     found = []
     for id in sorted(drawn_ids(graph, edges)):
@@ -135,8 +135,8 @@ def _listed_edges(closed: List[Dict[str, Any]]) -> str:
 
 
 def asked_edges(graph: Graph, ids: Iterable[int]) -> List[int]:
-    """Returns the edges of the graph in force that were named,
-    with all sections of a drawn edge.
+    """Returns the named edges of the graph in force. For a section, returns all sections of its
+    drawn edge.
     """
     edges = sorted(graph.whole_edges(ids))
     unknown = [id for id in edges if id not in graph.edges]
@@ -146,8 +146,8 @@ def asked_edges(graph: Graph, ids: Iterable[int]) -> List[int]:
 
 
 def _carried_out(command: EdgeCommand, in_force: TopicListener) -> ClosedEdges:
-    """Sends a command. Returns the closed edges that graph_server publishes after it."""
-    in_force.unread()  # messages from before the command are no answer to it
+    """Sends a command. Returns the list of closed edges that shows that it was carried out."""
+    in_force.unread()  # drops messages from before the command: they do not answer it
     wanted = set(command.edges) if command.command == EdgeCommand.CLOSE else set()
     told = first_answer(command, in_force, lambda message: (
         set(command.edges) & set(message.edges) == wanted))

@@ -1,5 +1,5 @@
-"""The command `fleet`: lists all robots, and says what one of them waits for; stops and resumes
-them; takes a robot out of service, puts it back, lets it charge, declares it absent, and says what
+"""The command `fleet`: lists all robots; says what a robot waits for; stops and resumes the fleet;
+takes a robot out of service and puts it back; lets it charge; declares that it is absent, or what
 it carries.
 
 Exit status 0: done; 1: wrong input, or no fleet manager; 2: not done, with the reason.
@@ -43,7 +43,7 @@ from trajectory_graph import Graph
 from trajectory_graph.drawn_names import place_name, vertex_name
 from trajectory_graph.messages import graph_from_message
 
-EMPTY = 'empty'       # what a robot carries that carries nothing
+EMPTY = 'empty'       # the load of a robot that carries nothing
 GRAPH_PATIENCE = 2.0  # s to wait for the graph, which only gives edges their drawn names
 _NAMES = {int(state): state.name for state in RobotState}
 _WAITS = {int(code): code.name for code in WaitCode}
@@ -94,7 +94,10 @@ def _options(arguments: List[str]) -> Namespace:
 
 
 def _load(text: str) -> Union[str, MissionName]:
-    """Returns what a robot carries: EMPTY, or a mission. Raises ArgumentTypeError."""
+    """Returns the load that a text names: EMPTY, or a mission.
+
+    Raises ArgumentTypeError.
+    """
     if text == EMPTY:
         return EMPTY
     try:
@@ -152,7 +155,7 @@ def _robot(name: str) -> FleetRobot:
 
 
 def _why_words(robot: FleetRobot) -> str:
-    """Returns one sentence: what a robot does, what it waits for, and until when."""
+    """Returns a sentence about a robot: what it does, what it waits for, and until when."""
     does = [] if robot.has_mission and robot.state == FleetRobot.BUSY else [
         f'is {_state(robot)}']
     does += [f'serves mission {robot.request_id}'] if robot.has_mission else []
@@ -181,7 +184,7 @@ def _unseen() -> List[str]:
 
 
 def _absent(robots: Sequence[str]) -> int:
-    """Declares each robot absent, even if another one fails. Returns the exit status."""
+    """Declares each of the robots absent, even if it fails for one. Returns the exit status."""
     status = OK
     for robot in robots:
         try:
@@ -194,16 +197,15 @@ def _absent(robots: Sequence[str]) -> int:
 
 
 def _graph(graphs: TopicListener) -> Optional[Graph]:
-    """Returns the graph in force; None if graph_server does not run.
-
-    The list is useful without it, too.
-    """
+    """Returns the graph in force; None if graph_server does not run: the list works without it."""
     graphs.wait(GRAPH_PATIENCE)
     return graph_from_message(graphs.messages[-1]) if graphs.messages else None
 
 
 def _listed(state: FleetState, graph: Optional[Graph]) -> str:
-    """Returns the table of all robots, and below each why it waits, or how it comes back."""
+    """Returns the table of all robots. The note below a robot says why it waits, or what ends
+    its outage.
+    """
     head = ('robot', 'type', 'state', 'place', 'battery', 'mission', 'to')
     rows, notes = [], []
     for robot in state.robots:
@@ -240,9 +242,9 @@ def _note(robot: FleetRobot) -> str:
 
 
 def _values(state: FleetState, graph: Optional[Graph]) -> Dict[str, Any]:
-    """Returns all that `fleet list` knows, as values for JSON.
+    """Returns everything that `fleet list` shows, as values for JSON.
 
-    Times are s since 1970, or s to go.
+    A time is in s since 1970, or in s from now.
     """
     def known(number: float) -> Optional[float]:
         return number if math.isfinite(number) else None

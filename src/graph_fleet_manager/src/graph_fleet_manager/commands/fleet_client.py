@@ -1,4 +1,4 @@
-"""The ROS side that commands share: the connection to the master, topics, services and errors."""
+"""What commands need of ROS: the connection to the master, topics, services and errors."""
 from __future__ import annotations
 
 import getpass
@@ -42,7 +42,7 @@ def run(name: str, command: Callable[[List[str]], int],
 def connect(name: str, argv: Optional[List[str]] = None) -> None:
     """Makes this process a ROS node. Raises CommandProblem if there is no ROS master.
 
-    argv -- words among which ROS looks for remappings; None: those of the command line
+    argv -- words in which ROS looks for remappings; None: the words of the command line
     """
     if not rosgraph.is_master_online():
         raise CommandProblem(f'There is no ROS master at {rosgraph.get_master_uri()}: start the '
@@ -77,7 +77,9 @@ class TopicListener:
                 self._changed.wait(seconds)
 
     def publishers(self) -> FrozenSet[int]:
-        """Returns one number for each connection to a publisher; a new connection has a new one."""
+        """Returns one number for each connection to a publisher. Each new connection gets a new
+        number.
+        """
         return frozenset(id for id, *_ in self._subscriber.impl.get_stats_info())
 
     def last(self) -> Any:
@@ -92,7 +94,7 @@ class TopicListener:
 
 
 class MessageSource(Protocol):
-    """What `first_message` needs of a listener."""
+    """The part of a listener that `first_message` uses."""
 
     def wait(self, seconds: float) -> None:
         """Waits until there is a message, at most this time (s)."""
@@ -102,7 +104,7 @@ class MessageSource(Protocol):
 
 
 def first_message(source: MessageSource, is_wanted: Callable[[Any], bool], seconds: float) -> Any:
-    """Waits for a message that is wanted, at most this time (s). None: there was none."""
+    """Waits at most this time (s) for a wanted message; None: there was none."""
     deadline = time.monotonic() + seconds
     while time.monotonic() < deadline:
         source.wait(deadline - time.monotonic())
@@ -113,10 +115,10 @@ def first_message(source: MessageSource, is_wanted: Callable[[Any], bool], secon
 
 
 def first_answer(message: Any, source: MessageSource, is_answer: Callable[[Any], bool]) -> Any:
-    """Sends a message, and again until its answer comes. None: no answer comes.
+    """Sends a message, and repeats it until its answer comes. None: no answer comes.
 
-    It is lost if its receiver ends before it has handled it. So it must do no harm if it comes
-    twice.
+    A message is lost if its receiver ends before it has handled the message. Therefore a message
+    that arrives twice must do no harm.
     """
     sender = connected_sender(type(message))
     sender.send(message)
@@ -130,7 +132,7 @@ def first_answer(message: Any, source: MessageSource, is_answer: Callable[[Any],
 
 
 def connected_sender(kind: Type[Any]) -> Sender:
-    """Returns a sender that is heard. Raises CommandProblem if no program listens."""
+    """Returns a sender that is connected. Raises CommandProblem if no program listens."""
     sender = Sender(kind)
     deadline = time.monotonic() + PATIENCE
     while not sender.is_heard:
@@ -142,10 +144,7 @@ def connected_sender(kind: Type[Any]) -> Sender:
 
 
 def name_problem(host: str) -> str:
-    """Returns the reason why nodes cannot reach a program that gives `host` as its address.
-
-    Else empty.
-    """
+    """Returns why nodes cannot reach a program with the address `host`; empty if they can."""
     try:
         socket.getaddrinfo(host, None)
     except OSError:
@@ -169,7 +168,7 @@ def call(service: str, kind: Type[Any] = Trigger, *arguments: Any) -> str:
 
 
 def ask(service: str, kind: Type[Any], *arguments: Any) -> Any:
-    """Calls a service that only tells something. Returns its answer.
+    """Calls a service that only returns information. Returns its answer.
 
     Raises CommandProblem if the service does not answer.
     """
@@ -182,7 +181,7 @@ def ask(service: str, kind: Type[Any], *arguments: Any) -> Any:
 
 
 def requested_by(command: str) -> str:
-    """Returns the user, the computer and the command that request, for the records."""
+    """Returns the user, the computer and the command that make a request, for the records."""
     try:
         user = getpass.getuser()
     except (KeyError, OSError):  # a user without a name, as in containers

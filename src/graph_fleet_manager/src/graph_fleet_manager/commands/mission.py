@@ -1,4 +1,5 @@
-"""The command `mission`: sends a mission and shows its progress; lists, changes, shows the history.
+"""The command `mission`: sends a mission and shows its progress; lists and changes missions; shows
+the history.
 
     mission 18 39 52 6 16 --type omron_ld90 --wait
     mission press shelves
@@ -14,8 +15,8 @@
 
 MISSION is the id of a request, or the short name of a mission, such as M42.
 
-Exit status 0: done, with --wait only when the mission succeeded; 1: wrong input, or no fleet
-manager; 2: the mission was refused or did not succeed.
+Exit status 0: done; with --wait: the mission succeeded. 1: wrong input, or no fleet manager. 2: the
+mission was refused or did not succeed.
 """
 from __future__ import annotations
 
@@ -96,7 +97,7 @@ _ANSWERS = {answer.name.lower(): answer for answer in StepDecision if answer}
 
 def main(arguments: Optional[Sequence[str]] = None) -> int:
     """Runs the command; returns its exit status."""
-    if arguments is None and sys.argv[1:2] == ['run']:  # ROS would take NAME:=VALUE away
+    if arguments is None and sys.argv[1:2] == ['run']:  # ROS would remove NAME:=VALUE
         arguments = [word for word in sys.argv[1:] if not is_for_ros(word)]
     return run('mission', _mission, arguments)
 
@@ -104,7 +105,7 @@ def main(arguments: Optional[Sequence[str]] = None) -> int:
 def is_for_ros(word: str) -> bool:
     """Returns whether a word of `mission run` is a remapping for ROS.
 
-    No parameter of a template begins so.
+    Such a word begins with `_`. The name of a template's parameter never begins with it.
     """
     return word.startswith('_') and ':=' in word
 
@@ -192,7 +193,7 @@ def _send(arguments: List[str]) -> int:
 
 
 def _offer_conditions(parser: Parser) -> None:
-    """Offers the options of each mission, however its destinations are given."""
+    """Offers the options that every mission has, with destinations of any kind."""
     parser.add_argument('--type', default='', help='robot type that must do it')
     parser.add_argument('--robot', default='', help='the robot that must do it')
     parser.add_argument('--priority', type=whole, default=0,
@@ -219,7 +220,7 @@ def _time_of_day(text: str) -> rospy.Time:
 
 
 def _conditions(options: argparse.Namespace) -> Dict[str, Any]:
-    """Returns the fields of a request for the options of each mission."""
+    """Returns the fields of a request for the options that every mission has."""
     return {'robot_type': options.type, 'robot': options.robot, 'priority': options.priority,
             'after': [MissionDependency(request_id(name), until) for names, until in (
                 (options.after, MissionDependency.DONE),
@@ -270,7 +271,7 @@ def _templates(arguments: List[str]) -> int:
 
 
 def _send_request(request: MissionRequest, waits: bool, graph: Optional[Graph]) -> int:
-    """Sends a request, and follows its mission to the end if a graph to name places is given."""
+    """Sends a request. If `waits` and a graph is given, follows the mission to its end."""
     listener = TopicListener('/mission_status', MissionStatus)
     status = _acknowledged(request, listener)
     if status.state == MissionStatus.REFUSED:
@@ -323,7 +324,7 @@ def _follow(request: MissionRequest, status: MissionStatus, listener: TopicListe
 
 
 def _destinations(request: MissionRequest, status: MissionStatus) -> List[int]:
-    """Returns the destinations of a mission. Those of groups are chosen by the fleet manager."""
+    """Returns the destinations of a mission; the fleet manager chooses those in groups."""
     return list(request.destination_vertices_id) or list(status.destinations)
 
 
@@ -360,9 +361,7 @@ def _listed(missions: Sequence[MissionStatus]) -> str:
 
 
 def _origin(status: MissionStatus) -> str:
-    """Returns the template of a mission, with its arguments and its earliest time,
-    as it was sent.
-    """
+    """Returns the template of a mission with the arguments and the earliest time of its request."""
     words = [status.template, *(f'{one.name}:={one.value}' for one in status.arguments)]
     if status.state == MissionState.PLANNED:
         words.append(f'not before {_clock(status.earliest.to_sec())}')
@@ -370,7 +369,7 @@ def _origin(status: MissionStatus) -> str:
 
 
 def _deadline(status: MissionStatus) -> str:
-    """Returns the deadline of a mission, with an alarm; '-': it has none."""
+    """Returns the deadline of a mission, with an alarm; '-' if it has no deadline."""
     alarm = {DeadlineState.AT_RISK: ' AT RISK', DeadlineState.MISSED: ' MISSED'}
     return _clock(status.deadline.to_sec()) + alarm.get(status.deadline_code, '')
 
@@ -400,7 +399,7 @@ def _clock(seconds: float) -> str:
 
 
 def _why(arguments: List[str]) -> int:
-    """Says what a mission waits for, and why the robots do not serve it."""
+    """Prints what a mission waits for, and for each robot why it does not serve the mission."""
     options = _options('why', 'says what an open mission waits for, and until when; while no robot '
                        'serves it, also why each robot does not', arguments)
     connect('mission_why')
@@ -475,7 +474,7 @@ def _change(word: str, arguments: List[str]) -> int:
 
 
 def _change_destinations(message: MissionCommand, destinations: List[Destination]) -> None:
-    """Fills in the new destinations. Only a mission with stops can be sent to a group."""
+    """Fills in the new destinations; a group needs stops, because only a stop can name one."""
     if any(isinstance(one, str) for one in destinations):
         message.stops = visits(destinations)
     else:
@@ -483,9 +482,9 @@ def _change_destinations(message: MissionCommand, destinations: List[Destination
 
 
 def _is_so(status: MissionStatus, command: CommandKind) -> bool:
-    """Returns whether a mission is already paused, or not paused, as a command demands.
+    """Returns whether a command to pause or resume would change nothing.
 
-    No status is published for a command that changes nothing.
+    The fleet manager publishes no status for a command that changes nothing.
     """
     return command in (CommandKind.PAUSE, CommandKind.RESUME) and (
         (status.state == MissionState.PAUSED) is (command is CommandKind.PAUSE))
@@ -529,8 +528,8 @@ def _history(arguments: List[str]) -> int:
 
 
 def _journal_in_use() -> str:
-    """Returns the ~journal of the fleet manager of this ROS master; empty if none runs or none is
-    set.
+    """Returns the ~journal of the fleet manager of this ROS master. Empty if no fleet manager
+    runs, or if the parameter is not set.
 
     A relative path is relative to ROS_HOME, because roslaunch starts nodes there.
     """

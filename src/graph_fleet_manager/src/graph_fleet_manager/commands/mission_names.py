@@ -18,7 +18,7 @@ _ID = re.compile(r'-?\d{1,10}')
 
 
 class MissionName(NamedTuple):
-    """A mission as a person names it; `number`: its serial, or the id of its request."""
+    """The name that a person gives for a mission; `number`: its serial, or its request's id."""
 
     number: int
     is_serial: bool = False
@@ -43,11 +43,9 @@ def mission_name(text: str) -> MissionName:
 
 
 def open_mission(name: MissionName, listener: TopicListener) -> MissionStatus:
-    """Returns the newest status of an open mission. A new subscriber gets the open missions.
+    """Returns the newest status of an open mission. Raises CommandProblem if there is none.
 
-    listener -- of /mission_status
-
-    Raises CommandProblem if there is none.
+    listener -- on /mission_status: the fleet manager sends all open missions to a new subscriber
     """
     known = first_message(
         listener, lambda s: name.is_of(s) and MissionState(s.state).is_open, 2.0)
@@ -57,8 +55,7 @@ def open_mission(name: MissionName, listener: TopicListener) -> MissionStatus:
 
 
 def request_id(name: MissionName) -> int:
-    """Returns the id of the request of a mission; only an open one can be found by its short name.
-    """
+    """Returns the id of a mission's request. A short name is found only for an open mission."""
     if not name.is_serial:
         return name.number
     return int(open_mission(name, TopicListener('/mission_status', MissionStatus)).request_id)

@@ -1,13 +1,13 @@
 """Follows a mission until its end, even if statuses are lost on the way to the program.
 
-A status is lost if the fleet manager ends before it has sent it, or if a queue overflows. So the
-watch asks the fleet manager for the stored status: at the beginning, after a restart of the fleet
-manager, and after some time without a status.
+A status is lost if the fleet manager ends before it has sent the status, or if a queue overflows.
+So the watch asks the fleet manager for the stored status: at the beginning, after a restart of the
+fleet manager, and after some time without a status.
 
-State: the newest status, when it came, and the connections at that time. Events: a status arrives,
-a connection begins or ends, time passes without a status. Invariants: a status that was asked for
-replaces one that came before it, never one that came after it; each restart is followed by a
-question.
+State: the newest status, its time of arrival, and the connections at that time. Events: a status
+arrives, a connection begins or ends, time passes without a status. Invariants: a stored status
+replaces a status that came before it, and never a later one; after each restart of the fleet
+manager the watch asks.
 """
 from __future__ import annotations
 
@@ -27,7 +27,9 @@ class Statuses(MessageSource, Protocol):
     """A source of the messages of /mission_status."""
 
     def publishers(self) -> FrozenSet[int]:
-        """Returns one number for each connection to a publisher; a new connection has a new one."""
+        """Returns one number for each connection to a publisher. Each new connection gets a new
+        number.
+        """
 
 
 class MissionWatch:
@@ -44,7 +46,7 @@ class MissionWatch:
         self._heard = clock()
 
     def wait(self, seconds: float) -> MissionStatus:
-        """Waits for a message, at most this time (s), and returns the newest status."""
+        """Waits at most this time (s) for a message, and returns the newest status."""
         self._statuses.wait(seconds)
         told = [s for s in self._statuses.unread() if is_about(s, self._request)]
         publishers = self._statuses.publishers()

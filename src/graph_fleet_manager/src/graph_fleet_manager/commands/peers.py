@@ -2,9 +2,9 @@
 
     peers ADDRESS[,ADDRESS...] FLEET_FILE
 
-Either argument may be empty. Prints a YAML list: the given addresses, and each `computer` of the
-robots in the fleet file. Exit status 0: done; 1: the list is empty or an address is wrong, with one
-sentence.
+Each of the two arguments may be empty. Prints a YAML list: the given addresses, and the `computer`
+of each robot in the fleet file that has one. Exit status 0: done; 1: the list is empty or an
+address is wrong; one sentence says so.
 """
 from __future__ import annotations
 

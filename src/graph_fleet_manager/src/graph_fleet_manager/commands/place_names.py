@@ -20,9 +20,9 @@ from trajectory_graph.messages import graph_from_message
 
 
 class PlaceNames:
-    """The names of places. Graph and stations are asked for when the first name needs them.
+    """The names of places. It gets the graph and the stations when the first name needs them.
 
-    The id of a vertex needs neither: the fleet manager says whether there is such a vertex.
+    The id of a vertex needs neither: the fleet manager says whether the vertex exists.
     """
 
     def __init__(self) -> None:
@@ -56,7 +56,7 @@ class PlaceNames:
 
 
 def _id(word: str) -> int:
-    """Returns the id of a vertex. Raises UnknownPlace for one that no vertex can have."""
+    """Returns the id of a vertex. Raises UnknownPlace if the number is too large for an id."""
     if int(word) > LARGEST:
         raise UnknownPlace(f'the graph has no vertex {word}')
     return int(word)

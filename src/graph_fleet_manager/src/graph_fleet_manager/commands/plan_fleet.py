@@ -1,4 +1,4 @@
-"""The command `plan_fleet`: plans once, without a ROS master.
+"""The command `plan_fleet`: makes one plan, without a ROS master.
 
 Exit status 0: solved; 2: not solved, the output gives the reason; 1: wrong input, with one sentence
 on stderr.
@@ -146,7 +146,7 @@ def _plan(network: RoadNetwork, fleet: Fleet, missions: Mapping[str, Tuple[int, 
 
 def _check_reachable(network: RoadNetwork, fleet: Fleet,
                      missions: Mapping[str, Tuple[int, ...]]) -> float:
-    """Returns the sum of the times (s) that the robots need, each alone on the graph.
+    """Returns the sum of the times (s) that the robots need if each one is alone on the graph.
 
     Raises WrongInput if a vertex cannot be reached.
     """

@@ -18,7 +18,7 @@ def line_of(status: MissionStatus, destinations: List[int], state: Optional[Flee
             graph: Graph) -> str:
     """Returns one line about the progress of a mission.
 
-    destinations -- as they were sent; empty: the fleet manager has them of a template
+    destinations -- those of the request; empty: a template has them, so `status` lists them
     """
     if status.state in (MissionStatus.PENDING, MissionStatus.BLOCKED, MissionStatus.PLANNED):
         return f'waiting: {status.reason}' if status.reason else 'accepted'
@@ -51,7 +51,8 @@ def _robot(state: Optional[FleetState], status: MissionStatus) -> Optional[Fleet
 
 
 class ProgressLine:
-    """Shows progress lines. On a terminal each line replaces the last one; else fewer are printed.
+    """Shows progress lines. On a terminal, each line replaces the line before. Without a terminal,
+    fewer lines are printed.
     """
 
     def __init__(self, stream: Optional[TextIO] = None) -> None:
@@ -61,8 +62,9 @@ class ProgressLine:
         self._width = 0
 
     def show(self, text: str, about: object) -> None:
-        """Shows a line. Without a terminal a line is printed only if `about` has changed, or after
-        EVERY."""
+        """Shows a line. Without a terminal, a line is printed only if `about` has changed or EVERY
+        has passed.
+        """
         seconds = int(time.monotonic() - self._begun)
         line = f'{seconds // 60}:{seconds % 60:02d}  {text}'
         if self._stream.isatty():

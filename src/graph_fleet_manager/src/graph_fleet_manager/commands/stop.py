@@ -1,8 +1,8 @@
 """The command `fleet stop`.
 
 It never waits for a ROS master, and on the computer of the fleet manager it needs none. If the
-fleet manager does not answer, the command sends the stop to the robots itself. It does not become a
-ROS node before that, because rospy would wait without end for a master that has ended.
+fleet manager does not answer, the command sends the stop to the robots itself. Only then does it
+become a ROS node, because rospy would wait without end for a master that has ended.
 """
 from __future__ import annotations
 
@@ -24,12 +24,11 @@ from graph_fleet_manager.multimaster.peer_master import MasterApi, NoAnswer
 
 SERVICE = '/stop_fleet'
 PATIENCE = 1.0    # s for the answer of the fleet manager; one that takes longer hangs
-_LONGEST = 10000  # most bytes of an answer
+_LONGEST = 10000  # bytes of an answer, at most
 
 
 class NoStop(Exception):
-    """The fleet manager did not take the stop. The text says why, without a full stop at the end.
-    """
+    """The fleet manager did not accept the stop. The text says why, without a full stop."""
 
 
 def stop(requested_by: str) -> str:

@@ -10,7 +10,7 @@ from typing import Any, List, Mapping, Optional, Sequence
 from fleet_core.supervision.fleet_stop import FleetStop
 
 WIDTH = 100     # columns of a table that fits
-_SHORTEST = 8   # letters to which a cell is cut at the least
+_SHORTEST = 8   # letters: no cell is cut to fewer
 _INDENT = '    '
 _MORE = '...'
 
@@ -26,7 +26,7 @@ def as_json(values: Mapping[str, Any]) -> str:
 
 
 def for_about(seconds: float) -> str:
-    """Returns how long something probably lasts, to follow a clause; empty: that is unknown."""
+    """Returns how long something probably lasts, as the end of a clause; empty: unknown."""
     return f', for about {seconds:.0f} s' if math.isfinite(seconds) else ''
 
 
@@ -44,7 +44,7 @@ def table(rows: Sequence[Sequence[str]], width: Optional[int] = None) -> str:
 
 def table_with_notes(head: Sequence[str], rows: Sequence[Sequence[str]],
                      notes: Sequence[str]) -> str:
-    """Returns a table that fits WIDTH, with a note below each row; an empty note takes no line."""
+    """Returns a table that fits WIDTH, with a note below each row; an empty note is left out."""
     widths = _widths((head, *rows), WIDTH)
     lines = [_line(head, widths)]
     for row, note in zip(rows, notes):

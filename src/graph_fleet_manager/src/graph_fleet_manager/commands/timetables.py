@@ -1,4 +1,5 @@
-"""`mission timetables`: lists the timetables of the work file, pauses one, or lets it go on."""
+"""`mission timetables`: lists the timetables of the work file, and pauses or resumes one of them.
+"""
 from __future__ import annotations
 
 from datetime import datetime

@@ -1,9 +1,9 @@
-"""Learned times of edges on their way to the planner: first the whole table, then its changes.
+"""Learned times of edges in requests to the planner: first the whole table, then only changes.
 
 The supervisor numbers its tables. A request names the table that it uses (`edge_times_version`),
-and the earlier table to which its `edge_times` are the changes (`edge_times_since`); 0: they are
-the whole table. A planner that lacks the earlier table, for example after a restart, answers
-OTHER_TIMES and is then sent the whole table. A time of 0 removes an entry.
+and the earlier table that its `edge_times` change (`edge_times_since`); 0: `edge_times` is the
+whole table. A planner without the earlier table, for example after a restart, answers OTHER_TIMES.
+The supervisor then sends it the whole table. A time of 0 removes an entry.
 """
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ _VERSIONS = 2 ** 32
 
 
 class TimesSent:
-    """The supervisor's side: knows the table that the planner has."""
+    """The supervisor's side: notes which table the planner has."""
 
     def __init__(self) -> None:
         self._version = SystemRandom().randrange(1, _VERSIONS)  # differs after each start
@@ -47,17 +47,14 @@ class TimesSent:
 
 
 class TimesKept:
-    """The planner's side: keeps the last table that it was sent."""
+    """The planner's side: keeps the last table that the supervisor sent."""
 
     def __init__(self) -> None:
         self._version = 0
         self._table: Times = {}
 
     def table_of(self, message: msg.PlanRequest, rate: float) -> Optional[Times]:
-        """Returns the table that a request uses.
-
-        None: its changes are to a table that is not kept.
-        """
+        """Returns the table that a request uses; None: the table that it changes is not kept."""
         told = {(one.robot_type, one.edge_id): one.seconds * rate for one in message.edge_times}
         if not message.edge_times_since:
             self._table = told
@@ -80,7 +77,7 @@ def changes(before: Times, after: Times) -> Dict[Tuple[str, int], float]:
 
 
 def changed(before: Times, told: Times) -> Times:
-    """Returns a table after its changes."""
+    """Returns the table that results from the changes `told`."""
     after = {**before, **told}
     return {key: seconds for key, seconds in after.items() if seconds != 0.0}
 

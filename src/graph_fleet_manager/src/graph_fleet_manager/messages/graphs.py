@@ -1,5 +1,4 @@
-"""Messages about the graph, its docks, parking and closed edges; and the routes that robots report.
-"""
+"""Messages about the graph: docks, parking, closed edges, and the routes that robots report."""
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
@@ -57,8 +56,8 @@ class WrongCommand(Exception):
 def edge_operation(message: msg.EdgeCommand, sender: str) -> EdgeOperation:
     """Returns the operation of a command; raises WrongCommand.
 
-    sender -- name of the node that sent it. Sender, sequence number and stamp identify a message
-              that comes again. A message without a stamp is not identified.
+    sender -- name of the node that sent it. Sender, sequence number and stamp tell whether a
+              message came before; this needs a stamp.
     """
     try:
         action = EdgeAction(message.command)

@@ -41,7 +41,7 @@ OUTAGE_OF_CODE: Dict[int, Optional[Outage]] = {code: outage for outage, code in 
 _LOADS: Dict[LoadState, int] = {
     state: getattr(msg.FleetRobot, f'LOAD_{state.name}') for state in LoadState}
 LOAD_OF_CODE: Dict[int, LoadState] = {code: state for state, code in _LOADS.items()}
-"""What is known of a load, by `FleetRobot.load`."""
+"""The state of a load for each `FleetRobot.load`."""
 _SAME = 1e-6           # s by which stamps of one request may differ, because floats round them
 _END_OF_TIME = genpy.Time(2 ** 32 - 1, 10 ** 9 - 1)  # the latest time that a message can carry
 _LONGEST_NAME = 256
@@ -51,7 +51,7 @@ _LONGEST_REASON = 500  # characters of a robot's reason that are kept
 def request_of(message: msg.MissionRequest) -> Request:
     """Returns the request in a message.
 
-    Raises RequestRefused for values that no status could repeat.
+    Raises RequestRefused for values that a status could not repeat.
     """
     _check_times(message)
     _check_texts(message)
@@ -87,7 +87,7 @@ def _check_times(message: msg.MissionRequest) -> None:
 
 
 def _check_texts(message: msg.MissionRequest) -> None:
-    """Raises RequestRefused for a text that people could not read in a status."""
+    """Raises RequestRefused for a text that a status could not show to people."""
     for name, value in (
             ('robot_type', message.robot_type), ('robot', message.robot),
             ('template', message.template),
@@ -99,14 +99,14 @@ def _check_texts(message: msg.MissionRequest) -> None:
 
 
 def person_of(text: str) -> str:
-    """Returns the name of the person who requests, shortened and with printable characters only."""
+    """Returns a person's name from a request, shortened, with printable characters only."""
     return _words(text[:_LONGEST_NAME])
 
 
 def caller_of(request: Any) -> str:
-    """Returns the person or program that calls a service whose request has no field for it.
+    """Returns the person or program that calls a service, if the request has no field for it.
 
-    The header of the connection names it (`requested_by`), or else the node.
+    The header of the connection names the person (`requested_by`); without that, it names the node.
     """
     header: Dict[str, str] = getattr(request, '_connection_header', None) or {}
     return person_of(header.get('requested_by') or header.get('callerid', ''))
@@ -119,7 +119,7 @@ def refusal_status(message: msg.MissionRequest, reason: str) -> Status:
 
 
 def is_about(status: msg.MissionStatus, request: msg.MissionRequest) -> bool:
-    """Returns whether a status belongs to this request; the id alone may have been used before."""
+    """Returns whether a status is about this request; another one may have had the same id."""
     apart = status.request_stamp.to_sec() - request.header.stamp.to_sec()
     return bool(status.request_id == request.request_id and abs(apart) < _SAME)
 
@@ -180,7 +180,7 @@ def report_of(message: msg.ExecutionRouteStates, now: genpy.Time) -> Report:
 
 
 def moment_of(seconds: float, now: genpy.Time) -> genpy.Time:
-    """Returns the time `seconds` after `now` (negative: before), limited to times
+    """Returns the ROS time that is `seconds` after `now` (negative: before it), limited to times
     that a message can carry.
     """
     last = int(_END_OF_TIME.to_nsec())
@@ -197,7 +197,7 @@ def _words(text: str) -> str:
 def route_message(order: Order, stamp: genpy.Time, speed: float = 0.0) -> msg.TargetRoute:
     """Returns an order to a robot.
 
-    speed -- m/s that the robot does not exceed because of its load; 0: no such limit
+    speed -- m/s that the robot must not exceed because of its load; 0: no such limit
     """
     return route_messages.fill_order(
         msg.TargetRoute(), order.sent_by(ME if order.number else '', stamp.to_nsec(), speed))
@@ -221,7 +221,7 @@ def state_message(robots: Iterable[RobotView], resources: Iterable[ResourceView]
     """Returns the state of the fleet, its robots, resources and machines as a message; `now`: its
     stamp.
 
-    software -- of the robots that tell theirs, by name
+    software -- of the robots that report theirs, by name of the robot
     rate     -- factor by which simulated robots are faster than the clock
     """
     message = msg.FleetState(stop=stop_message(stop), resources=resource_messages(resources),

@@ -1,7 +1,8 @@
 """Messages of requests to the planner and of its answers.
 
-Times in messages are seconds of ROS time after the request's stamp. The planner counts seconds of
-the robots' time from there. With simulated robots, `rate` of these pass in one ROS second.
+Times in messages are seconds of ROS time after the stamp of the request. The planner counts the
+same times in seconds of the robots' time: with simulated robots, `rate` of these pass in one second
+of ROS time.
 """
 from __future__ import annotations
 
@@ -37,7 +38,7 @@ def request_of(message: msg.PlanRequest, types: Mapping[str, RobotType], edge_ti
     types      -- robot types of the fleet, by name
     edge_times -- the table that the message uses, see messages.edge_times
     time_limit -- s for the search if the message gives none
-    longest    -- s, the upper limit of its times for search and improvement
+    longest    -- s, the upper limit of the message's times for search and improvement
     """
     laden = {one.name: _laden(one, types) for one in message.laden_types}
     types = {**types, **laden}
@@ -61,10 +62,9 @@ def request_of(message: msg.PlanRequest, types: Mapping[str, RobotType], edge_ti
 
 def request_message(request: PlanRequest, plan_id: int, stamp: genpy.Time,
                     graph_stamp: genpy.Time, rate: float = 1.0) -> msg.PlanRequest:
-    """Returns a request as a message; `stamp` is the time at which the robots are where the tasks
-    say.
+    """Returns a request as a message, without the learned times: messages.edge_times adds them.
 
-    It has no learned times; messages.edge_times adds them.
+    stamp -- time at which the robots are where the tasks say
     """
     message = msg.PlanRequest(
         plan_id=plan_id, graph_stamp=graph_stamp, time_limit=request.time_limit,
@@ -142,9 +142,8 @@ def _area(robot: str, outline: msg.Outline) -> Area:
 
 def allocations_message(allocations: Mapping[str, Allocation],
                         now: genpy.Time) -> msg.FleetAllocations:
-    """Returns the allocations of robots, by name; `now` is the stamp.
-
-    Those of unknown places are left out.
+    """Returns the allocations of robots, by name, without robots in unknown places; `now` is the
+    stamp.
     """
     message = msg.FleetAllocations(allocations=[msg.RobotAllocation(
         name, [hold.edge for hold in one.holds], [hold.cleared for hold in one.holds],
@@ -188,9 +187,9 @@ def write_outcome(answer: msg.PlanAnswer, outcome: PlanningOutcome, released: Ma
                   rate: float = 1.0) -> None:
     """Puts the plans into an answer.
 
-    released -- how many drives of each robot are released already
+    released -- number of the drives of each robot that are already released
     """
-    names = dict.fromkeys((*released, *outcome.drives))  # in the order of the tasks
+    names = dict.fromkeys((*released, *outcome.drives))  # the robots of the tasks first
     answer.plans = [msg.RobotPlan(name, _drives_message(outcome.drives[name], rate),
                                   min(released.get(name, 0), len(outcome.drives[name])))
                     for name in names if name in outcome.drives]
@@ -239,7 +238,7 @@ def _drives_message(drives: Sequence[PlannedDrive], rate: float) -> msg.PlannedD
 
 
 def _fault_of(drives: msg.PlannedDrives) -> str:
-    """Returns what makes a message no drives, as an object of `has`; empty: nothing."""
+    """Returns the fault in a message of drives, as an object of `has`; empty: there is none."""
     edges, starts, ends = map(len, (drives.edges, drives.starts, drives.ends))
     if not edges == starts == ends:
         return f'{edges} edges, {starts} starts and {ends} ends; their numbers must be equal'

@@ -53,7 +53,7 @@ def _message(view: ResourceView) -> msg.FleetResource:
 
 
 def stations_of(messages: Iterable[msg.FleetResource]) -> Dict[str, Station]:
-    """Returns the stations of a site, by name. Their kind and places are those of the work file."""
+    """Returns the stations of a site, by name, with kind and places from the work file."""
     return {one.name: Station(
         one.name, tuple(one.vertices), tuple(place.vertex for place in one.queue), one.capacity,
         StationKind.GROUP if one.is_group else StationKind.STATION)
@@ -61,7 +61,7 @@ def stations_of(messages: Iterable[msg.FleetResource]) -> Dict[str, Station]:
 
 
 def device_of(message: msg.FleetResource) -> Optional[DeviceView]:
-    """Returns what the device of a resource shows; None: it has none."""
+    """Returns the state of the device of a resource; None: the resource has no device."""
     if not message.has_device:
         return None
     return DeviceView(DeviceMode(message.device_mode), message.device_reason)
@@ -75,7 +75,7 @@ def look_of(message: msg.FleetResource) -> ResourceLook:
 
 
 def words_of(message: msg.FleetResource) -> str:
-    """Returns the kind of a resource, its name, and what its device shows."""
+    """Returns the kind of a resource, its name, and the state of its device."""
     device = device_of(message)
     shows = '' if device is None else f': {DEVICE_WORDS[device.mode]}'
     return f'{KIND_OF_CODE[message.kind].value} {message.name}{shows}'

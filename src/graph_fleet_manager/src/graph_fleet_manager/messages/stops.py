@@ -21,7 +21,7 @@ from itrci_nav_msgs import msg
 
 
 class WrongStopMessage(ValueError):
-    """Stops with a number that means nothing. The text is a clause that says which."""
+    """Stops with a number that has no meaning. The text is a clause that names the number."""
 
 
 def stops_of(messages: Iterable[msg.MissionStop]) -> Tuple[WorkStop, ...]:
@@ -37,7 +37,7 @@ def stops_of(messages: Iterable[msg.MissionStop]) -> Tuple[WorkStop, ...]:
 
 
 def _group_of(message: msg.MissionStop) -> str:
-    """Returns the group of a stop. Raises WrongStopMessage for a stop with a vertex as well."""
+    """Returns the group of a stop. Raises WrongStopMessage if the stop also has a vertex."""
     if message.group and message.vertex:
         raise WrongStopMessage(f'a stop has vertex {message.vertex} and also a group: give one of '
                                'them')

@@ -1,1 +1,1 @@
-"""Multimaster: checks of the other ROS master with which this one is joined."""
+"""Multimaster: checks of another ROS master with which this side's master is joined."""

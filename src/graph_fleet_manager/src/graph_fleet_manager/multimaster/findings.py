@@ -5,8 +5,8 @@ from dataclasses import dataclass
 from enum import IntEnum
 from typing import List, Mapping
 
-CLOCK_NOTED = 0.2  # s of difference from which the age limits of reports are affected
-CLOCK_WRONG = 1.0  # s by which a route's stamp may be in a robot's future, see the route protocol
+CLOCK_NOTED = 0.2  # s of difference; from here on it affects the age limits of reports
+CLOCK_WRONG = 1.0  # s that a route's stamp may be ahead of the robot's clock, see route protocol
 
 
 class Grade(IntEnum):
@@ -31,8 +31,8 @@ class Checked:
 
 
 def clock_finding(offset: float, uncertainty: float) -> Checked:
-    """Returns the finding about the other clock, which is `offset` s ahead,
-    with an error of `uncertainty`.
+    """Returns the finding about a clock that is `offset` s ahead of this one, give or take
+    `uncertainty` s.
     """
     off = max(abs(offset) - uncertainty, 0.0)
     level = Grade.OK if off < CLOCK_NOTED else Grade.WARN if off < CLOCK_WRONG else Grade.WRONG
@@ -43,9 +43,7 @@ def clock_finding(offset: float, uncertainty: float) -> Checked:
 
 
 def definitions_finding(own: Mapping[str, str], theirs: Mapping[str, str]) -> Checked:
-    """Returns the finding about message definitions that differ or are missing.
-
-    MD5 sums by type.
+    """Returns the finding about message definitions that differ or are missing: MD5 sums by type.
     """
     different = sorted(kind for kind in own if kind in theirs and theirs[kind] != own[kind])
     missing = sorted(set(own) - set(theirs))

@@ -28,11 +28,11 @@ from graph_fleet_manager.multimaster.peer_master import (
 )
 
 _CALL_BACK = 3.0     # s in which a master must call back
-_ASKED = 5           # most nodes of the other side to which a connection is tried
+_ASKED = 5           # largest number of the other side's nodes to which a connection is tried
 
 
 class NetworkChecks:
-    """All checks between this computer and `host`, ordered so that causes come before effects.
+    """All checks between this computer and `host`; a cause is checked before its effects.
 
     environment -- environment of the shell: ROS_IP, ROS_HOSTNAME, ROS_MASTER_URI
     own         -- this side's message definitions (MD5 sums by type)
@@ -52,7 +52,7 @@ class NetworkChecks:
         self._nodes: Optional[Dict[str, str]] = None
 
     def run(self) -> Iterator[Checked]:
-        """Yields the findings one by one. If the host has no address, no other check is made."""
+        """Yields the findings one by one. If the host has no address, there is no other check."""
         name = self._check_name()
         yield name
         if name.level is Grade.WRONG:
@@ -123,7 +123,7 @@ class NetworkChecks:
                        'nodes')
 
     def _check_call_back(self) -> Optional[Checked]:
-        """Lets the other master call this computer, as it calls nodes of joined masters."""
+        """Lets the other master call this computer, as it calls the nodes of joined masters."""
         if self._nodes is None:
             return None
         address = self._ros_ip or address_towards(self._address)
@@ -139,7 +139,7 @@ class NetworkChecks:
         return Checked('way back', Grade.OK, f'the master there reaches this computer at {address}')
 
     def _check_node_addresses(self) -> Optional[Checked]:
-        """Connects to nodes of the other side at the addresses that they give; ports vary."""
+        """Connects to nodes of the other side at the addresses and ports that they report."""
         local = self._local_nodes()
         for name, uri in list(local.items())[:_ASKED]:
             where = urlsplit(uri)
@@ -157,7 +157,7 @@ class NetworkChecks:
     def _local_nodes(self) -> Dict[str, str]:
         """Returns the nodes that run on the other computer: those with the same host as its rosout.
 
-        All others were taken over from further masters.
+        Its master also lists nodes that it took over from further masters.
         """
         nodes = self._nodes or {}
         where = urlsplit(nodes.get('/rosout', '')).hostname
@@ -165,7 +165,8 @@ class NetworkChecks:
                 if where is not None and urlsplit(uri).hostname == where}
 
     def _check_node_names(self) -> Optional[Checked]:
-        """Looks for node names on both sides: ROS ends one of such nodes when masters are joined.
+        """Looks for node names that both sides use: when the masters are joined, ROS ends one of
+        the two nodes.
         """
         try:
             own = MasterApi(self._own_uri).nodes()
@@ -212,9 +213,9 @@ _ON_EVERY_SIDE = ('/rosout', '/master_discovery', '/master_sync', '/peer_watch')
 
 
 def address_towards(address: str) -> str:
-    """Returns this computer's address on the route to another; empty without a route.
+    """Returns this computer's address on the route to another; empty if there is no route.
 
-    Sends nothing.
+    It sends nothing.
     """
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
         try:
@@ -235,7 +236,8 @@ def is_own_address(address: str) -> bool:
 
 
 def calls_back(master: MasterApi, address: str) -> bool:
-    """Returns whether a master reaches a server here at `address`, as for news of publishers.
+    """Returns whether a master reaches a server here at `address`, as it would to report
+    publishers.
 
     For a moment, a publisher and a subscriber of a new topic are registered at the master. Raises
     NoAnswer, and OSError if no server can listen at the address.

@@ -1,7 +1,7 @@
 """XML-RPC calls to another ROS master, and to fkie's master_discovery beside it.
 
-Nothing here is a ROS node. Each call ends within its timeout. The form of the answers is checked,
-because a program on another computer gives them.
+Nothing here is a ROS node. Each call has a timeout. The form of each answer is checked, because it
+comes from a program on another computer.
 """
 from __future__ import annotations
 
@@ -16,17 +16,18 @@ MASTER_PORT = 11311     # TCP port of a ROS master
 DISCOVERY_PORT = 11621  # TCP port of master_discovery, as join_masters.launch sets it
 TIMEOUT = 2.0           # s for one call
 _CALLER = '/graph_fleet_manager'
-_MOST = 10000           # most entries of an answer that are used
+_MOST = 10000           # entries of an answer that are used at most
 _FAILURES = (OSError, http.client.HTTPException, xmlrpc.client.Error,
              xml.parsers.expat.ExpatError, ValueError, TypeError, KeyError)
 
 
 class NoAnswer(Exception):
-    """No answer came, or an invalid one. The text is a clause that describes the failure."""
+    """No answer came, or the answer was invalid. The text is a clause that describes the failure.
+    """
 
 
 class ClockOffset(NamedTuple):
-    """The time (s) by which another clock is ahead of this one, and the error of this value (s)."""
+    """The time (s) by which another clock is ahead of this one, and the error (s) of this time."""
 
     offset: float
     uncertainty: float
@@ -83,14 +84,12 @@ class MasterApi:
         return _ask(lambda: {str(topic): str(kind) for topic, kind in pairs[:_MOST]})
 
     def pid(self) -> int:
-        """Returns the process id of the master, which changes at a restart; raises NoAnswer."""
+        """Returns the process id of the master, which a restart changes; raises NoAnswer."""
         return int(self.value(lambda: self.api.getPid(_CALLER)))
 
     @staticmethod
     def value(question: Callable[[], Any]) -> Any:
-        """Returns the result of a call of the API.
-
-        Raises NoAnswer, also if the master refuses the call.
+        """Returns the result of a call of the API. Raises NoAnswer, even if the master refuses it.
         """
         code, said, value = _ask(lambda: _triple(question()))
         if code != 1:
@@ -114,7 +113,7 @@ class Discovery:
         return ClockOffset(moment - (before + after) / 2.0, (after - before) / 2.0)
 
     def definitions(self, types: Sequence[str]) -> Dict[str, str]:
-        """Returns the MD5 sums of these message types, as far as the other side has them.
+        """Returns the MD5 sum of each of these message types that the other side has.
 
         Raises NoAnswer.
         """

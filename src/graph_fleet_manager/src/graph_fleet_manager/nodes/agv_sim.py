@@ -9,7 +9,7 @@ Subscribes
     /<robot>/step_command (itrci_nav_msgs/StepCommand)
 Publishes
     /<robot>/execution_route_states (itrci_nav_msgs/ExecutionRouteStates, latched): at each change,
-        and 10 Hz while a route runs, else 1 Hz
+        and at 10 Hz while a route runs, at 1 Hz without a route
     /<robot>/route_refused (itrci_nav_msgs/RouteRefused)
     /<robot>/step_states (itrci_nav_msgs/StepStates, latched): at each change, and 1 Hz
     /<robot>/battery_state (sensor_msgs/BatteryState): 1 Hz
@@ -18,7 +18,7 @@ Parameters
     ~fleet_file    string  (required)
     ~graph_file    string  (empty)  trajectory graph (YAML); empty: wait for /graph
     ~sim_speed     float   1.0      factor on the AGVs' clock, 0.1 to 20
-    ~control_port  int     0        TCP port on 127.0.0.1 that takes faults and tells the true
+    ~control_port  int     0        TCP port on 127.0.0.1 that accepts faults and returns the true
                                     poses; 0: none
 """
 from __future__ import annotations
@@ -43,7 +43,7 @@ from route_protocol.vehicle import draw_epoch, milliseconds
 from trajectory_graph import Graph, GraphError, load_graph
 
 DRIVER = 'agv'  # of the robots that this node drives
-PACKAGE = 'graph_fleet_manager'  # whose version is that of the AGVs' software
+PACKAGE = 'graph_fleet_manager'  # its version is the one of the AGVs' software
 TICK = 0.05     # s
 _NAME = re.compile(r'[A-Za-z]\w*\Z', re.ASCII)
 

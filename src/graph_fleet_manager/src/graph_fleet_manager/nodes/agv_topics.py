@@ -26,15 +26,16 @@ from route_protocol.values import RouteRefusal, RouteReport
 
 REPORT_PERIOD, IDLE_PERIOD = 0.1, 1.0  # s, with a route and without
 BATTERY_PERIOD = 1.0                   # s
-EARLY = 0.02                           # s by which a period may be shorter, to fit the ticks
+EARLY = 0.02                           # s by which a period may be shorter, to match the ticks
 
 
 class AgvTopics:
-    """Takes the orders of one vehicle and publishes its messages. `lock` is the simulation's.
+    """Receives the orders for one vehicle, and publishes its messages.
 
-    software -- name and version of the software that the vehicle tells
+    lock     -- the lock of the simulation
+    software -- name and version of the software that the vehicle reports
 
-    It has an attribute for each topic, and what it told there last.
+    There is an attribute for each topic, and one for what was last published on it.
     """
 
     def __init__(self, vehicle: AgvVehicle, lock: threading.Lock, software: str) -> None:
@@ -61,7 +62,7 @@ class AgvTopics:
     def publish_due(self, now: float) -> Optional[TransformStamped]:
         """Publishes the messages that are due. Returns the vehicle's frame; None if it is silent.
 
-        `now` in s of any monotonic clock. The caller holds the lock.
+        The caller holds the lock. `now` is in s of any monotonic clock.
         """
         self._pass_on(now)
         if self._vehicle.silent:
@@ -116,8 +117,9 @@ class AgvTopics:
                                                     rospy.Time.now().to_nsec()))
 
     def _log_refusal(self, refusal: RouteRefusal) -> None:
-        """Logs a refusal. Of one emergency stop only the first is logged: the supervisor repeats
-        its order."""
+        """Logs a refusal. The supervisor repeats its orders, so during an emergency stop only the
+        first refusal is logged.
+        """
         if not (self._vehicle.emergency and self._emergency_told):
             rospy.logwarn('%s refused route %d: %s.', self._vehicle.name, refusal.route_id,
                           refusal.reason)

@@ -16,14 +16,14 @@ from trajectory_graph import Graph
 from trajectory_graph.drawn_names import drawn_ids
 from trajectory_graph.id_lists import listed
 
-_COMMANDS_KEPT = 1000  # commands queued for one connection: none may be lost
+_COMMANDS_KEPT = 1000  # commands queued for one connection, because none may be lost
 _NAME = 100            # characters of the name of a person or program, in the log
 
 
 class EdgeClosures:
     """Takes commands, stores the closed edges, and publishes them.
 
-    lock    -- lock of the graph in force: a command and a new graph are handled one by one
+    lock    -- lock of the graph in force, so that commands and new graphs come one after the other
     graph   -- returns the graph in force; None: there is none
     changed -- called after each command that was carried out
     """
@@ -99,7 +99,7 @@ class EdgeClosures:
                 unknown = self._closures.replace(self._whole(message.edges), stamp.to_nsec(),
                                                  rospy.Time.now().to_nsec(), self._known)
                 self.publish()
-        except OutOfDate as late:  # also a latched message of a publisher that connected again
+        except OutOfDate as late:  # or a latched message of a publisher that connected again
             rospy.logwarn('A list of closed edges with stamp %.3f s is not used: it is not newer '
                           'than the last change, at %.3f s. Use /edge_command, which ignores the '
                           'stamp.',

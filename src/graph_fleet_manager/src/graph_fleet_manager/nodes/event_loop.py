@@ -1,16 +1,17 @@
 """The queue of the fleet manager: events from callbacks, and ticks of the clock between them.
 
-`turns` has the order of the kinds of events. Within a kind the order is that of arrival, but:
+`turns` has the order of the kinds of events. Events of one kind keep the order of their arrival,
+with these exceptions:
 
 - An answer of the planner counts as a command.
-- Only the newest report of a robot waits. It has the turn of the oldest one that it replaces.
+- Only the newest report of a robot waits. It takes the turn of the oldest report that it replaces.
 - When no request is left, a tick is due at once.
-- A command is preceded by the waiting requests for the mission that it names.
+- Before a command, the waiting requests for its mission are handled.
 
-Requests and commands are not repeated by their senders, so they wait until there is a supervisor.
+The senders of requests and commands do not repeat them. So they wait until there is a supervisor.
 
-If the whole process was halted, reports wait in its sockets. The next tick is then delayed, so that
-callbacks can take these reports first: a tick finds out which robots do not report.
+While the whole process is halted, reports collect in its sockets. Therefore the next tick, which
+looks for robots that do not report, is delayed: callbacks can take these reports first.
 """
 from __future__ import annotations
 
@@ -28,10 +29,10 @@ from fleet_core.supervision.missions import CommandKind, MissionChange, Request,
 from fleet_core.supervision.supervisor import Supervisor
 from graph_fleet_manager.nodes.turns import TurnKind, Turns, Waiting
 
-STALL = 1.0       # s without a look at the clock after which the process counts as halted
+STALL = 1.0       # s between two looks at the clock; if more pass, the process was halted
 RECOVERY = 0.25   # s that callbacks then have to take the reports that came meanwhile
-BATCH = 100       # most requests in one commit, so that urgent events do not wait for more
-_WAITING = 10000  # most events, and most requests, that wait; callbacks block beyond that
+BATCH = 100       # requests in one commit at most, so that urgent events wait for no more
+_WAITING = 10000  # events, and requests, that wait at most; beyond that callbacks block
 _TOO_EARLY = f'the fleet manager has not started yet, and {MOST_OPEN} already wait for it'
 
 Event = Callable[[Optional[Supervisor], float], Sequence[Action]]
@@ -39,7 +40,7 @@ Event = Callable[[Optional[Supervisor], float], Sequence[Action]]
 ReadyEvent = Callable[[Supervisor, float], Sequence[Action]]
 """An event that needs a supervisor."""
 ReportEvent = Callable[[Supervisor, float, float], Sequence[Action]]
-"""An event that needs a supervisor; gets the present time, then the time of its arrival."""
+"""An event that needs a supervisor; gets the present time, and the time when the event arrived."""
 
 
 class _Arrived(NamedTuple):
@@ -51,11 +52,11 @@ class _Arrived(NamedTuple):
 
 
 class SupervisorEvents:
-    """Callbacks put events, one thread takes them. Times are those of `clock` (s, monotonic).
+    """The queues between callbacks, which put events, and the one thread that takes them.
 
     trouble -- a clause that says why requests cannot wait for a supervisor; empty if they can
 
-    Its attributes are the queues and what orders their turns.
+    Times are those of `clock` (s, monotonic). The attributes are the queues and their turns.
     """
 
     def __init__(self, clock: Callable[[], float] = time.monotonic,
@@ -87,15 +88,15 @@ class SupervisorEvents:
             self._changed.notify()
 
     def put_urgent(self, event: Event) -> None:
-        """Queues a stop, which is taken before all that wait. Never blocks."""
+        """Queues a stop. It is taken before all events that wait. Never blocks."""
         with self._changed:
             self._stops.append(event)
             self._changed.notify()
 
     def put_report(self, event: ReportEvent, key: str = '') -> None:
-        """Queues a report. It is dropped without a supervisor, because its sender repeats it.
+        """Queues a report. Without a supervisor the report is dropped: its sender repeats it.
 
-        key -- the report takes the place of one with the same key that still waits; empty: of none
+        key -- the report replaces a waiting report with this key; empty: it replaces none
         """
         arrived = self._clock()
         key = key or f'{next(self._numbers)}'
@@ -117,9 +118,10 @@ class SupervisorEvents:
         return () if supervisor is None else event(supervisor, now, arrived)
 
     def put_order(self, event: ReadyEvent, lost: str = '') -> None:
-        """Queues a command that its sender does not repeat: it is kept until there is a supervisor.
+        """Queues a command that its sender does not repeat, and keeps it until there is a
+        supervisor.
 
-        lost -- the warning if the command is lost because too many are kept already
+        lost -- the warning if the command is lost because too many commands are kept already
         """
         def when_ready(supervisor: Optional[Supervisor], now: float) -> Sequence[Action]:
             if supervisor is not None:
@@ -133,7 +135,7 @@ class SupervisorEvents:
     def put_command(self, request_id: int, command: CommandKind,
                     change: Union[None, MissionChange, StepAnswer] = None,
                     requested_by: str = '') -> None:
-        """Queues a command. Requests with that id that still wait are handled before it."""
+        """Queues a command, after the waiting requests with its id."""
         def do(supervisor: Supervisor, now: float) -> Sequence[Action]:
             before = self._requests_with(request_id)
             return [*(supervisor.requests(before, now) if before else ()),
@@ -142,9 +144,9 @@ class SupervisorEvents:
                            f'{_TOO_EARLY}.')
 
     def put_request(self, request: Request) -> None:
-        """Queues a request. Blocks while too many wait.
+        """Queues a request. Blocks while too many requests wait.
 
-        While there is no supervisor, a request is refused if MOST_OPEN requests wait already.
+        Without a supervisor, a request is refused if MOST_OPEN requests wait already.
         """
         with self._changed:
             is_refused = not self._is_ready and len(self._requests) >= MOST_OPEN
@@ -158,10 +160,10 @@ class SupervisorEvents:
             self._by_id.setdefault(request.id, []).append(number)
             self._changed.notify()
 
-    # -- the thread that takes them ---------------------------------------------------------------
+    # -- the thread that takes the events ---------------------------------------------------------
 
     def begin(self) -> None:
-        """Queues the commands that were kept until there is a supervisor, in their order."""
+        """Queues the commands that waited for a supervisor, in the order of their arrival."""
         with self._changed:
             self._is_ready = True
             early, self._early = self._early, []
@@ -170,7 +172,7 @@ class SupervisorEvents:
                 self._room.acquire(blocking=False)
 
     def end(self) -> None:
-        """Lets requests and commands wait: there is no supervisor any more."""
+        """Makes requests and commands wait, because there is no supervisor any more."""
         with self._changed:
             self._is_ready = False
 
@@ -212,14 +214,12 @@ class SupervisorEvents:
         return heapq.heappop(self._reports).event
 
     def _accept(self, trouble: str) -> Event:
-        """Returns an event for up to BATCH requests.
-
-        `trouble` is the reason if they are refused.
+        """Returns an event for up to BATCH requests; if it refuses them, `trouble` is the reason.
         """
         requests = [self._taken(number)
                     for number in list(itertools.islice(self._requests, BATCH))]
         if not self._requests:
-            self._turns.hurry(self._clock())  # at once, so that a robot begins without delay
+            self._turns.hurry(self._clock())  # at once, so that a robot starts without delay
         return lambda supervisor, now: (
             [PublishStatus(refused(request, trouble)) for request in requests]
             if supervisor is None else supervisor.requests(requests, now))

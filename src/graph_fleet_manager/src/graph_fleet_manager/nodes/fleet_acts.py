@@ -31,7 +31,7 @@ _SERVICES = {MenuAct.RESUME_ALL: ('/resume_fleet', Trigger),
 
 
 class FleetActs:
-    """Carries out the entries of menus. `say` is called with a sentence about each result."""
+    """Carries out the entries of menus. `say` gets a sentence about each result."""
 
     def __init__(self, say: Callable[[str], None]) -> None:
         self._say, self._by = say, requested_by('RViz')
@@ -45,8 +45,9 @@ class FleetActs:
         self._edges = Sender(EdgeCommand)
 
     def mission_said(self, status: MissionStatus) -> None:
-        """Notes whether a step of a mission asks. One that only waits to be done by a person or a
-        program cannot be done again.
+        """Notes whether a step of a mission waits for an answer.
+
+        A step that only waits until a person or a program has done it cannot be repeated.
         """
         if not status.asks or not MissionState(status.state).is_open:
             self._asking.pop(status.request_id, None)
@@ -55,12 +56,12 @@ class FleetActs:
             self._asking[status.request_id] = Ask(status.asks, ANSWERS[first:])
 
     def asks(self) -> Dict[str, Ask]:
-        """Returns, by robot, the step of its mission that waits for an answer."""
+        """Returns the step that waits for an answer in each robot's mission, by robot."""
         return {name: self._asking[robot.request_id] for name, robot in self.robots.items()
                 if robot.has_mission and robot.request_id in self._asking}
 
     def act(self, act: MenuAct, subject: Subject) -> None:
-        """Carries out one entry of a menu. Never blocks: a thread of its own calls a service."""
+        """Carries out one entry of a menu. Never blocks: services are called in new threads."""
         if act is MenuAct.STOP_ALL:
             threading.Thread(target=self._stop, daemon=True).start()
         elif act in _SERVICES:

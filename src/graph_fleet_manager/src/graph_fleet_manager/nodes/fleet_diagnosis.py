@@ -11,16 +11,17 @@ from fleet_core.supervision.fleet_view import FleetView, RobotState
 from fleet_core.supervision.missions import MissionState
 from fleet_core.supervision.supervisor import Supervisor
 
-_NAMED = 20  # most missions that are listed with their reason
+_NAMED = 20  # missions that are listed with their reason, at most
 
 
 def report_fleet(view: Optional[FleetView], trouble: str,
                  status: DiagnosticStatusWrapper) -> None:
-    """Fills in the state of every robot; without a view there is no supervisor.
+    """Fills in the state of every robot. Without a supervisor there is no view.
 
-    - ERROR while the journal cannot be written, or a robot is in a door that is not open for it.
-      While there is no supervisor, `trouble` says why.
-    - WARN while the fleet is stopped, there is no plan, or a robot cannot work or has no path.
+    - ERROR while the journal cannot be written, a robot is in a door that is not open for it, or
+      `trouble`, a clause, keeps the supervisor from its start.
+    - WARN while there is no graph or no plan, the fleet is stopped, or a robot cannot work or has
+      no path.
     """
     if view is None and trouble:
         status.summary(DiagnosticStatus.ERROR, f'no mission is accepted: {trouble}')
@@ -35,7 +36,7 @@ def report_fleet(view: Optional[FleetView], trouble: str,
 
 
 def _summary(view: FleetView) -> Tuple[int, str]:
-    """Returns the level of the whole fleet, and its most important trouble."""
+    """Returns the level of the whole fleet, and a text about the most important trouble."""
     if view.trouble:
         return DiagnosticStatus.ERROR, ('no mission is accepted and no robot gets anything new to '
                                         f'drive: {view.trouble}')

@@ -1,4 +1,4 @@
-"""The parameter ~fleet_file of most nodes of the fleet manager."""
+"""The parameter ~fleet_file, which nearly all nodes of the fleet manager have."""
 from __future__ import annotations
 
 from rosgraph.names import is_legal_base_name
@@ -12,8 +12,8 @@ from node_lifecycle import ConfigurationError, parameter
 def fleet_of(name: str = '~fleet_file') -> Fleet:
     """Returns the fleet in the file that a parameter names.
 
-    Raises ConfigurationError if the file is wrong, or if the name of a robot cannot be part of
-    topics.
+    Raises ConfigurationError if the file is wrong, or if a robot's name cannot be a part of a
+    topic's name.
     """
     file = parameter(name)
     try:

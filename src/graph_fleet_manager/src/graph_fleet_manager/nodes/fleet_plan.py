@@ -13,11 +13,11 @@ from graph_fleet_manager.nodes.sending import Newcomers, send
 from itrci_nav_msgs.msg import FleetPlan
 from node_lifecycle.worker import start_worker
 
-_SHARE = 0.1  # most of the CPU time to spend on messages; large plans are published less often
+_SHARE = 0.1  # largest share of the CPU time for messages: large plans are published less often
 
 
 class _Told(NamedTuple):
-    """A plan, and the ROS time `stamp` of the monotonic time `now`."""
+    """A plan, and a moment in two clocks: `now` is monotonic time, `stamp` is ROS time."""
 
     progress: Optional[PlanProgress]
     now: float
@@ -25,12 +25,12 @@ class _Told(NamedTuple):
 
 
 class FleetPlanTopic:
-    """Publishes the newest plan in a thread of its own, so that the deciding thread never waits.
+    """Publishes the newest plan in a separate thread, so that the deciding thread never waits.
 
-    Messages are made for subscribers only. A new subscriber gets the newest plan at once; that
-    message takes the place of the latched one, which may be old.
+    A message is made only if there is a subscriber. A new subscriber gets the newest plan at once,
+    because the latched message may be old.
 
-    rate -- factor by which simulated robots are faster
+    rate -- factor by which simulated robots are faster than the clock
     """
 
     def __init__(self, rate: float) -> None:
@@ -61,7 +61,7 @@ class FleetPlanTopic:
             time.sleep((time.thread_time() - begun) * (1.0 / _SHARE - 1.0))
 
     def _next(self, last: Optional[_Told]) -> _Told:
-        """Waits until there is a newer plan than the last one, and a subscriber."""
+        """Waits for a plan newer than `last`, and for a subscriber."""
         with self._changed:
             while True:
                 newest = self._newest

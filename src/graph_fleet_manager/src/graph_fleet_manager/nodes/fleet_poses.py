@@ -1,4 +1,5 @@
-"""The topic /fleet_poses: the poses of all robots, for displays that subscribe to no robot."""
+"""The topic /fleet_poses: the poses of all robots, for displays that subscribe to only one topic.
+"""
 from __future__ import annotations
 
 import math
@@ -17,7 +18,7 @@ FRAME = 'map'
 class FleetPosesTopic:
     """Keeps the last pose of each robot, and publishes them all while there is a subscriber.
 
-    It does not use the deciding thread, so a display does not slow the fleet manager down.
+    It does not use the deciding thread. So a display does not slow the fleet manager down.
     """
 
     def __init__(self, robots: Iterable[str]) -> None:
@@ -28,7 +29,7 @@ class FleetPosesTopic:
         Periodic('fleet poses', PERIOD, self._tick)
 
     def note(self, robot: str, report: ExecutionRouteStates) -> None:
-        """Takes the pose in a report of a robot. A report without a pose changes nothing."""
+        """Keeps the pose in a robot's report. A report without a pose changes nothing."""
         if math.isfinite(report.x) and math.isfinite(report.y):
             self._poses[robot] = FleetPose(robot, report.x, report.y, report.theta,
                                            report.header.stamp)

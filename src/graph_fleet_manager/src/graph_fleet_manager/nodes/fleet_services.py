@@ -1,7 +1,8 @@
 """The services of the fleet.
 
-They stop and resume all robots, take one robot out of service and back, declare it absent, say what
-it carries, and pause a timetable. They tell the status of a mission, and what it waits for.
+They stop and resume all robots; take one robot out of service and put it back; declare that it is
+absent, or what it carries; and pause a timetable. They return the status of a mission, and what a
+mission waits for.
 """
 from __future__ import annotations
 
@@ -54,15 +55,15 @@ Act = Callable[[Supervisor, float], Tuple[str, Sequence[Action]]]
 """The work of a service. Returns the reason why it is not done (empty if done), and actions."""
 _Found = TypeVar('_Found')
 Done = Union[str, Callable[[Supervisor], str]]
-"""The answer to a call that is done, or what tells it."""
+"""The answer to a call that was carried out, or a function that returns this answer."""
 
 
 class FleetServices:
     """Offers the services. Each call queues an event and answers with its result.
 
-    gate       -- the stop gate, through which each route passes: a stop closes it first of all
+    gate       -- the stop gate, through which each route passes; a stop closes it before all else
     stop_early -- stops all robots while there is no supervisor; returns a warning and actions
-    past       -- sends a stop from any thread, bypassing a supervisor that hangs
+    past       -- sends a stop from any thread, even if the supervisor hangs
     """
 
     def __init__(self, robots: Iterable[str], gate: StopGate, events: SupervisorEvents,
@@ -150,7 +151,7 @@ class FleetServices:
                                      'manager hangs: look at its disk and its log.')
 
     def _resume(self, request: TriggerRequest) -> TriggerResponse:
-        """Releases the fleet stop, unless the fleet is stopped again by then."""
+        """Releases the fleet stop, unless the fleet is stopped once more before that."""
         ticket = self._gate.ticket
 
         def resume(supervisor: Supervisor, now: float) -> Tuple[str, Sequence[Action]]:
@@ -168,10 +169,7 @@ class FleetServices:
         return PauseTimetableResponse(told.success, told.message)
 
     def _mission_status(self, request: GetMissionStatusRequest) -> GetMissionStatusResponse:
-        """Returns the stored status of a mission.
-
-        Raises ServiceException if it cannot be read now.
-        """
+        """Returns the stored status of a mission. Raises ServiceException if it cannot be read."""
         def find(supervisor: Supervisor, _: float) -> GetMissionStatusResponse:
             status = supervisor.stored_status(request.request_id, request.request_stamp.to_sec())
             return GetMissionStatusResponse() if status is None else (
@@ -179,10 +177,7 @@ class FleetServices:
         return self._found(find)
 
     def _explanation(self, request: ExplainMissionRequest) -> ExplainMissionResponse:
-        """Returns what an open mission waits for.
-
-        Raises ServiceException if it cannot be said now.
-        """
+        """Returns what an open mission waits for. Raises ServiceException if it cannot be said."""
         def find(supervisor: Supervisor, now: float) -> ExplainMissionResponse:
             mission = supervisor.book.find(request.request_id)
             if mission is None or not mission.state.is_open:
@@ -191,9 +186,9 @@ class FleetServices:
         return self._found(find)
 
     def _found(self, find: Callable[[Supervisor, float], _Found]) -> _Found:
-        """Returns what the supervisor's thread finds.
+        """Returns what `find` returns in the supervisor's thread.
 
-        Raises ServiceException if it cannot be read now.
+        Raises ServiceException if the journal cannot be read now.
         """
         found: List[_Found] = []
 
@@ -210,7 +205,7 @@ class FleetServices:
         return found[0]
 
     def offer_removed(self, robots: Iterable[str]) -> None:
-        """Offers the declaration as ABSENT for robots that are not in the fleet file any more."""
+        """Offers to declare robots ABSENT that are not in the fleet file any more."""
         for robot in sorted(set(robots) - self._robots):
             self._robots |= {robot}
             self._services.append(self._offer_absence(robot, f'{robot} is forgotten.'))
@@ -218,14 +213,14 @@ class FleetServices:
     def _answer(self, act: Act, done: Done, patience: Optional[float] = None,
                 early: Optional[Callable[[float], Tuple[TriggerResponse, Sequence[Action]]]] = None,
                 lasts: bool = False) -> Optional[TriggerResponse]:
-        """Returns the answer of the call; None if it was not begun within `patience` (s).
+        """Returns the answer of a call; None if the call did not begin within `patience` (s).
 
-        A call that was not begun within that time is given up: a person who was told that robots
-        do not go on relies on it. A call that `lasts` stops robots: it is urgent, and it is still
-        carried out after that time.
+        A call that did not begin within that time is given up: if a person was told that robots do
+        not go on, they must not go on later. A call that `lasts` stops robots. It is urgent, and
+        it is still carried out after that time.
         """
         answer: queue.Queue[TriggerResponse] = queue.Queue(1)
-        turn = threading.Lock()  # acquired once: to carry out the call, or to give it up
+        turn = threading.Lock()  # acquired once: by the call, or to give the call up
 
         def event(supervisor: Optional[Supervisor], now: float) -> Sequence[Action]:
             if not turn.acquire(blocking=False):
@@ -253,13 +248,13 @@ class FleetServices:
 
 
 def _requested(service: str, request: TriggerRequest) -> str:
-    """Returns the name of a service with the person or program that calls it, for the log."""
+    """Returns the name of a service and the person or program that calls it, for the log."""
     by = caller_of(request)
     return f'{service}, requested by {by}' if by else service
 
 
 def _logged(service: str, answer: TriggerResponse) -> TriggerResponse:
-    """Logs an answer and returns it, so that the log has each call before its caller knows."""
+    """Logs an answer and returns it. So a call is in the log before its caller gets the answer."""
     rospy.loginfo('%s: %s%s', service, '' if answer.success else 'not done: ', answer.message)
     return answer
 
@@ -269,7 +264,7 @@ def _warning(supervisor: Supervisor) -> str:
 
 
 def not_stored(trouble: str) -> str:
-    """Returns a warning for a change that is not on the disk; `trouble` is the reason, a clause."""
+    """Returns a warning that a change is not on the disk; `trouble` is a clause that says why."""
     return ('If the fleet manager ends before this is stored, it is forgotten: '
             f'{trouble}.')
 

@@ -51,7 +51,7 @@ PublishStatuses = Callable[[MissionStatus], None]
 class FleetTopics:
     """The publishers of path_supervisor.
 
-    It has an attribute for each topic, and what a repeated message needs to be the same again.
+    There is an attribute for each topic. Others keep the parts that a repeated message must repeat.
 
     rate        -- factor by which simulated robots are faster than the clock
     improvement -- s in which the planner improves a plan
@@ -65,7 +65,7 @@ class FleetTopics:
         self._improvement = improvement
         self.graph_stamp = rospy.Time(0)
         self.software: Dict[str, str] = {}
-        """Of the robots that have told theirs, by name."""
+        """The software of the robots that report it, by robot."""
         self._asked: Optional[Tuple[PlanRequestMessage, Times]] = None
         self._times = TimesSent()
         self._route_stamps: Dict[str, rospy.Time] = {}
@@ -91,7 +91,7 @@ class FleetTopics:
         self._device_steps: Dict[str, rospy.Publisher] = {}
 
     def begin_devices(self, devices: Iterable[str]) -> None:
-        """Offers the commands to these devices that carry out steps; to others no longer."""
+        """Offers step commands for these devices, and stops to offer them for all others."""
         before, self._device_steps = self._device_steps, {}
         for name in devices:
             self._device_steps[name] = before.pop(name, None) or rospy.Publisher(
@@ -116,7 +116,7 @@ class FleetTopics:
                 (rospy.logwarn if action.is_warning else rospy.loginfo)('%s', action.text)
 
     def _send(self, action: SendRoute) -> None:
-        """Sends a route unless a stop came before it. A repetition keeps its first stamp."""
+        """Sends a route, unless a stop came before. A repeated route keeps its first stamp."""
         if not action.repeated or action.robot not in self._route_stamps:
             self._route_stamps[action.robot] = rospy.Time.now()
         message = messages.route_message(action.order, self._route_stamps[action.robot],
@@ -150,7 +150,7 @@ class FleetTopics:
         send(self._requests.publish, message)
 
     def _ask_newcomer(self, publish: Callable[[PlanRequestMessage], None]) -> None:
-        """Sends the open question to a new subscriber: a planner that was not connected before."""
+        """Sends the open question to a new subscriber, because a new planner does not have it."""
         asked = self._asked  # an answer may come meanwhile
         if asked is not None:
             publish(asked[0])
@@ -158,7 +158,7 @@ class FleetTopics:
     def is_answered(self, answer: PlanAnswer) -> bool:
         """Returns whether this answers the last plan request.
 
-        A request that the planner could not use for lack of learned times is sent again.
+        If the planner lacked learned times, sends the request again.
         """
         if self._asked is None:
             return False
@@ -179,10 +179,10 @@ class FleetTopics:
         send(self._templates.publish, messages.templates_message(work, rospy.Time.now()))
 
     def publish_views(self, supervisor: Supervisor, view: FleetView, now: float) -> None:
-        """Publishes what displays show at the monotonic time `now` (s): the state, the plan and
-        the allocations of all robots, and timetables that have changed.
+        """Publishes the state, the plan and the allocations of all robots at the monotonic time
+        `now` (s), and timetables that have changed.
 
-        view -- of the supervisor, at that time
+        view -- the supervisor's view at that time
         """
         stamp = rospy.Time.now()
 

@@ -17,8 +17,8 @@ Client of (std_srvs/Trigger, except declare_absent)
     /stop_fleet, /resume_fleet, /<robot>/leave_fleet, /<robot>/join_fleet, /<robot>/declare_absent
 Parameters
     ~fleet_file     string  (empty)  fleet file with the radii of the robots; empty: 0.4 m for all
-    ~says_ready     bool    false    tell in the log once when the fleet is ready, and how to give
-                                     it a mission; the page tells it otherwise
+    ~says_ready     bool    false    log once when the fleet is ready, and how to give it a mission;
+                                     not needed with the page, which says so itself
 """
 from __future__ import annotations
 
@@ -82,8 +82,8 @@ _BAD = {MissionStatus.FAILED: 'failed', MissionStatus.REFUSED: 'was refused',
 class FleetVisualisation:
     """The node; see the docstring of the module. `_lock` guards all that callbacks set.
 
-    It joins the pictures to the topics: the attributes are the newest message of each topic, and
-    the pictures that are drawn from them together.
+    The attributes are the newest message of each topic, and the pictures that are drawn from these
+    messages.
     """
 
     def __init__(self) -> None:
@@ -194,7 +194,7 @@ class FleetVisualisation:
     def _draw(self, graph: Graph, state: FleetState) -> None:
         self._ticks += 1
         is_slow = self._ticks % SLOW == 0
-        if is_slow and self._changed:  # before the robots: their labels keep clear of these words
+        if is_slow and self._changed:  # first, because labels of robots keep clear of these words
             self._changed = False
             words = (*self._texts.names.values(),
                      *closed_boxes(graph, self._texts, self._closed).values())

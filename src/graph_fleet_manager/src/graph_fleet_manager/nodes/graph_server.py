@@ -1,10 +1,10 @@
-"""graph_server: keeps the fleet's graph, publishes it, and reports the limits that it sets.
+"""graph_server: keeps the fleet's graph, publishes it, and reports which limits follow from it.
 
 Publishes (all latched)
     /graph (itrci_nav_msgs/Graph): the graph in force; header.stamp is its version
     /docking_points (itrci_nav_msgs/DockingPoints)
-    /parking (itrci_nav_msgs/ParkingPlaces): vertices where robots may stand with the edges that
-        are closed now, and the number of robots that the graph has room for
+    /parking (itrci_nav_msgs/ParkingPlaces): vertices where robots may stand while the present edges
+        are closed, and the number of robots for which the graph has room
     /closed_edges_in_force (itrci_nav_msgs/ClosedEdges)
     /diagnostics
 Subscribes
@@ -58,16 +58,16 @@ from node_lifecycle.worker import start_worker
 from trajectory_graph import Graph
 from trajectory_graph.drawn_names import size_of
 
-_REPORTED_WITHIN = 3.0  # s in which each connected robot has reported, at 1 Hz or more
+_REPORTED_WITHIN = 3.0  # s in which each connected robot reports at least once, at 1 Hz or more
 _WAITING = 'The file has changed since it was last in force: waiting for the reports of the robots.'
-_SURVEY_NICENESS = 10  # a survey takes seconds of work for which no program waits
+_SURVEY_NICENESS = 10  # a survey needs seconds of CPU time, and no program waits for it
 
 
 class GraphServer:
     """The node; see the docstring of the module.
 
     `_lock` guards the graph in force, its version and the closures. The attributes are the graph in
-    force with all that is published about it, and a publisher for each topic.
+    force, all that is published about it, and a publisher for each topic.
     """
 
     def __init__(self) -> None:
@@ -79,7 +79,7 @@ class GraphServer:
         self._lock = threading.RLock()
         self._stamp = rospy.Time(0)
         self._trouble = ''
-        """The reason why the file was not put in force when it was last read; else empty."""
+        """Why the graph of the file is not in force since the file was last read; else empty."""
         self._remarks: List[Remark] = []
         self._surveyed: Optional[Tuple[RoadNetwork, Survey]] = None
         """The network and the survey of the graph in force, with all edges open."""
@@ -134,7 +134,7 @@ class GraphServer:
                                f'{len(graph.edges)} edges.')
 
     def _load(self) -> str:
-        """Reads the file and puts its graph in force. Returns a sentence if it fails, else ''."""
+        """Reads the file and puts its graph in force. Returns a sentence on failure, else ''."""
         with self._lock:
             try:
                 changed, self._trouble = self._in_force.load(parameter('~graph_file'))
@@ -163,7 +163,7 @@ class GraphServer:
         start_worker('survey', partial(self._survey, graph, self._stamp))
 
     def _survey(self, graph: Graph, stamp: rospy.Time) -> None:
-        """Surveys a graph and publishes the results, unless another graph is in force by then."""
+        """Surveys a graph, and publishes the results if the graph is still in force then."""
         with suppress(PermissionError):  # hardened services may not change a priority
             os.setpriority(os.PRIO_PROCESS, threading.get_native_id(), _SURVEY_NICENESS)
         network = RoadNetwork(graph, (), self._fleet.dock_approach)
@@ -183,9 +183,8 @@ class GraphServer:
         start_worker('parking', self._park_by_closures)
 
     def _park_by_closures(self) -> None:
-        """Computes and publishes the parking vertices for the edges that are closed now.
-
-        The last /parking stays valid until then.
+        """Computes and publishes the parking vertices for the edges that are closed now. Until
+        then the last /parking stays valid.
         """
         with self._lock:
             known, closed = self._surveyed, self._closures.edges

@@ -1,4 +1,4 @@
-"""The journal in the file that ~journal names. It keeps missions for ~keep_days after their end."""
+"""The journal in the file of ~journal. It keeps a mission for ~keep_days after its end."""
 from __future__ import annotations
 
 import os
@@ -18,7 +18,7 @@ FORGET_PERIOD = 10.0   # s between two deletions of missions that ended long ago
 
 
 class JournalFile:
-    """The journal and its state. Raises ConfigurationError if the file can never be a journal.
+    """The journal and its state. Raises ConfigurationError if the file can never hold a journal.
 
     journal -- None until the file could be opened
     trouble -- a clause that says why the journal cannot be used; empty if no reason is known
@@ -33,7 +33,7 @@ class JournalFile:
         self.open(0.0)
 
     def open(self, now: float) -> None:
-        """Opens the journal if it is not open and the last failed attempt is long enough ago."""
+        """Opens the journal if it is closed and the last failed attempt is long enough ago."""
         if self.journal is not None or now < self._try_at:
             return
         self._try_at = now + AGAIN
@@ -47,7 +47,7 @@ class JournalFile:
             self.trouble = ''
 
     def forget(self, now: float) -> None:
-        """Deletes missions that ended long ago, a few at a time. Ignores a full disk."""
+        """Deletes some missions that ended long ago. Ignores a full disk."""
         if self.journal is None or now < self._forget_at:
             return
         self._forget_at = now + FORGET_PERIOD
@@ -55,7 +55,7 @@ class JournalFile:
             self.journal.forget(self._keep)
 
     def fail(self, unavailable: JournalUnavailable) -> None:
-        """Notes that the journal cannot be used now, and logs it at the first time."""
+        """Notes that the journal cannot be used now. Logs only the first of such failures."""
         if not self.trouble:
             rospy.logerr('%s Until then no mission is accepted and no robot gets anything to '
                          'drive; stops are sent.', unavailable)

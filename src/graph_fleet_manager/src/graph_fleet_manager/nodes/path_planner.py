@@ -1,7 +1,7 @@
-"""path_planner: plans the paths of all robots without conflicts, even if robots are late.
+"""path_planner: plans paths for all robots that have no conflicts, even if robots are late.
 
-It answers requests one at a time and keeps nothing between them except the graph. It can be ended
-at any time, and its client continues. Requests and answers: docs/reference/path_planner.md.
+It answers one request at a time, and between requests it keeps only the graph. It can be ended at
+any time: its client continues. Requests and answers: docs/reference/path_planner.md.
 
 Subscribes
     /graph (itrci_nav_msgs/Graph, latched), /parking (itrci_nav_msgs/ParkingPlaces, latched)
@@ -43,11 +43,11 @@ from itrci_nav_msgs.msg import ParkingPlaces, PlanAnswer, PlanRequest
 from node_lifecycle import choice, number, parameter, publish_diagnostics, run
 from trajectory_graph import Graph
 
-_WAITING = 20  # most requests in the queue; of those that wait, only the newest is planned
+_WAITING = 20  # requests in the queue at most; only the newest one that waits is planned
 
 
 class PathPlanner:
-    """The node; see the docstring of the module. One thread plans; callbacks only queue work.
+    """The node; see the docstring of the module. One thread plans; callbacks only queue requests.
 
     The attributes are the parameters, the newest input of each topic, and the state of the service.
     """
@@ -118,7 +118,7 @@ class PathPlanner:
     def _work(self) -> None:
         try:
             self._plan_until_the_end()
-        except Exception:  # a planner that does not answer must not look alive: the node ends
+        except Exception:  # a planner without answers must not seem to work: the node ends
             rospy.logfatal('The planning thread has failed; please report this:\n%s',
                            traceback.format_exc())
             rospy.signal_shutdown('the planning thread has failed')
@@ -163,7 +163,7 @@ class PathPlanner:
             outcome = service.answer(asked, received)
         except CannotPlan as refusal:
             return self._told(request, PlanAnswer.REFUSED, str(refusal))
-        except Exception:  # a defect: the client needs an answer, and the next request may work
+        except Exception:  # a defect: the client needs an answer; the next request may succeed
             rospy.logerr('A request could not be planned because of a defect of the planner; '
                          'please report it with this text:\n%s', traceback.format_exc())
             return self._told(request, PlanAnswer.REFUSED, 'The planner failed because of a '
@@ -193,9 +193,9 @@ class PathPlanner:
 
 
 def _is_same(one: PlanRequest, other: PlanRequest) -> bool:
-    """Returns whether one request came twice.
+    """Returns whether two messages are the same request.
 
-    A supervisor that connects sends its open request again.
+    After a supervisor has connected, its open request can come twice.
     """
     return (one.plan_id, one.header.stamp) == (other.plan_id, other.header.stamp)
 

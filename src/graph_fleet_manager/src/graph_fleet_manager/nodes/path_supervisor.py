@@ -1,7 +1,7 @@
-"""path_supervisor: takes missions, gives each to a robot, and releases its route edge by edge.
+"""path_supervisor: accepts missions, gives each to a robot, and releases its route edge by edge.
 
 It may be ended at any time, because the accepted missions and the allocations of all robots are on
-the disk. While the disk cannot be written, it waits and sends only stops. Its rules are in
+the disk. While nothing can be written to the disk, it waits and sends only stops. Its rules are in
 docs/reference/path_supervisor.md and docs/explanation/fleet.md.
 
 Subscribes
@@ -107,7 +107,7 @@ VIEW_PERIOD = 0.5  # s between two /fleet_state, and the least time between two 
 class PathSupervisor:
     """The node; see the docstring of the module. One thread decides; callbacks only queue events.
 
-    It has many attributes because it puts the parts of the node together.
+    It connects many parts, so it has many attributes.
     """
 
     def __init__(self) -> None:
@@ -126,7 +126,7 @@ class PathSupervisor:
         self._graph: Optional[Graph] = None
         self._begin_at = math.inf
         self._view: Optional[FleetView] = None
-        """The last one; other threads read it. None: there is no supervisor."""
+        """The newest view, which other threads read. None: there is no supervisor."""
         self._viewed = -math.inf
         self._closed: Optional[Tuple[int, ...]] = None
         robots = [robot.name for robot in self._fleet.robots]
@@ -183,7 +183,7 @@ class PathSupervisor:
                     self._events.hurry(self._supervisor.tick_due)
                 self._publish_views()
                 self._file.forget(time.monotonic())
-            except Exception:  # a fleet manager that cannot decide must not look alive
+            except Exception:  # a fleet manager that cannot decide must not seem to work
                 try:
                     rospy.logfatal('A defect: this node ends, to be started again. The robots '
                                    'drive on along the edges that were released.\n%s',
@@ -192,7 +192,7 @@ class PathSupervisor:
                     os._exit(1)
 
     def _stop_early(self, now: float, stop: FleetStop) -> Tuple[str, Sequence[Action]]:
-        """Stops all robots before there is a supervisor. Returns a warning and the orders."""
+        """Stops all robots while there is no supervisor. Returns a warning and the orders."""
         trouble = self._file.trouble
         try:
             journal = self._file.journal
@@ -225,7 +225,7 @@ class PathSupervisor:
     def _use_graph(self, graph: Graph, stamp: rospy.Time, now: float) -> Sequence[Action]:
         self._topics.graph_stamp = stamp
         before, self._graph = self._graph, graph
-        if graph is before:  # the same graph was published again, with another stamp
+        if graph is before:  # only the stamp is new: the same graph was published again
             return ()
         self._begin_at = now
         return ()
@@ -239,11 +239,11 @@ class PathSupervisor:
         self._events.put(close)
 
     def _begin(self, now: float) -> Sequence[Action]:
-        """Begins to supervise if that is due, with graph, closed edges and journal.
+        """Begins to supervise if that is due and there are a graph, closed edges and a journal.
 
-        A new graph has the same effect as a restart. The former supervisor ends, so that nothing
-        is granted by the former graph, and another one begins from the journal. graph_server has
-        made sure that the new graph has the routes of all robots.
+        A new graph has the same effect as a restart: the old supervisor ends, so that nothing is
+        granted by the old graph, and a new one begins from the journal. graph_server has checked
+        that the new graph contains the routes of all robots.
         """
         self._file.open(now)
         journal = self._file.journal
@@ -336,7 +336,7 @@ class PathSupervisor:
                 f'/devices/{device}/step_states')
 
     def _listen_to_devices(self, devices: Iterable[str]) -> None:
-        """Receives the steps of these devices, and of no others. A latched report comes again."""
+        """Subscribes to the steps of these devices only. Latched reports then come once more."""
         for subscriber in self._device_subscribers:
             subscriber.unregister()
         self._device_subscribers = [
@@ -350,7 +350,7 @@ class PathSupervisor:
         except WrongDeviceMessage as wrong:
             rospy.logwarn_throttle(10.0, f'A report of a device is ignored: {wrong}.')
             return
-        ahead = time.monotonic() - rospy.get_time()  # of the supervisor's clock
+        ahead = time.monotonic() - rospy.get_time()  # s by which the supervisor's clock is ahead
         report = report.at(report.since + ahead,
                            None if report.read_at is None else report.read_at + ahead)
         self._events.put_report(
@@ -380,7 +380,7 @@ class PathSupervisor:
 
 
 def _step_report(subject: str, message: StepStates) -> Optional[StepReport]:
-    """Returns the report in a message; None: it cannot be used, as the log says."""
+    """Returns the report in a message; None if it cannot be used: then the log says why."""
     try:
         return step_report_of(message)
     except WrongStepMessage as wrong:
@@ -389,8 +389,9 @@ def _step_report(subject: str, message: StepStates) -> Optional[StepReport]:
 
 
 def _note_stop_address() -> None:
-    """Writes down the address of the stop service, so that `fleet stop` works on this computer
-    without a ROS master."""
+    """Stores the address of the stop service. `fleet stop` on this computer then needs no ROS
+    master.
+    """
     try:
         stop_address.note(rosgraph.get_master_uri(),
                           get_service_manager().get_service('/stop_fleet').uri)

@@ -1,8 +1,9 @@
 """peer_watch: reports in /diagnostics the state of each other ROS master of a multimaster system.
 
-It checks whether the other side answers, whether its clock agrees, and whether its message
-definitions are the same. Without this check such a fault shows only as topics that are listed but
-carry no messages. It runs beside master_discovery (docs/how-to/multimaster.md) and moves nothing.
+It checks whether the other side answers, whether the clocks agree, and whether both sides have the
+same message definitions. Without these checks the only sign of such a fault is a topic that is
+listed but carries no messages. The node runs beside master_discovery
+(docs/how-to/multimaster.md) and moves nothing.
 
 Publishes
     /diagnostics: one status for each peer, `peer_watch: <address>`
@@ -41,7 +42,7 @@ LEVELS = {Grade.OK: DiagnosticStatus.OK, Grade.WARN: DiagnosticStatus.WARN,
 
 
 class WatchedPeer:
-    """One peer. A thread of its own checks it, because a missing peer blocks until a timeout."""
+    """A peer with a thread of its own: the check of a missing peer blocks until a timeout."""
 
     def __init__(self, address: str, port: int) -> None:
         self.address = address

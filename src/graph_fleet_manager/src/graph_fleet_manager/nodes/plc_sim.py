@@ -1,7 +1,7 @@
-"""plc_sim: hands loads over as the PLCs of stations do, for demonstrations and tests.
+"""plc_sim: plays the PLCs of stations that hand loads over, for demonstrations and tests.
 
-A mission of a template waits at a step of an outside program until that program answers. This node
-answers each such step DONE after a while. It answers no step about which a person is asked.
+A mission of a template waits at each step of an outside program until that program answers. This
+node answers DONE after a delay. It leaves out steps for which a person is asked.
 
 Subscribes
     /mission_status (itrci_nav_msgs/MissionStatus)
@@ -25,8 +25,8 @@ from itrci_nav_msgs.msg import MissionCommand, MissionStatus
 from node_lifecycle import number, parameter, run
 from node_lifecycle.periodic import Periodic
 
-PERIOD = 0.2  # s between two checks for what is due
-REPEAT = 2.0  # s after which an answer that no status shows is sent again
+PERIOD = 0.2  # s between two checks for answers that are due
+REPEAT = 2.0  # s after which an answer is repeated if no status shows it
 ME = 'plc_sim'
 
 
@@ -47,7 +47,7 @@ class PlcSimulator:
         self._seconds = number('~seconds', 3.0, 0.0, 600.0)
         self._lock = threading.Lock()
         self._waiting: Dict[int, HandOver] = {}
-        """By the id of the mission."""
+        """The hand-over of each mission that waits, by the id of the mission."""
         self._commands = Sender(MissionCommand)
         rospy.Subscriber('/mission_status', MissionStatus, self._on_status, queue_size=1000)
         Periodic('hand-overs', PERIOD, self._tick)

@@ -1,6 +1,6 @@
 """random_missions: keeps a fleet busy, for demonstrations and endurance tests.
 
-It keeps as many missions open as there are robots that could serve one. Each mission has random
+For each robot that could serve a mission, it keeps one mission open. Each mission has random
 destinations in the connected part of the graph in which one of these robots is.
 
 Subscribes
@@ -12,7 +12,7 @@ Calls
     /get_mission_status (itrci_nav_msgs/GetMissionStatus), if a mission has no news for long
 Parameters
     ~seed          int  0  seed of all random numbers; 0: a new one each time
-    ~destinations  int  2  most destinations of a mission
+    ~destinations  int  2  largest number of destinations of a mission
     ~missions      int  0  number of missions to send in all; 0: without end
 """
 from __future__ import annotations
@@ -55,9 +55,9 @@ class RandomMissions:
         self._left = parameter('~missions', 0, int) or -1
         self._lock = threading.Lock()
         self._places: Dict[int, List[int]] = {}
-        """The possible destinations in the connected part of each edge, by the edge's id."""
+        """The possible destinations in the connected part that contains an edge, by edge id."""
         self._robots: List[int] = []
-        """The edges of the robots that could serve a mission."""
+        """For each robot that could serve a mission, the edge on which it is."""
         self._open: Dict[int, _Sent] = {}
         self._news = MissionNews()
         self._ended: Dict[int, int] = dict.fromkeys(_OVER, 0)
@@ -86,7 +86,7 @@ class RandomMissions:
                 self._news.ended(message.request_id)
                 self._ended[message.state] += 1
                 if message.state != MissionStatus.REFUSED:
-                    self._fill()  # at once, so that no robot waits for the next look
+                    self._fill()  # at once, so that no robot waits for the next check
                 rospy.loginfo('Missions: %d succeeded, %d failed, %d refused, %d cancelled.',
                               *(self._ended[state] for state in (
                                   MissionStatus.SUCCEEDED, MissionStatus.FAILED,
@@ -101,7 +101,7 @@ class RandomMissions:
             self._fill()
 
     def _fill(self) -> None:
-        """Requests missions until each robot that works can have one."""
+        """Requests missions until there is one for each robot that works."""
         homes = [self._places[edge] for edge in self._robots if edge in self._places]
         if not self._requests.is_heard or not homes:
             return
@@ -112,7 +112,7 @@ class RandomMissions:
             self._left -= 1
 
     def _ask(self) -> None:
-        """Asks for the status of missions without news, because their end may have been missed."""
+        """Asks for the status of missions without news, because a message may have been lost."""
         with self._lock:
             requests = [self._open[id].request for id in self._news.silent()]
         for request in requests:
@@ -126,7 +126,7 @@ class RandomMissions:
 
 
 def places_by_edge(graph: Graph) -> Dict[int, List[int]]:
-    """Returns the possible destinations in the connected part of each edge, by the edge's id.
+    """Returns the possible destinations in the connected part that contains an edge, by edge id.
 
     Docks and vertices where no robot may park are omitted. Parts with fewer than two destinations
     have no entries.

@@ -17,7 +17,7 @@ def send(publish: Callable[[Any], None], message: genpy.Message) -> None:
 
 
 class Newcomers(rospy.SubscribeListener):
-    """Calls `tell(publish)` for every new subscriber; `publish` sends to this one only."""
+    """Calls `tell(publish)` for every new subscriber; `publish` sends to this subscriber only."""
 
     def __init__(self, tell: Callable[[Callable[[Any], None]], None]) -> None:
         super().__init__()

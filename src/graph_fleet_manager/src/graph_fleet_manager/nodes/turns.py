@@ -1,16 +1,16 @@
-"""Whose turn it is: which kind of event the thread that decides takes next.
+"""The turns of events: which kind of event the deciding thread takes next.
 
-| what waits | when it has its turn                                                              |
+| event      | when its turn is                                                                  |
 |------------|-----------------------------------------------------------------------------------|
 | a stop     | at once                                                                           |
 | a command  | before reports                                                                    |
-| a tick     | when it is due, no command waits, and no report that arrived before it was due;   |
-|            | LATEST after it was due, with all that waits                                      |
+| a tick     | when it is due, no command waits, and no report waits from before it was due;     |
+|            | at the latest LATEST after it was due, even if other events wait                  |
 | a report   | when no command waits                                                             |
 | requests   | when nothing else waits, and once before each tick                                |
 
-So no load keeps a tick away for longer than LATEST, one event and one turn of requests. Ticks that
-take long do not keep the others away: LATEST counts from the end of the last tick.
+So a tick is late by at most LATEST, one event and one turn of requests, under any load. LATEST
+counts from the end of the last tick. So ticks that take long do not keep other events waiting.
 """
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ LATEST = 0.2   # s for which commands and reports may keep away a tick that is d
 
 
 class TurnKind(Enum):
-    """What has its turn."""
+    """The kind of an event that has its turn."""
 
     STOP = 'stop'
     COMMAND = 'command'
@@ -32,7 +32,7 @@ class TurnKind(Enum):
 
 
 class Waiting(NamedTuple):
-    """What waits. `report` is the time at which the oldest report arrived; None: no report."""
+    """The events that wait. `report`: the time when the oldest report arrived; None: no report."""
 
     stop: bool = False
     command: bool = False
@@ -41,17 +41,17 @@ class Waiting(NamedTuple):
 
 
 class Turns:
-    """The order of events, and the clock of the ticks. Times are monotonic, in s.
+    """The order of events, and the times of ticks. Times are monotonic, in s.
 
-    now -- a tick is due at once
+    now -- the present time; a tick is due at once
     """
 
     def __init__(self, now: float) -> None:
         self.due = self._free = now
         self.heard = now
-        """At the last tick, the time until which all reports were handled."""
+        """The time before which all reports had been handled at the last tick."""
         self._due_since: Optional[float] = None
-        """When the next tick became due: it comes after the reports until then. None: not due."""
+        """When the next tick became due; earlier reports come before it. None: it is not due."""
         self._had_turn = False  # whether requests had a turn since the last tick
 
     def hurry(self, due: Optional[float]) -> None:
@@ -60,12 +60,12 @@ class Turns:
             self.due = min(self.due, due)
 
     def put_off(self, due: float) -> None:
-        """Puts the next tick off to this time, however long it has been due already."""
+        """Puts the next tick off to this time, even if the tick is already due."""
         self.due, self._due_since = due, None
         self._free = max(self._free, due)
 
     def next(self, waiting: Waiting, now: float) -> Optional[TurnKind]:
-        """Returns what has its turn; None: nothing before the next tick is due."""
+        """Returns whose turn it is; None: no event has its turn before the next tick is due."""
         if self._due_since is None and now >= self.due:
             self._due_since = now
         since = self._due_since
@@ -89,5 +89,5 @@ class Turns:
         return TurnKind.TICK
 
     def ended(self, now: float) -> None:
-        """Notes that the tick, as the last event, has ended."""
+        """Notes that the event that was taken last, a tick, has ended."""
         self._free = now

@@ -18,7 +18,7 @@ class WorkFile:
     """Reads the file that ~work_file names.
 
     fleet   -- the robots that carry the loads
-    trouble -- a clause that says why the file cannot be used; empty: it can
+    trouble -- a clause that says why the file cannot be used; empty if it can be used
     """
 
     def __init__(self, fleet: Fleet) -> None:
@@ -28,13 +28,12 @@ class WorkFile:
         self._warned: Set[str] = set()
 
     def read(self, graph: Graph) -> Optional[SiteWork]:
-        """Returns what the file says about the work at the site of a graph; None: it cannot be
-        used.
+        """Returns the file's description of the work at a graph's site; None: the file is wrong.
 
         Warns of places that keep robots from their loads.
 
-        Without its devices and stations robots must not drive. So the file is read again until a
-        person has mended it.
+        Without the site's devices and stations robots must not drive. So the node reads a wrong
+        file again and again, until a person has corrected it.
         """
         if not self._path:
             return SiteWork()

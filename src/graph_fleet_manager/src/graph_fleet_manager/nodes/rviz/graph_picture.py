@@ -27,17 +27,17 @@ PARKING, DOCK = drawing.colour(0.25, 0.45, 0.95, 0.55), drawing.colour(0.2, 0.8,
 NAME = drawing.colour(0.82, 0.83, 0.88)
 EDGE_WIDTH, CLOSED_WIDTH = 0.05, 0.14
 RING, SQUARE = 0.16, 0.62
-NAME_HEIGHT, NAME_AWAY = 0.32, 0.52  # m; beyond the ring of a station
+NAME_HEIGHT, NAME_AWAY = 0.32, 0.52  # m; NAME_AWAY is beyond the ring of a station
 CLOSED_HEIGHT, CLOSED_AWAY = 0.32, 0.25  # m
-EDGE_BOX, EDGE_STEP = 0.3, 0.4  # m, of the boxes that stand for an edge
+EDGE_BOX, EDGE_STEP = 0.3, 0.4  # m, size and distance of the boxes that stand for an edge
 CLOSED_WORD = 'closed'
-SEEN = 2.0  # m around the graph; the buttons are above that
+SEEN = 2.0  # m of the view around the graph; the buttons are further away
 _Z = 0.02
 
 
 @dataclass(frozen=True)
 class GraphTexts:
-    """What texts of others keep clear of.
+    """The places that the texts of other pictures keep clear of.
 
     edges -- the edges, as soft boxes
     names -- the boxes of the vertices' ids, by vertex
@@ -108,14 +108,12 @@ def closed_boxes(graph: Graph, texts: GraphTexts, closed: Collection[int]) -> Di
 
 
 def window_of(graph: Graph) -> Box:
-    """Returns what people see of the surroundings of a graph in the view
-    that the fleet's RViz begins with.
-    """
+    """Returns the area around a graph that people see in the first view of the fleet's RViz."""
     xs = [vertex.x for vertex in graph.vertices.values()]
     ys = [vertex.y for vertex in graph.vertices.values()]
     return min(xs) - SEEN, min(ys) - SEEN, max(xs) + SEEN, max(ys) + SEEN
 
 
 def is_place(graph: Graph, vertex: int) -> bool:
-    """Returns whether the vertex is a destination, not only a point that divides a long edge."""
+    """Returns whether the vertex can be a destination; a vertex that divides an edge cannot."""
     return not graph.divides_an_edge(vertex)

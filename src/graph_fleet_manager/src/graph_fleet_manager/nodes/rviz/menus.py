@@ -19,14 +19,14 @@ from node_lifecycle.marker_server import OrderedMarkerServer
 from rviz_drawing import drawing
 from trajectory_graph import Graph
 
-VERTEX_SIZE, EDGE_SIZE, ROBOT_SIZE = 0.6, 0.3, 1.2  # m across
+VERTEX_SIZE, EDGE_SIZE, ROBOT_SIZE = 0.6, 0.3, 1.2  # m, diameters
 VERTEX_PAINT = drawing.colour(0.6, 0.65, 0.8, 0.12)
 EDGE_PAINT = drawing.colour(0.7, 0.7, 0.75, 0.25)
 ROBOT_PAINT = drawing.colour(1.0, 1.0, 1.0, 0.05)
 STOP_PAINT, RESUME_PAINT = drawing.colour(0.85, 0.1, 0.1), drawing.colour(0.15, 0.55, 0.25)
 BUTTON = (2.6, 0.8)  # m
-MOVED = 0.02         # m that a robot must move before its handle is moved
-BUTTON_ABOVE = 2.4  # m that the buttons are above the graph
+MOVED = 0.02         # m: a handle follows when its robot has moved as far as this
+BUTTON_ABOVE = 2.4  # m from the graph to the buttons above it
 
 
 class MenuAct(enum.Enum):
@@ -60,12 +60,12 @@ ROBOT_MENU = (MenuAct.CHOOSE, MenuAct.CANCEL, MenuAct.PAUSE, MenuAct.RESUME, Men
 
 
 ANSWERS = (MenuAct.RETRY, MenuAct.SKIP, MenuAct.DONE, MenuAct.FAIL)
-"""The answers to a step; the robot whose mission it is offers them while it asks."""
+"""The answers to a step. While a step waits for an answer, its robot's menu offers them."""
 ANSWER = 'Answer its step'
 
 
 class Subject(NamedTuple):
-    """The object of a handle: a vertex, a drawn edge or a robot; if none is set, the fleet.
+    """The object of a handle: a vertex, a drawn edge or a robot; without these, the whole fleet.
 
     step -- key of the step that an answer is about
     """
@@ -77,17 +77,17 @@ class Subject(NamedTuple):
 
 
 class Ask(NamedTuple):
-    """A step that waits for an answer, and the answers that it takes."""
+    """A step that waits for an answer, and the possible answers."""
 
     step: int
     answers: Tuple[MenuAct, ...]
 
 
 class _AnswerMenu(NamedTuple):
-    """The entries of a robot's menu for answers.
+    """The entries for answers in the menu of a robot.
 
-    entries -- their numbers. Those for an earlier step stay hidden: a click in a menu that was
-               opened before cannot answer another step
+    entries -- numbers of the entries. Entries for an earlier step stay in the menu, hidden: so a
+               click in a menu that is still open from then cannot answer a later step
     """
 
     top: int
@@ -109,7 +109,7 @@ class FleetMenus:
         self._answers: Dict[str, _AnswerMenu] = {}
 
     def show_graph(self, graph: Graph) -> None:
-        """Shows the buttons, and handles on vertices and edges in place of those shown before."""
+        """Shows the buttons and the handles of vertices and edges, and removes all earlier ones."""
         for name in [name for name in self._menus if not name.startswith('robot ')]:
             self._remove(name)
         for vertex in graph.vertices.values():
@@ -131,9 +131,9 @@ class FleetMenus:
         self._server.applyChanges()
 
     def show_robots(self, places: Mapping[str, DrawnPose], asks: Mapping[str, Ask]) -> None:
-        """Shows handles at the present poses of robots, and removes those of all other robots.
+        """Shows handles at the present poses of these robots, and removes those of other robots.
 
-        asks -- by robot, the step of its mission that waits for an answer
+        asks -- the step that waits for an answer in each robot's mission, by robot
         """
         changed = False
         for name in [name for name in self._robots if name not in places]:
@@ -165,7 +165,7 @@ class FleetMenus:
         return _AnswerMenu(top)
 
     def _offer(self, name: str, ask: Optional[Ask]) -> bool:
-        """Offers the answers to a step in the menu of a robot. Returns whether that is a change."""
+        """Offers the answers to a step in the menu of a robot. Returns whether the menu changed."""
         shown, handler = self._answers[name], self._menus[f'robot {name}']
         if shown.ask == ask:
             return False

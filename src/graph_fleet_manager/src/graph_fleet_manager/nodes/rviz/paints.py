@@ -1,4 +1,4 @@
-"""The colours of stations, devices, machines and loads in RViz; the dark page has the same ones."""
+"""The colours of stations, devices, machines and loads in RViz, as on the fleet page when dark."""
 from __future__ import annotations
 
 from typing import Mapping

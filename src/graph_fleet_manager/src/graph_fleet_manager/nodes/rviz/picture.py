@@ -8,9 +8,9 @@ from visualization_msgs.msg import Marker, MarkerArray
 
 
 class Picture:
-    """One topic of markers. Each message has all markers, because a late viewer gets no other.
+    """One topic of markers. Each message has all markers, because a late viewer has missed others.
 
-    RViz updates a marker that it has already. A marker that is not shown any more is deleted by
+    RViz updates a marker that it already shows. A marker that is not shown any more is deleted by
     its name. All markers are deleted (DELETEALL) only if an earlier node may have left some.
     """
 
@@ -26,7 +26,7 @@ class Picture:
 
 
 class PictureChanges:
-    """Works out the messages that change one picture into the next."""
+    """Finds the messages that change one picture into the next."""
 
     def __init__(self) -> None:
         self._known: Set[Tuple[str, int]] = set()

@@ -1,4 +1,4 @@
-"""The plans of a fleet in RViz, each in its robot's colour."""
+"""The plans of a fleet in RViz, each one in the colour of its robot."""
 from __future__ import annotations
 
 from typing import Dict, List, Mapping, Sequence, Set
@@ -21,11 +21,11 @@ BLOCKING = frozenset((FleetRobot.OFFLINE, FleetRobot.STOPPED, FleetRobot.TAKEN_O
 
 def plan_markers(graph: Graph, plan: FleetPlan, state: FleetState,
                  numbers: Mapping[str, int]) -> List[Marker]:
-    """Plans as thin lines, released edges as thick lines, a ring at each destination.
+    """Returns the plans as thin lines, released edges as thick lines, destinations as rings.
 
-    Edges that a robot blocks because it obeys no order are red.
+    If a robot obeys no order, the edges that it blocks are red.
 
-    numbers -- the number of each robot's colour, by its name
+    numbers -- the number of each robot's colour, by the robot's name
     """
     plans: Dict[str, RobotPlan] = {one.robot: one for one in plan.plans}
     markers: List[Marker] = []
@@ -53,7 +53,7 @@ def plan_markers(graph: Graph, plan: FleetPlan, state: FleetState,
 
 def _plan_of_robot(graph: Graph, planned: Sequence[int], released: Sequence[int],
                    number: int) -> List[Marker]:
-    """Returns the plan of one robot, and the released edges of it."""
+    """Returns the plan of one robot and its released edges."""
     lane = LANE * (number % LANES + 0.5)
     return [drawing.lines(name, number, drawing.own_colour(number), width,
                           [drawing.beside(graph.curve(edge), lane)

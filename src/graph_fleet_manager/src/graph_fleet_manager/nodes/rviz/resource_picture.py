@@ -30,7 +30,7 @@ from trajectory_graph.placing import (
 )
 
 BAND, RING, THIN = 0.22, 0.1, 0.04                      # m, widths of lines
-STATION_RADIUS, QUEUE_RADIUS, MACHINE = 0.45, 0.32, 0.58  # m; of a machine, half of its side
+STATION_RADIUS, QUEUE_RADIUS, MACHINE = 0.45, 0.32, 0.58  # m; MACHINE is half of a square's side
 TEXT_HEIGHT, TEXT_AWAY = 0.36, 0.2                      # m
 _Z = 0.01
 
@@ -45,7 +45,7 @@ class Words(NamedTuple):
 
 
 class DrawnResources(NamedTuple):
-    """The markers of all resources, the boxes of their words, and those within their rings."""
+    """The markers of all resources, the boxes of their words, and the boxes within their rings."""
 
     markers: List[Marker]
     boxes: Sequence[Box] = ()
@@ -58,9 +58,9 @@ def draw_resources(graph: Graph, resources: Sequence[FleetResource],
                    ) -> DrawnResources:
     """Draws doors and other devices along their edges, and stations and machines at their places.
 
-    window  -- what people see; None: that is not known
+    window  -- the area that people see; None: it is not known
     covered -- boxes that no words may cover
-    beneath -- the edges, as soft boxes, which words cover only if they must
+    beneath -- the edges, as soft boxes: words cover them only if there is no other place
     """
     markers: List[Marker] = []
     words: List[Words] = []
@@ -79,7 +79,7 @@ def draw_resources(graph: Graph, resources: Sequence[FleetResource],
 
 def _rings(graph: Graph, resources: Iterable[FleetResource],
            machines: Iterable[FleetMachine]) -> Iterator[Box]:
-    """Returns the squares within the rings of stations and queue places, and those of machines."""
+    """Yields the squares within the rings of stations and queue places, and around machines."""
     for radius, ids in (
             *((STATION_RADIUS * math.sqrt(0.5), one.vertices) for one in resources),
             *((QUEUE_RADIUS * math.sqrt(0.5), [place.vertex for place in one.queue])
@@ -92,7 +92,7 @@ def _rings(graph: Graph, resources: Iterable[FleetResource],
 
 def _resource(graph: Graph, number: int, one: FleetResource, words: List[Words],
               squares: Container[int]) -> Marker:
-    """Draws a resource. `squares`: vertices with a machine; words stand outside of its square."""
+    """Draws a resource. At vertices in `squares` there is a machine: words stay off its square."""
     paint = PAINTS[look_of(one)]
     curves = [graph.curve(edge) for edge in one.edges if edge in graph.edges]
     places = [graph.vertices[id].position for id in one.vertices if id in graph.vertices]
@@ -107,15 +107,13 @@ def _resource(graph: Graph, number: int, one: FleetResource, words: List[Words],
 
 
 def words_with_claims(one: FleetResource) -> str:
-    """Returns what a resource is and shows, and the robots that claim it."""
+    """Returns the kind, name and state of a resource, and the robots that claim it."""
     return '\n'.join([words_of(one), *(
         f'{claim.robot} ({CLAIM_OF_CODE[claim.state].value})' for claim in one.claims)])
 
 
 def _queue(graph: Graph, number: int, one: FleetResource, words: List[Words]) -> List[Marker]:
-    """Returns the queue places of a station: a thick ring if a robot stands there,
-    else a thin one.
-    """
+    """Returns the queue places of a station: thick rings where a robot stands, else thin rings."""
     paint = PAINTS[ResourceLook.PLACE]
     rings = {is_there: [drawing.ring(graph.vertices[place.vertex].position, QUEUE_RADIUS)
                         for place in one.queue
@@ -142,7 +140,7 @@ def _machine(graph: Graph, number: int, message: FleetMachine, words: List[Words
 
 def _placed(words: Iterable[Words], places: Places,
             covered: Iterable[Box]) -> Tuple[List[Marker], List[Box]]:
-    """Returns the texts that find a place, and their boxes. The first ones choose first."""
+    """Returns the texts for which there is room, and their boxes. Earlier texts choose first."""
     for box in covered:
         places.cover(box)
     markers: List[Marker] = []

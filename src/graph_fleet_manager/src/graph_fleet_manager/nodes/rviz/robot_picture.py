@@ -30,15 +30,15 @@ from trajectory_graph import Graph
 
 GREY, RED = drawing.colour(0.62, 0.62, 0.62), drawing.colour(1.0, 0.25, 0.2)
 DARK, WHITE = drawing.colour(0.1, 0.1, 0.12), drawing.colour(1.0, 1.0, 1.0)
-LIFETIME = 3.0  # s after which RViz removes the markers, so that none stay when the node ends
+LIFETIME = 3.0  # s after which RViz removes the markers, so that none remain when the node ends
 TEXT_HEIGHT = 0.42
 LONGEST_TEXT = 120  # characters
-MOVED_ALPHA = 0.5  # of a load that a step takes or gives
+MOVED_ALPHA = 0.5  # of a load while a step takes it or gives it away
 WORDS_SATURATION = 0.4  # lighter than the body, to be readable on a dark map
 _STATES: Dict[int, RobotState] = {int(state): state for state in RobotState}
 _TROUBLE = frozenset((FleetRobot.STOPPED, FleetRobot.TAKEN_OVER, FleetRobot.FAILED,
                       FleetRobot.OFF_GRAPH))
-#: States for which no reason is shown beside the word.
+#: States whose word needs no reason beside it.
 _SAID = frozenset((FleetRobot.OFFLINE, FleetRobot.OUT_OF_SERVICE))
 WAIT_WIDTH, WAIT_LINES = 24, 2  # characters per line and lines, for the reason why a robot waits
 ASK_LINES = 6  # lines if it waits for a person
@@ -115,20 +115,20 @@ def words_of(robot: FleetRobot, now: float) -> str:
         doing += f' for {_duration(now - robot.seen.to_sec())}'
     lines = [robot.name + charge, doing, *load_words(robot)]
     if (robot.waits_for and robot.state not in _SAID
-            and robot.waits_for_code != WaitCode.RESUME_FLEET):  # the frame of the stop says it
+            and robot.waits_for_code != WaitCode.RESUME_FLEET):  # the stop's frame shows that
         lines += textwrap.wrap(f'({robot.waits_for})', WAIT_WIDTH, placeholder=' ...',
                                max_lines=ASK_LINES if needs_person(robot) else WAIT_LINES)
     return '\n'.join(lines)
 
 
 def needs_person(robot: FleetRobot) -> bool:
-    """Returns whether a step asks, or a person must look at the load."""
+    """Returns whether a step waits for an answer, or a person must look at the load."""
     return robot.waits_for_code == WaitCode.PERSON or (
         robot.load == FleetRobot.LOAD_UNKNOWN and not _moves_load(robot))
 
 
 def _moves_load(robot: FleetRobot) -> bool:
-    """Returns whether a step takes or gives the load, so that no person has to look."""
+    """Returns whether a step takes or gives the load now, so that no person has to look at it."""
     return bool(robot.load == FleetRobot.LOAD_UNKNOWN and robot.waits_for_code == WaitCode.STEP)
 
 
@@ -139,7 +139,7 @@ def _paint_of_load(robot: FleetRobot) -> ColorRGBA:
 
 
 def load_words(robot: FleetRobot) -> List[str]:
-    """Returns what a robot carries, as a line of its label; none if it carries nothing."""
+    """Returns what a robot carries, as a line of its label; no line if it carries nothing."""
     words = LOAD_MOVES if _moves_load(robot) else LOAD_WORDS.get(
         LOAD_OF_CODE.get(robot.load, LoadState.UNKNOWN))
     if words is None:

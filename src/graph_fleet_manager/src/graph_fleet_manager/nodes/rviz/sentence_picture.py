@@ -1,4 +1,4 @@
-"""A sentence above the graph in RViz, beside the two buttons, which says what has just happened."""
+"""A sentence in RViz that says what has just happened, above the graph, beside the two buttons."""
 from __future__ import annotations
 
 import textwrap
@@ -13,14 +13,14 @@ from trajectory_graph import Graph
 SHOWN_FOR = 8.0      # s
 TEXT_HEIGHT = 0.4
 LETTER = 0.5         # mean width of a letter, as a share of its height
-LINES = 3            # most lines: more would cover the graph, or the words of a stop
+LINES = 3            # at most, so that the lines cover neither the graph nor the words of a stop
 LEAST_WIDTH = 12.0   # m, above a narrow graph
 GAP = 0.7            # m to the buttons
 YELLOW = drawing.colour(1.0, 0.9, 0.4)
 
 
 def sentence_marker(graph: Graph, sentence: str) -> Marker:
-    """Returns the marker of a sentence, in lines that stay clear of the buttons."""
+    """Returns the marker of a sentence, in lines that do not cover the buttons."""
     xs = [vertex.x for vertex in graph.vertices.values()]
     left = min(xs) + 2.0 * BUTTON[0] + 0.3 + GAP
     width = max(max(xs) - left, LEAST_WIDTH)

@@ -1,4 +1,4 @@
-"""A stopped fleet in RViz: a red frame around the graph, and the author of the stop."""
+"""A stopped fleet in RViz: a red frame around the graph, and the person who stopped the fleet."""
 from __future__ import annotations
 
 import textwrap
@@ -14,9 +14,9 @@ from rviz_drawing import drawing
 from trajectory_graph import Graph
 
 MARGIN, WIDTH = 1.6, 0.16  # m, of the frame
-WORDS_ABOVE = 1.5          # m from the frame to the words, which are above the buttons
+WORDS_ABOVE = 1.5          # m from the frame to the words; the buttons are below the words
 TEXT_HEIGHT = 0.6
-LINES = 4                  # most lines of the words
+LINES = 4                  # of words, at most
 LETTER = 0.6               # mean width of a letter, as a share of its height
 
 

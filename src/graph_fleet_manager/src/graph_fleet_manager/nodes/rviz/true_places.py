@@ -1,4 +1,4 @@
-"""The poses that robots publish themselves on /<robot>/pose."""
+"""The poses that the robots themselves publish, on /<robot>/pose."""
 from __future__ import annotations
 
 import math
@@ -11,7 +11,7 @@ from geometry_msgs.msg import PoseStamped
 from graph_fleet_manager.nodes.rviz.robot_picture import DrawnPose
 from node_lifecycle.headings import yaw_from_quaternion
 
-FRESH = 1.5  # s for which a received pose is valid
+FRESH = 1.5  # s after which a received pose is too old
 
 
 class TruePlaces:
