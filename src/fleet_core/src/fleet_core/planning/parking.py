@@ -6,7 +6,7 @@ them (Cap et al., arXiv 1501.07704):
 - The rest of the graph is still connected.
 - Each of these robots can leave and come back.
 
-Then robots can always move, whatever their missions are. Vertices that the graph forbids as
+Then robots can always move, for all missions. Vertices that the graph forbids as
 parking, such as those that cut an edge into sections, may be cut off. If closed edges divide the
 graph into parts without a path between them, the conditions hold for each part.
 

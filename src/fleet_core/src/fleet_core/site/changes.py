@@ -1,6 +1,6 @@
 """Checks whether a graph may be replaced by another one while robots drive on it.
 
-The check uses the last reports of the robots. So it holds whoever sends the routes, and even
+The check uses the last reports of the robots. So it holds for each sender of routes, and even
 without a planner. Edges that are planned but not yet on a running route may change, because they
 are planned again.
 """

@@ -206,7 +206,8 @@ class Mission:
     reason      -- why it ended, or what it waits for
     changes     -- number of times that it got other destinations; then earlier plans are useless
     stored      -- its status on the disk; None: it is not stored yet
-    changed_by  -- who requested changes that are not stored yet; empty: no such change, or no name
+    changed_by  -- the person or program that requested changes which are not stored yet; empty:
+                   no such change, or no name
     is_held     -- the `WorkDesk` lets its robot stand, because of its steps
     is_bound    -- its robot may carry its load, so no other robot may serve it
     has_worked  -- one of its steps was ordered, so the mission has begun

@@ -54,7 +54,7 @@ class Actor(IntEnum):
     def has_driver(self) -> bool:
         """Whether the actor obeys step commands and reports how a step ends.
 
-        For the other actors somebody answers how the step has ended.
+        For the other actors a person or program answers how the step has ended.
         """
         return self in (Actor.ROBOT, Actor.DEVICE)
 

@@ -105,7 +105,7 @@ def due(timetable: Timetable, last: Optional[WallMinute], now: WallMinute) -> Du
 
 
 def next_run(timetable: Timetable, last: Optional[WallMinute], now: WallMinute) -> WallMinute:
-    """Returns the first minute after `now` in which a run is due, if nobody sets the clock.
+    """Returns the first minute after `now` in which a run is due, if the clock is not set.
 
     last -- as for `due`; if the clock was set back a little, no run comes before `last`
     """

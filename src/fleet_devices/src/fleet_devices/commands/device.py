@@ -105,7 +105,7 @@ def _ask(states: TopicListener, name: str, requester: str, mode: DeviceMode) -> 
 
 
 def not_held(report: DeviceReport, requester: str) -> str:
-    """Returns sentences that the requester holds nothing to give back, and who holds the device."""
+    """Returns sentences: the requester holds nothing to give back, and these hold the device."""
     holders = [use.requester for use in report.obeyed if use.holds]
     return (f'{requester} does not hold device {report.device}, so nothing is given back. '
             + (f'It is held for {", ".join(holders)}: name one with --of.' if holders

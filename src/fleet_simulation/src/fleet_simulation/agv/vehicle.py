@@ -115,7 +115,7 @@ class AgvVehicle:
 
     @property
     def motion(self) -> Motion:
-        """Whether it moves, and who moves it."""
+        """Whether it moves, and which program or person moves it."""
         if self.running:
             return Motion.ON_ROUTE
         if self._driven_by_hand or self._time < self._moved_until:
@@ -234,7 +234,7 @@ class AgvVehicle:
         self.drive.pace, self._slow_until = factor, self._time + seconds
 
     def fall_silent(self, seconds: float = FOREVER) -> None:
-        """Neither receives nor reports for `seconds`, but drives on along its route.
+        """Receives nothing and reports nothing for `seconds`, but drives on along its route.
         """
         self._silent_until = self._time + seconds
 

@@ -18,7 +18,8 @@ OMRON's order:
                                         Pending
 
 The job determines the priority and the places of its mission. A change is sent whenever the mission
-shows other values. So it is repeated until the mission shows the values, whatever crosses it.
+shows other values. So it is repeated until the mission shows the values, also if another change
+crosses it.
 Invariants: a final status never changes; a segment is Completed only if the mission counts its stop
 as reached; segments are completed in their order.
 """
