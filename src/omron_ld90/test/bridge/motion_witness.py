@@ -609,12 +609,13 @@ class Witness(DelayedDrive):
         if line == 'oneLineStatus':
             super()._reach_robot(line)
             return
+        before = self.robot.goal, self.robot.status
         if line != 'stop':
             self.lines.append(line)
             self._driven_at = self.now
             # The same command from two clients at the same moment cannot be told apart.
-            self._anothers = self._crosses_anothers(line)
-            self._mixed_up_at = self.now if self._anothers else self._mixed_up_at
+            crosses = self._crosses_anothers(line)
+            self._mixed_up_at = self.now if crosses else self._mixed_up_at
             self._arrived[line] += 1
             self.came = self.came or (
                 line == self.persons and self._arrived[line] >= self._is_number)
@@ -631,6 +632,9 @@ class Witness(DelayedDrive):
                 self.broken.append(f'an older stop ended {self.persons} of a person')
         super()._reach_robot(line)
         self._note_obeyed(line)
+        goal, status = self.robot.goal, self.robot.status
+        if line != 'stop' and ((goal, status) != before or line.split()[-1] == goal):
+            self._anothers = crosses  # else the robot refuses the drive, and goes on
 
     def _note_obeyed(self, line: str) -> None:
         """Notes which drive the robot carries out after it has received a line."""

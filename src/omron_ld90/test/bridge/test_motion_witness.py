@@ -248,3 +248,15 @@ def test_a_stop_of_the_bridge_does_not_end_a_drive_that_the_robot_had_not_answer
     robots.passes(30.0)
     assert robots.world.robot.status == 'Arrived at 6'
     assert not robots.world.broken
+
+
+def test_a_robot_that_refuses_a_drive_of_ours_goes_on_for_the_other_client():
+    robots = SimulatedRobots()
+    robots.begin('rolling', 'missing dock undock', Delays())
+    robots.passes(1.0)
+    robots.another_client_is_heard_in_parts('goto 4', 0.5)
+    robots.stop_of_a_person_is_lost(1.0)
+    robots.take(PERSON, 'dock', 0)
+    robots.passes(20.0)
+    assert robots.world.robot.status == 'Arrived at 4'
+    assert not robots.world.broken
