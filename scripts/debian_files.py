@@ -3,9 +3,9 @@
 
 debian_files.py SOURCE PACKAGE_TABLE
 
-SOURCE is a copy of the repository. PACKAGE_TABLE is the package table of scripts/common.sh. Each of
-its lines has Debian's name of a package, and the package's name under /opt/ros/noetic. Each catkin
-package becomes a Debian package. The package `omron-ld90` depends on all of them.
+SOURCE is a copy of the repository. PACKAGE_TABLE is the package table of scripts/common.sh. Each
+line of the table has the name of a package in Debian and its name under /opt/ros/noetic. Each
+catkin package becomes a Debian package. The package `omron-ld90` depends on all of them.
 """
 from __future__ import annotations
 

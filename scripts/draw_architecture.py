@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Draws docs/images/architecture.svg, the picture of the parts in README.
 
-The picture has a light background of its own, so that it is readable on a dark page, too.
+The picture has a light background, so that it is readable even on a dark page.
 """
 from __future__ import annotations
 

@@ -4,9 +4,9 @@
 After `source devel/setup.bash`: `PYTHONPATH=test:$PYTHONPATH scripts/make_pictures.py`
 
 Writes rviz_map.png, rviz_route.png, rviz_drive.gif, made_graph.png, graph_editor.png, fleet.gif,
-fleet_work.png, page_map.png and page_missions.png into docs/images. With the argument `stack` it
-writes only the first three, with `graph` the next two, with `fleet` and `work` one each, and with
-`page` the last two.
+fleet_work.png, page_map.png and page_missions.png into docs/images. With an argument it writes only
+a part of these, in this order: `stack` the first three, `graph` the next two, `fleet` and `work`
+the next one each, `page` the last two.
 """
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
 """Runs a module of the packages in src/: python3 -I scripts/run_module.py MODULE [ARGUMENT...]
 
 With -I, Python imports nothing from the working directory, from PYTHONPATH or from a user's folder.
-So if root runs a program in other people's folders, it does not run their code.
+So a program that root runs in another person's folder does not execute that person's code.
 """
 from __future__ import annotations
 

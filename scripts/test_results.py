@@ -42,7 +42,7 @@ def failures(suite: ElementTree.Element) -> List[ElementTree.Element]:
 
 
 def once_more(first: Path, again: Path) -> None:
-    """Removes failures of tests that ran again from the first file, and writes a note about each.
+    """Removes, from the first file, failures of tests that ran again; writes a note about each.
     """
     tree = ElementTree.parse(first)
     repeated = sorted(map(_name, ElementTree.parse(again).getroot().iter('testcase')))
@@ -73,8 +73,8 @@ def seconds_of(file: Path) -> Dict[str, float]:
 
 
 def longest_first(known: Dict[str, float], names: Sequence[str]) -> List[str]:
-    """Returns the names by duration, the longest first; if unknown, the time limit in
-    `test/NAME.test` counts.
+    """Returns the names by duration, the longest first. In place of an unknown duration, the time
+    limit in `test/NAME.test` counts.
     """
     def expected(name: str) -> float:
         limits = re.findall(r'time-limit="(\d+)"', (TESTS / f'{name}.test').read_text())

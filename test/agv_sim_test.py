@@ -96,8 +96,8 @@ class AgvSimTest(unittest.TestCase):
         self.assertEqual('own_fleet_manager', end.master)
 
     def manage(self, *edges: int) -> List[str]:
-        """Returns the lines of examples/own_fleet_manager.py, without the first one, which has the
-        robot's place.
+        """Runs examples/own_fleet_manager.py. Returns its output without the first line, which has
+        the robot's place.
         """
         done = subprocess.run([sys.executable, str(EXAMPLE), 'agv_2', '--', *map(str, edges)],
                               check=False, text=True, stdout=subprocess.PIPE, timeout=30.0)

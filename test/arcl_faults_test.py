@@ -171,7 +171,8 @@ class ArclFaultsTest(unittest.TestCase):
         self.assertTrue(handle.get_goal_status_text())
 
     def test_a_node_waits_for_its_master_and_registers_anew_with_one_that_was_restarted(self):
-        """It uses a separate ROS master. The node's own topics stand for all its registrations."""
+        """The ROS master is a separate one. The node's own topics stand for all its registrations.
+        """
         port = free_port()
         uri = f'http://127.0.0.1:{port}'
         master = rosgraph.Master('/arcl_faults_test', master_uri=uri)

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""For each wrong input there is one clear message, and everything that can still work works."""
+"""For each wrong input there is one clear message, and all parts that can still work do so."""
 from __future__ import annotations
 
 import shutil

@@ -51,7 +51,7 @@ def tool(*arguments: str) -> str:
 
 @contextmanager
 def opened_by_a_browser(calls: List[Tuple[str, str]]) -> Iterator[None]:
-    """Shows a page that sends these bodies to these addresses. Continues when all are answered."""
+    """Shows a page that sends these calls (address, body). Continues when all are answered."""
     done = threading.Event()
 
     class Site(BaseHTTPRequestHandler):

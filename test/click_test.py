@@ -230,7 +230,7 @@ class ClickTest(unittest.TestCase):
             manager.end()
 
     def localize_is_answered(self, words: str) -> bool:
-        """Sets the robot's place to the dock. Returns whether an answer with these words comes."""
+        """Tells the robot that it is at the dock. Returns whether an answer has these words."""
         heard = len(self.feedback.messages)
         for _ in range(2):  # at the first time the node asks whether the robot is there
             self.handle_event(InteractiveMarkerFeedback.MENU_SELECT, near='16', menu_entry=4)
@@ -246,7 +246,7 @@ class ClickTest(unittest.TestCase):
         self.controller.answers['goto 35'] = (ExecuteCommandResult.FAILED, 'No goal 35')
         self.clicks.publish(click(*self.place('35')))
         self.told('goto 35 failed: No goal 35')
-        # otherwise the message of the drive's end can come before that of its start
+        # otherwise the message that the drive ends can come before the message that it starts
         self.controller.answers['goto 41'] = None
         self.clicks.publish(click(*self.place('41')))
         self.told('Going to 41')
@@ -290,7 +290,7 @@ class FleetManager:
             stdout=subprocess.DEVNULL)
 
     def end(self) -> None:
-        """Reports from the next message on that it manages no robot."""
+        """Makes the fleet manager report that it manages no robot."""
         self._periodic.shutdown()
         with self._lock:
             self._manages = False

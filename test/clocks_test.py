@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """A clock that jumps by an hour in either direction changes no drive.
 
-Nothing ends early, and nothing happens twice. The clock is that of all Python processes on one
-computer, or on both (jumping_clock).
+Nothing ends early, and nothing happens twice. The clock of all Python processes on one computer
+jumps, or the clocks on both computers (jumping_clock).
 """
 from __future__ import annotations
 
@@ -111,7 +111,9 @@ class Clocks(unittest.TestCase):
         self.only_one_jumps(3, 'fleet', (HOUR, -HOUR) if LONG else (-HOUR,))
 
     def only_one_jumps(self, id: int, computer: str, jumps: Sequence[int]) -> None:
-        """Lets one computer's clock jump. The present route is driven, then the mission ends."""
+        """Makes one computer's clock jump. Checks that the robot still drives its route, and that
+        the mission ends.
+        """
         self.send(id, 39, 18)
         for ahead in jumps:
             self.wait_for_another_edge()

@@ -130,7 +130,9 @@ class ControllerTest(unittest.TestCase):
         self.assertEqual(self.location(), self.location(), 'the robot still moves')
 
     def test_a_cancellation_holds_back_no_later_stop_or_drive(self):
-        """actionlib refuses goals that are older than the last cancellation, by clients' clocks."""
+        """actionlib refuses goals that, by the clocks of the clients, are older than the last
+        cancellation.
+        """
         cancels = connected_publisher('/omron_ld90/execute_command/cancel', GoalID,
                                       to='omron_controller')
         before = len(self.responses.messages)

@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 """fleet_devices under a ROS master: a person and a fleet manager hold a door behind a PLC.
 
-The door opens for both, and closes when the last of them gives it back. The node is killed while
-the door is held. The PLC is killed, starts again, and reports a wrong state. Another door is an
-output and an input of a simulated LD-90. A press behind the same PLC hands over for a step.
+The door opens for both, and closes when both have given it back. The node is killed while the door
+is held. The PLC is killed, starts again, and reports a wrong state. An output and an input of a
+simulated LD-90 drive another door. A press behind the same PLC hands a load over in a step.
 """
 from __future__ import annotations
 
@@ -86,7 +86,7 @@ class DevicesTest(unittest.TestCase):
         return done.returncode, done.stdout + done.stderr
 
     def ask(self, mode: DeviceMode) -> None:
-        """Asks as the fleet manager does: repeats the request until the door shows it."""
+        """Requests a mode like the fleet manager: repeats the request until the door shows it."""
         type(self).number += 1
         message = DeviceRequest(rospy.Time.now(), FLEET, 'gate', int(mode), self.number)
 
@@ -169,13 +169,13 @@ class DevicesTest(unittest.TestCase):
     def test_an_output_of_a_robot_is_set_and_its_input_is_read(self) -> None:
         self.wait_for_mode(DeviceMode.CLOSED, 'shutter')
         self.assertEqual(0, self.command('open', 'shutter')[0])
-        report = self.wait_for_mode(DeviceMode.UNKNOWN, 'shutter')  # nobody moves its input
+        report = self.wait_for_mode(DeviceMode.UNKNOWN, 'shutter')  # its input never changes
         self.assertIn('its output is on', report.reason)
         self.assertEqual(0, self.command('release', 'shutter')[0])
         self.wait_for_mode(DeviceMode.CLOSED, 'shutter')
 
     def shown_step(self, key: int, word: Word) -> ShownStep:
-        """Returns the step with this key, when the press shows it with this word."""
+        """Waits until the press shows the step with this key in the state `word`. Returns it."""
         def is_shown(message: StepStates) -> bool:
             step = step_report_of(message).find(key)
             return step is not None and step.word is word

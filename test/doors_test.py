@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
 """A door and a station under a ROS master: robots enter only claimed places, and only open doors.
 
-A robot waits before the closed door. The door opens for it and closes behind it. Then the door
-cannot be read, so no robot enters. Then fleet_devices ends while a robot is in the door: an alarm
-comes, and the robot may leave. Two robots want the same station. In the whole test, no robot is in
-the door while the door is not open.
+A robot waits before the closed door. The door opens for the robot and closes behind it. Then the
+state of the door cannot be read, so no robot enters. Then fleet_devices ends while a robot is in
+the door: an alarm comes, and the robot may leave. Two robots want the same station. Throughout the
+test, no robot is in the door unless the door is open.
 """
 from __future__ import annotations
 
@@ -31,13 +31,13 @@ SILENT = 'silent'   # a fault of simulated devices
 
 
 class DoorWatch:
-    """Notes each robot that is in the door while the newest report does not say that it is open."""
+    """Notes each robot in the door while the newest report does not say that the door is open."""
 
     def __init__(self) -> None:
         self.wrong: List[str] = []
         self.inside = ''
         self.is_over = False
-        """Whether the door is not watched any more: the robot that is in the door may leave it."""
+        """Whether the watch has ended, because the robot in the door may leave it now."""
         self._mode = DeviceState.UNKNOWN
         self._subscribers = [
             rospy.Subscriber('/device_states', DeviceState, self._on_device),
@@ -122,7 +122,7 @@ class DoorsTest(unittest.TestCase):
             after=self.begun)
 
     def shows(self, mode: int, times: int = 1) -> None:
-        """Waits until the door has shown this mode so many times from now on."""
+        """Waits until the door has shown this mode `times` times from now on."""
         begun = len(self.doors.messages)
         wait_until(lambda: sum(one.current_mode == mode for one in self.doors.messages[begun:])
                    >= times, SOON, f'the door in mode {mode}, {times} times')

@@ -56,7 +56,7 @@ FAULTS = {STOPPED: ('estop press',), LOST: ('refuse on', 'drop', 'outgoing off')
           STUCK: ('fail 32',)}
 REMEDIES = {STOPPED: ('estop release',), LOST: ('refuse off', 'outgoing on'),
             STUCK: ('mend 32',)}
-# The first two drive to far vertices: they may already be parked at their own home vertices.
+# The first two robots get far destinations, because they may be parked at their own home vertices.
 HOME_OF = {STOPPED: REAL, LOST: 'agv_4', STUCK: STUCK}
 
 
@@ -68,7 +68,7 @@ class FactoryTest(unittest.TestCase):
     @classmethod
     def setUpClass(cls) -> None:
         cls.folder = tempfile.TemporaryDirectory()
-        # with real robots, the fleet manager keeps its files there
+        # with real robots, the fleet manager keeps its files in ROS_HOME
         os.environ['ROS_HOME'] = cls.folder.name
         first = free_fleet_ports()
         (Path(cls.folder.name) / 'secret').write_text(PASSWORD)
@@ -91,7 +91,7 @@ class FactoryTest(unittest.TestCase):
 
     @classmethod
     def real_robot(cls, port: int, outgoing: int) -> Simulator:
-        """Puts the real robot on its vertex. Only its own nodes report it."""
+        """Puts the real robot on its vertex. Only its own nodes report where it is."""
         home = cls.factory.graph.vertices[cls.factory.home_of(REAL)]
         robot = Simulator(os.path.join(cls.factory.folder, 'fleet.map'), port, PASSWORD,
                           ('127.0.0.1', outgoing), SPEED, (1e3 * home.x, 1e3 * home.y, 0.0),
@@ -235,7 +235,7 @@ class FactoryTest(unittest.TestCase):
     def choose(self, act: MenuAct, effect: Callable[[], bool]) -> None:
         """Chooses from the menu of agv_1 until the effect shows.
 
-        The node may receive a mission later than this test.
+        The choice is repeated, because the node may receive a mission later than this test.
         """
         def shows() -> bool:
             if effect():

@@ -34,7 +34,9 @@ class Row:
     other: int
 
     def matches(self, path: str) -> bool:
-        """Returns whether the row is about a path. `*`: one name; `**`: any number of names."""
+        """Returns whether the row is about a path. In a pattern, `*` stands for one name, `**` for
+        any number of names.
+        """
         parts = re.split(r'(\*\*|\*)', self.pattern)
         return re.fullmatch(''.join({'**': '.+', '*': '[^/]+'}.get(part, re.escape(part))
                                     for part in parts), path) is not None

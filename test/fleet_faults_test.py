@@ -96,7 +96,9 @@ class FleetFaults(unittest.TestCase):
                    f'{name} on its way')
 
     def bring_in(self, name: str) -> None:
-        """Does the same as `fleet in`. The command is refused until the robot has stood a while."""
+        """Does the same as `fleet in`, again and again: it is refused until the robot has stood for
+        some time.
+        """
         service = f'/{name}/join_fleet'
         rospy.wait_for_service(service, 30)
         wait_until(lambda: rospy.ServiceProxy(service, Trigger)().success, OFTEN,

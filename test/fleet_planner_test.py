@@ -160,17 +160,17 @@ class FleetPlannerTest(unittest.TestCase):
         self.assertEqual((corridor().vertices, corridor().edges), (graph.vertices, graph.edges))
         docks = rospy.wait_for_message('/docking_points', DockingPoints, 10).docking_points
         self.assertEqual([(6, ['truck'])], [(dock.vertex_id, dock.robot_types) for dock in docks])
-        # vertex 1 at the end, 7 of the siding, 8 of the second route; a robot on 5 would cut off
-        # the dock
+        # vertex 1 is an end, 7 is in the siding, 8 is in the second route; on 5 a robot would cut
+        # off the dock
         parking = wait_until(lambda: self.parking_told([1, 6, 7, 8]), 20, 'parking of the graph')
         self.assertEqual(self.graphs.messages[-1].header.stamp, parking.header.stamp)
         capacities = {one.robot_type: (one.robots, one.docks) for one in parking.capacities}
         self.assertEqual({'agv': (3, 0), 'truck': (3, 1)}, capacities)
 
     def parking_told(self, vertices: List[int]) -> Optional[ParkingPlaces]:
-        """Returns the message that a late subscriber gets if it has these vertices; else None.
+        """Returns the message that a new subscriber gets if it has these vertices; else None.
 
-        The message without the earlier closure comes a moment later.
+        After an edge is opened, the new message comes a moment later.
         """
         told = rospy.wait_for_message('/parking', ParkingPlaces, 20)
         return told if list(told.vertices) == vertices else None

@@ -38,7 +38,7 @@ from system_support import Recorder, run_cases, wait_until
 SPEED = 3.0
 long_only = unittest.skipUnless(os.environ.get('LD90_LONG_TESTS'), 'a variation, for --long')
 MIDDLE = (640, 466)  # pixel of the middle of the 3D view
-ROOM_FOR_MENU = (920, 620)  # pixel beyond which a menu would open to the left or upwards
+ROOM_FOR_MENU = (920, 620)  # beyond this pixel a menu would open to the left or upwards
 # s in which the effect of a choice must show on a loaded computer; later the test chooses again
 EFFECT = 8.0
 IN_ALL = 150.0  # s for one choice

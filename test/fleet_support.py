@@ -247,7 +247,7 @@ class Factory:
         return looks
 
     def succeeded(self, missions: Sequence[int]) -> int:
-        """Returns how many of these missions have succeeded; fails if one has ended otherwise."""
+        """Returns how many of these missions have succeeded; fails if one has not succeeded."""
         ends = self.ends(missions)
         assert set(ends.values()) <= {MissionStatus.SUCCEEDED}, self.why(missions)
         return len(ends)
@@ -264,9 +264,9 @@ class Factory:
         """Returns the smallest distance between two robots minus the required distance (m). Fails
         if it is negative.
 
-        The simulators are read one after the other, and meanwhile a robot can drive on. So two
-        robots are too near only if they are still too near when one of the two positions is
-        replaced by one that is read a moment later.
+        The simulators are read one after the other, and a robot can drive on between the readings.
+        So the positions of two robots that seem too near are read once more. The robots are too
+        near only if both distances between an old and a new position are too small.
         """
         places = self.places()
         nearest = math.inf

@@ -86,8 +86,8 @@ class FullStack(unittest.TestCase):
 
     @staticmethod
     def documented_name(name: str) -> str:
-        """Returns the name in the reference, where an action or an interactive marker server is one
-        entry.
+        """Returns the name of a topic in the reference. There all topics of an action, or of an
+        interactive marker server, are one entry.
         """
         return re.sub(r'/(goal|cancel|status|feedback|result|update|update_full)$', '', name)
 

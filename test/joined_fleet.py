@@ -56,7 +56,7 @@ def fleet_text(computers: Dict[str, str], driven: str = '', absent: str = '',
 
 
 class JoinedFleet:
-    """The computers of a fleet, before their start. Only the LD-90, which is no computer, runs."""
+    """The computers of a fleet, before their start. Only the simulated LD-90 already runs."""
 
     def __init__(self, folder: Path, sim_speed: float, agvs: int = 0,
                  namespaces: Tuple[str, str] = ('', ''),
@@ -64,9 +64,9 @@ class JoinedFleet:
                  absent: str = '') -> None:
         """Prepares the computers.
 
-        namespaces -- two network namespaces: of the LD-90 and its computer, and of the fleet
+        namespaces -- two network namespaces: one for the LD-90 and its computer, one for the fleet
                       manager's computer
-        addresses  -- of the LD-90's computer, of the fleet manager's, and of the AGVs'
+        addresses  -- of the LD-90's computer, the fleet manager's computer, and the AGVs' computers
         pictures   -- whether the LD-90's computer runs nodes that draw
         absent     -- a robot that is not at the site yet, as the fleet manager knows
         """
@@ -223,7 +223,7 @@ class Odometer:
                    f'the robot drives another {metres} m')
 
     def wait_for_rest_or(self, metres: float) -> None:
-        """Waits until the robot has driven that far, or stands at the end of its last command."""
+        """Waits until the robot has driven this far (m), or stands after its last command."""
         begin = last = self.metres
         moved = time.monotonic()
 

@@ -1,7 +1,7 @@
 """Several ROS masters on one host, each at its own loopback address, joined in pairs.
 
-fkie multimaster joins them. Where it is not installed, `master_mirror.py` joins them instead. So
-the behaviour of the project's own nodes is tested everywhere.
+fkie multimaster joins them. If it is not installed, `master_mirror.py` joins them instead. So the
+behaviour of the project's own nodes is tested on every computer.
 """
 from __future__ import annotations
 
@@ -145,7 +145,8 @@ class Computer:
 
 
 def join(fleet: Computer, robots: Sequence[Computer]) -> None:
-    """Joins the masters: the fleet is the peer of each robot, and all robots are its peers."""
+    """Joins the masters: the fleet is the peer of each robot, and each robot a peer of the fleet.
+    """
     fleet.peers = list(robots)
     for robot in robots:
         robot.peers = [fleet]
@@ -171,7 +172,7 @@ def is_alive(pid: int) -> bool:
 
 
 def _stat(pid: int) -> List[str]:
-    """Returns the fields of /proc/PID/stat from the state on; none without such a process."""
+    """Returns the fields of /proc/PID/stat, beginning with the state; none without the process."""
     try:
         return Path(f'/proc/{pid}/stat').read_text().rpartition(')')[2].split()
     except OSError:

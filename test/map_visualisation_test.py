@@ -70,7 +70,7 @@ def drawn(array: MarkerArray) -> List[Marker]:
 
 
 class MapVisualisationTest(unittest.TestCase):
-    """One node shows one file. Each test first shows the room with its own objects."""
+    """One node shows one file. Each test begins with the room and the test's own objects."""
 
     @classmethod
     def setUpClass(cls) -> None:

@@ -4,9 +4,9 @@
 master_mirror.py OWN_URI PEER_URI CROSSING_FILE
 
 Registers the peer's publishers and subscribers of certain topics at the own master, like fkie's
-master_sync. CROSSING_FILE lists these topics. When the nodes or their master have ended, it
-withdraws the registrations. There is no discovery: each side gets the address that all nodes of
-the other side use.
+master_sync. CROSSING_FILE lists these topics. When the peer's nodes or the peer's master have
+ended, the program withdraws the registrations. There is no discovery: each side gets the address
+that all nodes of the other side use.
 """
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from urllib.parse import urlsplit
 import yaml
 
 PERIOD = 0.5  # s between two queries of the peer
-PATIENCE = 20.0  # s; after this time without an answer the peer's nodes are withdrawn
+PATIENCE = 20.0  # s without an answer, after which the peer's nodes are withdrawn
 TIMEOUT = 2.0   # s for one call
 _FAILURES = (OSError, http.client.HTTPException, xmlrpc.client.Error)
 

@@ -27,7 +27,7 @@ from system_support import Recorder, connected_publisher, program, run_cases, wa
 
 HERE = Path(__file__).resolve().parent
 NODES = ('/graph_server', '/path_planner', '/path_supervisor', '/agv_sim')
-ALL_OVER = 10.0  # s after the start of a ROS master, in which each node must register
+ALL_OVER = 10.0  # s after the start of a ROS master within which each node must register
 
 Registrations = Set[Tuple[str, str, str]]  # node, kind, name
 
@@ -63,7 +63,7 @@ class MasterRestartTest(unittest.TestCase):
     @classmethod
     def setUpClass(cls) -> None:
         cls.folder = tempfile.TemporaryDirectory()
-        # the fleet manager of this test keeps its own files there
+        # the fleet manager of this test keeps its files in ROS_HOME
         os.environ['ROS_HOME'] = cls.folder.name
         cls.master = WatchedMaster()
         os.environ['ROS_MASTER_URI'] = cls.master.uri

@@ -21,7 +21,7 @@ from system_support import run_cases, wait_until
 
 SIM_SPEED = 4.0
 BREAKS = int(os.environ.get('MULTIMASTER_BREAKS', 50))
-DEATHS = BREAKS // 12  # of each side, and of both at once; all other breaks only cut the link
+DEATHS = BREAKS // 12  # deaths of each side, and of both at once; all other breaks only cut the link
 MISSION = [18, 39, 52, 6, 16]
 # m by which the same mission can differ, because the robot does not stop exactly at turning points
 METRES = 2.0
@@ -67,12 +67,12 @@ class Breaks(unittest.TestCase):
             self.assertAlmostEqual(driven, undisturbed, delta=METRES, msg='driven (m)')
 
     def note(self, text: str) -> None:
-        """Writes a line with which failures can be analysed."""
+        """Writes a line to the file of actions, for the analysis of failures."""
         with self.journal.open('a') as journal:
             journal.write(f'{text}\n')
 
     def drive(self, kinds: List[str]) -> float:
-        """Drives one mission with these breaks, the last kind first. Returns the metres driven."""
+        """Drives one mission with breaks, from the end of `kinds`. Returns the metres driven."""
         fleet = self.fleet
         gone_to, docked = len(fleet.sent_to_ld90('goto')), len(fleet.sent_to_ld90('dock'))
         with Odometer(fleet) as odometer:

@@ -62,10 +62,8 @@ class JoinedMasters(unittest.TestCase):
         self.assertEqual(self.fleet.sent_to_ld90('dock'), ['dock'])
 
     def name_who_has_other_definitions(self) -> None:
-        """A robot with other message definitions joins. /diagnostics says so within 10 s after the
-        robot was discovered.
-
-        Meanwhile the missions of other robots go on.
+        """Lets a robot with other message definitions join. Checks that /diagnostics names it
+        within 10 s after it was discovered, and that the missions of other robots go on.
         """
         newcomer = self.newcomer
         newcomer.python_path = str(other_definitions(self.folder / 'python'))
@@ -81,7 +79,7 @@ class JoinedMasters(unittest.TestCase):
     def diagnostics(self) -> Iterator[Callable[[Computer, str], bool]]:
         """Yields a function that waits for a text about a peer in the fleet manager's /diagnostics.
 
-        It returns whether the text came.
+        The function returns whether the text came.
         """
         file = self.folder / 'diagnostics.log'
         file.write_text('')
@@ -155,7 +153,7 @@ class JoinedMasters(unittest.TestCase):
         self.assertEqual(len(fleet.sent_to_ld90('dock')) - docked, 1)
 
     def test_5_the_robots_of_all_masters_drive(self) -> None:
-        """One of them is the robot that joined while the fleet manager was running."""
+        """One of the robots has joined while the fleet manager was running."""
         missions = [self.fleet.send(vertex, robot=computer.name)
                     for computer, vertex in zip(self.fleet.agvs, (10, 35))]
         for mission in missions:

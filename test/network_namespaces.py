@@ -68,7 +68,7 @@ class Cable:
         """Loses all messages during the `with` block without a sign on either side, as in a radio
         shadow.
 
-        If a cable is pulled, however, the sender's own computer notices it and keeps trying.
+        In contrast, the sender's own computer notices a pulled cable, and keeps trying.
         """
         neighbours = list(zip(self.namespaces, self.addresses[::-1]))
         for name, other in neighbours:  # frames then go to a computer that does not exist
@@ -100,8 +100,8 @@ def entering(namespace: str) -> List[str]:
 
 
 def inside(namespace: str, act: Callable[[], Result]) -> Result:
-    """Returns the result of `act`, which a thread runs in the namespace. A socket made there stays
-    in it.
+    """Returns the result of `act`, which a thread runs in the namespace. A socket that `act` makes
+    stays in the namespace.
     """
     if not namespace:
         return act()

@@ -232,7 +232,7 @@ class FleetOnThePage(unittest.TestCase):
         self.wait_until_standing(SECOND)
 
         def is_back() -> bool:
-            """Puts a robot back into service. This is refused until the fleet manager is sure that
+            """Puts a robot back into service. The fleet manager refuses this until it is sure that
             the robot stands.
             """
             self.robot_button(SECOND, ActKind.IN)

@@ -70,7 +70,7 @@ def blocks_of(text: str) -> List[Block]:
 
 
 class Reader:
-    """A reader of a page, with one terminal for commands that go on and another for all others."""
+    """A reader of a page: one terminal is for commands that go on, the second for all others."""
 
     def __init__(self, page: Path, home: Path) -> None:
         self._page = page
@@ -124,8 +124,7 @@ class Reader:
                                   if line.startswith(('source ', 'export ')))
 
     def _end(self, must_come_up: bool) -> None:
-        """Presses Ctrl-C in the terminal of the command that goes on, as soon as that command runs.
-        """
+        """Presses Ctrl-C in the terminal of the command that goes on, as soon as it runs."""
         running = self._running
         if running is None:
             return

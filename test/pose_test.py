@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""TF and pose follow the robot's locations: each one once, with its time of arrival, no old one."""
+"""TF and pose have each new location of the robot once, with its time of arrival."""
 from __future__ import annotations
 
 import math

@@ -1,16 +1,16 @@
 """Proofs run whole if a file that they read has changed since they passed, and with --long.
 
 A proof is a file of tests that searches all states of code without I/O, or a great number of random
-sequences. A whole search takes long. So the file asks `is_whole(__file__)`, and chooses the bounds
-of its searches:
+sequences. A whole search takes long. So the file chooses the bounds of its searches with
+`is_whole(__file__)`:
 
     WHOLE = is_whole(__file__)
     LIVES = 60 if LONG else 20 if WHOLE else 3
 
-The answer depends only on contents: those of the file, of all files of the workspace that it
-imports, directly or not, and of the `conftest.py` above it. When all tests of the file have passed,
-`RECORD` keeps the hash of these contents. If the contents differ from the recorded ones, the search
-is whole. A new clone has no record. Its first run searches to the default bounds.
+The result of `is_whole` depends only on the contents of the file, of all files of the workspace
+that it imports, directly or not, and of the `conftest.py` above it. When all tests of the file have
+passed, `RECORD` keeps the hash of these contents. If the hash differs from the recorded hash, the
+search is whole. A new clone has no record, so its first run searches to the default bounds.
 The root's conftest.py loads this module as a plugin of pytest.
 """
 from __future__ import annotations
@@ -30,7 +30,7 @@ import pytest
 ROOT = Path(__file__).resolve().parents[1]
 RECORD = ROOT / 'build' / 'proofs.json'
 LONG = os.environ.get('LD90_LONG_TESTS') == '1'
-# Tests under a second Python only look for code that does not work there: they prove nothing.
+# Tests under a second Python only look for code that does not work under it: they prove nothing.
 PROVES = os.environ.get('HYPOTHESIS_PROFILE') != 'compatibility'
 
 
@@ -93,7 +93,7 @@ def names_imported(file: Path) -> FrozenSet[str]:
 
 
 def recorded() -> Dict[str, str]:
-    """Returns the key with which each proof passed last."""
+    """Returns, for each proof, the key of the last run that passed."""
     try:
         return dict(json.loads(RECORD.read_text(encoding='utf-8')))
     except (OSError, ValueError):
@@ -117,8 +117,8 @@ def _and_packages(name: str) -> Iterator[str]:
 
 @lru_cache(maxsize=None)
 def _modules() -> Dict[str, List[Path]]:
-    """Returns all Python files of the workspace by the name under which they can be imported. If
-    two files have the same name, the name stands for both.
+    """Returns all Python files of the workspace, by the name under which they can be imported. Two
+    files can have the same name.
     """
     found: Dict[str, List[Path]] = defaultdict(list)
     for file in (*ROOT.glob('src/*/src/**/*.py'), *ROOT.glob('src/*/test/**/*.py'),
@@ -137,7 +137,7 @@ def _modules() -> Dict[str, List[Path]]:
 
 @pytest.hookimpl(tryfirst=True)  # before any test is deselected
 def pytest_collection_modifyitems(config: pytest.Config, items: List[pytest.Item]) -> None:
-    """Adds to each test of a proof the data for its report. Proofs take longest, so they begin.
+    """Adds the data for its report to each test of a proof. Puts proofs first: they take longest.
     """
     names = [_name(str(item.fspath)) for item in items]
     counts = Counter(names)
@@ -160,7 +160,8 @@ def pytest_runtest_logreport(report: pytest.TestReport) -> None:
 
 
 def pytest_sessionfinish(session: pytest.Session) -> None:
-    """Records each proof whose tests have all passed, and writes a note about all that ran."""
+    """Records each proof whose tests have all passed, and writes a note about the proofs that ran.
+    """
     if hasattr(session.config, 'workerinput') or not _proofs or not PROVES:
         return
     passed = {file: proof.key for file, proof in _proofs.items()

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""A job goes through job_client to a simulated Fleet Manager, although the link is cut and the node
-is killed.
+"""job_client hands a job to a simulated Fleet Manager, although the link is cut and the node is
+killed.
 """
 from __future__ import annotations
 

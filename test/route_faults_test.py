@@ -95,8 +95,8 @@ class Faults(unittest.TestCase):
                                     after=heard)
 
     def test_5_a_stop_in_rviz_is_the_last_word(self) -> None:
-        """A robot that brakes gets no goal, although its status only says `Stopping` and
-        `Stopped`.
+        """A robot that brakes gets no goal, even if its status only says `Stopping` and `Stopped`,
+        without the name of the goal.
         """
         clicks = actionlib.ActionClient('/omron_ld90/execute_command', ExecuteCommandAction)
         self.assertTrue(clicks.wait_for_server(rospy.Duration(10.0)))

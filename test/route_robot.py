@@ -24,7 +24,7 @@ VERTEX_8 = (-12000.0, 0.0, 0.0)  # mm and degrees
 
 
 class FleetManager:
-    """Sends routes to the robot, and receives the messages that every node can receive."""
+    """Sends routes to the robot, and records its public messages."""
 
     def __init__(self) -> None:
         self.states = Recorder('/omron_ld90/execution_route_states', ExecutionRouteStates)
@@ -70,7 +70,7 @@ class FleetManager:
 
 
 class RouteRobot(FleetManager):
-    """The fleet manager of a robot that the test itself simulates. It starts at vertex 8."""
+    """The fleet manager of a robot that the test itself simulates. The robot starts at vertex 8."""
 
     def __init__(self, speed: float, status_period: float) -> None:
         """status_period -- s of the robot's clock"""

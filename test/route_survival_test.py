@@ -40,7 +40,7 @@ class Survival(unittest.TestCase):
         return HALL if x < 0.0 else [-edge for edge in reversed(HALL)]
 
     def survives(self, what, done: int) -> None:
-        """Drives a route with a mishap after `done` edges, in either direction, to its end."""
+        """Drives a whole route, in either direction, with the mishap `what` after `done` edges."""
         self.lab.wait_ready()
         route = self.way()
         given, heard = len(self.lab.drives_heard()), len(self.lab.responses.messages)

@@ -54,7 +54,7 @@ class Routes(unittest.TestCase):
 
     def check_reports(self, reports, edges) -> None:
         """Checks that percentages grow within an edge, that edges become complete in order, and
-        that stamps are those of the locations.
+        that each stamp is the stamp of a location.
         """
         stamps = {status.header.stamp for status in self.fleet.status.messages}
         done, percentage = 0, 0.0

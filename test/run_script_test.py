@@ -59,7 +59,7 @@ class RunScript(unittest.TestCase):
 
         wait_until(lambda: not file.exists(), 10, f'the end of {file}')
         self.assertNotIn(PASSWORD, self.told())
-        # A slow start also has two lines of the log: the link is up, and no outgoing connection.
+        # After a slow start there are two more lines: the link is up; no outgoing connection came.
         lines = [line for line in self.told().splitlines()
                  if not line.startswith(('[INFO]', '[WARN]'))]
         for line, pattern in zip(lines[-3:], (

@@ -49,8 +49,8 @@ class TwoRobotsTest(RvizTestCase):
     def find_the_tools(cls) -> None:
         """Tries the toolbar's tools from the left, with clicks where there is no goal.
 
-        Each tool is tried at its own pixel. So the position of a click shows to which robot the
-        tool belongs, even if the click is processed late.
+        With each tool, the test clicks at another pixel. So the position of a click shows to which
+        robot the tool belongs, even if the click is processed late.
         """
         cls.tools = {}
 

@@ -1,10 +1,11 @@
 """Under a second Python version, tests run again only if something that they read has changed.
 
 These tests only look for code that does not work under that version, always with the same examples.
-So their result depends only on contents, like that of a proof (see `proofs`): on the files that the
-test file imports, directly or not, and on all files of the workspace that are not Python. When all
-tests of a file have passed, `RECORD` keeps the hash of these contents. While the hash is the same,
-the file is left out. A file with tests of the whole workspace (marked `every_python`) always runs.
+So their result depends only on contents, like the result of a proof (see `proofs`): on the contents
+of the test file, of the files that it imports, directly or not, and of all files of the workspace
+that are not Python. When all tests of a file have passed, `RECORD` keeps the hash of these
+contents. While the hash is the same, the file is left out. A file with tests of the whole workspace
+(marked `every_python`) always runs.
 With --long every file runs. The root's conftest.py loads this module as a plugin of pytest.
 """
 from __future__ import annotations
@@ -26,7 +27,7 @@ _left_out: Set[str] = set()
 
 
 def recorded() -> Dict[str, str]:
-    """Returns, for each file, the key with which all of its tests passed last."""
+    """Returns, for each file, the key of the last run in which all of its tests passed."""
     try:
         return dict(json.loads(RECORD.read_text(encoding='utf-8')))
     except (OSError, ValueError):

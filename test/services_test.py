@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The services of a site form a working fleet if they are started in their order without systemd.
+"""The services of a site form a working fleet. They are started in their order, without systemd.
 
 The test plays systemd: it starts each ExecStart in the environment of its unit, waits until the
 unit reports that it is ready, and receives its watchdog messages.

@@ -36,8 +36,8 @@ ROOT = Path(__file__).resolve().parents[1]
 SCHEMAS = ROOT / 'build' / 'vda5050_schemas' / '2.1.0'
 PREFIX = 'uagv/v2/OMRON/omron_ld90'
 DOCK = 16
-# The robot has no instant action that takes time without a drive. At eight times its speed it may
-# happen to stop at a node.
+# The robot has no instant action that takes time without a drive. Because its clock is eight times
+# as fast, it may happen to stop at a node.
 MAY_NOT_BE_TRIED = {
     'a new order is rejected while an action of actionStates has not ended',
     'after a cancellation: an order from a temporary node where the vehicle stands'}
@@ -173,7 +173,7 @@ class Vda5050(unittest.TestCase):
             self.skipTest(f'{SCHEMAS} is missing: vda5050-sdk was not installed')
 
     def go_on_if_held(self, nodes: List[Dict[str, Any]]) -> None:
-        """Waits until the vehicle drives on. If its order is suspended instead, sends stopPause."""
+        """Waits until the vehicle drives on. If its order is suspended, sends stopPause."""
         master, ids = self.master, [node['nodeId'] for node in nodes]
         passed = len(ids) - len(node_ids(master.state))
         state = master.wait(lambda s: s['errors'] or len(ids) - len(node_ids(s)) > passed, 60,

@@ -1,5 +1,7 @@
 #!/usr/bin/env python3
-"""Starts each launch file: each topic between our nodes must have two ends of the same type."""
+"""Starts each launch file: each topic of our nodes must have a publisher and a subscriber of the
+same type.
+"""
 from __future__ import annotations
 
 import os
@@ -69,7 +71,8 @@ SERVICES: Dict[str, Tuple[str, str]] = {
     'reload_graph': ('std_srvs/Trigger', 'graph_editor/nodes/take_over.py'),
     'static_map': ('nav_msgs/GetMap', ''),  # the service of map_server, for foreign planners
     'change_map': ('nav_msgs/LoadMap', '')}
-#: Launch files that this test does not start: the test that starts each, and its word for it.
+#: For each launch file that this test does not start: the test that starts it, and a word by which
+#: that test names it.
 ELSEWHERE = {
     'rviz.launch': ('rviz_support.py', 'rviz.launch'),
     'editor_rviz.launch': ('graph_editor_site_test.py', 'editor_rviz'),

@@ -6,9 +6,9 @@ real speed: simulated LD-90s and AGVs, their ROS nodes, the fleet manager, rando
 virtual fleet is `fleet_simulation` with the same graph, robots and missions, without random delays.
 Both are observed once a second, and the same function evaluates them.
 
-`--minutes M` of real time (60), `--virtual N` virtual runs of the same length (20). `--keep FILE`
-stores the observations of the real fleet. `--real FILE` reads them from there, and starts no real
-fleet.
+`--minutes M` sets the minutes of real time (60), `--virtual N` the number of virtual runs of the
+same length (20). `--keep FILE` stores the observations of the real fleet. `--real FILE` reads
+stored observations instead of starting the real fleet.
 """
 from __future__ import annotations
 
@@ -66,13 +66,13 @@ class Seen(NamedTuple):
         return self.name.partition('_')[0]
 
     def has_moved(self, before: Seen) -> bool:
-        """Returns whether it has driven or turned since the observation before."""
+        """Returns whether the robot has driven or turned since the observation `before`."""
         return (math.dist((before.x, before.y), (self.x, self.y)) > MOVED
                 or abs(math.remainder(self.heading - before.heading, math.tau)) > TURNED)
 
 
 class Look(NamedTuple):
-    """All robots at one time, in s after the moment from which all take missions."""
+    """All robots at one time: s since the moment when all of them were ready for missions."""
 
     time: float
     robots: Tuple[Seen, ...]
@@ -90,7 +90,7 @@ Observation = Union[Look, Success]
 
 @dataclass(frozen=True)
 class RandomFlow(Flow):
-    """Missions as `random_missions` draws them: to one or more of the places, each one once."""
+    """Missions as `random_missions` draws them: to one or more different places."""
 
     def draw(self, random: Random, id: int, stamp: float) -> Request:
         """Returns one mission."""
@@ -104,7 +104,7 @@ def figures_of(observations: Iterable[Observation], seconds: float) -> Dict[str,
     """Returns the figures of this many seconds after the warm-up, by name."""
     missions: Counter[str] = Counter()
     served: Counter[str] = Counter()   # how often a robot was observed with a mission
-    moving: Counter[str] = Counter()   # how often it had then moved since the observation before
+    moving: Counter[str] = Counter()   # how often such a robot had moved since the last look
     metres: Dict[str, float] = dict.fromkeys(KINDS, 0.0)
     before: Dict[str, Seen] = {}
     for one in observations:
@@ -259,7 +259,8 @@ def print_agreement(real_hour: Dict[str, float], hours: Sequence[Dict[str, float
 
 
 def half_width(values: Sequence[float]) -> float:
-    """Returns half the width of the range in which one more hour is with a probability of 95 %."""
+    """Returns half the width of the range that contains a further hour with a probability of 95 %.
+    """
     count = len(values)
     return float(students_t.ppf(0.975, count - 1)) * statistics.stdev(values) * math.sqrt(
         1.0 + 1.0 / count)

@@ -1,9 +1,9 @@
 """Measures ARCL: parsing of lines, latency from the socket to a subscriber, CPU of the two nodes.
 
-Each figure has its floor from the same run beside it. The benchmark plays the robot: it sends 10
+Beside each figure is its floor from the same run. The benchmark plays the robot: it sends 10
 statuses and 10 scans of 1,000 points each second. The floor of latency and CPU is a bare rospy
-publisher of the same lines. A bare relay publishes the lines of a socket without parsing them. It
-shows which part of the latency comes from one more process that must wake up.
+publisher of the same lines. A bare relay publishes the lines of a socket without parsing them. The
+relay shows how much of the latency comes from a further process that must wake up.
 """
 from __future__ import annotations
 

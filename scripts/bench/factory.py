@@ -157,7 +157,7 @@ def screen_with_frames() -> Iterator[Tuple[Dict[str, str], Callable[[], List[flo
 
 
 def part_of(pid: int) -> str:
-    """Returns the name of a process: that of its ROS node, or else that of its program."""
+    """Returns the name of a process: the name of its ROS node, or else of its program."""
     words = arguments(pid)
     python = 'python' in os.path.basename(words[0]) and len(words) > 1
     return node_name(pid) or os.path.basename(words[1] if python else words[0])

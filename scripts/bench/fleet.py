@@ -2,10 +2,10 @@
 """Measures the fleet's planner: planning time, cost of the plans, and the number of missions done.
 
 Every plan uses true sizes, speeds and conflict sets. Times are CPU times, because other work on the
-machine changes them less. Limits are times of the clock. The speed of a virtual machine changes
-from minute to minute. So the first plans of `stations` are made in many turns over all seeds, and
-each turn also times a loop of additions. `--only SECTION` runs one part (see SECTIONS). Rivals are
-installed from PyPI into virtual environments under build/rivals.
+machine changes CPU times less. Limits are times of the clock. The speed of a virtual machine
+changes from minute to minute. So the section `stations` makes the first plans of all seeds in many
+turns, and each turn also times a loop of additions. `--only SECTION` runs one part (see SECTIONS).
+Rivals are installed from PyPI into virtual environments under build/rivals.
 """
 from __future__ import annotations
 
@@ -203,7 +203,7 @@ def conflict_sets() -> Iterator[Row]:
 
 
 def sparse() -> Iterator[Row]:
-    """Measures a roadmap with long edges, before and after these are cut into sections."""
+    """Measures a roadmap with long edges, before and after the edges are cut into sections."""
     for robots, longest, aim in ((30, None, '15 of 20 in 2 s, at most 2.2 x'),
                                  (20, 3.0, '20 of 20 in 2 s, at most 1.08 x')):
         planned = []
@@ -216,7 +216,7 @@ def sparse() -> Iterator[Row]:
 
 
 def plan_in(graph: Graph, instance: Instance, limit: float) -> Planned:
-    """Plans and improves the plan, all within `limit` s."""
+    """Makes and improves a plan, both within `limit` s together."""
     planner = FleetPlanner(RoadNetwork(graph), CLEARANCE, [AGV])
     planner.prepare()
     begun = time.monotonic()
@@ -225,7 +225,7 @@ def plan_in(graph: Graph, instance: Instance, limit: float) -> Planned:
 
 
 def layers() -> Iterator[Row]:
-    """Compares the layers of TEA* with safe intervals, alternately on the same instances."""
+    """Compares layers (TEA*) with safe intervals: both solve each instance, one after the other."""
     graph, ends = aisles(500)
     base = RoadNetwork(graph)
     for seconds in (1.0, 0.5):

@@ -122,7 +122,7 @@ def robot_floor(site: MappedSite, graph: Graph) -> np.ndarray:
 
 
 def share_served(site: MappedSite, graph: Graph) -> float:
-    """Returns the share of the reachable floor from which an edge is at most 2 m of driving away.
+    """Returns the share of the reachable floor from which a robot drives at most 2 m to an edge.
     """
     coverage = Coverage(site.floor, robot_floor(site, graph), 2.0)
     served = np.zeros(coverage.mask.size, bool)
@@ -301,7 +301,7 @@ def in_process(command: List[str], vertex: int, more: Callable[[Mouse], object] 
 
 
 def frames(mouse: Mouse, map_file: str) -> Dict[str, List[float]]:
-    """Returns RViz's frames per second: while a vertex is dragged, at rest, without displays."""
+    """Returns RViz's frames per second while a vertex is dragged, at rest, and without displays."""
     if missing_programs():
         return {}
     text = (ROOT / 'src/graph_editor/rviz/graph_editor.rviz').read_text()

@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 """Measures how the cost of the main tasks grows with their size, and prints the exponents.
 
-Each row has one task at three sizes. The exponent is the slope of the costs over the sizes, both as
-logarithms: 1 means proportional, 0 means no growth, 2 means square. Each cost is a CPU time, the
-lowest of several runs. All rows together take about four minutes.
+Each row has one task at three sizes. The cost is proportional to the size to the power of the
+exponent: with 0 the cost does not grow, with 1 it is proportional, with 2 it grows with the square.
+Each cost is the lowest CPU time of several runs. All rows together take about four minutes.
 """
 from __future__ import annotations
 

@@ -226,7 +226,7 @@ def in_a_process(count: int, side: int, doors: int) -> Load:
 
 
 def devices(count: int, side: int) -> Iterator[Row]:
-    """Measures the same fleet with 50 simulated doors and without, one after the other."""
+    """Measures a fleet first without doors, then with 50 simulated doors."""
     plain, doors = (in_a_process(count, side, doors) for doors in (0, DOORS))
     what = f'{count} robots with {DOORS} doors'
     cpu = doors.share, plain.share

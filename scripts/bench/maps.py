@@ -1,7 +1,7 @@
 """Measures maps: loading, grids, messages, start and memory of the node; each with its floor.
 
-It uses the map of a real LD robot if there is one beside the repository, else the example
-laboratory.
+The benchmark uses the map of a real LD robot if there is one beside the repository, else the
+example laboratory.
 """
 from __future__ import annotations
 

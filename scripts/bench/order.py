@@ -2,9 +2,9 @@
 """Compares three orders of late robots on shared places: fixed, planned anew every 5 s, switched.
 
 Fleets that always have open missions are simulated in virtual time, with the same seeds for each
-rival. The rival `no stalls` has the fixed order, and its robots never stop by themselves. So its
-result is the upper limit for all other orders. `--only SECTION` runs one fleet; `--seeds N` sets
-the number of seeds.
+order. In the case `no stalls` the order is fixed and robots never stall. So the result of this case
+is the upper limit for all orders. `--only SECTION` runs one fleet; `--seeds N` sets the number of
+seeds.
 """
 from __future__ import annotations
 

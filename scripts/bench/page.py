@@ -3,7 +3,7 @@
 
 The real node runs under a separate ROS master. In place of the fleet manager, this program
 publishes 60 robots that drive, at 5 Hz, on a graph of 1,000 vertices. Nine clients read everything;
-a tenth client reads nothing. It takes a minute and a half.
+a tenth client reads nothing. The benchmark takes a minute and a half.
 """
 from __future__ import annotations
 
@@ -94,7 +94,7 @@ class Fleet:
         Periodic('fleet', 0.1, self._tick)
 
     def move_probe(self, x: float) -> float:
-        """Publishes another position at once. Returns the time of that (s since 1970)."""
+        """Publishes another position at once. Returns the time of publication (s since 1970)."""
         with self._lock:
             self.probe = x
             now = time.time()

@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 """Measures many LD-90s on one computer that `scripts/run.sh fleet:=FILE` starts.
 
-The robots run with the node host and without it. The load of the simulators has rows of its own.
+The robots run with the node host and without it. The load of the simulators is in separate rows.
 The floor is the same number of bare publishers at 2 Hz, with the host and without it. `--robots 10
---hosted true` measures one point, in less than four minutes.
+--hosted true` measures only this case, in less than four minutes.
 """
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
 """Measures the simulated LD-90: CPU at rest and driving, alone and as a fleet; scans; planning.
 
-CPU time is the time of the simulator's process, divided by the time of the clock. A client reads
+CPU is the CPU time of the simulator's process, divided by the elapsed time. A client reads
 everything and checks that the statuses come on time. Scans and plans use the map of a real LD robot
 if there is one beside the repository, else the laboratory.
 """
@@ -119,7 +119,7 @@ def share_of_a_core(command: List[str], ready: int, work: Callable[[List[int]], 
 
 
 def patrol(ports: List[int]) -> None:
-    """Sends each robot on a separate drive without an end."""
+    """Makes each robot drive without end."""
     for number, port in enumerate(ports):
         threading.Thread(target=drive, args=(port, number), daemon=True).start()
 
@@ -185,8 +185,8 @@ def processes(lab: Path) -> List[Row]:
 
 
 def punctuality(listener: Listener, since: float) -> str:
-    """Returns a text: whether the simulated clock has kept up with the real one, from the times at
-    which a listener got statuses.
+    """Returns a text that says whether the simulated clock has kept up with the real clock,
+    according to the times at which a listener got statuses.
     """
     late = listener.lateness(since) * 1000.0
     return (f'clock at {100.0 * listener.pace(since):.0f} %, statuses late by '

@@ -108,7 +108,7 @@ def stop_times(page: Page, cookie: str) -> List[float]:
 def hold_half_open(port: int, half_request: bytes, count: int, addresses: Sequence[str],
                    opened: Any) -> None:
     """Holds half requests open, and replaces those that are ended, at a limited rate."""
-    os.nice(10)  # it stands for other computers, which do not use the processors of this one
+    os.nice(10)  # it plays other computers, which would not use the processors of this computer
     selector = selectors.EpollSelector()
     waiting, begun, added = deque(range(count)), time.monotonic(), 0
 
@@ -168,7 +168,7 @@ def half_open(page: Page, addresses: Sequence[str]) -> Iterator[Callable[[], str
 
 def repeat_all(makers: Sequence[Callable[[], Callable[[], None]]], done: Any) -> None:
     """Makes clients, and repeats the work of each in a thread of its own, without an end."""
-    os.nice(10)  # as above
+    os.nice(10)  # as in hold_half_open
 
     def repeat(work: Callable[[], None]) -> None:
         while True:
@@ -260,7 +260,7 @@ def hanging(program: int) -> Iterator[Callable[[], str]]:
 
 @contextmanager
 def nothing() -> Iterator[Callable[[], str]]:
-    """Puts nothing in the way."""
+    """Disturbs nothing."""
     yield str
 
 

@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
 """Measures the time of two missions in the example laboratory, for each route strategy.
 
-The bridge's route follower drives the simulated LD-90 on maps/lab.map from the dock and back to it,
-in simulated time. So the figures do not depend on this computer. For the floor, the robot itself
-drives to each destination without a route, so it need not pass the vertices between them. Each
-figure is the median of runs that differ in the time of the robot's status. The strategy `rolling`
-was developed with the first mission. The second mission visits other places and has fewer turns. It
-checks that the result does not hold for the first mission only.
+The bridge's route follower drives the simulated LD-90 on maps/lab.map from the dock and back to the
+dock, in simulated time. So the figures do not depend on this computer. For the floor, the robot
+drives to each destination on its own path, without a route, and need not pass the vertices between
+the destinations. Each figure is the median of runs that differ in the time of the robot's status.
+The strategy `rolling` was developed with the first mission. The second mission visits other places
+and has fewer turns. It shows whether the result also holds for a mission that was not used then.
 """
 from __future__ import annotations
 

@@ -47,7 +47,7 @@ LAB = {'graph': ROOT / 'maps/lab_graph.yaml', 'fleet': ROOT / 'maps/lab_fleet.ya
 MISSION = (18, 39, 52, 6, 16)
 ROBOT_NAME = 'omron_ld90'
 RUNS = 5
-# factor of the simulated LD-90's clock: in its time, each delay of our programs is that much longer
+# factor of the simulated LD-90's clock; on this clock, delays of our programs are longer by it
 SPEED = 4.0
 DRIVES = 20
 STEPS = 100
@@ -134,8 +134,8 @@ def is_complete(report: ExecutionRouteStates) -> bool:
 
 
 def headline() -> Iterator[Row]:
-    """Measures the dissertation's mission with the fleet; the floor gets the same edges at once, by
-    hand.
+    """Measures the dissertation's mission with the fleet manager; for the floor, the benchmark
+    sends the same edges in one order.
     """
     with Stack() as stack:
         robot = Robot(stack, SPEED)
@@ -343,7 +343,8 @@ class Flooding:
             self._vertices[id % len(self._vertices)]])
 
     def run(self) -> Tuple[float, float]:
-        """Returns the seconds until all are answered, and until a mission from before is cancelled.
+        """Returns the seconds until all requests are answered, and until an earlier mission is
+        cancelled.
         """
         self._send(1)
         wait_until(lambda: 1 in self._answered, 30, 'the first mission')

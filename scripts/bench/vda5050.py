@@ -44,7 +44,7 @@ RUNS = 5
 CHANGES = 200
 ORDERS = 15
 VEHICLES, RATE, SECONDS = 50, 2.0, 20.0
-AHEAD = 8.0  # m; the base ends at least as far ahead of the vehicle as this
+AHEAD = 8.0  # m; the base ends at least this far ahead of the vehicle
 
 
 @contextmanager
@@ -112,7 +112,7 @@ def bare_mqtt(broker: Broker, payload: bytes) -> List[float]:
         client.connect(broker.host, broker.port)
         client.loop_start()
     clients[1].subscribe('bare')
-    time.sleep(0.5)  # the two versions of paho share no way to see that a subscription holds
+    time.sleep(0.5)  # no call of both versions of paho shows that a subscription is in force
     latencies = []
     for _ in range(CHANGES):
         event.clear()

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
-"""Runs a simulated fleet for hours with many kinds of faults. A witness judges it and reports.
+"""Runs a simulated fleet for hours with many kinds of faults. A witness judges the fleet.
 
 The robots are several times as fast as real ones; all software runs in real time. The same seed
-gives the same missions, faults and pauses, but their times depend on the computer.
+gives the same missions, faults and pauses, but at times that depend on the computer.
 """
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
 """Makes the wall clock of a Python process jump: time.time() is ahead by the seconds in a file.
 
 Python imports this module at its start if the module's folder is in PYTHONPATH. JUMPING_CLOCK names
-the file, which need not exist. Clocks that never jump (time.monotonic) do not change.
+the file, which need not exist. The clock of time.monotonic does not jump.
 """
 from __future__ import annotations
 

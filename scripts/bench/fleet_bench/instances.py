@@ -80,7 +80,7 @@ def sparse_roadmap(seed: int, vertices: int = 170, spacing: float = 6.0) -> Grap
     """Returns a roadmap with few, long edges (a relative neighbourhood graph).
 
     Points are at least `spacing` m apart. Two points are joined if no third point is nearer to both
-    than they are to each other.
+    of them than the two points are to each other.
     """
     random = Random(seed)
     side = spacing * math.sqrt(vertices) * 1.3

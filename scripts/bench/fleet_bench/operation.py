@@ -1,4 +1,4 @@
-"""A fleet at work in virtual time: missions one after the other, robots that are late and stall.
+"""A fleet at work in virtual time, with robots that are late and stall.
 
 The robots reach their speed at once. So the figures show the cost of the plans and of the
 supervisor, and not the cost of acceleration and braking.

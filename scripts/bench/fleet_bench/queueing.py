@@ -1,8 +1,8 @@
 """Computes how many missions the laboratory allows if robots meet only at the stations.
 
 Each station is at the end of an edge and has no other exit. So the robots drive in and out one
-after the other, in the order of arrival. Everywhere else a robot drives as if it were alone. If
-missions are drawn one by one, no planner can do much better.
+after the other, in the order of arrival. Everywhere else, a robot drives as if it were alone. No
+planner can do much better if each robot gets its next mission only when the last one has ended.
 """
 from __future__ import annotations
 

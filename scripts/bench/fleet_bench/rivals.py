@@ -2,9 +2,9 @@
 
 The rivals use vertices, edges, and steps of equal length. None of them accepts conflict sets,
 durations, sizes or delays. So this module puts their moves into an order: at each step a robot
-leaves a vertex before another robot enters it. Then it computes the times by our own rules, and the
-checker decides whether the result is safe. If robots follow each other in a ring, their plan has no
-such order.
+leaves a vertex before another robot enters the vertex. If robots follow each other in a ring, there
+is no such order. Then the module computes the times according to our own rules, and the checker
+decides whether the result is safe.
 """
 from __future__ import annotations
 

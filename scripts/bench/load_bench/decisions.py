@@ -68,7 +68,7 @@ class _Fleet:
 
 
 def decisions() -> Iterator[Row]:
-    """Measures reports, ticks, plans, and ticks without any report since the last tick."""
+    """Measures reports, ticks, plans, and ticks before which no report came."""
     fleet = _Fleet()
     fleet.run(SETTLING)
     fleet.spent.clear()

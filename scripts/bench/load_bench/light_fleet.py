@@ -1,8 +1,8 @@
 """Hundreds of robots in one process: they only report at 10 Hz and obey routes.
 
-Some robots drive on rings of their own. For these robots, the time from a report to the order for
-more edges is measured. It begins with the first report after which the robot would soon have to
-brake.
+Some robots drive on rings of their own. For these robots, the time from a report to an order with
+more edges is measured. The time begins with the first report that shows that the robot would soon
+have to brake.
 """
 from __future__ import annotations
 

@@ -39,8 +39,8 @@ class Part:
 
     @property
     def cpu(self) -> float:
-        """CPU seconds so far: those of the present threads, or those of all threads that have
-        existed, in whole ticks, if they are more.
+        """CPU seconds so far: the exact sum of the present threads, or the sum of all threads that
+        have existed, in whole ticks, if it is larger.
         """
         return sum(max(cpu_seconds(pid), _whole_ticks(pid)) for pid in self.pids)
 

@@ -1,7 +1,8 @@
 """Plants a defect in the programs of a fleet. This tests whether the soak finds the defect.
 
-Python imports this module at its start if the module's folder is in PYTHONPATH. The environment
-variable SOAK_PLANT names the defect. When the module with the defect is imported, it is changed.
+Python imports this file at its start if the file's folder is in PYTHONPATH. The environment
+variable SOAK_PLANT names the defect. Each module that the defect concerns is changed when it is
+imported.
 """
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Disturbs the fleet: faults of robots, people, closed edges, and programs that die or hang."""
+"""Disturbs the fleet: faults of robots, acts of people, closed edges, programs that end or hang."""
 from __future__ import annotations
 
 import enum
@@ -26,7 +26,7 @@ from world.witness import Witness
 
 RECOVERS = 8.0  # s in which a robot can be reached again after a program or link is back
 MASTER_RECOVERS = 15.0  # s in which all nodes must register at a new ROS master
-SLOW = 0.15  # factor on the clock of LD-90s that must still drive when their link is back
+SLOW = 0.15  # factor on the clock of LD-90s, so that they still drive when their link is back
 BRAKES = RECOVERS + 3.0 / SLOW  # s in which a slow LD-90 stands after the link is back
 OWED = 9.0  # s for which the soak watches an owed stop, including the grace of the witness
 CLEAR = 1.6  # m; a robot is carried only to a place that is further from all other robots
@@ -103,7 +103,7 @@ LD90_FAULTS = (
 
 
 class Disturbances:
-    """Causes one disturbance after the other. In between, a person helps robots that need help."""
+    """Causes one disturbance after the other. Meanwhile a simulated person helps robots in need."""
 
     def __init__(self, hall: Hall, simulators: Simulators, fleet: Fleet, witness: Witness,
                  lock: threading.RLock, launch: Launch, master: RosMaster, speed: float,
@@ -318,8 +318,8 @@ class Disturbances:
     def _stop_without_link(self) -> None:
         """Stops the fleet while an LD-90 on a long route has no link, then restores the link.
 
-        Meanwhile all LD-90s are slow, so that the robot still drives when its link is back. A slow
-        robot takes long to brake.
+        During this time all LD-90s are slow, so that the robot still drives when its link is back.
+        A slow robot takes long to brake.
         """
         name = self._sent_far()
         if not name:
@@ -377,7 +377,7 @@ class Disturbances:
     # -- programs ----------------------------------------------------------------------------------
 
     def _next_node(self) -> Tuple[str, List[str]]:
-        """Returns the next node to disturb, and the robots that cannot be reached during that."""
+        """Returns the next node to disturb, and the robots that cannot be reached meanwhile."""
         nodes = [*((f'/{node}', self._names if node == 'path_supervisor' else [])
                    for node in MANAGER_NODES),
                  *((f'/{name}/{node}', [name]) for name in self._ld90s for node in LD90_NODES),

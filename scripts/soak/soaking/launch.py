@@ -21,8 +21,8 @@ TRUE_ANSWERS = '/plan_answer_of_planner'
 
 
 class Launch:
-    """roslaunch with the fleet's launch file, which is changed so that plan answers pass through
-    the soak.
+    """roslaunch with the fleet's launch file. The file is changed so that the answers of the
+    planner pass through the soak.
     """
 
     def __init__(self, words: List[str], speed: float, folder: Path, log: Path, plant: str) -> None:
@@ -50,8 +50,8 @@ class Launch:
         - The supervisor checks each event against the model of allocations.
         - The planner publishes its answers on TRUE_ANSWERS, and the soak forwards them.
         - The bridges keep their routes in files, as on real robots.
-        - The simulated AGVs run outside the node host, because the soak kills the host, and the end
-          of a program of the fleet manager must not end a robot.
+        - The simulated AGVs run outside the node host, because the soak kills the host, and this
+          must not end robots.
         """
         manager = folder / 'fleet_manager.launch'
         original = Path(rospkg.RosPack().get_path('graph_fleet_manager'),
@@ -102,7 +102,7 @@ class Launch:
 
 
 def process_of(node: str) -> int:
-    """Returns the process id of a node, for which it asks the ROS master and the node.
+    """Asks the ROS master and the node for the node's process id. Returns this id.
 
     Raises OSError, rosgraph.MasterException or xmlrpc.client.Error.
     """

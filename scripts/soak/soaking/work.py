@@ -21,9 +21,8 @@ HANDS_OVER = 3.0  # s
 
 
 class SoakPlc(plc.Plc):
-    """A press that hands over by itself. It can be killed, be broken, or report wrong states.
-
-    A press that loses its power also loses its registers.
+    """A PLC whose press hands loads over by itself. The PLC can be killed and can report wrong
+    states, and its press can be broken. A PLC that loses its power also loses its registers.
     """
 
     def __init__(self) -> None:
@@ -77,7 +76,7 @@ class SoakPlc(plc.Plc):
 
 
 def work_file(edge: int, port: int) -> str:
-    """Returns the work file of the hall: a door on an edge, and a press, both behind the PLC."""
+    """Returns the work file of the hall: a door on an edge, and a press, both driven by the PLC."""
     driver = f'driver: modbus, host: 127.0.0.1, port: {port}, unit: {plc.UNIT}'
     return (f'devices:\n- {{name: {DOOR}, kind: door, edges: [{edge}], timeout: 10, {driver}, '
             f'open_coil: {plc.COIL}, is_open: {plc.INPUT}}}\n'

@@ -27,7 +27,7 @@ export function wantedStreams() {
   return `layers=${names.join(',')}${shown.has('laser') && laserOf ? `&laser=${encodeURIComponent(laserOf)}` : ''}`;
 }
 
-// given(needsStream) is called when the layers have changed; needsStream: other events are needed, too.
+// given(needsStream) is called when the layers have changed; needsStream: the server must send other events.
 export function startLayers(given) {
   changed = given;
   $('layers_button').onclick = () => showMenu($('layers').hidden);

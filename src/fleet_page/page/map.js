@@ -450,7 +450,7 @@ function placeRobot(name, [x, y, theta], robot) {
   if (shapes.words !== words) { shapes.words = words; shapes.group.setAttribute('aria-label', words); shapes.title.textContent = words; }
 }
 
-// While a step takes or gives the load, nobody knows where the load is, and nobody has to look for it.
+// While a step takes or gives the load, the place of the load is unknown, but no person has to look for it.
 export const loadState = robot => robot.load === 'UNKNOWN' && robot.works ? 'MOVES' : robot.load;
 
 // Returns words for the load of a robot; empty: it carries nothing.

@@ -51,7 +51,7 @@ function mark(name) {
   for (const input of inputs()) input.classList.toggle('filling', input.name === name);
 }
 
-// A click on the map fills the parameter whose field the person entered last. Then it is the next empty one's turn.
+// A click on the map fills the field that the person entered last. The next click fills the next empty field.
 export function fillParameter(place) { // id of a vertex, or name of a station
   const input = inputs().find(one => one.name === filling);
   if (!input) return;

@@ -123,8 +123,8 @@ def laboratory_folder(package: str) -> str:
 def _fleet(options: Options, folder: str, graph: Graph) -> Tuple[Fleet, str]:
     """Returns the fleet and the path of its file.
 
-    graph -- the graph whose long edges are not divided yet: where an edge is divided, no robot
-             parks
+    graph -- the graph before its long edges are divided, because no robot parks where an edge is
+             divided
     """
     if options.fleet.isdigit():
         count = int(options.fleet)

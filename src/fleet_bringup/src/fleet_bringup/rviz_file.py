@@ -1,4 +1,4 @@
-"""The RViz configuration of a fleet: the one of graph_fleet_manager, with displays of each robot.
+"""The RViz configuration of a fleet: `fleet.rviz` of graph_fleet_manager, and displays per robot.
 """
 from __future__ import annotations
 

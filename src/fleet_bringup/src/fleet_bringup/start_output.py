@@ -30,7 +30,7 @@ from typing import Dict, List, Optional, Pattern, Sequence, Tuple
 
 from node_program.screen_lines import FORM, READY
 
-PATIENCE = 60.0  # s after which a start without the line that says what is ready shows all lines
+PATIENCE = 60.0  # s; all later lines are shown if no line has said by then what is ready
 LATE = (f'For {PATIENCE:.0f} s no node has said that all is ready: from here on all lines are '
         'shown.')
 _ESCAPE = re.compile(r'\x1b\[[0-9;]*[A-Za-z]')
@@ -157,7 +157,7 @@ def main(arguments: Optional[Sequence[str]] = None) -> int:
     signals = PassedSignals(output)
     for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
         signal.signal(number, signals.receive)
-    # A process group of its own: otherwise Ctrl-C would reach it from here and from the terminal.
+    # In its own process group: otherwise it would get Ctrl-C from the terminal and from here.
     launch = subprocess.Popen(
         ['roslaunch', '--disable-title',
          *(sys.argv[1:] if arguments is None else arguments)],

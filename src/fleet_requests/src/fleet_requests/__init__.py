@@ -17,7 +17,7 @@ from itrci_nav_msgs.msg import (
 )
 from itrci_nav_msgs.srv import GetMissionStatus, GetMissionStatusResponse
 
-SILENCE = 10.0  # s: after this time without news of a mission, its sender asks for its status
+SILENCE = 10.0  # s without news of a mission, after which its sender asks for its status
 WAIT = 1.0      # s to wait for a service, which may not exist
 _NEW_ID = random.SystemRandom()
 
@@ -81,7 +81,7 @@ class Sender:
         self._publisher.publish(message)
 
     def repeat(self, message: Any) -> None:
-        """Sends a message again with its first stamp, by which the fleet manager recognises it."""
+        """Sends a message again, with its first stamp, so that the fleet manager recognises it."""
         self._publisher.publish(message)
 
 
@@ -111,7 +111,7 @@ def visits(destinations: Sequence[Union[int, str]]) -> List[MissionStop]:
 
 
 class MissionNews:
-    """The time of the last news of each open mission, to notice that an end was missed.
+    """The time of the last news of each open mission, to notice a mission whose end was missed.
 
     The status of a mission is lost if the fleet manager ends before it has sent the status, or if a
     queue overflows. So after a silence the sender of a mission asks for the stored status.

@@ -13,9 +13,9 @@ from trajectory_graph import CurveType, Edge, Graph, Vertex
 
 
 class LossyGraphServer:
-    """Loses the first messages, as if only the fleet page were connected to the topic yet.
+    """Loses the first messages, as if graph_server were not connected to the topic yet.
 
-    It stands for the sender of commands and for the source of the closed edges.
+    It replaces the sender of the commands and the source of the closed edges.
     """
 
     def __init__(self, lost: int) -> None:

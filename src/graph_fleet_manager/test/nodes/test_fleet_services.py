@@ -38,7 +38,7 @@ class Services:
 
     def __init__(self, monkeypatch: pytest.MonkeyPatch, robots=('a', 'b')) -> None:
         self.handlers, self.past = {}, []
-        # No time passes, so no tick is late and comes before a command.
+        # The clock stands still, so no tick becomes due and runs before a command.
         self.loop, self.early = SupervisorEvents(lambda: 0.0), EarlyStop(robots)
         monkeypatch.setattr(fleet_services.rospy, 'Service',
                             lambda name, _, handler: self.handlers.setdefault(name, handler))

@@ -1,4 +1,4 @@
-"""graph_server surveys each graph. To close a section closes the whole drawn edge."""
+"""graph_server surveys each graph. A command that closes a section closes the whole drawn edge."""
 from __future__ import annotations
 
 import os

@@ -12,7 +12,7 @@ from itrci_nav_msgs.msg import MissionCommand, MissionStatus
 
 
 class Commands:
-    """The topic of commands, with or without a fleet manager."""
+    """The topic of commands; `is_heard`: a fleet manager subscribes to it."""
 
     def __init__(self) -> None:
         self.is_heard = True

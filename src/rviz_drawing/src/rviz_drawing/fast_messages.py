@@ -1,10 +1,10 @@
-"""Messages whose long arrays numpy writes.
+"""Messages with long arrays, which numpy writes.
 
 Plain messages are too slow, and a node that shows a large map would block for seconds. To serialize
 the 44,440 points of a real map takes 120 ms as Point objects, but 2 ms as an array. A grid of 2
-million cells takes 50 ms or 0.2 ms. A list of numbers also needs eight times the memory. The bytes
-on the wire are the same: each class here writes the type of the plain message, with an array in
-place of the empty one.
+million cells takes 50 ms as a list, but 0.2 ms as an array. A list of numbers also needs eight
+times the memory. The bytes on the wire are those of the plain message: its list is empty, and is
+replaced by the array.
 """
 from __future__ import annotations
 
@@ -77,7 +77,8 @@ class LoadGridResponse(LoadMapResponse):
 
 
 def _write(buff: io.BytesIO, plain: memoryview, after: int, elements: np.ndarray) -> None:
-    """Writes `plain`, but replaces the empty array `after` bytes before its end by `elements`."""
+    """Writes `plain` with `elements` in place of an empty array, after which `after` bytes follow.
+    """
     end = len(plain) - after
     buff.write(plain[:end - _LENGTH.size])
     buff.write(_LENGTH.pack(len(elements)))

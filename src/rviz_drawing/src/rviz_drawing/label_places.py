@@ -22,7 +22,7 @@ from trajectory_graph.placing import (
 )
 
 GAP = 0.12  # m between a robot and its label
-NAME_WEIGHT = 10.0  # of names, because a text on a text is harder to read than a text on a line
+NAME_WEIGHT = 10.0  # weight of names: a text on a text is harder to read than a text on a line
 
 
 @dataclass(frozen=True)
@@ -76,7 +76,7 @@ class LabelPlaces:
         places = Places(window, beneath=beneath)
         for box in names:
             places.cover(box, is_soft=True, weight=NAME_WEIGHT)
-        # The square within the disc: around a larger one no label at a corner would be free.
+        # The square within the robot's disc: with a larger one, no label at a corner would be free.
         for box in (*buttons, *(box_around((one.x, one.y), (math.sqrt(2.0) * one.radius,) * 2)
                                 for one in labels.values())):
             places.cover(box)

@@ -18,7 +18,7 @@ STEP = 0.15   # m between two possible places in the outward direction
 MARGIN = 0.2  # m between a vertex and the nearest text that is not at its usual place
 LINE_HEIGHT = 1.1  # of the text height
 # Widths of letters in Liberation Sans, the font of RViz, in 1/1000 of the font's size: for each
-# width, its letters. All others are OTHER_WIDTH wide. A space is drawn as wide as an A.
+# width, its letters. All other letters are OTHER_WIDTH wide. A space is drawn as wide as an A.
 _WIDTHS = {191: "'", 222: 'ijl', 278: '!,./:;I[]\\ftr', 333: '()-`', 355: '"', 389: '*',
            500: 'JcksvxyzZ', 556: '#$0123456789?L_abdeghnopqu', 584: '+<=>~', 611: 'FT',
            667: ' &ABEKPSVXY', 722: 'CDHNRUw', 778: 'GOQ', 833: 'Mm', 889: '%', 944: 'W'}
@@ -90,7 +90,8 @@ def _usual(text: VertexText) -> Point:
 
 
 def _middles(text: VertexText) -> List[Point]:
-    """Returns the possible middles of a text, the best first: the usual one, then outwards."""
+    """Returns the possible middles of a text, the best first: the usual one, then from near to far.
+    """
     (x, y), (width, height) = text.vertex, text.size
     return [_usual(text), *(
         (x + right * (away + width / 2.0), y + up * (away + height / 2.0))

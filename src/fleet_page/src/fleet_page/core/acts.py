@@ -1,4 +1,4 @@
-"""The acts that a client may request. All fields are checked, because they come from the network.
+"""The acts that a client may request. Every field is checked, because it comes from the network.
 """
 from __future__ import annotations
 
@@ -156,7 +156,7 @@ def _answer(value: Any) -> str:
 
 
 def _step(value: Any) -> int:
-    """Returns the key of a step. It comes as text: a browser's numbers have only 53 bits."""
+    """Returns the key of a step from its text: a browser's numbers have only 53 bits."""
     if not isinstance(value, str) or not re.fullmatch('[0-9]{1,20}', value) or (
             int(value) > _UINT64):
         raise WrongAct('must be the key of a step, as text')

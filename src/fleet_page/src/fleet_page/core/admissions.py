@@ -1,12 +1,13 @@
-"""The limits on connections before a login: which of them are let in, and which are ended.
+"""The limits on connections before a login: which connections are let in, and which are ended.
 
 A connection counts while it waits for a request, or is served without a login. While it carries out
 a request of a known person, it does not count and is not ended.
 
-If there is no room for a new connection, the address with the most connections loses its oldest
-one. So no client can take all places and keep them, and an address with few connections loses none
-while another has more. Half requests may come faster than they can be kept. Then a new connection
-from such an address must bring a whole request at once: to refuse a half request costs least.
+If there is no room for a new connection, the oldest connection of the address with the largest
+number of connections is ended. So no client can take all places and keep them, and an address with
+few connections loses none while another address has more. If half requests displace others faster
+than the limit, a new connection is let in only with a whole request, because it is cheapest to
+refuse a half request.
 """
 from __future__ import annotations
 
@@ -19,7 +20,7 @@ from fleet_page.core.rate_limits import RateLimit
 
 MOST_OF_ADDRESS = 96
 MOST = 512
-EACH_SECOND = 2000.0  # half requests per second, per address and in all, that may displace others
+EACH_SECOND = 2000.0  # half requests per second that may displace others, per address and in all
 
 
 class Admissions:
@@ -40,7 +41,7 @@ class Admissions:
         return len(self._of.get(address, ()))
 
     def must_bring_request(self, address: str, now: float) -> bool:
-        """Returns whether a newcomer of an address is let in only with a whole request."""
+        """Returns whether a new connection of an address is let in only with a whole request."""
         if self.of_address(address) >= MOST_OF_ADDRESS:
             return not self._halves.allows(address, now)
         if len(self) >= MOST and self.of_address(address) >= self._largest - 1:
@@ -90,7 +91,7 @@ class Admissions:
 
 @lru_cache(maxsize=4096)
 def place_of(address: str) -> str:
-    """Returns the address that counts for a connection; for IPv6, the network of a subscriber."""
+    """Returns the address by which a connection is counted; for IPv6, a subscriber's network."""
     try:
         found = ipaddress.ip_address(address.partition('%')[0])
     except ValueError:

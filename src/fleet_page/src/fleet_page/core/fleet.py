@@ -16,7 +16,7 @@ MISSION_STATES = ('PENDING', 'ACTIVE', 'SUCCEEDED', 'FAILED', 'REFUSED', 'CANCEL
                   'CANCELLING', 'NEEDS_PERSON', 'BLOCKED', 'PLANNED', 'EXPIRED')
 OPEN_STATES = ('PENDING', 'ACTIVE', 'PAUSED', 'CANCELLING', 'NEEDS_PERSON', 'BLOCKED', 'PLANNED')
 DEADLINE_STATES = ('NONE', 'AHEAD', 'AT_RISK', 'MISSED')
-DEADLINE_ALARMS = DEADLINE_STATES[2:]  # those that are shown to people as alarms
+DEADLINE_ALARMS = DEADLINE_STATES[2:]  # the states that people see as alarms
 
 
 @dataclass(frozen=True)
@@ -32,7 +32,7 @@ class ShownPose:
 class ShownRobot:
     """One robot.
 
-    outage   -- name of the code in itrci_nav_msgs/FleetRobot without OUTAGE_; NONE: it works
+    outage   -- name of a code of itrci_nav_msgs/FleetRobot without OUTAGE_; NONE: the robot works
     edge     -- signed id; 0: off the graph
     fraction -- part of the edge that is behind the robot, 0..1
     seen     -- time of its last report, s since 1970; 0: never
@@ -105,7 +105,7 @@ class ShownResource:
     device   -- name of the DeviceMode of its device; empty: it has no device
     robots   -- names of the robots that claim it
     look     -- name of its ResourceLook, which has a colour
-    is_group -- whether its vertices are equal: a mission may then name the station instead of one
+    is_group -- whether its vertices are equal: a mission may name the station instead of a vertex
     queue    -- the queue places of a station, the first place first
     """
 
@@ -232,7 +232,7 @@ class MissionStatus:
     deadline -- one of DEADLINE_STATES
     template -- the template and its arguments, for people; empty: none
     serial   -- number of the mission at this site, for people; 0: it was not accepted
-    destinations -- the vertices in force; empty: those of the request are in force
+    destinations -- the vertices in force; empty: the destinations of the request are in force
 
     Each attribute is a value that the page shows.
     """

@@ -43,8 +43,8 @@ MOST_ENDED = 200      # ended missions on the page, at most
 MOST_REQUESTS = 6000  # requests that are kept for their missions, at most
 LONGEST_STEP = 5.0    # m between two poses; a longer step is not counted as driven
 LONGEST_GAP = 2.0     # s: of a longer time between two states, only this much is counted
-LEAST_CHANGE = 2.0    # s: a smaller change of a mission's expected end is not shown,
-SMALL_PART = 0.1      # nor is a change by a smaller part than this of the time to go
+LEAST_CHANGE = 2.0    # s; a smaller change of a mission's expected end is not shown,
+SMALL_PART = 0.1      # and neither is a change by a smaller part of the time to go
 HOUR = 3600.0         # s; the page counts the missions that were done in this time
 NEEDS_PERSON = 'NEEDS_PERSON'  # state of a mission, and the cause of its alarm
 
@@ -52,9 +52,9 @@ Key = Tuple[int, int]
 
 
 class FleetModel:
-    """Reads the messages of the fleet, writes the state to `live`, and adds to the history's sums.
+    """Reads the messages of the fleet, writes the state to `live`, and sums up for the history.
 
-    There is one method for each kind of message, because all of them change one shown state.
+    It has one method for each kind of message, because all messages change one shown state.
     """
 
     def __init__(self) -> None:
@@ -217,7 +217,7 @@ class FleetModel:
     # -- alarms -----------------------------------------------------------------------------------
 
     def _raise_alarm(self, alarm: str, cause: str, now: float) -> None:
-        """Keeps an alarm as long as it has a cause; if `cause` is empty, the alarm ends."""
+        """Shows an alarm with a cause; if `cause` is empty, ends the alarm."""
         known = self.live.get(f'alarm:{alarm}')
         if not cause:
             self.live.remove(f'alarm:{alarm}')
@@ -274,7 +274,7 @@ class FleetModel:
                 if robot.battery is not None}
 
     def moment(self) -> Dict[str, List[Any]]:
-        """Returns all robots as they are now, in the form of the replay."""
+        """Returns the present pose and state of all robots, in the form of the replay."""
         values: Dict[str, List[Any]] = {}
         for name, robot in self.robots.items():
             pose = self.live.get(f'pose:{name}')
@@ -314,7 +314,7 @@ class FleetModel:
             self._show_mission(key)
 
     def knows(self, request: MissionRequest) -> bool:
-        """Returns whether the same request has come before."""
+        """Returns whether the same request was noted before."""
         return self._requests.get((request.id, request.stamp)) == request
 
     @property
@@ -340,7 +340,7 @@ class FleetModel:
         self._done.extendleft(reversed(earlier))
 
     def forget_request(self, id: int) -> None:
-        """Forgets the request of a mission that may have changed. The journal is then read."""
+        """Forgets the request of a mission that may have changed, so that the journal is read."""
         for key in [key for key, status in self.missions.items()
                     if key[0] == id and status.state in OPEN_STATES]:
             self._requests.pop(key, None)

@@ -44,7 +44,7 @@ class ReleaseWatch:
         self._held: Dict[str, float] = {}  # when the wait of each robot began
 
     def note_plans(self, plans: Mapping[str, ShownPlan], now: float) -> None:
-        """Measures with the plans at the time `now` (s)."""
+        """Updates the waits with the plans at the time `now` (s)."""
         for name in [name for name in self._held if name not in plans]:
             del self._held[name]
         for name, plan in plans.items():

@@ -1,8 +1,7 @@
-"""The newest state as entries with keys. For each client, only the last revision that it has got is
-known.
+"""The newest state as entries with keys.
 
-So no client needs a queue. A slow client gets the newest state when it reads again. A client that
-does not read costs nothing.
+The server keeps no queue for a client, only the last revision that the client has. A slow client
+gets the newest state when it reads again. A client that does not read costs nothing.
 """
 from __future__ import annotations
 
@@ -12,7 +11,7 @@ from typing import Any, Dict, List, Mapping, Optional, Tuple
 
 from fleet_page.core.layers import ShownLayers
 
-MOST_GONE = 5000  # removed keys that are kept; a client that needs an older one gets all entries
+MOST_GONE = 5000  # removed keys that are kept; a client that needs older ones gets all entries
 _KEPT_TEXTS = 16  # updates that are kept as text, because nearly all clients need the same update
 ALL = ShownLayers()
 
@@ -69,8 +68,8 @@ class LiveState:
         """Returns the update (JSON) for a client that has the revision `seen` and shows `layers`.
 
         Its fields are `revision`, `full` (true: the client must drop all other entries), `set`
-        (values by key) and `gone` (removed keys). It is empty if nothing has changed that the
-        client shows.
+        (values by key) and `gone` (removed keys). The text is empty if nothing that the client
+        shows has changed.
         """
         is_full = not self._oldest <= seen <= self.revision or seen <= 0
         wanted = (0 if is_full else seen, self.revision, layers)

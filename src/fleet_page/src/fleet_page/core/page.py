@@ -31,7 +31,7 @@ MOST_EVENTS = 20      # events of a robot that are shown, at most
 
 
 class NamedWords(NamedTuple):
-    """The key in the live state, and the sentences, for things that users store by name."""
+    """The key and the sentences of one kind of things that users store by name."""
 
     key: str
     unknown: str
@@ -68,7 +68,7 @@ class Page:
 
     There is an attribute for each kind of data, because one message may change several kinds.
 
-    tell_areas -- is called with all areas by name: once at first, and after each change
+    tell_areas -- is called with all areas by name, at the start and after each change
     """
 
     def __init__(self, records: Records, replay: ReplayRing, missions: Missions,
@@ -103,7 +103,7 @@ class Page:
             self._keep('events of robots', lambda: self.records.note_events(events))
 
     def update_plans(self, plans: Dict[str, ShownPlan], now: float) -> None:
-        """Shows the plans of all robots, and measures with them."""
+        """Shows the plans of all robots, and measures how long robots wait for a release."""
         self.model.update_plans(plans)
         self.release.note_plans(plans, now)
 

@@ -7,7 +7,7 @@ MOST_KEYS = 2000
 
 
 class RateLimit:
-    """A limit per key: at most `at_once` tickets, with `each_second` new tickets per second."""
+    """A limit for each key: at most `at_once` tickets, and `each_second` new tickets per second."""
 
     def __init__(self, at_once: float, each_second: float) -> None:
         self._at_once, self._each_second = at_once, each_second

@@ -72,16 +72,16 @@ class Sums:
 
 @dataclass(frozen=True)
 class HistorySums:
-    """The sums of each robot, and the s that robots waited on each edge, the largest first."""
+    """The sums of each robot, and the waiting time (s) of robots on each edge, longest first."""
 
     robots: Dict[str, Sums]
     edges: List[Tuple[int, float]]
 
 
 class Records:
-    """The records in one SQLite file; `:memory:`: in no file. Only one thread at a time uses it.
+    """The records in one SQLite file (`:memory:`: in no file). One thread at a time uses them.
 
-    It has methods for each kind of record, because no other class reads or writes the file.
+    There are methods for each kind of record, because no other class reads or writes the file.
     """
 
     def __init__(self, path: str) -> None:
@@ -106,7 +106,7 @@ class Records:
                          (MOST_ROWS,))
 
     def mission_became(self, mission: int, words: str) -> None:
-        """Replaces the outcome of the request that a mission came from."""
+        """Replaces, in the audit list, the outcome of the request that led to a mission."""
         self._db.execute('UPDATE audit SET outcome = ? WHERE id = '
                          '(SELECT MAX(id) FROM audit WHERE mission = ?)', (words, mission))
 
@@ -127,7 +127,7 @@ class Records:
     # -- favourites and areas ---------------------------------------------------------------------
 
     def keep_named(self, kind: NamedKind, name: str, content: Mapping[str, Any]) -> None:
-        """Stores a favourite or an area, in place of one with this name. Raises TooManyNamed."""
+        """Stores a favourite or an area under a name. Raises TooManyNamed."""
         known = self.named(kind)
         if len(known) >= MOST_NAMED and name not in known:
             raise TooManyNamed

@@ -1,8 +1,8 @@
-"""The recorded poses and states of all robots, in a ring of files, whose oldest is deleted first.
+"""The recorded poses and states of all robots, in a ring of files: the oldest is deleted first.
 
 Each line is one moment: `{"t": seconds, "k": true, "r": {name: [x, y, theta, state, waits for,
-works]}}`. It has only the robots that have changed. A moment with `k`, a key moment, has all
-robots, so reading can begin with it.
+works]}}`. A moment has only the robots that have changed. A key moment, which has `k`, has all
+robots. So a reader can begin with any key moment.
 """
 from __future__ import annotations
 

@@ -28,7 +28,7 @@ class RobotEvent:
 
 
 def event_between(before: ShownRobot, after: ShownRobot, now: float) -> Optional[RobotEvent]:
-    """Returns the event between two reports of a robot; None: no change that is worth a line."""
+    """Returns the event between two reports of a robot; None: no such change."""
     if _what(before) == _what(after):
         return None
     return RobotEvent(now, after.name, after.state, after.outage, after.is_working,

@@ -46,8 +46,8 @@ def wall_map(cells: np.ndarray, columns: int, rows: int, resolution: float, x: f
 
 
 def _png(walls: np.ndarray) -> bytes:
-    """Returns a PNG with one bit per pixel: 0 is transparent, 1 is a grey that is visible on light
-    and on dark.
+    """Returns a PNG with one bit per pixel: 0 is transparent, 1 is a grey that is visible on a
+    light and on a dark background.
     """
     packed = np.packbits(walls, axis=1)
     rows = np.hstack([np.zeros((packed.shape[0], 1), np.uint8), packed])

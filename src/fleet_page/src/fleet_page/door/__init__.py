@@ -1,5 +1,5 @@
-"""The door of the page: a separate process that does login, session and stop, and little else.
+"""The door of the page: a separate process for logins, sessions and stops.
 
-All connections of browsers end here. The door passes all other requests to the page's process
-through a local socket. The door still answers if that process is busy, hangs or grows.
+All browsers connect to the door. It passes all other requests to the page's process through a
+local socket. The door still answers if the page's process is busy, hangs or grows.
 """

@@ -12,17 +12,17 @@ from typing import Any, Callable, Dict, Optional, Set, cast
 
 from fleet_page.core.admissions import Admissions, place_of
 
-HEAD_WITHIN = 5.0       # s for each of: the head of a request, the TLS handshake, the body
+HEAD_WITHIN = 5.0       # s for the head of a request, for the TLS handshake, and for the body
 IDLE = 60.0             # s for the next request of a connection
 STRANGER_WITHIN = 20.0  # s for the answer to a request without a login
 BACKLOG = 4096          # connections that wait in the kernel until they are accepted
 LONGEST_HEAD = 16384    # bytes
-_AT_ONCE = 256          # new connections that are accepted before open connections are served,
-_ADMITTED_AT_ONCE = 16  # and how many of these are let in, at most
-_PAUSE = 0.2            # s without accepting, after the operating system had no connection left
+_AT_ONCE = 256          # new connections that are accepted before open connections are served
+_ADMITTED_AT_ONCE = 16  # the largest number of these connections that are let in
+_PAUSE = 0.2            # s in which none is accepted after the operating system had no more room
 _TLS_HANDSHAKE = b'\x16'  # first byte of a record: its type; bytes 4 and 5: its length
 _ENCODING = re.compile(rb'\n[ \t]*content-encoding[ \t]*:', re.IGNORECASE)
-_KEPT = 64             # bytes of the preceding text, in which the header's name may have begun
+_KEPT = 64             # bytes of the text before, which may have the beginning of the header's name
 _REFUSED_ENCODING = (
     b'HTTP/1.1 415 Unsupported Media Type\r\nContent-Type: text/plain\r\nContent-Length: 37\r\n'
     b'Connection: close\r\n\r\nCompressed requests are not accepted.')
@@ -32,12 +32,12 @@ _LOG = logging.getLogger(__name__)
 class Connection(asyncio.Protocol):
     """One connection. It passes bytes to aiohttp's protocol, and ends if bytes do not come in time.
 
-    Until the head of a request has come (with TLS: the first record), it is only a socket. So half
-    a request costs little. Later it ends if a head or a body does not come in time.
+    Until the head of a request has come (with TLS: the first record), a connection is only a
+    socket, so half a request costs little. Each later head and body must come in time, too.
 
-    It also ends at the header `Content-Encoding`, before aiohttp expands the content: in old
-    versions of aiohttp this cannot be switched off. A JSON body cannot contain these bytes, because
-    a line end in a string is escaped.
+    A request with the header `Content-Encoding` ends the connection before aiohttp expands the
+    content. Old versions of aiohttp cannot be told not to expand it. A JSON body cannot contain
+    this header, because a line end in a string is escaped.
     """
 
     def __init__(self, listener: DoorListener, sock: socket.socket, place: str) -> None:
@@ -53,7 +53,7 @@ class Connection(asyncio.Protocol):
     # -- a bare socket -----------------------------------------------------------------------------
 
     def wait_for_head(self) -> None:
-        """Begins as soon as the head has come. Until then the kernel keeps the bytes."""
+        """Begins to serve as soon as the head has come. Until then the kernel keeps the bytes."""
         self._end_after(HEAD_WITHIN)
         self._on_bytes(0)
 
@@ -153,7 +153,8 @@ class Connection(asyncio.Protocol):
                     self._listener.admissions.count(self, self.place)
 
     def work_with(self, work: asyncio.Future[Any]) -> None:
-        """Makes the end of the connection cancel this work, if the work still runs then."""
+        """Notes the work of the connection. If the connection ends earlier, the work is cancelled.
+        """
         self._work = work
 
     def end(self) -> None:
@@ -240,7 +241,7 @@ class DoorListener:
             admitted += self._arrived(sock, place_of(address[0]))
 
     def _arrived(self, sock: socket.socket, place: str) -> bool:
-        """Decides whether a new connection is let in, and returns this."""
+        """Lets a new connection in or ends it. Returns whether it was let in."""
         sock.setblocking(False)
         if self.admissions.must_bring_request(place, time.monotonic()) and not (
                 self.is_whole(_peek(sock) or b'')):
@@ -268,8 +269,8 @@ class DoorListener:
 
 
 def _peek(sock: socket.socket) -> Optional[bytes]:
-    """Returns the bytes that have come, and leaves them in the socket; None: there are none yet;
-    empty: the other side has ended.
+    """Returns the bytes that have come, and leaves them in the socket. None: there are none yet;
+    empty: the other side has ended the connection.
     """
     try:
         return sock.recv(LONGEST_HEAD, socket.MSG_PEEK)

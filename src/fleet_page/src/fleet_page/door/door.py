@@ -27,7 +27,7 @@ Handler = Callable[[web.Request], Awaitable[web.StreamResponse]]
 COOKIE = 'fleet_page'
 LARGEST_REQUEST = 20_000
 MOST_RELAYED = 150       # requests that the page's process answers at the same time, at most
-MOST_OF_PERSON = 60      # of these requests, the largest number for one person
+MOST_OF_PERSON = 60      # the largest number of such requests of one person
 HELD_BACK = 1.0          # s after which a request beyond the limits is refused
 TOKENS_PERIOD = 1.0      # s between two checks of the token file
 _LOG = logging.getLogger(__name__)
@@ -116,7 +116,7 @@ class Door:
                     answer = await self._guarded(request, handler)
             else:
                 with connection.serving(False):
-                    # A client that asks too much must wait: otherwise it would ask even more.
+                    # A client with too many requests must wait: it would send even more otherwise.
                     await asyncio.sleep(HELD_BACK)
                     answer = refused(429, 'Too many requests.')
             if not answer.prepared:
@@ -129,8 +129,8 @@ class Door:
         return None if self._listener is None else self._listener.by_protocol.get(request.protocol)
 
     def _may_ask(self, request: web.Request, person: Optional[Person]) -> bool:
-        """Returns whether a request to see something is within the limits. Acts and logins have
-        limits of their own.
+        """Returns whether a request to see something is within the limits. Acts and logins (POST)
+        have limits of their own.
         """
         now = time.monotonic()
         if request.method == 'POST':
@@ -157,7 +157,7 @@ class Door:
             return refused(error.status, error.reason or '')
 
     def _person(self, request: web.Request) -> Optional[Person]:
-        """Returns the person of a request: by a cookie, or by a token if a monitor sent it."""
+        """Returns the person of a request, found by its cookie, or by the token of a monitor."""
         if self._access.tokens is None:
             return LOCAL
         tokens = self._access.tokens.tokens

@@ -24,7 +24,7 @@ from fleet_page.door.files import PageFiles
 from fleet_page.door.security import Addresses
 from fleet_page.door.worker import Worker
 
-OPEN_WITHIN = 10.0        # s within which the door must listen
+OPEN_WITHIN = 10.0        # s within which the door must begin to listen
 _DESCRIPTORS = 2048       # enough for all connections that the limits of the door allow
 _FORMAT = '[%(levelname)s] [door of fleet_page]: %(message)s'
 

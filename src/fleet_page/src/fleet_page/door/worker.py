@@ -1,4 +1,5 @@
-"""The door's connection to the page's process, for requests that it passes on and its own stops."""
+"""The door's connection to the page's process. The door passes requests on and reports its stops.
+"""
 from __future__ import annotations
 
 import asyncio
@@ -21,7 +22,7 @@ CHECKED = 1.0          # s between two checks whether the session of an open str
 _RETRY = 1.0           # s
 _MOST_REPORTS = 1000   # stops that are kept for the page's process, at most
 _PASSED_ON = ('Accept-Encoding', 'If-None-Match', 'Last-Event-ID', 'Content-Type')
-_OWN_HEADERS = ('Accept-Encoding', 'User-Agent')  # not added by aiohttp: the client's count
+_OWN_HEADERS = ('Accept-Encoding', 'User-Agent')  # added by no code here: the client's count
 _LEFT_OUT = frozenset(name.lower() for name in (
     'Connection', 'Transfer-Encoding', 'Keep-Alive', 'Date', 'Server'))
 _LOG = logging.getLogger(__name__)

@@ -36,7 +36,7 @@ class FleetCommands:
 
     is_robot -- returns whether a robot has this name. Without this check, a name from the network
                 could become a part of any service name
-    destination -- returns what a name of a station or group stands for; raises UnknownPlace
+    destination -- returns the destination with a name; raises UnknownPlace
     """
 
     def __init__(self, is_robot: Callable[[str], bool],

@@ -179,9 +179,7 @@ class FleetPageNode:
             await asyncio.sleep(TICK)
 
     async def _read_journal(self, since: float) -> None:
-        """Reads missions from the journal: those from before the page's start, and changed ones.
-
-        since -- read the missions that have changed since this time, and all open missions
+        """Reads missions from the journal: all open ones, and those that changed since `since`.
         """
         try:
             lines = await self._loop.run_in_executor(None, self._page.missions, since)
@@ -253,9 +251,7 @@ class FleetPageNode:
         self._page.model.site_changed()
 
     def _destination(self, word: str) -> Destination:
-        """Returns what a person's name for a destination stands for.
-
-        Threads of the HTTP server call it.
+        """Returns the destination that a person named. Threads of the HTTP server call this method.
         """
         graph = self._page.model.graph
         if graph is None:

@@ -17,7 +17,7 @@ _COMPRESSED = 1000  # bytes from which an answer is compressed
 
 @dataclass(frozen=True)
 class WebAnswer:
-    """The bytes of an answer; `compressed`: the same bytes with gzip, empty if not worth it."""
+    """The bytes of an answer; `compressed`: the same bytes with gzip, empty for a short answer."""
 
     content: bytes
     kind: str

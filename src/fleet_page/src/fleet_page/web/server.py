@@ -39,10 +39,10 @@ SILENCE = 5.0         # s without a change after which an empty update is sent
 STALLED = 30.0        # s after which a client that does not read is disconnected
 MOST_CLIENTS = 100
 MOST_CLIENTS_OF_ONE = 40
-KEPT_FOR_OPERATORS = 20  # of these, places that a person with the role `see` cannot get
+KEPT_FOR_OPERATORS = 20  # number of these places that the role `see` cannot get
 FRESH = 2.0           # s in which an answer from the journal is used again
 MOST_HOURS = 24 * 90
-MOST_SOURCES = 10     # sources that are received at once, at most: lasers, and the allocations
+MOST_SOURCES = 10     # lasers, and the allocations, that are received at the same time, at most
 
 
 class WebServer:
@@ -155,7 +155,7 @@ class WebServer:
             await asyncio.sleep(PERIOD)
 
     def _seen(self, event: str) -> int:
-        """Returns the revision that a client had before it connected again; 0: none of this server.
+        """Returns the revision that a client had before it connected again; 0: it had none.
         """
         instance, _, number = event.partition('-')
         if instance != self._instance or not number.isdecimal() or len(number) > 15:
@@ -299,7 +299,7 @@ def _span(request: web.Request) -> Tuple[int, float]:
 
 
 def _moment() -> int:
-    """Returns the number of the present moment; within one moment an answer is used again."""
+    """Returns the number of the present moment. Within a moment (FRESH) an answer is used again."""
     return int(time.monotonic() // FRESH)
 
 

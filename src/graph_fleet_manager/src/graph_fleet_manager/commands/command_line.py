@@ -1,11 +1,11 @@
-"""What all commands share, with or without ROS: exit statuses, errors, and the parser."""
+"""The parts that all commands share: exit statuses, errors, and the parser. They need no ROS."""
 from __future__ import annotations
 
 import argparse
 from typing import NoReturn
 
 OK, WRONG, NOT_DONE = 0, 1, 2
-"""Exit statuses: done; wrong input, or no fleet manager; refused, or without success."""
+"""Exit statuses. OK: done; WRONG: wrong input, or no fleet manager; NOT_DONE: refused or failed."""
 LARGEST = 2 ** 31 - 1
 """The largest number that a message to the fleet manager can hold."""
 

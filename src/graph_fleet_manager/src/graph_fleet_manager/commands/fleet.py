@@ -44,7 +44,7 @@ from trajectory_graph.drawn_names import place_name, vertex_name
 from trajectory_graph.messages import graph_from_message
 
 EMPTY = 'empty'       # the load of a robot that carries nothing
-GRAPH_PATIENCE = 2.0  # s to wait for the graph, which only gives edges their drawn names
+GRAPH_PATIENCE = 2.0  # s to wait for the graph, which only gives the drawn names of edges
 _NAMES = {int(state): state.name for state in RobotState}
 _WAITS = {int(code): code.name for code in WaitCode}
 _AT_VERTEX = 0.01     # share of an edge at its ends that counts as the vertex
@@ -184,7 +184,7 @@ def _unseen() -> List[str]:
 
 
 def _absent(robots: Sequence[str]) -> int:
-    """Declares each of the robots absent, even if it fails for one. Returns the exit status."""
+    """Declares each of the robots absent; a failure does not end this. Returns the exit status."""
     status = OK
     for robot in robots:
         try:
@@ -197,7 +197,7 @@ def _absent(robots: Sequence[str]) -> int:
 
 
 def _graph(graphs: TopicListener) -> Optional[Graph]:
-    """Returns the graph in force; None if graph_server does not run: the list works without it."""
+    """Returns the graph in force; None if graph_server does not run. The list needs no graph."""
     graphs.wait(GRAPH_PATIENCE)
     return graph_from_message(graphs.messages[-1]) if graphs.messages else None
 
@@ -244,7 +244,7 @@ def _note(robot: FleetRobot) -> str:
 def _values(state: FleetState, graph: Optional[Graph]) -> Dict[str, Any]:
     """Returns everything that `fleet list` shows, as values for JSON.
 
-    A time is in s since 1970, or in s from now.
+    `seen` and `since` are in s since 1970, `to_destination` and `to_end` in s from now.
     """
     def known(number: float) -> Optional[float]:
         return number if math.isfinite(number) else None

@@ -1,4 +1,4 @@
-"""What commands need of ROS: the connection to the master, topics, services and errors."""
+"""The parts of ROS that commands use: the connection to the master, topics, services, errors."""
 from __future__ import annotations
 
 import getpass

@@ -105,7 +105,7 @@ def main(arguments: Optional[Sequence[str]] = None) -> int:
 def is_for_ros(word: str) -> bool:
     """Returns whether a word of `mission run` is a remapping for ROS.
 
-    Such a word begins with `_`. The name of a template's parameter never begins with it.
+    Such a word begins with `_`, with which no name of a template's parameter begins.
     """
     return word.startswith('_') and ':=' in word
 
@@ -193,7 +193,7 @@ def _send(arguments: List[str]) -> int:
 
 
 def _offer_conditions(parser: Parser) -> None:
-    """Offers the options that every mission has, with destinations of any kind."""
+    """Adds the options that all missions have, with or without a template."""
     parser.add_argument('--type', default='', help='robot type that must do it')
     parser.add_argument('--robot', default='', help='the robot that must do it')
     parser.add_argument('--priority', type=whole, default=0,
@@ -324,7 +324,7 @@ def _follow(request: MissionRequest, status: MissionStatus, listener: TopicListe
 
 
 def _destinations(request: MissionRequest, status: MissionStatus) -> List[int]:
-    """Returns the destinations of a mission; the fleet manager chooses those in groups."""
+    """Returns the destinations of a mission. In a group, the fleet manager chooses the vertex."""
     return list(request.destination_vertices_id) or list(status.destinations)
 
 
@@ -474,7 +474,7 @@ def _change(word: str, arguments: List[str]) -> int:
 
 
 def _change_destinations(message: MissionCommand, destinations: List[Destination]) -> None:
-    """Fills in the new destinations; a group needs stops, because only a stop can name one."""
+    """Fills in the new destinations, with a group as stops: only a stop can name a group."""
     if any(isinstance(one, str) for one in destinations):
         message.stops = visits(destinations)
     else:

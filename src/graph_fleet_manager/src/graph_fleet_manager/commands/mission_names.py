@@ -18,7 +18,7 @@ _ID = re.compile(r'-?\d{1,10}')
 
 
 class MissionName(NamedTuple):
-    """The name that a person gives for a mission; `number`: its serial, or its request's id."""
+    """A person's name for a mission; `number`: the mission's serial, or the id of its request."""
 
     number: int
     is_serial: bool = False

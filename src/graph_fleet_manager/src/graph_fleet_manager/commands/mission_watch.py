@@ -6,8 +6,7 @@ fleet manager, and after some time without a status.
 
 State: the newest status, its time of arrival, and the connections at that time. Events: a status
 arrives, a connection begins or ends, time passes without a status. Invariants: a stored status
-replaces a status that came before it, and never a later one; after each restart of the fleet
-manager the watch asks.
+replaces only a status that came earlier; after each restart of the fleet manager the watch asks.
 """
 from __future__ import annotations
 

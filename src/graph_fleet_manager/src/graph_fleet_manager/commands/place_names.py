@@ -20,9 +20,9 @@ from trajectory_graph.messages import graph_from_message
 
 
 class PlaceNames:
-    """The names of places. It gets the graph and the stations when the first name needs them.
+    """The names of places. The first name that needs the graph or the stations requests them.
 
-    The id of a vertex needs neither: the fleet manager says whether the vertex exists.
+    The id of a vertex needs neither, because the fleet manager checks whether the vertex exists.
     """
 
     def __init__(self) -> None:

@@ -18,7 +18,7 @@ def line_of(status: MissionStatus, destinations: List[int], state: Optional[Flee
             graph: Graph) -> str:
     """Returns one line about the progress of a mission.
 
-    destinations -- those of the request; empty: a template has them, so `status` lists them
+    destinations -- of the request; empty if a template was requested: then `status` lists them
     """
     if status.state in (MissionStatus.PENDING, MissionStatus.BLOCKED, MissionStatus.PLANNED):
         return f'waiting: {status.reason}' if status.reason else 'accepted'

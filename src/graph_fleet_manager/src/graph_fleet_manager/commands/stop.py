@@ -23,7 +23,7 @@ from graph_fleet_manager.commands.direct_stop import stop_robots
 from graph_fleet_manager.multimaster.peer_master import MasterApi, NoAnswer
 
 SERVICE = '/stop_fleet'
-PATIENCE = 1.0    # s for the answer of the fleet manager; one that takes longer hangs
+PATIENCE = 1.0    # s for the answer; a fleet manager that takes longer hangs
 _LONGEST = 10000  # bytes of an answer, at most
 
 

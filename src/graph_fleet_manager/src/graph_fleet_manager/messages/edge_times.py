@@ -1,9 +1,10 @@
 """Learned times of edges in requests to the planner: first the whole table, then only changes.
 
-The supervisor numbers its tables. A request names the table that it uses (`edge_times_version`),
-and the earlier table that its `edge_times` change (`edge_times_since`); 0: `edge_times` is the
-whole table. A planner without the earlier table, for example after a restart, answers OTHER_TIMES.
-The supervisor then sends it the whole table. A time of 0 removes an entry.
+The supervisor numbers its tables. In a request, `edge_times_version` is the number of the table to
+use. `edge_times_since` is the number of an earlier table, and `edge_times` are the changes since
+then. If `edge_times_since` is 0, `edge_times` is the whole table. A time of 0 removes an entry.
+A planner without the earlier table, for example after a restart, answers OTHER_TIMES. The
+supervisor then sends the whole table.
 """
 from __future__ import annotations
 
@@ -54,7 +55,8 @@ class TimesKept:
         self._table: Times = {}
 
     def table_of(self, message: msg.PlanRequest, rate: float) -> Optional[Times]:
-        """Returns the table that a request uses; None: the table that it changes is not kept."""
+        """Returns the table that a request uses; None: it has changes to a table that is not kept.
+        """
         told = {(one.robot_type, one.edge_id): one.seconds * rate for one in message.edge_times}
         if not message.edge_times_since:
             self._table = told

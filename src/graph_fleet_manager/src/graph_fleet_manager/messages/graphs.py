@@ -56,8 +56,8 @@ class WrongCommand(Exception):
 def edge_operation(message: msg.EdgeCommand, sender: str) -> EdgeOperation:
     """Returns the operation of a command; raises WrongCommand.
 
-    sender -- name of the node that sent it. Sender, sequence number and stamp tell whether a
-              message came before; this needs a stamp.
+    sender -- name of the node that sent the command. A repeated command has the same sender,
+              sequence number and stamp. Without a stamp a repetition is not recognised.
     """
     try:
         action = EdgeAction(message.command)

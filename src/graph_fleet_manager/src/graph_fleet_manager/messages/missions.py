@@ -104,9 +104,9 @@ def person_of(text: str) -> str:
 
 
 def caller_of(request: Any) -> str:
-    """Returns the person or program that calls a service, if the request has no field for it.
+    """Returns the caller of a service whose request has no field for the caller.
 
-    The header of the connection names the person (`requested_by`); without that, it names the node.
+    The connection's header has the person (`requested_by`), or at least the name of the node.
     """
     header: Dict[str, str] = getattr(request, '_connection_header', None) or {}
     return person_of(header.get('requested_by') or header.get('callerid', ''))
@@ -221,7 +221,7 @@ def state_message(robots: Iterable[RobotView], resources: Iterable[ResourceView]
     """Returns the state of the fleet, its robots, resources and machines as a message; `now`: its
     stamp.
 
-    software -- of the robots that report theirs, by name of the robot
+    software -- name and version of each robot's software, by robot, if the robot reports them
     rate     -- factor by which simulated robots are faster than the clock
     """
     message = msg.FleetState(stop=stop_message(stop), resources=resource_messages(resources),

@@ -238,7 +238,7 @@ def _drives_message(drives: Sequence[PlannedDrive], rate: float) -> msg.PlannedD
 
 
 def _fault_of(drives: msg.PlannedDrives) -> str:
-    """Returns the fault in a message of drives, as an object of `has`; empty: there is none."""
+    """Returns the fault in a message of drives, as words after `has`; empty: there is none."""
     edges, starts, ends = map(len, (drives.edges, drives.starts, drives.ends))
     if not edges == starts == ends:
         return f'{edges} edges, {starts} starts and {ends} ends; their numbers must be equal'

@@ -70,7 +70,7 @@ def _step_message(step: WorkStep) -> msg.MissionStep:
 
 
 def dependencies_of(messages: Iterable[msg.MissionDependency]) -> Tuple[Dependency, ...]:
-    """Returns the missions that must end first. Raises WrongStopMessage."""
+    """Returns the missions that must end before this mission begins. Raises WrongStopMessage."""
     try:
         return tuple(Dependency(one.request_id, Until(one.until)) for one in messages)
     except ValueError as error:

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from enum import IntEnum
 from typing import List, Mapping
 
-CLOCK_NOTED = 0.2  # s of difference; from here on it affects the age limits of reports
+CLOCK_NOTED = 0.2  # s; a larger difference affects the age limits of reports
 CLOCK_WRONG = 1.0  # s that a route's stamp may be ahead of the robot's clock, see route protocol
 
 

@@ -52,7 +52,7 @@ class NetworkChecks:
         self._nodes: Optional[Dict[str, str]] = None
 
     def run(self) -> Iterator[Checked]:
-        """Yields the findings one by one. If the host has no address, there is no other check."""
+        """Yields the findings one by one. If the host has no address, no further check is made."""
         name = self._check_name()
         yield name
         if name.level is Grade.WRONG:
@@ -236,8 +236,7 @@ def is_own_address(address: str) -> bool:
 
 
 def calls_back(master: MasterApi, address: str) -> bool:
-    """Returns whether a master reaches a server here at `address`, as it would to report
-    publishers.
+    """Returns whether a master reaches a server here at `address`. It reports publishers this way.
 
     For a moment, a publisher and a subscriber of a new topic are registered at the master. Raises
     NoAnswer, and OSError if no server can listen at the address.

@@ -43,7 +43,7 @@ from route_protocol.vehicle import draw_epoch, milliseconds
 from trajectory_graph import Graph, GraphError, load_graph
 
 DRIVER = 'agv'  # of the robots that this node drives
-PACKAGE = 'graph_fleet_manager'  # its version is the one of the AGVs' software
+PACKAGE = 'graph_fleet_manager'  # its version is reported as the version of the AGVs' software
 TICK = 0.05     # s
 _NAME = re.compile(r'[A-Za-z]\w*\Z', re.ASCII)
 

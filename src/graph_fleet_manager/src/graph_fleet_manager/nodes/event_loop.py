@@ -8,7 +8,7 @@ with these exceptions:
 - When no request is left, a tick is due at once.
 - Before a command, the waiting requests for its mission are handled.
 
-The senders of requests and commands do not repeat them. So they wait until there is a supervisor.
+Requests and commands wait until there is a supervisor, because their senders do not repeat them.
 
 While the whole process is halted, reports collect in its sockets. Therefore the next tick, which
 looks for robots that do not report, is delayed: callbacks can take these reports first.
@@ -31,8 +31,8 @@ from graph_fleet_manager.nodes.turns import TurnKind, Turns, Waiting
 
 STALL = 1.0       # s between two looks at the clock; if more pass, the process was halted
 RECOVERY = 0.25   # s that callbacks then have to take the reports that came meanwhile
-BATCH = 100       # requests in one commit at most, so that urgent events wait for no more
-_WAITING = 10000  # events, and requests, that wait at most; beyond that callbacks block
+BATCH = 100       # requests in one commit at most; an urgent event waits for one commit
+_WAITING = 10000  # events that may wait, and requests that may wait; then callbacks block
 _TOO_EARLY = f'the fleet manager has not started yet, and {MOST_OPEN} already wait for it'
 
 Event = Callable[[Optional[Supervisor], float], Sequence[Action]]
@@ -177,7 +177,7 @@ class SupervisorEvents:
             self._is_ready = False
 
     def hurry(self, due: Optional[float]) -> None:
-        """Moves the next tick forward to `due` if it is earlier; None changes nothing."""
+        """Makes the next tick due at `due`, unless it is due earlier; None changes nothing."""
         self._turns.hurry(due)
 
     def next_event(self) -> Event:

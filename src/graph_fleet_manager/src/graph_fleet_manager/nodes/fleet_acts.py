@@ -47,7 +47,8 @@ class FleetActs:
     def mission_said(self, status: MissionStatus) -> None:
         """Notes whether a step of a mission waits for an answer.
 
-        A step that only waits until a person or a program has done it cannot be repeated.
+        A step that waits until a person or a program has done it cannot be repeated, so RETRY is
+        not offered for it.
         """
         if not status.asks or not MissionState(status.state).is_open:
             self._asking.pop(status.request_id, None)

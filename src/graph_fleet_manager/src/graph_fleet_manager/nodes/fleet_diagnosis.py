@@ -19,7 +19,7 @@ def report_fleet(view: Optional[FleetView], trouble: str,
     """Fills in the state of every robot. Without a supervisor there is no view.
 
     - ERROR while the journal cannot be written, a robot is in a door that is not open for it, or
-      `trouble`, a clause, keeps the supervisor from its start.
+      `trouble` (a clause) prevents the start of the supervisor.
     - WARN while there is no graph or no plan, the fleet is stopped, or a robot cannot work or has
       no path.
     """

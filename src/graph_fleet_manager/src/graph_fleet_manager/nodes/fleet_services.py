@@ -61,7 +61,7 @@ Done = Union[str, Callable[[Supervisor], str]]
 class FleetServices:
     """Offers the services. Each call queues an event and answers with its result.
 
-    gate       -- the stop gate, through which each route passes; a stop closes it before all else
+    gate       -- the stop gate, through which each route passes; a stop closes it at once
     stop_early -- stops all robots while there is no supervisor; returns a warning and actions
     past       -- sends a stop from any thread, even if the supervisor hangs
     """
@@ -151,7 +151,7 @@ class FleetServices:
                                      'manager hangs: look at its disk and its log.')
 
     def _resume(self, request: TriggerRequest) -> TriggerResponse:
-        """Releases the fleet stop, unless the fleet is stopped once more before that."""
+        """Ends the fleet stop, unless a further stop of the fleet is requested before that."""
         ticket = self._gate.ticket
 
         def resume(supervisor: Supervisor, now: float) -> Tuple[str, Sequence[Action]]:
@@ -177,7 +177,7 @@ class FleetServices:
         return self._found(find)
 
     def _explanation(self, request: ExplainMissionRequest) -> ExplainMissionResponse:
-        """Returns what an open mission waits for. Raises ServiceException if it cannot be said."""
+        """Returns what an open mission waits for. Raises ServiceException without an answer."""
         def find(supervisor: Supervisor, now: float) -> ExplainMissionResponse:
             mission = supervisor.book.find(request.request_id)
             if mission is None or not mission.state.is_open:
@@ -188,7 +188,7 @@ class FleetServices:
     def _found(self, find: Callable[[Supervisor, float], _Found]) -> _Found:
         """Returns what `find` returns in the supervisor's thread.
 
-        Raises ServiceException if the journal cannot be read now.
+        Raises ServiceException if the journal cannot be read now, or if there is no answer.
         """
         found: List[_Found] = []
 
@@ -215,9 +215,10 @@ class FleetServices:
                 lasts: bool = False) -> Optional[TriggerResponse]:
         """Returns the answer of a call; None if the call did not begin within `patience` (s).
 
-        A call that did not begin within that time is given up: if a person was told that robots do
-        not go on, they must not go on later. A call that `lasts` stops robots. It is urgent, and
-        it is still carried out after that time.
+        Such a call is then given up: after a person was told that robots do not go on, the robots
+        must not go on later.
+
+        lasts -- the call stops robots: it is urgent, and is carried out even after `patience`
         """
         answer: queue.Queue[TriggerResponse] = queue.Queue(1)
         turn = threading.Lock()  # acquired once: by the call, or to give the call up

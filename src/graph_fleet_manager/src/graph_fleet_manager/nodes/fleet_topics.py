@@ -51,7 +51,8 @@ PublishStatuses = Callable[[MissionStatus], None]
 class FleetTopics:
     """The publishers of path_supervisor.
 
-    There is an attribute for each topic. Others keep the parts that a repeated message must repeat.
+    There is an attribute for each topic. Other attributes keep the parts that must stay the same if
+    a message is repeated.
 
     rate        -- factor by which simulated robots are faster than the clock
     improvement -- s in which the planner improves a plan
@@ -91,7 +92,7 @@ class FleetTopics:
         self._device_steps: Dict[str, rospy.Publisher] = {}
 
     def begin_devices(self, devices: Iterable[str]) -> None:
-        """Offers step commands for these devices, and stops to offer them for all others."""
+        """Advertises step commands for these devices only; topics of earlier devices end."""
         before, self._device_steps = self._device_steps, {}
         for name in devices:
             self._device_steps[name] = before.pop(name, None) or rospy.Publisher(
@@ -116,7 +117,7 @@ class FleetTopics:
                 (rospy.logwarn if action.is_warning else rospy.loginfo)('%s', action.text)
 
     def _send(self, action: SendRoute) -> None:
-        """Sends a route, unless a stop came before. A repeated route keeps its first stamp."""
+        """Sends a route if the stop gate lets it pass. A repeated route keeps its first stamp."""
         if not action.repeated or action.robot not in self._route_stamps:
             self._route_stamps[action.robot] = rospy.Time.now()
         message = messages.route_message(action.order, self._route_stamps[action.robot],

@@ -1,4 +1,4 @@
-"""path_planner: plans paths for all robots that have no conflicts, even if robots are late.
+"""path_planner: plans the paths of all robots, without conflicts even if robots are late.
 
 It answers one request at a time, and between requests it keeps only the graph. It can be ended at
 any time: its client continues. Requests and answers: docs/reference/path_planner.md.

@@ -13,7 +13,7 @@ Subscribes
     /devices/<device>/step_states (StepStates), for each machine of the work file
     /device_states (itrci_nav_msgs/DeviceState), of fleet_devices
 Publishes
-    /mission_status (itrci_nav_msgs/MissionStatus); a new subscriber gets those of open missions
+    /mission_status (itrci_nav_msgs/MissionStatus); a new subscriber gets all open missions
     /fleet_state (itrci_nav_msgs/FleetState), /fleet_plan (FleetPlan), both latched
     /mission_templates (itrci_nav_msgs/MissionTemplates), /timetables (Timetables), latched: the
     templates and the timetables of the work file
@@ -241,9 +241,9 @@ class PathSupervisor:
     def _begin(self, now: float) -> Sequence[Action]:
         """Begins to supervise if that is due and there are a graph, closed edges and a journal.
 
-        A new graph has the same effect as a restart: the old supervisor ends, so that nothing is
-        granted by the old graph, and a new one begins from the journal. graph_server has checked
-        that the new graph contains the routes of all robots.
+        A new graph has the same effect as a restart: the old supervisor ends, and a new one begins
+        from the journal. So nothing is granted according to the old graph. graph_server has
+        checked that the new graph contains the routes of all robots.
         """
         self._file.open(now)
         journal = self._file.journal
@@ -336,7 +336,7 @@ class PathSupervisor:
                 f'/devices/{device}/step_states')
 
     def _listen_to_devices(self, devices: Iterable[str]) -> None:
-        """Subscribes to the steps of these devices only. Latched reports then come once more."""
+        """Subscribes to the steps of these devices only, and so receives latched reports again."""
         for subscriber in self._device_subscribers:
             subscriber.unregister()
         self._device_subscribers = [

@@ -4,13 +4,13 @@
 |------------|-----------------------------------------------------------------------------------|
 | a stop     | at once                                                                           |
 | a command  | before reports                                                                    |
-| a tick     | when it is due, no command waits, and no report waits from before it was due;     |
-|            | at the latest LATEST after it was due, even if other events wait                  |
+| a tick     | when it is due, and no command waits, and no report that arrived before that time |
+|            | waits; at the latest LATEST after that time, even if other events wait            |
 | a report   | when no command waits                                                             |
 | requests   | when nothing else waits, and once before each tick                                |
 
-So a tick is late by at most LATEST, one event and one turn of requests, under any load. LATEST
-counts from the end of the last tick. So ticks that take long do not keep other events waiting.
+So under any load, a tick is late by at most LATEST and the time of one event and one turn of
+requests. LATEST counts from the end of the last tick, so slow ticks do not stop other events.
 """
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from enum import Enum
 from typing import NamedTuple, Optional
 
 TICK = 0.05    # s between two ticks
-LATEST = 0.2   # s for which commands and reports may keep away a tick that is due
+LATEST = 0.2   # s for which commands and reports may delay a tick that is due
 
 
 class TurnKind(Enum):
@@ -55,7 +55,7 @@ class Turns:
         self._had_turn = False  # whether requests had a turn since the last tick
 
     def hurry(self, due: Optional[float]) -> None:
-        """Moves the next tick forward to `due` if it is earlier; None changes nothing."""
+        """Makes the next tick due at `due`, unless it is due earlier; None changes nothing."""
         if due is not None:
             self.due = min(self.due, due)
 
@@ -65,7 +65,7 @@ class Turns:
         self._free = max(self._free, due)
 
     def next(self, waiting: Waiting, now: float) -> Optional[TurnKind]:
-        """Returns whose turn it is; None: no event has its turn before the next tick is due."""
+        """Returns the kind of event that is next; None: no event is taken before the next tick."""
         if self._due_since is None and now >= self.due:
             self._due_since = now
         since = self._due_since
@@ -89,5 +89,5 @@ class Turns:
         return TurnKind.TICK
 
     def ended(self, now: float) -> None:
-        """Notes that the event that was taken last, a tick, has ended."""
+        """Notes that the tick that was taken last has ended."""
         self._free = now

@@ -1,4 +1,4 @@
-"""The colours of stations, devices, machines and loads in RViz, as on the fleet page when dark."""
+"""The colours of stations, devices, machines and loads in RViz: those of the dark fleet page."""
 from __future__ import annotations
 
 from typing import Mapping

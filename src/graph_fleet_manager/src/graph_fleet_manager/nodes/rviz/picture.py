@@ -8,7 +8,7 @@ from visualization_msgs.msg import Marker, MarkerArray
 
 
 class Picture:
-    """One topic of markers. Each message has all markers, because a late viewer has missed others.
+    """One topic of markers. Each message has all markers, so that a late viewer sees all of them.
 
     RViz updates a marker that it already shows. A marker that is not shown any more is deleted by
     its name. All markers are deleted (DELETEALL) only if an earlier node may have left some.

@@ -92,7 +92,7 @@ def _rings(graph: Graph, resources: Iterable[FleetResource],
 
 def _resource(graph: Graph, number: int, one: FleetResource, words: List[Words],
               squares: Container[int]) -> Marker:
-    """Draws a resource. At vertices in `squares` there is a machine: words stay off its square."""
+    """Draws a resource. Each vertex in `squares` has the square of a machine, free of words."""
     paint = PAINTS[look_of(one)]
     curves = [graph.curve(edge) for edge in one.edges if edge in graph.edges]
     places = [graph.vertices[id].position for id in one.vertices if id in graph.vertices]
