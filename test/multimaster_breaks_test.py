@@ -21,7 +21,7 @@ from system_support import run_cases, wait_until
 
 SIM_SPEED = 4.0
 BREAKS = int(os.environ.get('MULTIMASTER_BREAKS', 50))
-DEATHS = BREAKS // 12  # deaths of each side, and of both at once; all other breaks only cut the link
+DEATHS = BREAKS // 12  # of each side, and of both at once; other breaks only cut the link
 MISSION = [18, 39, 52, 6, 16]
 # m by which the same mission can differ, because the robot does not stop exactly at turning points
 METRES = 2.0
