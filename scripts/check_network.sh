@@ -2,7 +2,7 @@
 # Checks whether the ROS masters of this computer and another one can be joined: names, ports, ROS_IP, connections between
 # both masters, message definitions, clocks. For each problem it says what to do. See docs/how-to/multimaster.md.
 #
-#   scripts/check_network.sh HOST      run it in the shell that starts this side's launch; the other side should run, too
+#   scripts/check_network.sh HOST      run it in the shell that starts this side's launch; the other side must run
 #
 # Exit status 0: no problem found; 2: a problem found; 1: wrong input. Options: --master-port N, --discovery-port N.
 set -euo pipefail

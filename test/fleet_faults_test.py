@@ -96,8 +96,7 @@ class FleetFaults(unittest.TestCase):
                    f'{name} on its way')
 
     def bring_in(self, name: str) -> None:
-        """Does the same as `fleet in`, again and again: it is refused until the robot has stood for
-        some time.
+        """Repeats the call of `fleet in`, which is refused until the robot has stood for some time.
         """
         service = f'/{name}/join_fleet'
         rospy.wait_for_service(service, 30)

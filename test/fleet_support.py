@@ -236,7 +236,8 @@ class Factory:
 
     def run_until(self, condition: Callable[[], bool], timeout: float, what: str,
                   missions: Sequence[int] = ()) -> int:
-        """Waits, and checks the distances between robots. Returns the number of checks."""
+        """Waits for a condition, and checks the distances between robots. Returns how often it did.
+        """
         looks, deadline = 0, time.monotonic() + timeout
         while not condition():
             assert time.monotonic() < deadline, (

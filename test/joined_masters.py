@@ -101,7 +101,7 @@ class Computer:
                 stderr=subprocess.STDOUT))
 
     def kill(self) -> None:
-        """Kills everything at once, like a power failure."""
+        """Kills all programs of the computer at once, like a power failure."""
         processes = self._processes
         self._processes = []
         family = family_of([process.pid for process in processes])

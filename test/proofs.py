@@ -35,7 +35,7 @@ PROVES = os.environ.get('HYPOTHESIS_PROFILE') != 'compatibility'
 
 
 class Proof(NamedTuple):
-    """The data in a test's report about the proof to which the test belongs.
+    """The data about a proof, in the report of each of its tests.
 
     file  -- path below the root
     tests -- number of tests in the file; 0: pytest was asked to run only some of them

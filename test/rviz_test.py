@@ -254,7 +254,7 @@ class RvizTest(RvizTestCase):
         self.assertEqual(['dock', 'undock'], self.sent())
 
     def test_09_the_menu_of_the_dock_docks(self):
-        # away from the dock, where the robot's handle is above the dock's handle
+        # drives away from the dock, where the robot's handle would be above the dock's handle
         self.window.tool('c')
         self.window.click(self.at('1'))
         self.robot_says('Arrived at 1')

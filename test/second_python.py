@@ -64,7 +64,7 @@ def _is_selection(config: pytest.Config) -> bool:
 
 @pytest.hookimpl(trylast=True)  # after tests that do not run there at all were deselected
 def pytest_collection_modifyitems(config: pytest.Config, items: List[pytest.Item]) -> None:
-    """Leaves out files if nothing that they read has changed since they passed."""
+    """Leaves out each file of tests that passed with the present contents of all that it reads."""
     if PROVES or LONG or _is_selection(config):
         return
     always = {_name(item) for item in items if item.get_closest_marker('every_python')}

@@ -168,7 +168,7 @@ def compared(anywhere: bool) -> Callable[[], Iterator[Row]]:
 
 
 def own(base: RoadNetwork, instance: Instance) -> rivals.Judged:
-    """Returns our first plan within a second, after the checker has judged it."""
+    """Makes our first plan, within a second. Returns the checker's judgement of it."""
     planner = FleetPlanner(base.with_closed(()), CLEARANCE, [AGV])
     planner.prepare()
     begun = time.monotonic()

@@ -97,8 +97,8 @@ class Commits:
             time.sleep(0.25)
 
     def _read_log(self) -> None:
-        """Reads the log. A frame that ends a commit contains the size of the database; any other
-        frame contains 0 there.
+        """Reads the log. The second number of a frame is the size of the database if the frame ends
+        a commit; otherwise it is 0.
         """
         with self._log.open('rb') as log:
             header = log.read(32)

@@ -162,7 +162,7 @@ class Soak:
         return {'stops': stops, **({'robot_type': 'agv'} if len(steps) > 1 else {})}
 
     def _answer(self) -> None:
-        """Lets a person look at the press, and answers for each step that waits for an answer."""
+        """Plays a person: looks at the press, and answers each step that waits for an answer."""
         while not self._over.wait(1.0):
             with self._lock:
                 asking = dict(self.fleet.asking)

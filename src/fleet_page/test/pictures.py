@@ -1,4 +1,5 @@
-"""Makes pictures of the page at four sizes, with 1, 8 and 60 robots, with troubles and stopped.
+"""Makes pictures of the page at four sizes: with 1, 8 and 60 robots, with and without troubles,
+with a stopped fleet and with a fleet that drives.
 
     pictures.py FOLDER [WORD...]    with words: only pictures with one of them in their names
 """

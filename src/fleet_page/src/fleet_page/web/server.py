@@ -142,7 +142,7 @@ class WebServer:
 
     async def _stream(self, request: web.Request, answer: web.StreamResponse, seen: int,
                       layers: ShownLayers) -> None:
-        """Sends the newest state until the door ends the connection, as at a session's end."""
+        """Sends the newest state until the door ends the connection, e.g. with the session."""
         live, told = self._page.model.live, time.monotonic()
         while not self._closing and request.transport is not None:
             now = time.monotonic()

@@ -2,7 +2,7 @@
 
     check_network HOST [--master-port N] [--discovery-port N]
 
-Run it in the shell from which the nodes of this side are started, while the other side runs.
+Run it in the shell from which the nodes of this side are started. The other side must run.
 It prints one line for each check, with advice. Exit status 0: no fault was found; 2: a check
 failed; 1: wrong input.
 """

@@ -64,7 +64,7 @@ def request_message(request: PlanRequest, plan_id: int, stamp: genpy.Time,
                     graph_stamp: genpy.Time, rate: float = 1.0) -> msg.PlanRequest:
     """Returns a request as a message, without the learned times: messages.edge_times adds them.
 
-    stamp -- time at which the robots are where the tasks say
+    stamp -- time at which the robots are at the places that the tasks name
     """
     message = msg.PlanRequest(
         plan_id=plan_id, graph_stamp=graph_stamp, time_limit=request.time_limit,

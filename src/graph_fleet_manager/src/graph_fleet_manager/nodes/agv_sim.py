@@ -70,7 +70,7 @@ class AgvSim:
         self._thread.start()
 
     def close(self) -> None:
-        """Ends the simulation thread before its topics close."""
+        """Ends the simulation thread before the topics close."""
         self._ending.set()
         self._thread.join(1.0)
 

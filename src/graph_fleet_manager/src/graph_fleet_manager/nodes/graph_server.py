@@ -163,7 +163,7 @@ class GraphServer:
         start_worker('survey', partial(self._survey, graph, self._stamp))
 
     def _survey(self, graph: Graph, stamp: rospy.Time) -> None:
-        """Surveys a graph, and publishes the results if the graph is still in force then."""
+        """Surveys a graph. Publishes the results if the graph is still in force after that."""
         with suppress(PermissionError):  # hardened services may not change a priority
             os.setpriority(os.PRIO_PROCESS, threading.get_native_id(), _SURVEY_NICENESS)
         network = RoadNetwork(graph, (), self._fleet.dock_approach)

@@ -25,7 +25,7 @@ EDGE_PAINT = drawing.colour(0.7, 0.7, 0.75, 0.25)
 ROBOT_PAINT = drawing.colour(1.0, 1.0, 1.0, 0.05)
 STOP_PAINT, RESUME_PAINT = drawing.colour(0.85, 0.1, 0.1), drawing.colour(0.15, 0.55, 0.25)
 BUTTON = (2.6, 0.8)  # m
-MOVED = 0.02         # m: a handle follows when its robot has moved as far as this
+MOVED = 0.02         # m; a handle follows its robot in steps of at least this length
 BUTTON_ABOVE = 2.4  # m from the graph to the buttons above it
 
 
