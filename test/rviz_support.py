@@ -246,7 +246,7 @@ class RvizWindow:
         return self._screen.picture()
 
     def picture(self, name: str) -> Image.Image:
-        """Returns the same picture, and saves it among the artefacts as `name`.png."""
+        """Returns a picture of the screen now, and saves it among the artefacts as `name`.png."""
         picture = self.screen()
         picture.save(os.path.join(self._artefacts, f'{name}.png'))
         return picture

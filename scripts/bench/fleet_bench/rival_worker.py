@@ -43,7 +43,7 @@ def w9_solver(name: str, edges: Edges, limit: float) -> Solver:
     """Returns HCA* or CBS of w9-pathfinding, in C++: a vertex and an edge have one robot each."""
     from w9_pathfinding.envs import Graph
     from w9_pathfinding.mapf import CBS, HCAStar
-    # in an undirected graph, w9 would let robots swap
+    # on an undirected graph w9 would let robots swap, so each edge becomes two directed edges
     both_ways = [*edges, *(edge[::-1] for edge in edges)]
     graph = Graph(max(map(max, edges)) + 1, edges=both_ways, edge_collision=True)
     longest = {'max_length': float(len(edges))}
