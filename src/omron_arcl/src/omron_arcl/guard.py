@@ -1,4 +1,4 @@
-"""Decides which commands may be sent to the robot, and which of them it may not understand."""
+"""Decides which commands may be sent to the robot, and which of these the robot might not know."""
 from __future__ import annotations
 
 from typing import FrozenSet, Iterable, Optional
