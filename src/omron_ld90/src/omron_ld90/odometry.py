@@ -19,7 +19,7 @@ MAX_GAP = 2.0  # s between two locations; a longer gap gives no velocity
 #: change from one location to the next, including the rounding to 1 mm and 1 degree.
 POSITION_SIGMA, HEADING_SIGMA = 0.05, math.radians(1.0)
 STEP_SIGMA, TURN_SIGMA = 0.005, math.radians(0.5)
-SIDEWAYS = 0.1  # m of sideways motion that errors of the locations may pretend
+SIDEWAYS = 0.1  # m of apparent sideways motion that errors of the locations may cause
 TURN_ACCELERATION = math.radians(180.0)  # rad/s2
 
 

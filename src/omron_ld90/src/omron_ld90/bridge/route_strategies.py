@@ -73,7 +73,7 @@ def direct(context: StrategyContext) -> int:
 
 
 def rolling(context: StrategyContext) -> int:
-    """Sends the next goal before the robot brakes, if its path to it passes the present goal."""
+    """Sends the next goal before the robot brakes, if its path there passes the present goal."""
     progress = context.progress
     first = (progress.current if context.target is None or context.target_is_behind
              else context.target)

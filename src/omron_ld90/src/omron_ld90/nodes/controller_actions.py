@@ -12,7 +12,7 @@ before it in the robot.
 
 Locks: actionlib calls `_on_goal` and `_on_cancel` while it holds its own lock, and takes this lock
 in every method of a goal handle. So this module holds no lock of its own while it uses a handle.
-The robot's thread uses no handle: a `CallQueue` makes these calls.
+The robot's thread uses no handle: a `CallQueue` calls the handles instead.
 """
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ class GoalRefused(Exception):
 
 
 class NeverSent(GoalRefused):
-    """A goal was not carried out because of its time; the text says why."""
+    """A goal was not carried out because it was too old; the text says why."""
 
 
 class _Goal:

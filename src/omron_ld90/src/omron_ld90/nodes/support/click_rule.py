@@ -1,4 +1,4 @@
-"""Decides whether a click in RViz may move the robot. While a fleet drives it, it may not."""
+"""Decides whether a click in RViz may move the robot: no click may while a fleet drives it."""
 from __future__ import annotations
 
 import threading
