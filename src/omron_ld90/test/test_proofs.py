@@ -1,4 +1,4 @@
-"""A proof runs whole if a file that it reads has changed since it passed, and with --long.
+"""A proof runs whole if a file that it reads has changed since its last success, and with --long.
 
 Under a second Python version, tests run again if something that they read has changed.
 """
@@ -61,7 +61,7 @@ class Workspace:
         return 'whole' if is_whole else 'default'
 
     def runs_under_the_second_python(self, *options: str, **environment: str) -> bool:
-        """Runs the tests under the second Python. Returns whether they were not left out."""
+        """Runs the tests under the second Python. Returns False if they were left out."""
         told = self.run(*options, HYPOTHESIS_PROFILE='compatibility', **environment)
         is_left_out = '1 files of tests were not repeated' in told
         assert is_left_out == ('default\n' not in told), told

@@ -47,7 +47,7 @@ class DelayedDrive:
     """A route on which a person may stop the robot.
 
     passed -- drives of the route that the bridge gave, or that the controller let through, although
-        it knew of the person's stop
+        this program knew of the person's stop
     crossed -- whether a drive reached the robot after a person had stopped it with another client:
         the drive was already on its way, so that nobody could hold it back
     """
@@ -158,7 +158,7 @@ class DelayedDrive:
         self._give_for_person(f'goto {min({4, 6} - ends)}')
 
     def _give_for_person(self, command: str) -> None:
-        """Sends a person's command. Without a link a drive fails; a stop is owed."""
+        """Sends a person's command. Without a link, a drive fails, and a stop becomes owed."""
         try:
             self._controller.give(command, PERSON, 0, lambda result: None)
         except NotConnected:

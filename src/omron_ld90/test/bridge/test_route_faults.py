@@ -54,7 +54,9 @@ def test_an_emergency_stop_fails_the_route_before_its_drive_ends():
     assert_failed(bench, 'emergency stop')
 
 class TestWhatSomebodyElseDoes:
-    """Another giver takes over at once. That the robot obeys a stop is up to the controller."""
+    """Another giver takes over at once. The controller, not the bridge, ensures that a stop is
+    obeyed.
+    """
 
     @pytest.mark.parametrize('command', ['stop', 'goto 3'])
     def test_ends_the_route_and_nothing_more_is_given(self, command):
