@@ -40,7 +40,7 @@ class DriveCourse(Enum):
 _NEVER_MOVE = ('listStart', 'listAdd', 'queueCancelLocal', 'queueModifyLocal', 'stay',
                'applicationBlockDrivingSet')
 
-Predicate = Callable[['Command', Reply], bool]  # whether the reply is one that the command awaits
+Predicate = Callable[['Command', Reply], bool]  # whether the command awaits this reply
 
 
 @dataclass(frozen=True)

@@ -11,8 +11,8 @@ table which command a line of the robot is about, and reports the events to this
 A newer drive, stop or event replaces older records. A replaced record is dropped: nothing is
 derived from it any more. But if its command is still under way for its giver, the record is kept
 aside until the command ends. An open record is never dropped to save room. Instead, while the robot
-has MOST_OPEN drives to carry out or to answer, a further drive is refused. Of the owed stops
-between two drives, the newest may replace the others: its record then says what becomes of them.
+has MOST_OPEN drives to carry out or to answer, a further drive is refused. If several stops are
+owed between two drives, the newest may replace the others; its record then has their common fate.
 
 A drive has a fate. An event (`Event`) changes it as follows:
 
@@ -190,7 +190,7 @@ _STATES = {
     ActivityKind.UNKNOWN: MotionState.UNKNOWN, ActivityKind.STOPPING: MotionState.STOPPING,
     ActivityKind.DOCKING: MotionState.DOCKING, ActivityKind.DOCKED: MotionState.DOCKED,
     ActivityKind.UNDOCKING: MotionState.UNDOCKING, ActivityKind.TELEOPERATED: MotionState.MANUAL}
-# A robot that shows one of these ended its drive by itself. If not, another client ended the drive.
+# Activities of a robot that ended its drive by itself. In others, another client ended the drive.
 _GAVE_UP = (ActivityKind.FAILED, ActivityKind.LOST, ActivityKind.MOTORS_DISABLED)
 _NEVER_OURS = (ActivityKind.TELEOPERATED, ActivityKind.PARKING)
 # These motions name no goal, so any drive may be the cause; see `_is_to_be_stopped`.
@@ -675,7 +675,7 @@ class Drives:
         self.heard.begins_to_stop(whose)
         if whose is not StopOf.OTHERS:
             return
-        # a drive about which the robot has said nothing may reach it after the other client's stop
+        # a drive may be on its way, and may reach the robot after the other client's stop
         crosses = any(r.pending and self._is_unread(r) for r in self._records)
         self._foreign(MotionCause.OTHER_CLIENT, False, _STOPPED_BY_OTHERS)
         if crosses:
@@ -816,7 +816,7 @@ class Drives:
             self._stop_if_cancelled(record)
 
     def driven_by_others(self, cause: MotionCause, activity: Activity, text: str) -> None:
-        """Notes that the robot begins a motion that no program here asked for."""
+        """Notes that the robot begins a motion that no command of ours requested."""
         self._foreign(cause, True, text, activity)
 
     def showed(self, activity: Activity, text: str, asked: Optional[int] = None) -> None:
@@ -940,7 +940,7 @@ class Drives:
     def _is_stopped(self, before: Activity, activity: Activity) -> bool:
         """Returns whether the robot now shows a stop that it would not make by itself.
 
-        Before, it was at our goal, or on its way to a place for another client.
+        Before this stop, the robot was at our goal, or drove to a place for another client.
         """
         ruling, goal = self._memory.ruling, before.goal.casefold()
         at_our_goal = (before.kind is ActivityKind.ARRIVED_AT_GOAL and self._memory.drives
@@ -1027,7 +1027,7 @@ class Drives:
         """Counts the unanswered stops when the robot answers a drive.
 
         The robot answers in the order of sending: the stops before the drive are answered, and
-        those after it are not.
+        the stops after the drive are not.
         """
         self.heard.stops_left(sum(
             r.kind is RecordKind.STOP and r.number > drive.number

@@ -34,7 +34,7 @@ _FIELDS: Dict[Type[Reply], Tuple[str, Callable[[Any], Any]]] = {
 
 
 def ignored_fields(reply: Reply) -> Tuple[str, ...]:
-    """Returns the status fields of a line whose values are impossible, as they were sent."""
+    """Returns the fields of a status line that have impossible values, as they were sent."""
     if isinstance(reply, OneLineStatus):
         return reply.ignored
     if isinstance(reply, UnknownLine) and reply.text.lower().partition(':')[0] in STATUS_FIELDS:

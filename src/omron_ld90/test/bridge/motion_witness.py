@@ -542,8 +542,8 @@ class Witness(DelayedDrive):
     def _hear_status(self) -> None:
         """Notes what another client did during an outage, if the status shows it.
 
-        The status shows this if the robot neither carries out a drive of ours nor stands as we
-        stopped it, and if no command was given since.
+        The status shows this if the robot carries out no drive of ours, does not stand because of
+        our stop, and was given no command since.
         """
         before, self._unheard, status = self._unheard, None, self.robot.status
         last = self._last_word()
@@ -705,7 +705,7 @@ class Witness(DelayedDrive):
             self.broken.append(f'{self.now:.1f} the robot carries out a cancelled drive')
 
     def _came_later(self, known: Word, drives: int) -> bool:
-        """Returns whether a giver drives of which the bridge did not know when it gave its stop.
+        """Returns whether a drive was given that the bridge did not know of when it gave its stop.
 
         Successive drives of one giver are one word, but the later one may have begun an epoch.
         Therefore the drives of others are also counted.

@@ -17,8 +17,8 @@ the fate: it contains the number and the fate of our last command that the contr
     | lost; `motion` has NOT_OBEYED     | the drive is given again: the robot does not carry it out|
     | lost; COMPLETED or FAILED         | this is how the drive has ended                          |
     | lost; any other fate              | `motion` will show the end                               |
-    | of a stop whose number `motion`   | the controller has the stop, and sends it until the      |
-    | has shown                         | robot obeys                                              |
+    | any answer to a stop whose number | the controller has the stop, and sends it until the      |
+    | `motion` has shown                | robot obeys                                              |
 
 If another giver has acted, its epoch ends the route before any command is given again
 (`RobotMonitor`).

@@ -7,7 +7,7 @@ and in when they send the next goal:
 |--------------------|--------------------------------------------------|-------------------------|
 | `vertex_by_vertex` | one vertex                                       | once the robot stops    |
 | `direct`           | as far as the robot's own path follows the route | once the robot stops    |
-| `rolling`          | the same, but only as far as braking requires    | before the robot brakes |
+| `rolling`          | as `direct`, but only as far as braking requires | before the robot brakes |
 | `native`           | to the next dock or the end, naming every vertex | once the robot stops    |
 """
 from __future__ import annotations

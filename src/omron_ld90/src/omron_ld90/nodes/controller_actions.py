@@ -5,8 +5,8 @@ The states of a goal at its end:
 - PREEMPTED: the command was cancelled, or replaced by another command.
 - ABORTED: the command ended in another way; the text says how.
 - REJECTED: the command was never sent.
-If a giver gives the command again that the robot obeys already, the new goal takes over the drive:
-the robot is not interrupted, and the earlier goal becomes PREEMPTED.
+If a giver repeats the command that the robot obeys already, the new goal takes over the drive: the
+robot is not interrupted, and the earlier goal becomes PREEMPTED.
 Several queries may be under way at the same time. A driving command replaces the driving command
 before it in the robot.
 
