@@ -886,7 +886,7 @@ class TestTwoGivers:
             bench.drive(ROUTE, 'goto 14', known_epoch=bench.epoch)
 
     def test_the_drive_under_way_is_known_after_a_refused_newer_one(self, bench):
-        """Once, after such a refusal, a drive without a goal's name counted as another client's."""
+        """Once, after a refused command, a drive to no named goal counted as another client's."""
         bench.drive(ROUTE, 'gotoPoint 1000 0 0')
         bench.robot('Going to point')
         known = bench.epoch

@@ -51,7 +51,7 @@ def test_a_drive_that_nobody_here_gave_is_told_so_whatever_its_name(bench):
 
 
 class TestAMotionWithoutAName:
-    """Once, a person used another client to drive to a point, and the fleet drove the robot on."""
+    """Once, a person drove the robot to a point with another client; the fleet drove it on."""
 
     @pytest.mark.parametrize('how', ['lost link', 'restart'])
     @pytest.mark.parametrize('shown', [*ELSEWHERE, 'Parking', UNDOCKING])

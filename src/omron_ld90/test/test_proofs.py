@@ -182,7 +182,8 @@ def test_under_a_second_python_what_looks_at_the_whole_workspace_always_runs(tes
 @pytest.mark.parametrize('name', ['fleet_simulation/test/test_guards.py',
                                   'fleet_core/test/interlocking/test_yard.py'])
 def test_all_that_is_loaded_with_a_proof_is_read_by_it(name, tmp_path):
-    """A process imports the proof. Each file of the workspace that it has loaded is read by it."""
+    """A process imports a proof. `read_by` names each workspace file that the process has loaded.
+    """
     (tmp_path / 'loaded.py').write_text('''
 import sys
 from pathlib import Path

@@ -258,7 +258,7 @@ Scope = Callable[[CommandQueue], Sequence[Execution]]
 
 
 def _first(scope: Scope, fits: Callable[[Execution, Any], object]) -> Find:
-    """Finds the first command of a scope that fits the line."""
+    """Finds, among the commands of a scope, the first that fits the line."""
     return lambda commands, reply: [e for e in scope(commands) if fits(e, reply)][:1]
 
 

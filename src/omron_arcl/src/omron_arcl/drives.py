@@ -233,7 +233,7 @@ def names_of(command: Command) -> Tuple[str, ...]:
 
 
 def _shortened(values: Tuple[_T, ...], most: int, needless: Sequence[_T]) -> Tuple[_T, ...]:
-    """Returns the values. If there are more than `most`, leaves out the oldest needless ones."""
+    """Returns the values. If there are more than `most`, the oldest of `needless` are left out."""
     dropped = needless[:max(len(values) - most, 0)]
     return tuple(value for value in values if value not in dropped)
 

@@ -165,7 +165,7 @@ def fits(predicate: Optional[Predicate], execution: Execution, reply: Reply) -> 
 
 
 def acknowledges(execution: Execution, reply: Reply) -> bool:
-    """Returns whether a line, or a status of this form, shows that the robot obeys a drive."""
+    """Returns whether a line, or a status in its form, shows that the robot obeys a drive."""
     return fits(execution.command.spec.acknowledged_by, execution, reply)
 
 

@@ -147,9 +147,9 @@ class Witness(DelayedDrive):
         self._is_ordered = False
         # the last word that the bridge knew when it gave a stop, by process and number of the stop
         self._known_to_stops: Dict[Tuple[str, int], Word] = {}
-        self._known_to_stop: Optional[Word] = None  # this word for the stop that arrives now
-        # drives that others than the bridge gave; for each epoch, the number of them that the robot
-        # had answered when the epoch was published
+        self._known_to_stop: Optional[Word] = None  # this last word, for the stop that arrives now
+        # drives of givers other than the bridge; and for each epoch, how many of these drives the
+        # robot had answered when the epoch was published
         self._others_drives: List[Execution] = []
         self._others_of_epoch: Dict[int, int] = {}
         # for a stop of the bridge, until the bridge drives: the last word that the bridge knew, and

@@ -138,7 +138,7 @@ def test_an_interruption_by_the_emergency_stop_is_called_so():
 @pytest.mark.parametrize('restarts', [False, True])
 def test_a_drive_that_the_robot_broke_off_waits_until_the_controller_knows_why(
         why, reason, restarts):
-    """After an emergency stop, unlike other causes, the robot returns to the fleet by itself."""
+    """After an emergency stop the robot returns to the fleet by itself; otherwise it does not."""
     def tell(**what):
         bench.epoch += 1
         bench.tell(p.MotionTold(bench.epoch, reason='Interrupted: Going to 7',

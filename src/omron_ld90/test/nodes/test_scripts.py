@@ -1,4 +1,4 @@
-"""The messages of a user's first command when it cannot continue."""
+"""The messages of the first command of a user, if this command cannot continue."""
 from __future__ import annotations
 
 import os
