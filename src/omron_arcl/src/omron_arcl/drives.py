@@ -1114,7 +1114,7 @@ class Drives:
             LastCommand(name, given.command, CommandFate.GIVEN, foreign)))
 
     def _keep(self, given: Optional[DriveRecord] = None) -> None:
-        """Stores the memory. given -- a command that was given or overruled just now"""
+        """Stores the memory. `given` is a command that was given or overruled just now."""
         self._note_last(given)
         told = tuple(replace(one, fate=self._fate_of(one)) for one in self._memory.last_commands)
         self._memory = replace(self._memory, last_commands=_shortened(

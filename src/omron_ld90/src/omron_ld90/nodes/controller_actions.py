@@ -167,11 +167,11 @@ class CommandActions:
         return giver_of(handle.goal)
 
     def _known_epoch(self, goal: Any) -> int:
-        """Returns the epoch in which a goal is valid; 0: any."""
+        """Returns the epoch in which a goal is valid; 0: any epoch."""
         return 0
 
     def _number(self, goal: Any) -> int:
-        """Returns the number that the giver gave to the command; 0: none."""
+        """Returns the number that the giver gave to the command; 0: no number."""
         return 0
 
     def _command_of(self, goal: Any) -> Tuple[str, float]:
