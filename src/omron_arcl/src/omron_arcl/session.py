@@ -117,8 +117,8 @@ class Closed(NamedTuple):
 
 
 Event = Union[LoggedIn, Received, Closed]
-Trace = Callable[[str, bytes], None]  # called with the sender, 'C' (client) or 'S' (server), and
-# the line that it sent, without secrets
+# Called with the sender, 'C' (client) or 'S' (server), and the line that it sent, without secrets.
+Trace = Callable[[str, bytes], None]
 
 
 class Session:
