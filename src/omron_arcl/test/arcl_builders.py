@@ -90,7 +90,7 @@ def feed_byte_by_byte(session: Session, data: bytes) -> List[Event]:
 
 
 def feed_with_trailing_data(session: Session, data: bytes) -> List[Event]:
-    """Feeds the data, followed in the same piece by the beginning of a line that never ends."""
+    """Feeds the data and the beginning of an unfinished line, all in one piece."""
     return session.receive(data + b'Arrived at 1')
 
 
@@ -118,13 +118,13 @@ class Conversation:
         self.sent: List[str] = []
 
     def give(self, text: str, **options: Any) -> Execution:
-        """Gives a command, and sends what may be sent."""
+        """Gives a command, and sends the commands that may be sent now."""
         execution = self.dispatcher.start(parse_command(text), **options)
         self.send()
         return execution
 
     def send(self) -> None:
-        """Sends what may be sent."""
+        """Sends the commands that may be sent now."""
         while True:
             line = self.dispatcher.next_to_send(self.now)
             if line is None:
@@ -184,7 +184,7 @@ class ScriptedRobot:
         self.answers = {b'echo off': (b'Echo turned off.',)}
         self.unknown: Set[bytes] = set()
         self.mute = False
-        self.hangs_up_on = b''  # the line at which it closes the connection
+        self.hangs_up_on = b''  # on receiving this line, it closes the connection
         self._sending = threading.Lock()
         self._closing = False
         self._threads = [threading.Thread(target=self._accept, daemon=True)]

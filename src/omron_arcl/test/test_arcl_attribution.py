@@ -15,7 +15,7 @@ def talk() -> Conversation:
 
 
 def check_that_the_last_line_ends(talk: Conversation, command: str, lines: Sequence[str]) -> None:
-    """Checks that the last of these lines ends the command, and that no earlier one does."""
+    """Checks that the last of these lines ends the command, and that no earlier line does."""
     execution = talk.give(command)
     talk.robot(*lines[:-1])
     assert execution.result is None
@@ -161,7 +161,7 @@ def test_a_timeout_counts_the_silence_and_a_status_about_the_drive_breaks_it(tal
 
 
 def test_a_second_try_to_dock_belongs_to_the_same_command(talk):
-    """As in the ARCL manual I617-E-02, p. 71."""
+    """The ARCL manual I617-E-02, p. 71, describes such a robot."""
     dock = talk.give('dock')
     states = ('Undocked', 'Docking', 'Undocking', 'Undocked', 'Docking', 'Docking', 'Docked')
     lines = [f'DockingState: {state} ForcedState: Unforced ChargeState: Not' for state in states]

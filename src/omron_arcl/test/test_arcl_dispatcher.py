@@ -315,7 +315,7 @@ def test_a_cancelled_drive_is_over_when_another_clients_drive_overtakes_its_stop
 
 
 def test_a_stopped_docking_takes_no_other_drive_for_its_own(talk):
-    """The robot may name its goal while it docks. After a stop, the name is of another drive."""
+    """A docking robot may name its goal. But after a stop, such a line is about another drive."""
     dock = talk.give('dock')
     talk.robot(*DOCK[:2])
     talk.cancel(dock)

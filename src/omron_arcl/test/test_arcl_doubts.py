@@ -1,6 +1,6 @@
-"""The record of a drive has the line with which the robot acknowledged it, and its doubt.
+"""The record of a drive has the line that acknowledged the drive, and the doubt about the drive.
 
-The doubt says since when and why the robot seems not to obey; it ends with the command.
+The doubt says since when and why the robot seems not to obey; the doubt ends with the command.
 """
 from __future__ import annotations
 
@@ -81,7 +81,7 @@ def test_a_drive_that_another_client_stopped_is_doubted_on_its_record_until_its_
 
 
 def test_it_is_neither_stored_nor_published(bench):
-    """The time in a doubt is of a clock that only this process has."""
+    """A doubt contains a time on a clock that only this process has."""
     driving(bench)
     before, stored = bench.records.motion, len(bench.kept)
     bench.status('Stopped', 0.5)

@@ -195,7 +195,7 @@ class TestAnotherClientOfTheRobot:
         ('goto 12', 'Going to 12'), ('gotoPoint 1 2', 'Going to point'),
         ('doTask wait 1', 'Doing task wait 1')])
     def test_a_drive_to_our_goal_after_its_stop_is_not_ours(self, bench, text, motion):
-        """Although our command has not ended yet: no line has named it."""
+        """This holds although our command has not ended yet, because no line has named it."""
         bench.drive(ROUTE, text)
         bench.robot(motion, 'Stopping')
         known = bench.epoch
@@ -306,7 +306,7 @@ class TestAfterAnOutage:
 
     @staticmethod
     def after(outage: str, text: str = 'goto 12', *said: str) -> Tuple[Bench, int]:
-        """Plays a drive, an outage and a new connection. Returns the epoch after that, too."""
+        """Plays a drive, an outage and a new connection. Returns the bench and the new epoch."""
         bench = Bench()
         bench.status('Stopped')
         bench.drive(ROUTE, text)
@@ -340,7 +340,7 @@ class TestAfterAnOutage:
         ('patrolOnce a', 'Patrolling route a once')])
     @pytest.mark.parametrize('stops', [False, True])
     def test_a_lost_drive_that_the_robot_broke_off_does_not_begin_late(self, text, motion, stops):
-        """After the robot has broken off our drive, another client sends it to the same goal."""
+        """After the robot has broken off our drive, another client drives it to the same goal."""
         bench, _ = self.after('lost link', text)
         if stops:
             bench.stop(PERSON)
@@ -502,7 +502,7 @@ class TestOwedStop:
 
     @pytest.mark.parametrize('shown', ['Going to 12', 'Stopped', 'Going to point', 'Patrolling a'])
     def test_without_a_link_it_is_sent_as_soon_as_the_robot_can_be_reached(self, bench, shown):
-        """This also holds if the robot's motion has no name."""
+        """This also holds if the robot's status names no goal."""
         bench.drive(ROUTE)
         bench.robot('Going to 12')
         bench.lose()
@@ -661,7 +661,7 @@ class TestOwedStop:
         ('Going to 12', True), ('Going to 3', False), ('Arrived at 12', False)])
     def test_a_cancelled_drive_whose_replacement_was_lost_is_stopped(
             self, bench, outage, newer, shown, is_stopped):
-        """Otherwise the robot would carry out a drive that nobody wants any more."""
+        """Otherwise the robot would carry out a drive that its giver has cancelled."""
         drive = bench.drive(ROUTE)
         bench.robot('Going to 12')
         bench.drive(newer, 'goto 3')
@@ -886,7 +886,7 @@ class TestTwoGivers:
             bench.drive(ROUTE, 'goto 14', known_epoch=bench.epoch)
 
     def test_the_drive_under_way_is_known_after_a_refused_newer_one(self, bench):
-        """Once, a drive without a goal's name counted as another client's after such a refusal."""
+        """Once, after a refused command, a drive to no named goal counted as another client's."""
         bench.drive(ROUTE, 'gotoPoint 1000 0 0')
         bench.robot('Going to point')
         known = bench.epoch
@@ -1205,7 +1205,9 @@ class TestWhoseStopping:
 class TestLinesWithoutAName:
     @pytest.mark.parametrize('line', ['Unknown command', 'SetUpError: start a list first'])
     def test_one_does_not_end_the_drive_under_way(self, bench, line):
-        """A robot without oneLineStatus answers each heartbeat so; once, this ended every goto."""
+        """A robot without oneLineStatus answers each heartbeat with such a line. Once, this line
+        ended every goto.
+        """
         drive = bench.drive(ROUTE)
         bench.robot('Going to 12')
         query = bench.give('arclStat')
@@ -1245,7 +1247,7 @@ class TestOtherMotions:
             bench.give(command, giver=ROUTE, known_epoch=known)
 
     def test_another_clients_drive_during_our_docking_is_told_at_once(self, bench):
-        """Once, this took 30 s."""
+        """Once, such a drive was published only after 30 s."""
         bench.status('Stopped')
         dock = bench.drive(ROUTE, 'dock')
         bench.robot(DOCKING)

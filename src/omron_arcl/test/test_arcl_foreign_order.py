@@ -1,4 +1,4 @@
-"""A robot answers in the order of sending; another client drives and stops the robot, too.
+"""A robot answers in the order of sending, and another client also drives and stops it.
 
 In addition the link breaks, and the controller is restarted. These statements hold: no program
 drives the robot without knowledge of what the other client did. The published giver is the one that
@@ -57,7 +57,7 @@ class RobotAmongOthers:
         self._is_linked = True
         self._status = 'Stopped'
         self._drive = ''  # the drive that the robot carries out
-        self._execution: Optional[Execution] = None  # of this drive; None: not ours, or unknown
+        self._execution: Optional[Execution] = None  # our command of it; None: not ours, or unknown
         self._wire: List[str] = []  # commands of ours that the robot has to read
         self._seen = 0  # number of commands that were sent
         self._given: List[Execution] = []  # drives that the robot has to read
@@ -67,7 +67,7 @@ class RobotAmongOthers:
         self._unheard: List[str] = []  # what others did in an outage
         self._told = {self.bench.epoch: 0}  # for each epoch: length of `_heard` when it began
         self._epochs: List[int] = []  # the epoch before each act of others
-        self._must_stand = False  # True from a stop of ours until anybody drives the robot
+        self._must_stand = False  # True from a stop of ours until the next drive of any client
         self.is_ambiguous = False
         self.bench.status('Stopped')
 
@@ -82,9 +82,9 @@ class RobotAmongOthers:
                 passed = self._heard[self._told[epoch]:] if epoch and text != 'stop' else []
                 assert self.is_ambiguous or not passed, f'{text} passes {passed}'
                 other = self._givers.setdefault(text, giver)
-                self.is_ambiguous |= text != 'stop' and other != giver  # two drives to one place
+                self.is_ambiguous |= text != 'stop' and other != giver  # two givers, one place
             elif text == 'stop':
-                self._must_stand = not self._unheard  # a driver in the outage is not stopped
+                self._must_stand = not self._unheard  # a drive during the outage is not stopped
                 self.bench.stop_without_link(giver)
 
     def learn(self) -> None:
@@ -150,7 +150,7 @@ class RobotAmongOthers:
             self._say('Stopping', 'Stopped')
 
     def _show(self) -> None:
-        """Sends the status. It shows what others did in an outage, unless the robot obeys us."""
+        """Sends the status. Unless the robot obeys us, it shows what others did in an outage."""
         last = self.bench.memory.records[-1:]
         is_ours = self._execution if self._drive else last and last[0].kind is RecordKind.STOP
         if not (is_ours or self.bench.memory.stop_owed or self._status == PRESSED):
@@ -204,7 +204,7 @@ class RobotAmongOthers:
     # --- what must be true
 
     def acted(self) -> None:
-        """Notes after an act which commands were sent, and which epoch was published."""
+        """Notes which commands the last act has sent, and which epoch it has begun."""
         self._wire += self.bench.sent[self._seen:]
         self._seen = len(self.bench.sent)
         self._told.setdefault(self.bench.epoch, len(self._heard))

@@ -1,4 +1,4 @@
-"""Any input causes no exception and needs bounded memory, and a bad line costs no good line.
+"""No input causes an exception or needs unbounded memory, and a bad line costs no good line.
 
 1,200 examples by default, 400,000 with LD90_LONG_TESTS=1, divided among the properties.
 """

@@ -277,7 +277,7 @@ def test_many_strangers_wait_for_nothing_while_the_name_server_is_silent(names):
 @pytest.mark.parametrize('first', [b'POST / HTTP/1.1', b'GET /' + (1 << 18) * b'a' + b' HTTP/1.1',
                                    b'Status: / HTTP/1.1'], ids=len)
 def test_no_line_of_a_web_page_is_taken_for_the_robots(received, links, first):
-    """A web page can make a browser on the robot's computer send any text, e.g. in a simulation."""
+    """A web page can make a browser on the robot's computer (in a simulation) send any text."""
     with Listener('127.0.0.1', 0, '127.0.0.1', on_line=received, on_link=links) as listener, \
             dial(listener) as page:
         links.wait(lambda link: link.phase is LinkPhase.CONNECTED, 'the connection')

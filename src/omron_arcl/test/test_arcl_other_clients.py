@@ -1,7 +1,7 @@
-"""Another client drives or stops the robot: without a name, in an outage, or unexpectedly.
+"""Another client drives or stops the robot: to no named goal, in an outage, or before our drive.
 
-Its drive is never published as one of ours. No program drives the robot without knowledge of the
-other client's drive or stop.
+The other client's drive is never published as one of ours. No program drives the robot without
+knowledge of the other client's drive or stop.
 """
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ def test_a_drive_that_nobody_here_gave_is_told_so_whatever_its_name(bench):
 
 
 class TestAMotionWithoutAName:
-    """Once, a person sent the robot to a point with another client, and the fleet drove it on."""
+    """Once, a person drove the robot to a point with another client; the fleet drove it on."""
 
     @pytest.mark.parametrize('how', ['lost link', 'restart'])
     @pytest.mark.parametrize('shown', [*ELSEWHERE, 'Parking', UNDOCKING])
@@ -332,7 +332,7 @@ class TestOurStop:
                                        ['Stopping', 'Stopped', 'Going to 9']])
     def test_is_owed_though_another_client_stops_and_drives_before_the_drive_that_it_is_for(
             self, bench, lines):
-        """Once, the robot drove on to 12 after an outage, and nobody stopped it."""
+        """Once, the robot drove on to 12 after an outage, and was not stopped."""
         bench.drive(PERSON)
         bench.stop(PERSON)
         bench.robot(*lines)
@@ -372,7 +372,7 @@ class TestOurStop:
 class TestAnswers:
     @pytest.mark.parametrize('text', ['say hello', 'undock', 'doTask wait 5'])
     def test_a_refusal_is_that_of_the_command_that_it_names(self, bench, text):
-        """Once, it counted as the refusal of a drive that the robot has still to answer."""
+        """Once, the refusal counted for a drive that the robot has still to answer."""
         bench.drive(ROUTE, 'gotoPoint 1 2')
         bench.robot('EStop pressed')  # sent before `gotoPoint` reached the robot
         refused = bench.give(text, giver=PERSON)

@@ -14,7 +14,7 @@ HELP = ROOT / 'src/omron_ld90_sim/src/omron_ld90_sim/interface/faults.py'
 NOUNS = {'Areas', 'Bytes', 'Distances', 'Docks', 'Doors', 'Edges', 'Goals', 'Ids', 'Lines',
          'Metres', 'Minutes', 'Missions', 'Pairs', 'Pictures', 'Rectangles', 'Robots', 'Rows',
          'Seconds', 'Vertices'}
-"""Plural nouns with which docstrings once began. `Names` and `Points` are missing: also verbs."""
+"""Plural nouns with which docstrings once began, but not `Names` and `Points`: also verbs."""
 VERB = re.compile(r'See\b|[A-Z][a-z]+s\b')
 
 

@@ -14,7 +14,7 @@ ROOT = Path(__file__).resolve().parents[3]
 PINS = ROOT / 'scripts' / 'pins'
 PAGE = ROOT / 'docs' / 'reference' / 'dependencies.md'
 
-#: By kind of download: how a command begins it, and what this command must contain.
+#: For each kind of download: how its command begins, and what the command must contain.
 KINDS: Dict[str, Tuple[str, str]] = {
     'pip': (r'\bpip3? (?:install|download|wheel)\b', r'--require-hashes|--no-index'),
     'npm': (r'\bnpm (?:install|i|ci|add|exec)\b|\bnpx\b|\byarn\b|\bpnpm\b',

@@ -143,7 +143,7 @@ NO_EVENT = re.compile(
 
 
 def test_a_message_to_people_names_no_class():
-    """So a search-and-replace for a class name does not change a word of a sentence."""
+    """Otherwise a search-and-replace for a class name could change the words of a sentence."""
     classes = {name for found in names().values() for name in found.classes}
     wrong = [(path.name, text) for path, found in names().items() for text in found.texts
              if ' ' in text.strip() and classes.intersection(TWO_HUMPS.findall(text))]

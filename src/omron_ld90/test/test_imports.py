@@ -124,8 +124,8 @@ HOMES.update({file.stem: file.relative_to(SOURCES).parts[0] for file in SOURCES.
 def needed(files: Iterable[Path], folder: str) -> Set[str]:
     """Returns what package.xml has to declare for these files of a package.
 
-    The builders of other packages that the files import count, too. What another package needs
-    outside its tests need not be declared again.
+    The builders of other packages that the files import also count. Dependencies that another
+    package has outside its tests need not be declared again.
     """
     found: Set[str] = set()
     todo, done = list(files), set()

@@ -227,7 +227,7 @@ def test_a_layer_imports_only_what_it_may(name: str) -> None:
 
 @pytest.mark.parametrize('name', LAYERS)
 def test_a_layer_uses_all_that_it_may(name: str) -> None:
-    """So the table is true, and has no line that is not needed."""
+    """This keeps the table true, without needless entries."""
     used = {layer_of(module) for file in files_of(name) for module in imported_by(file)
             if module.split('.')[0] in PACKAGES}
     assert LAYERS[name].ours <= used

@@ -1,4 +1,4 @@
-"""A proof runs whole if a file that it reads has changed since it passed, and with --long.
+"""A proof runs whole if a file that it reads has changed since its last success, and with --long.
 
 Under a second Python version, tests run again if something that they read has changed.
 """
@@ -61,7 +61,7 @@ class Workspace:
         return 'whole' if is_whole else 'default'
 
     def runs_under_the_second_python(self, *options: str, **environment: str) -> bool:
-        """Runs the tests under the second Python. Returns whether they were not left out."""
+        """Runs the tests under the second Python. Returns False if they were left out."""
         told = self.run(*options, HYPOTHESIS_PROFILE='compatibility', **environment)
         is_left_out = '1 files of tests were not repeated' in told
         assert is_left_out == ('default\n' not in told), told
@@ -182,7 +182,8 @@ def test_under_a_second_python_what_looks_at_the_whole_workspace_always_runs(tes
 @pytest.mark.parametrize('name', ['fleet_simulation/test/test_guards.py',
                                   'fleet_core/test/interlocking/test_yard.py'])
 def test_all_that_is_loaded_with_a_proof_is_read_by_it(name, tmp_path):
-    """A process imports the proof. Each file of the workspace that it has loaded is read by it."""
+    """A process imports a proof. `read_by` names each workspace file that the process has loaded.
+    """
     (tmp_path / 'loaded.py').write_text('''
 import sys
 from pathlib import Path

@@ -29,7 +29,8 @@ NOW: Dict[str, List[str]] = {
 
 
 def names(lines: Set[str], constants: bool) -> Set[str]:
-    """Returns the names of the fields, or of the constants."""
+    """Returns the names of the constants in these lines if `constants`, else those of the fields.
+    """
     return {re.split('[ =]', line)[1] for line in lines
             if line != '---' and ('=' in line) is constants}
 

@@ -90,7 +90,7 @@ def _toward(goal: ActivityKind, point: ActivityKind) -> Callable[[Any], Tuple[Ac
 def _always(kind: ActivityKind, field: str = '') -> Callable[[Any], Tuple[ActivityKind, str]]:
     """Returns a reader that returns `kind` for each line.
 
-    field -- the field of the reply that has the name of the goal, route or task; '': none has
+    field -- the field of the reply that has the name of the goal, route or task; '': no field
     """
     return lambda reply: (kind, getattr(reply, field) if field else '')
 

@@ -20,7 +20,7 @@ from omron_arcl.transport import Transport
 
 CONNECT_TIMEOUT = 3.0  # s, for each address of the server
 LOGIN_TIMEOUT = 15.0  # s from the connection to the end of the login
-LOGIN_SILENCE = 4.0  # s, minimum time without a line after which the login has failed
+LOGIN_SILENCE = 4.0  # s without a line after which a login has failed, unless `silence` is longer
 
 
 class LinkUser(Protocol):
@@ -39,7 +39,7 @@ class LinkUser(Protocol):
         """
 
     def next_to_send(self, now: float) -> Optional[bytes]:
-        """Returns the next line to be sent; None: there is none. Called when all lines before are
+        """Returns the next line to be sent; None: there is none. Called when all earlier lines are
         sent.
         """
 
@@ -53,7 +53,7 @@ class ArclLink(Transport):
     silence -- s without a line after which the link counts as dead
     log     -- records all lines of both sides
     resets  -- the connection is reset when it closes, even if the process is killed: the kernel
-               drops the data that it has not delivered
+               then drops undelivered data
 
     The class has many attributes because one thread keeps one connection with its address, times
     and user.

@@ -3,7 +3,7 @@
 The robot answers in the order of sending, but its lines carry no id. Only the text of a line, and
 what the robot did before, connect the line with a command. The table `ATTRIBUTIONS` has one part
 for each kind of consequence that a line may have (`LinePart`). In each part, the first row that
-holds decides. If a row ends, acknowledges or continues commands, it finds them among the commands
+holds decides. A row that ends, acknowledges or continues commands finds these commands among those
 that were sent. `drives` records the consequences. If no line names a drive, `judgements` compares
 the drive with the robot's activity.
 
@@ -159,8 +159,8 @@ class Attribution:
         self._commands.begin(execution, text)
 
     def _continued(self, execution: Execution, reply: Reply, text: str, now: float) -> None:
-        """Handles a line of a drive. While the robot stands, a line does not show that its drive
-        goes on.
+        """Handles a line about a drive. If the robot stands after the drive has begun, the line is
+        no sign of life of the drive.
 
         Some robots name their dock as a goal. On a drive to the dock, the first goal that the robot
         names is the dock; see `_leads_elsewhere`.
@@ -187,8 +187,8 @@ class Attribution:
         self._commands.add_line(execution, text, now)
 
     def _refused(self, execution: Execution) -> None:
-        """Notes that the robot set out for others, if it seemed to set out for a drive that it now
-        refuses. If another client has stopped the robot since, that is already known.
+        """Handles a refused drive for which the robot seemed to set out: the robot has set out for
+        another client. If another client has stopped it since then, this is already known.
         """
         text, shown = execution.progress.seemed_to_begin, self._commands.records.heard.activity
         is_refused = execution.result is not None and execution.result.outcome in _REFUSED
@@ -258,7 +258,7 @@ Scope = Callable[[CommandQueue], Sequence[Execution]]
 
 
 def _first(scope: Scope, fits: Callable[[Execution, Any], object]) -> Find:
-    """Finds the first command of a scope that fits the line."""
+    """Finds, among the commands of a scope, the first that fits the line."""
     return lambda commands, reply: [e for e in scope(commands) if fits(e, reply)][:1]
 
 
@@ -355,9 +355,9 @@ def _to_complete(commands: CommandQueue) -> List[Execution]:
 
 
 def _present(commands: CommandQueue) -> Sequence[Execution]:
-    """Returns our drive that the robot carries out, or otherwise the drive to come.
+    """Returns our drive that the robot carries out or, if there is none, our drive to come.
 
-    Empty: the robot carries out a drive of another client, or there is no drive.
+    Empty: the robot carries out a drive of another client, or we have sent no drive.
     """
     return commands.begun_drives[-1:] or _to_come(commands)
 
@@ -481,7 +481,7 @@ def _repeats(is_same: Callable[[str, str], bool]) -> Callable[[Execution, Any], 
 
 
 def _repeats_its_name(execution: Execution, reply: replies.CommandError) -> bool:
-    """Returns whether a refusal has the name of a command, and names no other goal or point.
+    """Returns whether a refusal repeats the name of a command, and names no other goal or point.
 
     A refusal with another goal or point is the late answer to a command that has ended.
     """
@@ -572,7 +572,7 @@ def _loses_power(commands: CommandQueue, reply: replies.Motors) -> Found:
 
 
 def _fails_to_begin(commands: CommandQueue, reply: Any) -> Found:
-    """Returns the drive that fails before it begins. After its begin, the status decides."""
+    """Returns the drive that fails before it begins. Once a drive has begun, the status decides."""
     about = _ABOUT_DRIVING.search(reply.text) and not commands.begun_drives
     return _to_come(commands) if about else []
 
@@ -590,9 +590,9 @@ def _stands_for_us(commands: CommandQueue, reply: Reply) -> Found:
 def _stops_for_us(commands: CommandQueue, reply: Reply) -> Found:
     """Returns our oldest stop for which no `Stopping` has come.
 
-    True: this stop has ended for its giver already. False: there is none, or the robot has to
-    answer a drive before the stop and may halt for another reason first. This reason is its own
-    (`SelfStop`), or the robot halts to replace its motion by that drive.
+    True: this stop has ended for its giver already. False: there is no such stop, or the robot has
+    to answer a drive before the stop and may halt for another reason first: a reason of its own
+    (`SelfStop`), or the replacement of its motion by that drive.
     """
     records, heard = commands.records, commands.records.heard
     stops = [e for e in _not_begun(commands) if e.command.spec.stops]

@@ -1,6 +1,6 @@
-"""The connection to a robot: sends commands over a link to its ARCL server, reports how they end.
+"""The connection to a robot's ARCL server: sends commands, and reports how they end.
 
-The link's thread reports lines and results by callbacks. It calls them itself and holds no lock, so
+The link's thread calls the callbacks that report lines and results. Meanwhile it holds no lock, so
 a callback may give commands. A callback must be short.
 """
 from __future__ import annotations
@@ -78,7 +78,7 @@ class Client(ArclLink):
 
     @property
     def names(self) -> Mapping[str, bytes]:
-        """The bytes that the robot writes for each listed name that is not ASCII."""
+        """The robot's bytes for each name that the robot has listed and that is not ASCII."""
         with self._lock:
             return dict(self._names)
 
@@ -96,8 +96,8 @@ class Client(ArclLink):
         the kind of command. on_line, on_end: called by the client's thread. check: called with the
         command before it is sent; raises ArclError if the command must not be sent.
         stop_on_timeout: stops a drive that has timed out. known_epoch: the epoch that `giver`
-        knows; 0 is for people, whose commands are valid in each epoch. number: the giver's number
-        of the command, greater than all before; `motion` shows the fate of the last command.
+        knows; 0 is for people, whose commands are valid in each epoch. number: the giver numbers
+        its commands in ascending order; `motion` shows the fate of its last command.
         """
         with self._lock:
             command = parse_command(text, self.help.full_name, self._names)
@@ -166,7 +166,8 @@ class Client(ArclLink):
         with self._lock:
             self.help = login.help
             self._dispatcher.on_connected(now)
-        # The first status shows what happened during the outage, and whether to send an owed stop.
+        # Requests a status at once: it shows what happened during the outage, and whether an owed
+        # stop must be sent.
         self._pulsed_at = -math.inf
 
     def hear_line(self, line: Received, now: float) -> None:
@@ -190,7 +191,7 @@ class Client(ArclLink):
             return self._dispatcher.next_to_send(now)
 
     def hear_loss(self, cause: LinkError) -> None:
-        """Notes that the link has ended: what was sent is lost."""
+        """Notes that the link has ended: the commands that were sent are lost."""
         with self._lock:
             self._names.clear()
             self._dispatcher.on_lost(str(cause))

@@ -37,7 +37,7 @@ class CommandQueue:
         self.waiting: List[Execution] = []
         self.sent: List[Execution] = []
         self._callbacks: List[Callable[[], None]] = []
-        self._count = 0  # of commands sent
+        self._count = 0  # number of commands sent
 
     @property
     def drives(self) -> List[Execution]:
@@ -109,8 +109,8 @@ class CommandQueue:
                 self._callbacks.append(lambda: on_line(text))
 
     def begin(self, execution: Execution, line: str) -> None:
-        """Notes that the robot obeys a drive, according to a line or status. This ends the motions
-        before it.
+        """Notes that the robot obeys a drive according to a line or status, and ends the motions
+        before this drive.
         """
         if not self.records.has_begun(execution):
             self.records.acknowledged(execution, line)
@@ -144,7 +144,7 @@ class CommandQueue:
                 self.end(other, Outcome.INTERRUPTED, words)
 
     def _give_up_cancelled(self, stop: Execution, outcome: Outcome, words: str) -> None:
-        """Ends the cancelled drives that waited for the effect of a stop that failed."""
+        """Ends the cancelled drives that waited for a stop; the stop has failed."""
         for drive in self.drives:
             if drive.progress.cancel_requested is not None and drive.order < stop.order:
                 self.end(drive, outcome, f'stop: {words}')

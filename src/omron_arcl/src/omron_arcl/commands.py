@@ -13,7 +13,7 @@ from typing import Callable, Optional, Tuple
 
 from omron_arcl.replies import Reply, same_name
 
-ACKNOWLEDGE_TIMEOUT = 60.0  # s within which the robot acknowledges a drive; it may undock before
+ACKNOWLEDGE_TIMEOUT = 60.0  # s within which the robot acknowledges a drive; it may undock first
 
 
 class Category(Enum):
@@ -40,7 +40,7 @@ class DriveCourse(Enum):
 _NEVER_MOVE = ('listStart', 'listAdd', 'queueCancelLocal', 'queueModifyLocal', 'stay',
                'applicationBlockDrivingSet')
 
-Predicate = Callable[['Command', Reply], bool]  # whether the reply is one that the command awaits
+Predicate = Callable[['Command', Reply], bool]  # whether the command awaits this reply
 
 
 @dataclass(frozen=True)
@@ -57,7 +57,7 @@ class CommandSpec:
     course -- set for commands that take over the wheels, and so replace the drive before them
     goal_at -- index of the argument that is the name of a goal, route or macro
     shortcut -- a shorter name that the robot also accepts
-    needs_standing -- it is not sent while the robot drives
+    needs_standing -- the command is not sent while the robot drives
     adds_job -- each time the command is given, the robot gets one more job
 
     Its attributes are the columns of the table.

@@ -17,9 +17,9 @@ _CHUNK = 1 << 16
 _CONNECT_TICK = 0.1  # s
 _STANDSTILL = 1.0  # s between two reads; after a longer time, the received data may be old
 _GAPS = 4.0  # after a pause of this many usual pauses of the peer, the received data may be old
-# Received data counts as new again after one of these waits for it:
+# Received data counts as new again if the thread has waited for it longer than:
 _DRAINED = 0.03  # s
-_WAITED, _FLUSHED = 0.001, 0.5  # s, once _FLUSHED s have passed since the data became old
+_WAITED, _FLUSHED = 0.001, 0.5  # s; _WAITED suffices _FLUSHED s after the data became old
 _IN_PROGRESS = (0, errno.EINPROGRESS, errno.EWOULDBLOCK)
 
 
@@ -91,8 +91,8 @@ class ArclConnection:
 class LivePeer:
     """A connection with its session: the robot's lines, and whether the robot is alive.
 
-    timeout: seconds without a complete line, or without accepting sent data, after which the robot
-    counts as gone. Single bytes without a line end are no sign of life.
+    timeout: the robot counts as gone if for so many seconds it sends no complete line, or accepts
+    no data. Single bytes without a line end are no sign of life.
 
     Its attributes are the times that show whether the robot is alive.
     """
@@ -157,7 +157,7 @@ class LivePeer:
 
 
 def resolve(host: str, port: Optional[int] = None) -> List[Tuple[Any, ...]]:
-    """Returns the addresses of a host, as from `getaddrinfo`; raises OSError.
+    """Returns the addresses of a host in the form of `getaddrinfo`; raises OSError.
 
     Also raises OSError for a text that cannot be a host name, such as `10.0..5`.
     """

@@ -1,10 +1,10 @@
-"""The commands of one connection: takes commands, lines and time; gives lines to send and results.
+"""The commands of one connection: commands, lines and time go in, lines to send and results out.
 
 The module has no I/O and no clock. `drives` keeps the records of drives and stops, `command_queue`
 keeps the order of the commands, and `attribution` decides on the meaning of lines. The rules:
-- Queries of one name wait for each other, so that each answer belongs to one query.
-- A line that names the goal of a driving command acknowledges it. The command then replaces all
-  motions before it, including a stop that is under way.
+- Queries with the same name wait for each other, so that each answer belongs to one query.
+- A line that names the goal of a driving command acknowledges this command. The command then
+  replaces all motions before it, including a stop that is under way.
 - `stop` overtakes all unsent commands, and drops the unsent driving commands.
 - A `Stopped` ends every stop that was sent before the first driving command about which the robot
   has said nothing. If another client's drive begins while the robot brakes for a stop, the stop
@@ -29,7 +29,7 @@ _QUIET = 1.0  # s without a line after which an answer of unknown length is over
 _DESCRIPTION_TIMEOUT = 1.0  # s after a CommandError in which its description may come
 _LONGEST_ANSWER = 60.0  # s from sending a query or stop to its end, regardless of its lines
 _LONGEST_START = 300.0  # s from sending a drive until it is acknowledged
-_LONGEST_REPLACEMENT = 5.0  # s in which a newer drive must replace a cancelled one; then: stop
+_LONGEST_REPLACEMENT = 5.0  # s in which a newer drive must replace a cancelled one to save a stop
 
 
 class Dispatcher:
@@ -53,8 +53,8 @@ class Dispatcher:
 
         Raises Busy, Overruled or Unclear. timeout: seconds without a line about the command until
         it times out; None: the timeout of the kind of command. stop_on_timeout: stops a drive that
-        has timed out, unless a newer drive is under way. number: the giver's number of the command,
-        greater than all before.
+        has timed out, unless a newer drive is under way. number: the giver numbers its commands in
+        ascending order.
         """
         self._check(command, giver, known_epoch, number)
         execution = Execution(command, timeout, on_line, on_end, stop_on_timeout, giver,
@@ -85,10 +85,10 @@ class Dispatcher:
         self.records.linked(True, now)
 
     def cancel(self, execution: Execution, now: float, canceller: Giver = NO_GIVER) -> None:
-        """Cancels a command: drops an unsent command, stops a drive, stops waiting for a query.
+        """Cancels a command: drops an unsent command, stops a drive, awaits no answer to a query.
 
-        If a newer driving command replaces a driving command, the newer one ends the older one. A
-        cancelled stop is still sent to the robot.
+        A drive that a newer drive replaces is not stopped: the newer drive ends it. A cancelled
+        stop is still sent to the robot.
         """
         if execution.result is not None:
             return

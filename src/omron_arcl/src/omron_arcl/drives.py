@@ -3,16 +3,16 @@
 Read this module first.
 
 The module keeps one `DriveRecord` for each drive and each stop, in the order of sending. It keeps
-one more for the newest motion or stop that others caused. It derives everything else from the
-records and from the robot's lines (`heard`): the giver, the epoch, the motion, the owed stop, and
-the fate of each program's last command. The module has no I/O and no clock. `attribution` decides
-with one table which command a line of the robot is about, and reports the events to this module.
+one more record for the newest motion or stop that others caused. From the records and from the
+robot's lines (`heard`), the module derives the giver, the epoch, the motion, the owed stop, and the
+fate of each program's last command. It has no I/O and no clock. `attribution` decides with one
+table which command a line of the robot is about, and reports the events to this module.
 
 A newer drive, stop or event replaces older records. A replaced record is dropped: nothing is
 derived from it any more. But if its command is still under way for its giver, the record is kept
 aside until the command ends. An open record is never dropped to save room. Instead, while the robot
-has MOST_OPEN drives to carry out or to answer, a further drive is refused. Of the owed stops
-between two drives, the newest may replace the others: its record then says what becomes of them.
+has MOST_OPEN drives to carry out or to answer, a further drive is refused. If several stops are
+owed between two drives, the newest may replace the others; its record then has their common fate.
 
 A drive has a fate. An event (`Event`) changes it as follows:
 
@@ -44,7 +44,7 @@ The record of a command under way may have a *doubt*, which says since when and 
 not to obey the command. `judgements` decides what an activity of the robot means for a command. A
 doubt begins anew if the robot first seems to have completed the command and then seems to have
 ended it in another way, or the reverse. A doubt ends the command after SETTLE s if at least two
-activities contradict the command; if only one does, SETTLE_ONCE s later. There is one shorter way:
+activities contradict the command; if only one does, SETTLE_ONCE s later. There is one exception:
 `Stopped` ends the command at once after an *unclear interruption*. This is an `Interrupted` that
 names no goal, or that comes before the robot has acknowledged the drive.
 
@@ -59,7 +59,7 @@ Derived values and rules:
 - If the robot breaks off a drive (`Interrupted`), a new epoch begins at once. The reason may be an
   emergency stop or another client, so the robot's next line or status about its motion begins
   another epoch. Until that line or status, drives that name an epoch are refused. They are also
-  refused from the moment when the robot breaks off a drive of another client until it says more.
+  refused after the robot has broken off a drive of another client, until the robot says more.
 - A stop is owed while its record is not OVER.
 - A stop is also owed after these events: a giver gave a newer drive and cancelled the older one
   (`is_cancelled`), the newer drive was lost, and the robot carries out the older one.
@@ -70,9 +70,10 @@ Derived values and rules:
 - The *foreign epoch* of each such giver is the newest epoch that this giver did not begin. A giver
   begins an epoch by a drive (even if the drive is lost), a stop or a cancellation. But if the stop
   or cancellation ends a drive of another giver that is still on its way, the epoch is foreign to
-  all givers. Two epochs are foreign to no giver, because no giver acted: one begins when the
-  controller starts with its memory, the other after an outage, if the robot stands as we stopped
-  it. A program that missed some epochs sees by this one value whether one of them was foreign.
+  all givers. Two kinds of epoch are foreign to no giver, because no giver acted. The first kind
+  begins when the controller starts with its memory. The second kind begins after an outage if the
+  robot stands as we stopped it. A program that missed some epochs can tell from this one value
+  whether one of them was foreign.
 
 Invariants:
 - No drive that names an epoch is sent after a stop or drive that its giver does not know of.
@@ -189,7 +190,7 @@ _STATES = {
     ActivityKind.UNKNOWN: MotionState.UNKNOWN, ActivityKind.STOPPING: MotionState.STOPPING,
     ActivityKind.DOCKING: MotionState.DOCKING, ActivityKind.DOCKED: MotionState.DOCKED,
     ActivityKind.UNDOCKING: MotionState.UNDOCKING, ActivityKind.TELEOPERATED: MotionState.MANUAL}
-# If the robot shows one of these, it ended its drive by itself; otherwise another client did.
+# Activities of a robot that ended its drive by itself. In others, another client ended the drive.
 _GAVE_UP = (ActivityKind.FAILED, ActivityKind.LOST, ActivityKind.MOTORS_DISABLED)
 _NEVER_OURS = (ActivityKind.TELEOPERATED, ActivityKind.PARKING)
 # These motions name no goal, so any drive may be the cause; see `_is_to_be_stopped`.
@@ -232,7 +233,7 @@ def names_of(command: Command) -> Tuple[str, ...]:
 
 
 def _shortened(values: Tuple[_T, ...], most: int, needless: Sequence[_T]) -> Tuple[_T, ...]:
-    """Returns the values. If there are more than `most`, leaves out the oldest needless ones."""
+    """Returns the values. If there are more than `most`, the oldest of `needless` are left out."""
     dropped = needless[:max(len(values) - most, 0)]
     return tuple(value for value in values if value not in dropped)
 
@@ -242,7 +243,7 @@ def _shown(activity: Activity) -> str:
 
 
 def _name_of(activity: Activity) -> Optional[str]:
-    """Returns the name of the drive that the robot carries out or has completed, as it shows it.
+    """Returns the name that the robot shows for the drive that it carries out or has completed.
 
     None: the activity shows no drive.
     """
@@ -260,8 +261,8 @@ def _is_shown_of_others(record: DriveRecord, activity: Activity) -> bool:
 def _may_cause(drive: DriveRecord, activity: Activity) -> bool:
     """Returns whether a drive may be the cause of this motion of the robot.
 
-    The name of the motion's goal, route or task decides. But while a drive of tasks or a drive to
-    the dock is under way, or its fate is unknown, it may cause motions with other names.
+    The name of the motion's goal, route or task decides. But a drive of tasks, or a drive to the
+    dock, may cause motions with other names while it is under way or its fate is unknown.
     """
     kind, goal, names = activity.kind, activity.goal.casefold(), drive.names
     if kind is ActivityKind.DOCKING or kind in _NEVER_OURS:
@@ -294,9 +295,9 @@ def draw_epoch() -> int:
 
 
 class Drives:
-    """The records of one robot. The caller holds one lock over this object and over sending.
+    """The records of one robot. The caller holds one lock while it uses this object or sends.
 
-    stored -- the memory of the process before this one
+    stored -- the memory that an earlier process stored
     store -- saves the memory for a restart; called before the command that changes it is sent
 
     The class has many methods: there is one for each event, and all of them change the same
@@ -353,7 +354,7 @@ class Drives:
     def stop_due(self, now: float) -> bool:
         """Returns whether the owed stop must be sent now.
 
-        It is not sent while a later drive is under way, because that drive may make it needless.
+        While a later drive is under way, the stop is not sent: that drive may make it needless.
         """
         for record in reversed(self._records):
             if record.owed:
@@ -442,7 +443,7 @@ class Drives:
         execution.progress.epoch = self._memory.epoch
 
     def overruled(self, giver: Giver, number: int) -> None:
-        """Notes that a command was refused because its giver does not know of another one.
+        """Notes that a command was refused because its giver does not know of another command.
 
         A late command does not become the last command of its giver.
         """
@@ -452,8 +453,9 @@ class Drives:
     def cancelled(self, execution: Execution, canceller: Giver) -> None:
         """Notes that a giver cancels a drive.
 
-        No stop is owed if the drive is its own, and either a newer drive replaces it or it was not
-        sent yet. If the newer drive is lost, a stop may be owed later; see `_stop_if_cancelled`.
+        No stop is owed if the giver cancels its own drive, and this drive was not sent yet or is
+        replaced by a newer one. If the newer one is lost, a stop may be owed later; see
+        `_stop_if_cancelled`.
         """
         if not execution.command.spec.drives:
             return
@@ -488,7 +490,7 @@ class Drives:
             self._executions[owed.number] = stop
 
     def stopped_without_link(self, giver: Giver, number: int = 0) -> None:
-        """Notes that a stop is given while there is no link; it is sent as soon as there is one."""
+        """Notes that a stop is given while there is no link. It is sent when the link comes up."""
         self._owe(giver, MotionCause.STOP, f'"stop" of {giver.name}', None, number)
 
     def sent(self, execution: Execution) -> None:
@@ -629,7 +631,7 @@ class Drives:
         return verdict is DriveSign.CONFIRMED
 
     def settled(self, now: float) -> List[Tuple[Execution, Doubt]]:
-        """Returns the commands that their doubts end now, the oldest first."""
+        """Returns the commands that end now because of their doubts, the oldest first."""
         doubted = [(execution, self._doubt_of(execution)) for execution in self._sent]
         return [(execution, doubt) for execution, doubt in doubted
                 if doubt and is_settled(doubt, execution.command.spec.course, now)]
@@ -667,13 +669,13 @@ class Drives:
             self.note_emergency('emergency stop')
 
     def begins_to_stop(self, whose: StopOf) -> None:
-        """Notes that the robot said `Stopping`, or said `Stopped` after a `Stopping` for which it
-        should not have said `Stopped`.
+        """Notes that the robot said `Stopping`, or that it said `Stopped` unexpectedly; see
+        `RobotWords.will_not_stand`.
         """
         self.heard.begins_to_stop(whose)
         if whose is not StopOf.OTHERS:
             return
-        # a drive about which the robot has said nothing may reach it after the other client's stop
+        # a drive may be on its way, and may reach the robot after the other client's stop
         crosses = any(r.pending and self._is_unread(r) for r in self._records)
         self._foreign(MotionCause.OTHER_CLIENT, False, _STOPPED_BY_OTHERS)
         if crosses:
@@ -720,11 +722,12 @@ class Drives:
                    for record in self._before(stop))
 
     def _is_to_come(self, record: DriveRecord) -> bool:
-        """Returns whether the record is a sent drive that the robot has still to answer."""
+        """Returns whether the record is a drive that was sent and that the robot has not answered.
+        """
         return record.pending and self._was_sent(record) or self._has_to_answer(record)
 
     def _is_unread(self, record: DriveRecord) -> bool:
-        """Returns whether the robot has still to answer a drive, and has sent no line about it."""
+        """Returns whether a drive was sent, and the robot has sent no answer or line about it."""
         execution = self._executions.get(record.number)
         return self._is_to_come(record) and not (execution and execution.has_lines)
 
@@ -736,7 +739,7 @@ class Drives:
     def _is_gone(self, record: DriveRecord) -> bool:
         """Returns whether a drive was lost with an earlier link.
 
-        If the robot obeys an older drive after that, it will never carry out the lost one.
+        If the robot then obeys an older drive, it will never carry out the lost drive.
         """
         return record.fate is Fate.UNKNOWN and record.number <= self.heard.since
 
@@ -813,7 +816,7 @@ class Drives:
             self._stop_if_cancelled(record)
 
     def driven_by_others(self, cause: MotionCause, activity: Activity, text: str) -> None:
-        """Notes that the robot begins a motion that no program here asked for."""
+        """Notes that the robot begins a motion that no command of ours requested."""
         self._foreign(cause, True, text, activity)
 
     def showed(self, activity: Activity, text: str, asked: Optional[int] = None) -> None:
@@ -824,7 +827,7 @@ class Drives:
         self.heard.showed(activity)
         if activity.kind is ActivityKind.EMERGENCY_STOP:
             self.note_emergency(text)
-        if self.is_unexplained:  # the status shows no emergency stop, so another client did it
+        if self.is_unexplained:  # no emergency stop is shown, so another client broke off the drive
             self._begin_epoch(None, MotionCause.OTHER_CLIENT, self._memory.reason, False)
         if self._unseen:
             self._first_shown(activity, text)
@@ -842,7 +845,7 @@ class Drives:
             self._drive_shown(record, activity, text)
 
     def _drive_shown(self, record: DriveRecord, activity: Activity, text: str) -> None:
-        """Notes that the robot obeys this drive after an outage, unless a stop after it is owed."""
+        """Notes that the robot obeys this drive after an outage, unless a later stop is owed."""
         if self._memory.stop_owed and record.number < max(
                 r.number for r in self._records if r.owed):
             return
@@ -914,7 +917,10 @@ class Drives:
         self.heard.strange = strange
 
     def _moves_strangely(self, ruling: DriveRecord, activity: Activity, text: str) -> bool:
-        """Returns whether no known drive causes a motion. Notes a drive of ours that is obeyed."""
+        """Returns whether no known drive causes a motion.
+
+        If a drive of ours whose fate is unknown causes it, notes that the robot obeys that drive.
+        """
         shown = self._shown_drive(activity)
         if shown and shown.fate is Fate.UNKNOWN and not self._memory.stop_owed and (
                 activity.goal and activity.goal.casefold() in shown.names):
@@ -934,7 +940,7 @@ class Drives:
     def _is_stopped(self, before: Activity, activity: Activity) -> bool:
         """Returns whether the robot now shows a stop that it would not make by itself.
 
-        Before, it was at our goal, or on its way to a place for another client.
+        Before this stop, the robot was at our goal, or drove to a place for another client.
         """
         ruling, goal = self._memory.ruling, before.goal.casefold()
         at_our_goal = (before.kind is ActivityKind.ARRIVED_AT_GOAL and self._memory.drives
@@ -1001,9 +1007,9 @@ class Drives:
             self._keep()
 
     def _obeyed(self, number: int, line: str) -> None:
-        """Notes that the robot carries out a drive, as a line shows.
+        """Notes that the robot carries out a drive according to a line.
 
-        The older records are dropped, and the giver of the drive becomes the driver.
+        The older records are dropped. From now on the giver of this drive drives the robot.
         """
         self._mark(number, acknowledged_by=line, doubt=None)
         record = next((r for r in self._records if r.number == number), None)
@@ -1021,7 +1027,7 @@ class Drives:
         """Counts the unanswered stops when the robot answers a drive.
 
         The robot answers in the order of sending: the stops before the drive are answered, and
-        those after it are not.
+        the stops after the drive are not.
         """
         self.heard.stops_left(sum(
             r.kind is RecordKind.STOP and r.number > drive.number
@@ -1085,7 +1091,7 @@ class Drives:
 
     def _begin_epoch(self, giver: Optional[Giver], cause: MotionCause, reason: str, drives: bool,
                      given: Optional[DriveRecord] = None) -> None:
-        self._note_last(given)  # first: to this command's giver, the new epoch is not foreign
+        self._note_last(given)  # first, so that the new epoch is not foreign to its giver
         before, epoch = self._memory.epoch, self._draw()
         self._changes.append(_Change(before, giver, drives))
         by_no_giver = cause is MotionCause.RESTART and before != 0
@@ -1108,7 +1114,7 @@ class Drives:
             LastCommand(name, given.command, CommandFate.GIVEN, foreign)))
 
     def _keep(self, given: Optional[DriveRecord] = None) -> None:
-        """Stores the memory. given -- a command that was given or overruled just now"""
+        """Stores the memory. `given` is a command that was given or overruled just now."""
         self._note_last(given)
         told = tuple(replace(one, fate=self._fate_of(one)) for one in self._memory.last_commands)
         self._memory = replace(self._memory, last_commands=_shortened(
@@ -1126,7 +1132,7 @@ class Drives:
         return last.fate if last.fate in _ENDINGS.values() else CommandFate.NOT_OBEYED
 
     def _told_by(self, *stops: DriveRecord) -> Tuple[Tuple[str, int], ...]:
-        """Returns the last commands of givers whose fate the records of these stops show."""
+        """Returns the commands of these stops that are the last commands of their givers."""
         told = {(last.giver, last.number) for last in self._memory.last_commands}
         return tuple(command for stop in stops for command in stop.commands
                      if command in told)[:_KEPT_GIVERS]
@@ -1165,7 +1171,7 @@ class Drives:
         return _STATES.get(kind, MotionState.DRIVING)
 
     def _shown_drive(self, activity: Activity) -> Optional[DriveRecord]:
-        """Returns the drive that the robot visibly carries out, or has visibly completed."""
+        """Returns the drive that the robot carries out or has completed, as the activity shows."""
         moves, name = activity.kind in MOVING, _name_of(activity)
         over = max((i for i, r in enumerate(self._records)
                     if r.kind is RecordKind.STOP and r.fate is Fate.OVER), default=-1)

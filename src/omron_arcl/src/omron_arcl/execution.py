@@ -46,14 +46,15 @@ class Result:
 
 @dataclass
 class CommandProgress:
-    """What has happened to a command since it was sent; the queue and the attribution keep it.
-    The record of the command says whether the robot obeys it, and with what doubt; see `drives`.
+    """The progress of a command since it was sent, as the queue and the attribution note it.
+    The command's record says whether the robot obeys the command, and any doubt; see `drives`.
 
     epoch -- the epoch in which the command was given
     sent_at -- when the command was sent
-    heard -- when its last line came
+    heard -- when the last line about it came
     shown_when_sent -- the activity in the last status before the command was sent
-    set_out -- whether the robot stood, and now leaves the dock or drives to it
+    set_out -- whether the robot stood when the command was sent, and has since left the dock or
+        driven to it
     seemed_to_begin -- the line with which the robot seemed to set out for the command, before it
         acknowledged the command
     cancel_requested -- when a giver cancelled the command
@@ -82,7 +83,7 @@ class CommandProgress:
 
 
 class Giver(NamedTuple):
-    """A program that gives commands; `process` tells it from an earlier run of the same name."""
+    """A program that gives commands; an earlier run with the same name has another `process`."""
 
     name: str
     process: str = ''

@@ -1,4 +1,4 @@
-"""Decides which commands may be sent to the robot, and which of them it may not understand."""
+"""Decides which commands may be sent to the robot, and which of these the robot might not know."""
 from __future__ import annotations
 
 from typing import FrozenSet, Iterable, Optional
@@ -56,8 +56,8 @@ class Guard:
     def _no_such_goal(self, command: Command) -> str:
         if (command.spec.name in _DRIVES_TO_A_GOAL and self.goals is not None
                 and not any(goal.casefold() in self.goals for goal in command.goals)):
-            return (f'the robot has no goal "{printable(command.goals[0])}": load a map that has '
-                    'it into the robot')
+            return (f'the robot has no goal "{printable(command.goals[0])}": load a map with this '
+                    'goal into the robot')
         return ''
 
     def _while_it_drives(self, command: Command) -> str:

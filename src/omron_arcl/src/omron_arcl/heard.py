@@ -47,7 +47,7 @@ class RobotWords:
 
     Each attribute is one fact.
 
-    emergency_before -- whether the emergency stop was pressed according to the last connection
+    emergency_before -- whether the emergency stop was pressed at the end of the last connection
     since -- number of the newest record of `drives` when the connection was made
     """
 
@@ -58,7 +58,7 @@ class RobotWords:
         self.shown: Optional[Activity] = None
         """The last activity of a status."""
         self.strange = False
-        """Whether the last status showed a motion that is not ours; it may be older than a line."""
+        """Whether the last status, which may be older than a line, showed a motion not of ours."""
         self.emergency = False
         """Whether the emergency stop is pressed, or the motors are still off after it."""
         self.moved = False
@@ -87,7 +87,7 @@ class RobotWords:
     def emergency_told(self) -> bool:
         """Whether the emergency stop is pressed according to the robot's words.
 
-        Its words on the last connection count until it has said something on this one.
+        Until the robot has said something on this connection, its words on the last one count.
         """
         return self.emergency or self._emergency_before and self.activity is None
 
@@ -157,15 +157,15 @@ class RobotWords:
         self.unheard_stops += 1
 
     def stops_left(self, number: int) -> None:
-        """Notes how many of the stops that were sent the robot has still to answer."""
+        """Notes that the robot has still to answer `number` of the stops that were sent."""
         self.unheard_stops = min(number, len(self._stops))
 
     def answered(self, order: int) -> None:
         """Notes that the robot answers a query with a status.
 
         The robot answers in the order of sending, but it may obey a stop a moment after its answer
-        to the next query. After the second answer, the `Stopping` for this stop does not come any
-        more: some robots say `Stopping` once for several stops.
+        to the next query. Once it has also answered the query after that, no `Stopping` for this
+        stop will come: some robots say `Stopping` once for several stops.
         """
         self._stops = [stop for stop in self._stops if stop > self._answered]
         self.unheard_stops, self._answered = min(self.unheard_stops, len(self._stops)), order

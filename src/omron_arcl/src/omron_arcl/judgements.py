@@ -1,15 +1,15 @@
 """What the robot's reported activity says about a drive or stop that is under way.
 
-When a drive ends, the robot does not always name it. If another client stops the robot, the robot
-may say no more than `Stopping`, `Stopped`, or it may name a point instead of the goal. Therefore
-every line and status about the robot's activity is compared with each command under way. A single
-contradiction does not end the command: right after a command the status may be out of date, or be
-`Stopping` or `Stopped` for an instant (observed). No line tells such a status from a real end; only
-a contradiction that lasts does. So an activity that contradicts a command begins a doubt, and a
-doubt that lasts ends the command; see `drives`.
+When a drive ends, the robot does not always name the drive. If another client stops the robot, the
+robot may say no more than `Stopping`, `Stopped`, or it may name a point instead of the goal.
+Therefore every line and status about the robot's activity is compared with each command under way.
+A single contradiction does not end the command: right after a command the status may be out of
+date, or be `Stopping` or `Stopped` for an instant (observed). No line distinguishes such a status
+from a real end; only the duration of the contradiction does. So an activity that contradicts a
+command begins a doubt, and a doubt that lasts ends the command; see `drives`.
 
-The module consists of tables and pure functions. Before a drive is acknowledged, only the rows of
-JUDGEMENTS whose `begun` is not True judge it.
+The module consists of tables and pure functions. Before a drive is acknowledged, only those rows of
+JUDGEMENTS apply to it whose `begun` is not True.
 """
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from omron_arcl.execution import Execution, Outcome
 from omron_arcl.records import Doubt
 from omron_arcl.replies import Reply, coordinates
 
-# s from the first contradiction until the command ends, if there were at least two
+# s from the first contradiction until the command ends, if there were at least two contradictions
 SETTLE: Mapping[DriveCourse, float] = {
     DriveCourse.TO_A_PLACE: 4.0,
     DriveCourse.INTO_THE_DOCK: 30.0,  # between two attempts the robot stands and is undocked
@@ -33,7 +33,7 @@ SETTLE: Mapping[DriveCourse, float] = {
 SETTLE_CERTAIN = 4.0  # s, instead of SETTLE for an arrival or an emergency stop
 SETTLE_STOP = 2.0  # s of standing after which a stop without `Stopped` counts as obeyed
 SETTLE_OVERTAKEN = 6.0  # s of driving elsewhere after which a stop counts as overtaken
-SETTLE_ONCE = 5.0  # s more after a single contradiction, as of a robot that sends no status
+SETTLE_ONCE = 5.0  # s, added if there was only one contradiction: the robot may send no status
 
 # In these activities a robot may begin a drive before it names the goal: it leaves its dock for the
 # drive, or drives to the dock.
@@ -68,7 +68,7 @@ class Observation(NamedTuple):
         return f'the robot\'s status is "{self.text}"' if self.is_status else self.text
 
     def is_line_of(self, kind: ActivityKind) -> bool:
-        """Returns whether it is a line, not a status, about this activity."""
+        """Returns whether this is an activity of this kind, reported in a line, not in a status."""
         return self.activity.kind is kind and not self.is_status
 
     @property
@@ -165,7 +165,7 @@ def fits(predicate: Optional[Predicate], execution: Execution, reply: Reply) -> 
 
 
 def acknowledges(execution: Execution, reply: Reply) -> bool:
-    """Returns whether a line, or a status of this form, shows that the robot obeys a drive."""
+    """Returns whether a line, or a status in its form, shows that the robot obeys a drive."""
     return fits(execution.command.spec.acknowledged_by, execution, reply)
 
 
@@ -189,7 +189,7 @@ def judge(execution: Execution, seen: Observation, begun: bool, drives: Sequence
 
 
 def _judge_stop(stop: Execution, seen: Observation, drives: Sequence[Execution]) -> Verdict:
-    """Judges a stop: it is obeyed if the robot stands, and overtaken if it drives elsewhere."""
+    """Judges a stop: obeyed if the robot stands, overtaken if the robot drives elsewhere."""
     kind = seen.activity.kind
     if seen.is_status and kind in STANDING:
         return Outcome.SUCCEEDED
@@ -217,7 +217,7 @@ def next_doubt(doubt: Optional[Doubt], outcome: Outcome, seen: Observation, now:
 def is_settled(doubt: Doubt, course: Optional[DriveCourse], now: float) -> bool:
     """Returns whether the doubt about a command has lasted long enough to end that command.
 
-    course -- of the drive; None: the command is a stop
+    course -- the course of the drive; None: the command is a stop
     """
     certain: Tuple[Outcome, ...] = (Outcome.SUCCEEDED, Outcome.EMERGENCY_STOPPED)
     if course is None:

@@ -38,7 +38,7 @@ class _Guest(NamedTuple):
 
 
 class Listener(Transport):
-    """Waits for the robot's outgoing connection until `close`; a new one replaces the last one.
+    """Waits for the robot's outgoing connection until `close`; a new connection replaces the last.
 
     robot: name or address of the only host that may connect. on_line(Received): a line came.
     on_link(Link): the link changed. on_refused(str): a peer with this address was rejected, because

@@ -26,7 +26,7 @@ def names(kind: type, field: str = 'goal') -> Predicate:
 
 
 def docking_is(*states: replies.DockingState) -> Predicate:
-    """Matches a docking state that is one of these."""
+    """Matches a docking status with one of these states."""
     return lambda command, reply: (isinstance(reply, replies.DockingStatus)
                                    and reply.docking in states)
 

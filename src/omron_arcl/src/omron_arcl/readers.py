@@ -142,7 +142,7 @@ def estop(text: str) -> replies.EStop:
 
 
 def to_point(reply: Reply) -> Reader:
-    """Returns a reader of what follows `point`: nothing, or two or three coordinates.
+    """Returns a reader of the text after `point`, which may be empty or have 2 or 3 coordinates.
 
     So a goal may be named `point 7`, but not `point 1 2`.
     """

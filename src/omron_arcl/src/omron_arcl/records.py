@@ -164,8 +164,8 @@ class DriveRecord:
 class LastCommand:
     """The newest command of a giver that numbers its commands.
 
-    foreign_epoch -- the newest epoch that this giver did not begin: another giver, another client,
-        the robot itself or its emergency stop did
+    foreign_epoch -- the newest epoch that this giver did not begin, but another giver, another
+        client, the robot itself or its emergency stop
     """
 
     giver: str

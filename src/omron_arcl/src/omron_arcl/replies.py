@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 
 class Reply:
-    """Base of every kind of line. Distinguish them with `isinstance`."""
+    """Base of all kinds of lines. Distinguish the kinds with `isinstance`."""
 
     __slots__ = ()
 
@@ -209,7 +209,7 @@ class Interrupted(Reply):
 
 @dataclass(frozen=True)
 class RobotError(Reply):
-    """`Error: <text>`: something failed during its execution. The line names no command."""
+    """`Error: <text>`: the robot failed to carry something out. The line names no command."""
 
     text: str
 

@@ -68,7 +68,8 @@ _COMPLAINS = re.compile(
     rb'\b(wrong|incorrect|invalid|denied|refused|fail(ed|ure)?|unauthori[sz]ed|bad|not allowed)\b',
     re.IGNORECASE)
 _PROMPT_ENDS = (b':', b'>', b'?')
-_MAY_HOLD_PASSWORD = (ConfigValue, Done, CommandError, UnknownLine)  # an echoed line is unknown
+# A sent line that the robot echoes is read as an UnknownLine.
+_MAY_HOLD_PASSWORD = (ConfigValue, Done, CommandError, UnknownLine)
 
 
 class SessionState(Enum):
@@ -116,14 +117,15 @@ class Closed(NamedTuple):
 
 
 Event = Union[LoggedIn, Received, Closed]
-Trace = Callable[[str, bytes], None]  # 'C' (client) or 'S' (server), and its line; no secrets
+# Called with the sender, 'C' (client) or 'S' (server), and the line that it sent, without secrets.
+Trace = Callable[[str, bytes], None]
 
 
 class Session:
     """The client's end of one connection. If `password` is None, the connection has no login.
 
     `lines_read` counts the received lines, because only a complete line is a sign of life. The
-    other attributes are what the login of one connection has to remember.
+    other attributes are mainly the state of the login.
     """
 
     def __init__(self, password: Optional[bytes], longest_line: int = LONGEST_LINE,

@@ -34,7 +34,7 @@ _FIELDS: Dict[Type[Reply], Tuple[str, Callable[[Any], Any]]] = {
 
 
 def ignored_fields(reply: Reply) -> Tuple[str, ...]:
-    """Returns the status fields of a line whose values are impossible, as they were sent."""
+    """Returns the fields of a status line that have impossible values, as they were sent."""
     if isinstance(reply, OneLineStatus):
         return reply.ignored
     if isinstance(reply, UnknownLine) and reply.text.lower().partition(':')[0] in STATUS_FIELDS:
@@ -47,7 +47,7 @@ class StatusAssembler:
 
     If a field comes a second time, a new status has begun. So the assembler learns which fields a
     status has. After that, a status is whole when it has the fields of the last status. `located`
-    is the time, by the caller's clock, when the location of the last whole status came.
+    is the time on the caller's clock at which the location of the last whole status came.
     """
 
     def __init__(self) -> None:

@@ -1,4 +1,4 @@
-"""The thread that serves connections and reports their state; the base of both transports."""
+"""The thread that serves connections and reports their state; base of `ArclLink` and `Listener`."""
 from __future__ import annotations
 
 import contextlib
@@ -32,7 +32,7 @@ class Waker:
             self._writer.send(b'\0')
 
     def drain(self) -> None:
-        """Clears the requests of `wake` until now."""
+        """Clears all requests that `wake` has made so far."""
         with contextlib.suppress(OSError):
             self.reader.recv(1024)
 

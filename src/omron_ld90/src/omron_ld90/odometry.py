@@ -19,7 +19,7 @@ MAX_GAP = 2.0  # s between two locations; a longer gap gives no velocity
 #: change from one location to the next, including the rounding to 1 mm and 1 degree.
 POSITION_SIGMA, HEADING_SIGMA = 0.05, math.radians(1.0)
 STEP_SIGMA, TURN_SIGMA = 0.005, math.radians(0.5)
-SIDEWAYS = 0.1  # m of sideways motion that errors of the locations may pretend
+SIDEWAYS = 0.1  # m of apparent sideways motion that errors of the locations may cause
 TURN_ACCELERATION = math.radians(180.0)  # rad/s2
 
 
@@ -57,8 +57,8 @@ class MotionMeter:
     def add(self, location: TimedPose) -> Optional[MeanMotion]:
         """Returns the motion since the previous location.
 
-        None: there was no location within the last MAX_GAP s. None, too, if the robot cannot have
-        driven from the previous location to this one, because then it was relocalized.
+        None: there was no location within the last MAX_GAP s, or the robot cannot have driven from
+        the previous location to this one and so was relocalized.
         """
         last, self._last = self._last, location
         if last is None or not 0.0 < location.time - last.time <= MAX_GAP:

@@ -67,7 +67,7 @@ def yard() -> Graph:
 
 
 def dissertation_graph() -> Graph:
-    """Returns the dissertation's graph, on which edges 1, 4, 5 lead from 1 over 2 and 7 to 6."""
+    """Returns the dissertation's graph: edges 1, 4, 5 lead from vertex 1 through 2 and 7 to 6."""
     return graph_of({1: (0, 0), 2: (4, 0), 7: (8, 0), 6: (12, 2), 3: (4, 4)},
                     {1: (1, 2), 4: (2, 7), 5: (7, 6), 2: (2, 3)})
 
@@ -127,7 +127,7 @@ class GraphRobot:
         self.goal, self._way, self.speed, self.motion = None, [], 0.0, motion
 
     def press_emergency_stop(self) -> List[p.Event]:
-        """Presses the emergency stop for a person."""
+        """Presses the emergency stop, as a person would."""
         self.emergency = True
         self.halt(ActivityKind.STOPPED)
         number, self.number = self.number, None
@@ -237,7 +237,7 @@ class Bench:
                                emergency_stop=self.robot.emergency))
 
     def press(self, pressed: bool) -> None:
-        """Presses or releases the emergency stop for a person; the controller reports it."""
+        """Presses or releases the emergency stop; the controller reports this."""
         self.robot.emergency = pressed
         self.hear_motion('')
 

@@ -47,9 +47,9 @@ class DelayedDrive:
     """A route on which a person may stop the robot.
 
     passed -- drives of the route that the bridge gave, or that the controller let through, although
-        it knew of the person's stop
+        this program knew of the person's stop
     crossed -- whether a drive reached the robot after a person had stopped it with another client:
-        the drive was already on its way, so that nobody could hold it back
+        the drive was already on its way, so that no program could hold it back
     """
 
     def __init__(self, graph: Graph, vertex: int, strategy: str, delays: Delays,
@@ -134,12 +134,12 @@ class DelayedDrive:
         self._tell(RouteOrder(route_id, edges, stamp, stamp))
 
     def stop_by_topic(self) -> None:
-        """Stops the robot for a person in RViz, on `send_command` or on `execute_command`."""
+        """Lets a person stop the robot in RViz, by `send_command` or by `execute_command`."""
         self._begin_stop('topic')
         self.later(self.delays.to_controller, partial(self._give_for_person, 'stop'))
 
     def stop_by_cancelling(self) -> None:
-        """Cancels the goals of `execute_command` for a person."""
+        """Lets a person cancel the goals of `execute_command`."""
         self._begin_stop('cancellation')
         self.later(self.delays.to_controller, self._take_cancellation)
 
@@ -149,7 +149,7 @@ class DelayedDrive:
                                  if execution.result is None], PERSON)
 
     def send_elsewhere(self) -> None:
-        """Sends the robot for a person, on `send_command`, to a vertex that is not on its route."""
+        """Lets a person send the robot, by `send_command`, to a vertex that is not on its route."""
         self._begin_stop('another drive')
         self.later(self.delays.to_controller, self._take_drive)
 
@@ -158,7 +158,7 @@ class DelayedDrive:
         self._give_for_person(f'goto {min({4, 6} - ends)}')
 
     def _give_for_person(self, command: str) -> None:
-        """Sends a person's command. Without a link a drive fails; a stop is owed."""
+        """Sends a person's command. Without a link, a drive fails, and a stop becomes owed."""
         try:
             self._controller.give(command, PERSON, 0, lambda result: None)
         except NotConnected:
@@ -167,7 +167,7 @@ class DelayedDrive:
             self.controller_knows = True
 
     def stop_at_robot(self) -> None:
-        """Stops the robot for a person in MobilePlanner, or with another client of the robot."""
+        """Lets a person stop the robot in MobilePlanner, or with another client of the robot."""
         self._begin_stop('another client')
         self._stopped_at_robot = True
         self.robot.hear_another('stop')

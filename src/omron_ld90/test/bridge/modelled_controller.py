@@ -89,14 +89,14 @@ class ModelledController:
         return execution
 
     def cancel(self, executions: Iterable[Execution], canceller: Giver) -> None:
-        """Cancels everything for `canceller`."""
+        """Cancels all commands on behalf of `canceller`."""
         for execution in executions:
             self._dispatcher.cancel(execution, self._timeline.now, canceller)
         self._dispatcher.records.all_cancelled(canceller)
         self.turn()
 
     def cancel_own(self, drive: Execution) -> None:
-        """Cancels one drive for its giver."""
+        """Cancels one drive on behalf of its giver."""
         self._dispatcher.cancel(drive, self._timeline.now, drive.giver)
         self.turn()
 
@@ -166,7 +166,7 @@ class ModelledController:
 
     def carry(self, seconds: float, call: Callable[[], None],
               lost: Callable[[], None] = lambda: None) -> None:
-        """Calls `call` when a line that is sent now arrives; `lost` if the link breaks before."""
+        """Calls `call` when a line that is sent now arrives, or `lost` if the link breaks first."""
         connection = self._connection if self.connected else None
         self._timeline.later(
             self.on_the_way(seconds),

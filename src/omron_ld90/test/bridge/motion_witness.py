@@ -35,7 +35,7 @@ GIVEN_WITHIN = 4.0  # s until the controller has the bridge's stop, if all links
 
 @dataclass(eq=False)
 class Word:
-    """A command that the controller took, or that it noticed of another client (`giver` None)."""
+    """A command that the controller took, or another client's that it noticed (`giver` None)."""
 
     giver: Optional[Giver]
     drives: bool
@@ -96,8 +96,8 @@ class WitnessedController(ModelledController):
 class Witness(DelayedDrive):
     """A drive that a witness watches.
 
-    dialect -- of the simulator; empty: not the simulator but a `SpeakingRobot`, which differs more
-        from a real robot
+    dialect -- dialect of the simulated LD-90; empty: a `SpeakingRobot`, which is less like a real
+        robot
     broken -- the violations that were found
     """
 
@@ -106,11 +106,12 @@ class Witness(DelayedDrive):
         self.words: List[Word] = []
         # for each epoch, the last word when the epoch was published
         self.words_of_epoch: Dict[int, Word] = {}
-        # the published epochs; and the epochs of others of which the bridge was not told
+        # the published epochs, and those of other givers of which the bridge was not told yet
         self._epochs: List[int] = []
         self._foreign: Set[int] = set()
-        self._overruled_in = 0  # epoch of the bridge's reports when it was told an epoch of others
-        # the last word at the sending of each stop: of stops on their way, and of the last arrived
+        # the epoch in the bridge's reports when the bridge was told of an epoch of others
+        self._overruled_in = 0
+        # the last word when a stop was sent: for each stop on its way, and the last that arrived
         self._stops_sent: List[Word] = []
         self._stopped = NO_WORD
         # words of other clients that stand before a stop which has not reached the robot yet
@@ -126,7 +127,7 @@ class Witness(DelayedDrive):
         self.drives = 0  # number of drives that were taken
         self.foreign = False
         self._powered_at = -100.0
-        # for each text, time of another client's last command, or of the end of a stall after it
+        # for each command text: when another client last gave it, or when a stall after it ended
         self._another_gave: Dict[str, float] = {}
         # time when a drive of ours reached the robot, just after another client's drive to its goal
         self._mixed_up_at = -100.0
@@ -146,16 +147,16 @@ class Witness(DelayedDrive):
         self._is_ordered = False
         # the last word that the bridge knew when it gave a stop, by process and number of the stop
         self._known_to_stops: Dict[Tuple[str, int], Word] = {}
-        self._known_to_stop: Optional[Word] = None  # this word for the stop that arrives now
-        # drives that others than the bridge gave; for each epoch, the number of them that the robot
-        # had answered when the epoch was published
+        self._known_to_stop: Optional[Word] = None  # this last word, for the stop that arrives now
+        # drives of givers other than the bridge; and for each epoch, how many of these drives the
+        # robot had answered when the epoch was published
         self._others_drives: List[Execution] = []
         self._others_of_epoch: Dict[int, int] = {}
-        # of the bridge's stop, until the bridge drives: the last word that the bridge knew, and the
-        # number of drives of others before it
+        # for a stop of the bridge, until the bridge drives: the last word that the bridge knew, and
+        # the number of earlier drives of others
         self._demanded: Optional[Tuple[Word, int]] = None
         self._ignored_since: Optional[float] = None  # since this time the robot ignores this stop
-        # by number of a command of the bridge: the goal, or `stop`, and the time when it was taken
+        # for each number of a command of the bridge: the goal, or `stop`, and when it was taken
         self._sent_to: Dict[int, Tuple[str, float]] = {}
         self._driven_at = -100.0  # time of the last drive of any client
         self._arrived_at: Dict[str, float] = {}  # time of the last arrival at each goal
@@ -234,18 +235,18 @@ class Witness(DelayedDrive):
 
     def _on_taken(self, giver: Giver, drives: bool) -> None:
         last = self._last_word()
-        if not (drives and last and last.is_drive_of(giver)):  # if it is: the same word continues
+        if not (drives and last and last.is_drive_of(giver)):  # successive drives are one word
             self.words.append(Word(giver, drives))
         self.given_at, self.drives = self.now, self.drives + drives
 
     def _judge_stop(self, giver: Giver, known: Word) -> None:
-        """Checks that a stop does not end an acknowledged drive of which the giver of the stop does
-        not know. If another stop is on its way already, it may.
+        """Checks that a stop ends no acknowledged drive that the giver of the stop does not know.
+        The stop may end such a drive if another stop is on its way already.
         """
         records = self._controller.motion.memory.records
         pending = [record.giver for record in records if record.pending]
         last = next((word for word in self.words[-2::-1] if not word.is_refused), NO_WORD)
-        if not self._controller.drove or last.is_drive_of(giver):  # it ends its own drive
+        if not self._controller.drove or last.is_drive_of(giver):  # the giver ends its own drive
             return
         unknown = [word for word in self._words_after(known)
                    if word.drives and word.giver not in (giver, None, *pending)]
@@ -282,9 +283,9 @@ class Witness(DelayedDrive):
         super()._hear_motion(motion, generation)
 
     def _note_told(self, motion: RobotMotion) -> None:
-        """Notes that the bridge is told an epoch. So it also learns of earlier epochs of others."""
+        """Notes that the bridge learns of an epoch, and so of all earlier epochs of others."""
         memory, bridge = motion.memory, self.bridge
-        if bridge and memory.cause is not MotionCause.INTERRUPTED:  # if so, the next tells why
+        if bridge and memory.cause is not MotionCause.INTERRUPTED:  # if it is, the next says why
             told = self._epochs[:self._epochs.index(memory.epoch) + 1]
             if bridge.robot.epoch and self._foreign.intersection(told):
                 self._overruled_in = bridge.vehicle.state.epoch
@@ -316,7 +317,7 @@ class Witness(DelayedDrive):
 
         self._known_to_stop = self._known_to_stops.get((giver.process, give.number))
         if self.is_heard:
-            if give.command != 'stop' or not self._anothers:  # a robot of others may drive on
+            if give.command != 'stop' or not self._anothers:  # it may drive on for others
                 self._sent_to[give.number] = give.command.split()[-1], self.now
             super()._take_from_bridge(give, giver, ended)
         else:
@@ -328,23 +329,23 @@ class Witness(DelayedDrive):
             self.is_alone = False
             self._arrived = Counter(self._taken)
             if self._obeyed and self._obeyed.command in [one.command for one in self._given]:
-                self._obeyed = None  # a drive is lost that cannot be told from this one
+                self._obeyed = None  # a lost drive cannot be told from this drive
             self._forget_lost_drives()
             self._given.clear()
             self._stops_sent.clear()
             if not self._seems_ours:
                 for word in self._before_stops:  # the stops after these words are lost
                     self.words.remove(word)
-                    if self.robot.goal is None or self._anothers:  # otherwise it obeyed us later
+                    if self.robot.goal is None or self._anothers:  # if not, it obeyed us later
                         self.words.append(word)
             self._before_stops.clear()
         super().cut(link, seconds)
 
     def _forget_lost_drives(self) -> None:
-        """Marks lost drives as refused if the robot shows that it obeys the giver before them.
+        """Marks lost drives as refused if the robot shows that it still obeys the giver before.
 
-        This requires that the robot carries out, or has completed, the drive of that giver, that
-        nobody stopped this drive before, and that no lost drive leads to the goal that it shows.
+        Three conditions must hold: the robot carries out, or has completed, the drive of that
+        giver; no command has stopped it; no lost drive leads to the goal that the robot shows.
         """
         goal = self.robot.status.split()[-1]
         for word, drives in self._drives_of.items():
@@ -368,7 +369,7 @@ class Witness(DelayedDrive):
                 self._mixed_up_at = self.now + self._controller.on_the_way(0.0)
 
     def take_cancellation(self, canceller: Giver) -> None:
-        """Cancels everything for a giver."""
+        """Cancels all commands on behalf of a giver."""
         if not self.is_heard:
             return
         self.words.append(Word(canceller, False))
@@ -376,11 +377,11 @@ class Witness(DelayedDrive):
 
     @property
     def open_drives(self) -> List[Execution]:
-        """The drives of programs and people that have not ended for them."""
+        """The drives of programs and people that have not ended for their givers."""
         return [drive for drive in self._others_drives if drive.result is None]
 
     def cancel_own(self, drive: Execution) -> None:
-        """Cancels a drive for its giver. This is a stop, unless a newer drive replaces it."""
+        """Cancels a drive on behalf of its giver: a stop, unless a newer drive replaces it."""
         if not self.is_heard:
             return
         self._cancelled.append(drive)
@@ -389,7 +390,7 @@ class Witness(DelayedDrive):
         self._controller.cancel_own(drive)
 
     def another_client(self, command: str, stalls: float = 0.0) -> None:
-        """Gives a command for another client of the robot's server.
+        """Gives a command as another client of the robot's server.
 
         stalls -- time in s for which the link holds back all lines of the answer except the first
         """
@@ -434,7 +435,7 @@ class Witness(DelayedDrive):
             self.broken.append(f'{self.now:.1f} {last} is told, but the robot is not at {goal}')
 
     def _judge_answer(self, command: str, given_at: float, result: Result) -> None:
-        """Checks that a command succeeds only if the robot has done it since it was given."""
+        """Checks that the robot has carried out each command that succeeds after it was given."""
         if result.outcome is Outcome.SUCCEEDED and not self._was_done(
                 command.split()[-1], given_at):
             self.broken.append(f'{self.now:.1f} "{command}" is answered by {result}, but the robot '
@@ -541,8 +542,8 @@ class Witness(DelayedDrive):
     def _hear_status(self) -> None:
         """Notes what another client did during an outage, if the status shows it.
 
-        It does if the robot neither carries out a drive of ours nor stands as we stopped it, and if
-        nobody has given a command since.
+        The status shows this if the robot carries out no drive of ours, does not stand because of
+        our stop, and was given no command since.
         """
         before, self._unheard, status = self._unheard, None, self.robot.status
         last = self._last_word()
@@ -634,7 +635,7 @@ class Witness(DelayedDrive):
         self._note_obeyed(line)
         goal, status = self.robot.goal, self.robot.status
         if line != 'stop' and ((goal, status) != before or line.split()[-1] == goal):
-            self._anothers = crosses  # else the robot refuses the drive, and goes on
+            self._anothers = crosses  # otherwise the robot has refused the drive, and goes on
 
     def _note_obeyed(self, line: str) -> None:
         """Notes which drive the robot carries out after it has received a line."""
@@ -704,7 +705,7 @@ class Witness(DelayedDrive):
             self.broken.append(f'{self.now:.1f} the robot carries out a cancelled drive')
 
     def _came_later(self, known: Word, drives: int) -> bool:
-        """Returns whether a giver drives of which the bridge did not know when it gave its stop.
+        """Returns whether a drive was given that the bridge did not know of when it gave its stop.
 
         Successive drives of one giver are one word, but the later one may have begun an epoch.
         Therefore the drives of others are also counted.
@@ -720,7 +721,7 @@ class Witness(DelayedDrive):
             return
         if self._owed_since is None:
             self._owed_since = self.now
-        # if the robot arrives for another client, it gets time again in which the stop is sent
+        # when the robot arrives for another client, the time limit for sending the stop starts anew
         arrived_at = max(self._heard_arrival_at.values(), default=-100.0) if self._anothers else 0.0
         waits_since = max(self._owed_since + SENT_WITHIN, self._stop_came_at + OBEYED_WITHIN,
                           arrived_at + SENT_WITHIN)

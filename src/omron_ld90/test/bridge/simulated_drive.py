@@ -137,7 +137,7 @@ class SimulatedDrive:
         self._faults.inject(fault)
 
     def enable_motors(self) -> None:
-        """Enables the motors for a person; the robot's status shows it."""
+        """Enables the motors, as a person would; the robot's status shows it."""
         self._client.receive(b'enableMotors\n')
         self.wait(2.0 * STATUS_PERIOD)
 
@@ -158,7 +158,7 @@ class SimulatedDrive:
                 self.reports.append(self.follower.report())
 
     def distance_from(self, edges: Tuple[int, ...], since: int = 0) -> float:
-        """Returns the maximum distance (m) of the path from the edges; from sample `since` on."""
+        """Returns the maximum distance (m) of the path, from sample `since` on, to the edges."""
         curves = cKDTree(np.concatenate([self.graph.curve(edge).sample(0.01) for edge in edges]))
         return float(curves.query(self.path[since:])[0].max())
 

@@ -76,7 +76,7 @@ class SpeakingRobot(GraphRobot):
             self._say(self.status)
 
     def _coast(self) -> None:
-        """Shortens the path, so that it ends where the robot can stand."""
+        """Shortens the path to the distance that the braking robot still covers."""
         way, left, here = self._way, self.speed * self._braking_time / 2.0, self.position
         self.goal, self._way = None, []
         for point in way:
@@ -89,7 +89,7 @@ class SpeakingRobot(GraphRobot):
             here, left = point, left - length
 
     def _stand(self, words: int) -> None:
-        if words == self._words:  # nobody has sent it elsewhere while it braked
+        if words == self._words:  # no command has come while it braked
             self.halt(ActivityKind.STOPPED)
             self.status = 'Stopped'
             self._say('Stopped')

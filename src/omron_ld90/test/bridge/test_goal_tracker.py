@@ -20,7 +20,7 @@ def sent(goal: str = '12') -> GoalTracker:
 
 
 def ended(ending: Outcome, text: str = '', goal: str = '12') -> GoalTracker:
-    """Returns a tracker whose command has had this end at 5 s."""
+    """Returns a tracker whose command has ended in this way at 5 s."""
     tracker = sent(goal)
     tracker.ended(CommandEnded(1, ending, text), 5.0)
     return tracker

@@ -64,7 +64,7 @@ def test_a_lost_drive_is_given_again_if_the_robot_does_not_obey_it(told):
 @pytest.mark.parametrize('fate', CommandFate)
 def test_news_of_an_older_command_says_nothing_of_a_drive_that_the_controller_has_answered(
         ending, fate):
-    """Without this, the bridge gives an overruled drive again and again until `motion` comes."""
+    """Otherwise the bridge would give an overruled drive again and again until `motion` comes."""
     word = given_once()
     word.ended(CommandEnded(5, ending, 'another command came first'), 1.0)
     assert word.told((4, fate), 1.0) is None

@@ -169,7 +169,7 @@ class Robots(RuleBasedStateMachine):
     @precondition(lambda self: self.world.is_well and self.world._controller.connected)
     @rule(act=st.sampled_from(IN_AN_OUTAGE))
     def epoch_of_others_is_replaced_by_one_of_the_bridge(self, act: Sequence[str]) -> None:
-        """Lets the bridge stop the robot for its own reason before it hears of the other epoch."""
+        """Lets the bridge stop the robot for its own reason before it hears of others' epoch."""
         self.order(0, 2, True)
         self.world.run(1.5)
         self.world.lose_motions(7.0)
@@ -196,7 +196,7 @@ class Robots(RuleBasedStateMachine):
     @precondition(lambda self: self.world.is_well)
     @rule(goal=GOALS, link=st.sampled_from(list(p.RobotLink)))
     def person_drives_as_a_route_fails(self, goal: str, link: p.RobotLink) -> None:
-        """Drives for a person while a stop of the bridge, for its failed route, is on its way."""
+        """Lets a person drive while the stop for a failed route of the bridge is on its way."""
         if not self.world.bridge.running:
             self.order(0, 2, True)
             self.world.run(1.0)
@@ -217,7 +217,7 @@ class Robots(RuleBasedStateMachine):
         self.world.run(0.3)
         self.reads(program)
         self.give(program, f'goto {goal}', 0.0)
-        self.world.run(3.0)  # so that no commands cross, which could not be told apart
+        self.world.run(3.0)  # crossing commands could not be told apart
 
     @precondition(lambda self: self.world.is_well and self.world.bridge.running)
     @rule(link=st.sampled_from(list(p.RobotLink)))
@@ -230,10 +230,10 @@ class Robots(RuleBasedStateMachine):
     @precondition(lambda self: self.world.up[p.RobotLink.COMMANDS])
     @rule(act=st.sampled_from(IN_AN_OUTAGE), goal=GOALS, restarts=st.booleans())
     def somebody_acts_in_an_outage(self, act: Sequence[str], goal: str, restarts: bool) -> None:
-        """Lets somebody act in an outage, or just before a restart of the controller.
+        """Lets a giver or client act in an outage, or just before a restart of the controller.
 
-        A program that does not know of this act drives the robot. Program and other client use
-        different goals, because otherwise nobody could tell their drives apart.
+        Then a program that does not know of this act drives the robot. Program and other client use
+        different goals, because otherwise their drives could not be told apart.
         """
         program, (doer, *command) = PROGRAMS[0], act
         goals = [one for one in (str((int(goal) + k) % 4 + 3) for k in range(4))
@@ -256,7 +256,7 @@ class Robots(RuleBasedStateMachine):
         self.give(program, f'goto {goal}', 0.0)
 
     def help(self) -> None:
-        """Makes the robot able to drive again, as people would."""
+        """Enables the robot to drive again, as a person would."""
 
     def give(self, program: str, command: str, late: float) -> None:
         giver, known = Giver(program, str(self.starts[program])), self.known[program]
@@ -313,7 +313,7 @@ class Robots(RuleBasedStateMachine):
 
 
 class SimulatedRobots(Robots):
-    """The same with the simulated LD-90 in every dialect, and with emergency stops."""
+    """The same search with the simulated LD-90 in every dialect, and with emergency stops."""
 
     @initialize(strategy=STRATEGIES, dialect=st.sampled_from(DIALECTS), delays=DELAYS)
     def begin(self, strategy: str, dialect: str, delays: Delays) -> None:
@@ -337,7 +337,7 @@ class SimulatedRobots(Robots):
     @precondition(lambda self: self.world.up[p.RobotLink.COMMANDS])
     @rule(seconds=st.sampled_from([0.3, 1.0]))
     def robot_leaves_its_dock_for_a_cancelled_drive(self, seconds: float) -> None:
-        """Lets the robot undock for a drive that is cancelled. The newer drive is lost."""
+        """Lets the robot undock for a drive that is cancelled for a newer drive, which is lost."""
         self.take(PERSON, 'dock', 0)
         self.world.run(25.0, lambda: self.world.robot.status.startswith('DockingState: Docked'))
         self.person_drives('6')

@@ -1,6 +1,6 @@
 """The search of test_motion_property.py finds each of these planted faults.
 
-A scene finds each fault as well: it calls a few rules of the search, one after the other.
+Each fault also has a scene, which calls a few rules of the search and so finds the fault.
 test_last_word.py finds one more fault: a bridge that gives its stop only once.
 """
 from __future__ import annotations

@@ -54,7 +54,9 @@ def test_an_emergency_stop_fails_the_route_before_its_drive_ends():
     assert_failed(bench, 'emergency stop')
 
 class TestWhatSomebodyElseDoes:
-    """Another giver takes over at once. That the robot obeys a stop is up to the controller."""
+    """Another giver takes over at once. The controller, not the bridge, ensures that a stop is
+    obeyed.
+    """
 
     @pytest.mark.parametrize('command', ['stop', 'goto 3'])
     def test_ends_the_route_and_nothing_more_is_given(self, command):
@@ -136,7 +138,7 @@ def test_an_interruption_by_the_emergency_stop_is_called_so():
 @pytest.mark.parametrize('restarts', [False, True])
 def test_a_drive_that_the_robot_broke_off_waits_until_the_controller_knows_why(
         why, reason, restarts):
-    """After an emergency stop, unlike other causes, the robot returns to the fleet by itself."""
+    """After an emergency stop the robot returns to the fleet by itself; otherwise it does not."""
     def tell(**what):
         bench.epoch += 1
         bench.tell(p.MotionTold(bench.epoch, reason='Interrupted: Going to 7',

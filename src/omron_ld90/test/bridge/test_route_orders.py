@@ -173,7 +173,7 @@ def test_an_empty_list_stops_the_robot():
     report = bench.follower.report()
     assert (report.route_id, report.edges, report.reason.text) == (8, (), '')
     assert not bench.follower.running
-    bench.order(9, 4, 5)  # and on from its place
+    bench.order(9, 4, 5)  # the robot drives on from its place
     bench.run()
     assert bench.states() == [2, 2]
 
@@ -211,7 +211,7 @@ def test_a_duplicate_of_a_refused_route_is_refused_again_wherever_the_robot_is_b
     bench.look()
     bench.order(7, 4, stamp=50.0)
     assert len(refusals(bench, 7)) == 2
-    bench.order(7, 4, stamp=60.0)  # the same order again is checked again
+    bench.order(7, 4, stamp=60.0)  # the repeated order is checked again
     assert bench.follower.running
 
 

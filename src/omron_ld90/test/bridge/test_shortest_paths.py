@@ -31,7 +31,7 @@ def test_the_only_way_is_the_only_short_way():
 
 
 def test_two_ways_of_one_length_leave_it_open():
-    assert not is_the_only_short_way(yard(), (1, 2), 0.0, MARGIN)  # or over vertex 4
+    assert not is_the_only_short_way(yard(), (1, 2), 0.0, MARGIN)  # the path over 4 is as short
 
 
 def test_having_begun_on_one_of_them_decides():

@@ -86,7 +86,7 @@ def test_a_record_comes_back_with_its_age(parameters, record):
 
 
 def test_no_clock_that_is_set_makes_a_record_younger(parameters, monkeypatch):
-    """Once, the bridge continued a route of hours ago after a power cut and a clock set back."""
+    """Once, after a power cut and a clock set back, the bridge continued a route of hours ago."""
     memory = parameters.memory()
     memory.keep(RECORD)
     memory.close()

@@ -39,7 +39,7 @@ def arguments(file: Path):
 def expand(name: str, *given: str):
     """Returns the nodes that roslaunch would start, by name, and their parameters."""
     config = ROSLaunchConfig()
-    # without roscore's own launch file, which runs a program for each of its parameters
+    # roscore's own launch file is left out, because it runs a program for each of its parameters
     XmlLoader().load(str(PLACES[name]), config, argv=[*GIVEN.get(name, []), *given], verbose=False)
     nodes = {node.namespace + node.name: node for node in config.nodes}
     return nodes, {key: parameter.value for key, parameter in config.params.items()}

@@ -1,4 +1,4 @@
-"""The messages of a user's first command when it cannot continue."""
+"""The messages of the first command of a user, if this command cannot continue."""
 from __future__ import annotations
 
 import os
@@ -224,7 +224,7 @@ def test_a_computer_without_localhost_is_told_before_anything_is_installed(tmp_p
 
 def test_a_computer_without_an_address_for_its_own_name_is_told_what_other_terminals_need(
         tmp_path, monkeypatch):
-    """This is so in a system that debootstrap has made: `rostopic pub` would not be heard."""
+    """A system that debootstrap has made has no such address: `rostopic pub` would not be heard."""
     monkeypatch.setenv('BASH_FUNC_getent%%', '() { [ "$2" = localhost ]; }')
     told = "run 'export ROS_IP=127.0.0.1' there"
     monkeypatch.setenv('ROS_IP', '127.0.0.1')

@@ -88,7 +88,7 @@ class GoalTracker:
     def resume(self, goal: str, command: str, number: int, now: float) -> None:
         """Notes that the robot was sent to `goal` before a restart of this program.
 
-        number -- of the command; 0: the command was not given yet
+        number -- the number of the command; 0: the command was not given yet
         """
         self._begin(goal, LastWord(command, number=number))
         self._judge(now)
@@ -100,7 +100,7 @@ class GoalTracker:
         self._begin(None, LastWord(STOP, epoch))
 
     def forget(self) -> None:
-        """Forgets why the last route ended, and its stop."""
+        """Forgets why the last route failed, and forgets the last command if it was a stop."""
         self.failure = None
         if self.word.is_stop:
             self.word = LastWord()
@@ -148,7 +148,7 @@ class GoalTracker:
 
     def located(self, place: Tuple[float, float], activity: ActivityKind = ActivityKind.UNKNOWN
                 ) -> None:
-        """Takes a location (m). While the robot moves, a location is older than its arrival."""
+        """Takes a location (m). A location of the moving robot is older than the arrival."""
         stands = (activity not in MOVING and self._place is not None
                   and math.dist(self._place, place) <= UNMOVED)
         self._place = place

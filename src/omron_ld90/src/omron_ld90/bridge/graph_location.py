@@ -15,7 +15,8 @@ DOCK_ZONE = 2.0  # m around the dock vertex, in which the robot manoeuvres outsi
 
 @dataclass(frozen=True)
 class GraphLocation:
-    """A location (m) on a graph, with the width and the tolerance (m) that decide what it is on."""
+    """A location (m) on a graph. Corridor width and tolerance (m) decide what the location is on.
+    """
 
     graph: Graph
     position: Tuple[float, float]

@@ -17,15 +17,15 @@ the fate: it contains the number and the fate of our last command that the contr
     | lost; `motion` has NOT_OBEYED     | the drive is given again: the robot does not carry it out|
     | lost; COMPLETED or FAILED         | this is how the drive has ended                          |
     | lost; any other fate              | `motion` will show the end                               |
-    | of a stop whose number `motion`   | the controller has the stop, and sends it until the      |
-    | has shown                         | robot obeys                                              |
+    | any answer to a stop whose number | the controller has the stop, and sends it until the      |
+    | `motion` has shown                | robot obeys                                              |
 
 If another giver has acted, its epoch ends the route before any command is given again
 (`RobotMonitor`).
 
-A command that is given again gets a new number. So the controller refuses the old one if it arrives
-late. Each command carries the epoch in which it is valid, so that a stop ends no newer drive of
-another giver.
+A command that is given again gets a new number. So the controller refuses the command with the old
+number if it arrives late. Each command carries the epoch in which it is valid, so that a stop ends
+no newer drive of another giver.
 """
 from __future__ import annotations
 
@@ -42,7 +42,10 @@ RETRY = 1.0  # s between two attempts
 
 
 class LastWord:
-    """A command, until its fate is known. `epoch` None means the epoch at which it is given."""
+    """A command, until its fate is known.
+
+    epoch -- the epoch in which the command is valid; None: the epoch in which it is given
+    """
 
     def __init__(self, command: str = '', epoch: Optional[int] = None, number: int = 0) -> None:
         self.command, self.epoch = command, epoch

@@ -12,9 +12,9 @@
     | the last event was a motion without a drive of ours                    | MOVED             |
     | nothing has happened since the start of this program                   | UNKNOWN           |
 
-The robot rests if its status shows no motion and its locations stay within STILL m for RESTING s.
-Only locations count that come after the end of the route, and after the last motion. The first of
-these locations is the centre to which all others are compared, so a slow motion is seen as well.
+The robot rests if its status shows no motion and its locations stay within STILL m for RESTING s. A
+location counts only if it comes after the end of the route and after the last motion. The first
+such location is the centre to which all others are compared, so a slow motion is seen as well.
 """
 from __future__ import annotations
 

@@ -22,7 +22,7 @@ class OrderNotes:
             self._note(note)
 
     def refused(self, refusal: RouteRefusal, emergency: bool) -> None:
-        """Writes a note about a refusal. In an emergency stop it writes only about the first one,
+        """Writes a note about a refusal. In an emergency stop, only the first refusal is noted,
         because givers repeat their orders.
         """
         if not (emergency and self._emergency_told):
@@ -30,7 +30,7 @@ class OrderNotes:
         self._emergency_told = emergency
 
     def taken(self, order: RouteOrder) -> None:
-        """Writes a note about the first route that is driven after such refusals."""
+        """Writes a note about the first route that is driven after an emergency stop."""
         if self._emergency_told:
             self._emergency_told = False
             self._note(f'Route {order.route_id} is driven: the emergency stop is over.')

@@ -24,7 +24,7 @@ class RouteProgress:
         """Begins on `edges[current]`, at the point of the edge that is nearest to `place`.
 
         tolerance -- m, distance to a vertex within which the robot passes the vertex
-        by_word   -- vertices (the dock) that the robot passes only by its word, with
+        by_word   -- vertices (the dock) that are passed only when the robot reports it; see
                      `complete_current`
         """
         self.graph = graph
@@ -80,7 +80,7 @@ class RouteProgress:
 
         A vertex is passed under these conditions:
         - The segment from the last location to this one comes within the tolerance of the vertex.
-        - Along the segment, it comes there after it has passed the previous vertex.
+        - On the segment, this point lies after the point where the previous vertex was passed.
         - The edge that leads to the vertex has been driven.
         On an edge shorter than two tolerances, the tolerance is half of the edge's length, so that
         a location near two vertices skips no edge. The last vertex is never passed here, because

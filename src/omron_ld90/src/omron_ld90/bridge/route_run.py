@@ -32,7 +32,7 @@ from trajectory_graph.drawn_names import vertex_name
 
 PROGRESS = 0.05  # m along the route that count as progress
 LEAD = 2.0       # s from our command until the robot drives on a new path, including a reserve
-RESTS_TO_JUDGE = 2  # locations after the reported arrival; the first may be older than it
+RESTS_TO_JUDGE = 2  # locations after the reported arrival; the first may be older than the arrival
 
 
 class RouteRun:
@@ -113,7 +113,7 @@ class RouteRun:
         """Returns whether the robot can stop within this number of edges; the current edge is the
         first of them.
 
-        It can if it was sent no farther, or if it is far enough from their end to brake.
+        It can if its target is on these edges, or if the end of these edges is far enough away.
         """
         last = self.progress.current + edges - 1
         if self.target is not None and self.target <= last:
@@ -146,8 +146,8 @@ class RouteRun:
     def drive(self) -> None:
         """Sends the robot to the target of the strategy, unless it is on its way there.
 
-        If the robot missed a vertex, it drives there first, for any strategy. Nothing is sent
-        while it is unknown whether the robot obeys the last command.
+        If the robot missed a vertex, it is first sent back to this vertex, with any strategy.
+        Nothing is sent while it is unknown whether the robot obeys the last command.
         """
         if self.progress.done or self._tracker.awaits_motion:
             return
@@ -174,7 +174,7 @@ class RouteRun:
     def drive_on(self, now: float, docking_changed: float) -> str:
         """Accepts a reported arrival when the robot's location confirms it, and drives on.
 
-        Checks also that the robot makes progress. Returns a message for a person, or an empty text.
+        Also checks that the robot makes progress. Returns a message for a person, or an empty text.
 
         docking_changed -- when the docking state last changed; a change counts as progress
         """

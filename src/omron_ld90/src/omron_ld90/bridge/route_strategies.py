@@ -7,7 +7,7 @@ and in when they send the next goal:
 |--------------------|--------------------------------------------------|-------------------------|
 | `vertex_by_vertex` | one vertex                                       | once the robot stops    |
 | `direct`           | as far as the robot's own path follows the route | once the robot stops    |
-| `rolling`          | the same, but only as far as braking requires    | before the robot brakes |
+| `rolling`          | as `direct`, but only as far as braking requires | before the robot brakes |
 | `native`           | to the next dock or the end, naming every vertex | once the robot stops    |
 """
 from __future__ import annotations
@@ -73,7 +73,7 @@ def direct(context: StrategyContext) -> int:
 
 
 def rolling(context: StrategyContext) -> int:
-    """Sends the next goal before the robot brakes, if its path to it passes the present goal."""
+    """Sends the next goal before the robot brakes, if its path there passes the present goal."""
     progress = context.progress
     first = (progress.current if context.target is None or context.target_is_behind
              else context.target)

@@ -101,7 +101,7 @@ class RouteMemory:
             self._write_file()
 
     def close(self) -> None:
-        """Writes what is pending and ends the thread."""
+        """Writes the last record, and ends the thread."""
         with self._changed:
             self._closing = True
             self._changed.notify()

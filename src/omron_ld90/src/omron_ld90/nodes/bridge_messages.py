@@ -37,8 +37,8 @@ _FATES: Dict[int, CommandFate] = {int(fate): fate for fate in CommandFate}
 _DOCKING: Dict[str, DockingState] = {state.value: state for state in DockingState}
 _CAUSES: Dict[int, EpochCause] = {getattr(Motion, cause.name): cause for cause in EpochCause
                                   if hasattr(Motion, cause.name)}
-# In a report, STOP means a stop that came as an order, but not from the fleet manager: it stops the
-# fleet. A stop in `motion` concerns only this robot.
+# In a report, STOP means a stop that came as an order, but not from the fleet manager. Such a stop
+# stops the whole fleet; a stop in `motion` concerns only this robot.
 _CAUSES[Motion.STOP] = EpochCause.OTHER_GIVER
 _LINKS: Dict[str, RobotLink] = {link.value: link for link in RobotLink}
 

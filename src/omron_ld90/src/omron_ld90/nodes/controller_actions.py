@@ -5,14 +5,14 @@ The states of a goal at its end:
 - PREEMPTED: the command was cancelled, or replaced by another command.
 - ABORTED: the command ended in another way; the text says how.
 - REJECTED: the command was never sent.
-If a giver gives the command again that the robot obeys already, the new goal takes over the drive:
-the robot is not interrupted, and the earlier goal becomes PREEMPTED.
+If a giver repeats the command that the robot obeys already, the new goal takes over the drive: the
+robot is not interrupted, and the earlier goal becomes PREEMPTED.
 Several queries may be under way at the same time. A driving command replaces the driving command
 before it in the robot.
 
 Locks: actionlib calls `_on_goal` and `_on_cancel` while it holds its own lock, and takes this lock
 in every method of a goal handle. So this module holds no lock of its own while it uses a handle.
-The robot's thread uses no handle: a `CallQueue` makes these calls.
+The robot's thread uses no handle: a `CallQueue` calls the handles instead.
 """
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ class GoalRefused(Exception):
 
 
 class NeverSent(GoalRefused):
-    """A goal was not carried out because of its time; the text says why."""
+    """A goal was not carried out because it was too old; the text says why."""
 
 
 class _Goal:
@@ -167,11 +167,11 @@ class CommandActions:
         return giver_of(handle.goal)
 
     def _known_epoch(self, goal: Any) -> int:
-        """Returns the epoch in which a goal is valid; 0: any."""
+        """Returns the epoch in which a goal is valid; 0: any epoch."""
         return 0
 
     def _number(self, goal: Any) -> int:
-        """Returns the number that the giver gave to the command; 0: none."""
+        """Returns the number that the giver gave to the command; 0: no number."""
         return 0
 
     def _command_of(self, goal: Any) -> Tuple[str, float]:

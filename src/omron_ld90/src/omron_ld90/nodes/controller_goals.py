@@ -1,4 +1,4 @@
-"""Compares the goals that the robot lists with those of the map file."""
+"""Compares the goals that the robot lists with the goals of the map file."""
 from __future__ import annotations
 
 import threading

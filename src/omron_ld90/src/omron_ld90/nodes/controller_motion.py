@@ -21,8 +21,8 @@ ROBOT_ID = 'robot_id'
 class MotionFile:
     """Keeps the `DriveMemory` of one robot in a file.
 
-    path -- of the file; a relative path begins in ROS_HOME; empty: no file
-    robot_id -- of a simulated robot; it changes at each start of the simulator; empty: a real robot
+    path -- path of the file; a relative path begins in ROS_HOME; empty: no file
+    robot_id -- id of a simulated robot, new at each start of the simulator; empty: a real robot
     """
 
     def __init__(self, path: str, robot_id: str = '') -> None:
@@ -77,7 +77,7 @@ class MotionFile:
                 replace_json(self._path, content)
             except OSError:
                 with suppress(OSError):
-                    os.unlink(self._path)  # it is out of date, and its space may be sufficient
+                    os.unlink(self._path)  # the old file is out of date, and frees some space
                 replace_json(self._path, content)
         except OSError as error:
             self._kept = None

@@ -59,7 +59,7 @@ class MoveBaseServer(CommandActions):
         self._await_own_connection()
 
     def _await_own_connection(self) -> None:
-        """Waits until this node can receive its own goals; otherwise the first may be lost."""
+        """Waits until this node can receive its own goals, so that the first goal is not lost."""
         deadline = time.monotonic() + OWN_CONNECTION
         while not self._goals.get_num_connections() and time.monotonic() < deadline:
             time.sleep(0.01)

@@ -34,8 +34,8 @@ Parameters
     ~braking           float   0.2 m/s2, deceleration towards a goal
     ~launch_id         string  (empty)  id of the launch; a route of an earlier launch is not
                                         continued if a person has ended that launch
-    ~route_file        string  (empty)  file that keeps the route over a restart of the whole
-                                        computer; a relative path begins in ROS_HOME
+    ~route_file        string  (empty)  file that keeps the route when the ROS master ends, until
+                                        the next boot; a relative path begins in ROS_HOME
 The node keeps the route in its private parameter ~route_record, to continue it after a restart.
 """
 from __future__ import annotations

@@ -107,8 +107,8 @@ class MapVisualisation:
     """The displayed map, its topics and services.
 
     A request for the displayed map is answered at once. It needs no lock, because a new map
-    replaces the old one in one step. `_loading` is held while a map is loaded and shown, so that of
-    two maps the later one stays.
+    replaces the old one in one step. `_loading` is held while a map is loaded and shown, so that
+    the later of two maps stays on display.
     """
 
     def __init__(self, settings: MapSettings, path: str, made_from: Tuple[str, ...] = ()) -> None:
@@ -125,7 +125,7 @@ class MapVisualisation:
         self._metadata = rospy.Publisher('map_metadata', MapMetaData, queue_size=1, latch=True)
         self._file = rospy.Publisher('map_file', String, queue_size=1, latch=True)
         self._laser = rospy.Publisher('laser_markers', Marker, queue_size=5, tcp_nodelay=True)
-        # Not in the main thread, which must be free for signals; otherwise shutdown may never end.
+        # The main thread must be free for signals; otherwise shutdown may never end.
         threading.Thread(target=self._follow_file, args=(path, made_from), daemon=True).start()
         rospy.Subscriber('laser_cloud', PointCloud2, self._draw_laser, queue_size=2,
                          tcp_nodelay=True)

@@ -2,10 +2,10 @@
 
 The LD-90 localizes itself on its own map and sends a location two to ten times a second. Between
 two locations there is no odometry. So the transform goes from `map` directly to the robot's base.
-(REP 105 puts the frame `odom` between the two for continuous odometry, which ARCL does not have.)
-A user with another odometry sets `~odom_frame`: then the node publishes `map` -> `~odom_frame` such
+(REP 105 puts the frame `odom` between them, for continuous odometry, which ARCL does not have.) A
+user with another odometry sets `~odom_frame`: then the node publishes `map` -> `~odom_frame` such
 that the robot is at its reported location. The name `robot_state_publisher` is a part of this
-workspace's interface. ROS has a standard node of the same name; it runs here as
+workspace's interface. The standard node of ROS with the same name runs here as
 `body_state_publisher`, and publishes the frames of the robot's body.
 
 Nothing is extrapolated or repeated:
@@ -16,8 +16,8 @@ Nothing is extrapolated or repeated:
 The topic `odom` is for software that only accepts nav_msgs/Odometry. Its pose is the location, so
 its frame is `map` and not the frame `odom` of REP 105: the pose does not drift, and it jumps when
 the robot is relocalized. Its twist, in the base frame, is the mean since the previous location.
-There is no message if the robot cannot have driven from the previous location, or if that location
-is more than 2 s older. The covariances grow with the time between locations.
+There is no message if the robot cannot have driven from the previous location, or if the previous
+location is more than 2 s older. The covariances grow with the time between locations.
 
 The topic `scan`, off by default, is for software that only accepts sensor_msgs/LaserScan. It is
 made from `laser_cloud`, whose points the robot has already put into the map with its own

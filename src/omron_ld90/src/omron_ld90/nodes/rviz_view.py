@@ -147,9 +147,9 @@ def rendering_arguments() -> List[str]:
 def screen_size() -> PixelSize:
     """Returns the size of the screen.
 
-    Without a screen, ends the program with a clear message, which Qt would not give. libX11 is used
-    because RViz opens the display with it, too, so both find the same display. python3-xlib would
-    be a further package, and it reads XAUTHORITY in its own way.
+    Without a screen, ends the program with a clear message, which Qt would not give. This function
+    uses libX11 as RViz does, so both find the same display. python3-xlib would be a further
+    package, and it reads XAUTHORITY in its own way.
     """
     library = ctypes.CDLL('libX11.so.6')
     library.XOpenDisplay.restype = ctypes.c_void_p

@@ -22,10 +22,11 @@ class Advice(Enum):
 
 
 class ReadyNotice:
-    """Says once that a click drives the robot: a map is displayed, and the robot is connected."""
+    """Says once that a click drives the robot, when a map is displayed and the robot is connected.
+    """
 
     def __init__(self, robot: str, advice: Advice = Advice.COMMAND) -> None:
-        """robot -- its namespace"""
+        """robot -- the robot's namespace"""
         self._robot, self._advice = robot, advice
         self._is_said = advice is Advice.NOTHING
 

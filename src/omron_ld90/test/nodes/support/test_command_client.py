@@ -1,4 +1,4 @@
-"""The end of a command, identified by its goal."""
+"""The end of a command comes from its goal, or from the loss of this goal."""
 from __future__ import annotations
 
 import threading

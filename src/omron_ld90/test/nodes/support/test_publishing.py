@@ -13,7 +13,7 @@ from omron_ld90_msgs.msg import LinkState, RobotStatus
 
 
 class Publisher:
-    """Serialises into one buffer, as rospy does."""
+    """Serialises all messages into one buffer, as rospy does."""
 
     resolved_name = '/robot_status'
 

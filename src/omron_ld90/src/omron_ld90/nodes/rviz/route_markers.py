@@ -86,8 +86,8 @@ class GraphPicture:
     def route_markers(self, route: Sequence[EdgeProgress]) -> MarkerArray:
         """Returns the route's edges, each with an arrowhead in the direction of driving.
 
-        Completed edges are green, the current one (the first that is not complete) yellow, later
-        ones blue, failed ones red. Edges that are not in the graph are omitted.
+        Complete edges are green. The current edge, which is the first that is not complete, is
+        yellow. Later edges are blue, failed edges red. Edges that are not in the graph are omitted.
         """
         graph = self._graph
         if graph is None:

@@ -37,7 +37,8 @@ class Moment(NamedTuple):
     def age(self, now: Moment) -> float:
         """Returns the seconds from this moment to `now`.
 
-        If the computer was booted in between, the wall clock counts; infinite if it was set back.
+        If the computer was booted in between, returns the difference of the wall clock, but at
+        least the time since the boot. Returns infinity if the wall clock was set back.
         """
         if self.boot == now.boot:
             return now.since_boot - self.since_boot

@@ -1,4 +1,4 @@
-"""Decides whether a click in RViz may move the robot. While a fleet drives it, it may not."""
+"""Decides whether a click in RViz may move the robot: no click may while a fleet drives it."""
 from __future__ import annotations
 
 import threading
@@ -20,7 +20,7 @@ WITH_A_PERSON = frozenset((FleetRobot.TAKEN_OVER, FleetRobot.FAILED, FleetRobot.
 class ClickRule:
     """Finds out from /fleet_state and from the reported routes whether a fleet drives the robot.
 
-    robot          -- its name in the fleet, which is the name of its namespace
+    robot          -- the robot's name in the fleet, which is the name of its namespace
     allow_takeover -- clicks are always allowed; a running route then ends as `taken over`
     """
 

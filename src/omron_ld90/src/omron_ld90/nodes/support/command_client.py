@@ -34,8 +34,9 @@ class CommandClient:
 
     def __init__(self, on_end: OnEnd, on_line: Optional[OnLine] = None,
                  numbers_grow: bool = False) -> None:
-        """on_end, on_line -- get the number of the command and its end, or a line of the robot
+        """on_end -- called with the number of a command and its end
 
+        on_line -- called with the number of a command and a line of the robot about it
         numbers_grow -- numbers always grow, also after a restart, so the controller may use them
         """
         self._numbers_grow = numbers_grow

@@ -23,7 +23,7 @@ Tell = Callable[[OperatorNotice, Optional[Target]], None]
 class FleetMissions:
     """Sends missions to a robot, and reports how they end.
 
-    robot -- its name in the fleet, which is the name of its namespace
+    robot -- the robot's name in the fleet, which is the name of its namespace
     tell  -- called with the end of a mission, and the target of the mission
     """
 

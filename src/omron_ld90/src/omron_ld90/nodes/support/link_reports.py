@@ -29,7 +29,7 @@ _STATES: Dict[LinkPhase, int] = {
 }
 _WORDS = {**{state: phase.value for phase, state in _STATES.items()},
           LinkState.MISCONFIGURED: 'misconfigured'}
-PATIENCE = 15.0  # s after the start in which no problem is reported if the robot is not reached
+PATIENCE = 15.0  # s after the start until a robot that was not reached is reported as a problem
 SETTLED = 0.8    # s until a lost link is logged: at Ctrl-C, a simulator may end before the node
 REPEATED = 1.0  # s between two messages about a link that has not changed
 _LASTING = (LinkPhase.DISCONNECTED, LinkPhase.WRONG_PASSWORD, LinkPhase.CONNECTED)
@@ -124,7 +124,7 @@ class LinkReporter:
 
     @property
     def _is_beginning(self) -> bool:
-        """Whether the robot was not reached yet, but the start is not longer ago than PATIENCE."""
+        """Whether the robot was never reached, and this began less than PATIENCE s ago."""
         return not self._connections and time.monotonic() - self._began < PATIENCE
 
     def report(self, link: Link) -> None:

@@ -16,7 +16,7 @@ LATCHED = ('It was published before this node started, or before its connection 
 WAITED = ('It waited while this node was suspended, and is not carried out late: send it '
           'again.')
 STANDSTILL = 2.5  # s without a call of `tick` after which the process counts as suspended
-WAITED_WITHIN = 1.0  # s after that in which messages that have waited may arrive
+WAITED_WITHIN = 1.0  # s after the suspension in which messages that have waited may arrive
 _MOST_PUBLISHERS = 1000
 
 
@@ -33,8 +33,8 @@ class OldMessages:
     A latching publisher sends its last message again on every new connection. If this node obeyed
     this message after its own restart, or after a break of the connection, the robot would repeat a
     motion. So the first message of such a connection is old, unless the publisher has just started.
-    Messages that waited while this process was suspended, or got no processor time, were meant for
-    another moment, so they are old, too.
+    Messages are also old if they waited while this process was suspended or got no processor time,
+    because they were meant for another moment.
     """
 
     def __init__(self, publishers: Callable[[str], Iterable[str]],
@@ -60,7 +60,7 @@ class OldMessages:
     def reason(self, message: rospy.Message, topic: str, is_stop: bool = False) -> Optional[str]:
         """Returns why a message is too old; None if it is not.
 
-        A stop is not too old because it waited.
+        A stop that only waited is not too old.
         """
         now = self._clock()
         self.tick(now)
