@@ -1,4 +1,6 @@
-"""All devices of a site that carry out steps: stored memory, and due exchanges and reports."""
+"""All devices of a site that carry out steps: their memory, and the exchanges and reports that are
+due.
+"""
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
