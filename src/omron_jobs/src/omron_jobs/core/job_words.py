@@ -41,8 +41,8 @@ UPDATE = 'QueueUpdate: {segment} {job} {priority} {state} Goal "{goal}" {robot} 
 LISTED = ': {segment} {job} {priority} {state} Goal "{goal}" {robot} {dates} {echo} {fails}'
 SHOW, QUERY = 'QueueShow' + LISTED, 'QueueQuery' + LISTED
 ROBOT = 'QueueRobot: "{}" {} {} {}'
-# The robot's name; the fields of a robot's own list: type, name, short and long text, whether the
-# fault keeps the robot from driving, is critical, is that of an application; then the echo.
+# The fields: the robot's name; type, name, short text and long text of the fault; whether the robot
+# cannot drive, whether the fault is critical, whether it is one of an application; the echo.
 ROBOT_FAULT = 'RobotFaultQuery: "{}" {} {} "{}" "{}" true false {} {}'
 END_OF_FAULTS = 'EndQueryFaults'
 END_OF_SHOW, END_OF_SHOW_COMPLETED = 'EndQueueShow', 'EndQueueShowCompleted'

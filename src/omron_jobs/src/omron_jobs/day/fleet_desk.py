@@ -48,7 +48,7 @@ class FleetDesk:
 
     news    -- statuses that the job server has not heard yet
     last    -- the last status of each mission, by the id of its request
-    serials -- the numbers of all missions that were accepted for a request, by its id
+    serials -- the numbers of all missions that were accepted, by the id of their request
     """
 
     def __init__(self, fleet: StudiedFleet, work: SiteWork) -> None:

@@ -1,8 +1,8 @@
 """Hands jobs to an OMRON Fleet Manager: connects the state machine `JobClient` to an ARCL link.
 
-`omron_arcl` does connection and login. When the link closes, even because the process ends, it is
-reset: the kernel drops bytes that were not delivered. So no command of an old link arrives after
-the first query of the next link.
+`omron_arcl` does connection and login. When the link closes, even because the process ends, the TCP
+connection is reset: the kernel drops bytes that were not delivered. So no command of an old link
+arrives after the first query of the next link.
 """
 from __future__ import annotations
 

@@ -159,7 +159,7 @@ class _Client(asyncio.Protocol):
 
 
 class DialledClient(_Client):
-    """A connection that this server has opened: the program there need not log in."""
+    """A connection that this server has opened. The program at its other end need not log in."""
 
     def __init__(self, port: JobPort, ended: asyncio.Future[None]) -> None:
         super().__init__(port)

@@ -55,7 +55,9 @@ class JobFile:
             f'another one with {self._parameter}. With another file it does not know its jobs.')
 
     def read(self) -> Tuple[List[QueuedJob], JobCounters]:
-        """Returns the stored jobs and counters. Raises ConfigurationError: jobs would be lost."""
+        """Returns the stored jobs and counters. Raises ConfigurationError if they cannot be read,
+        because jobs would be lost.
+        """
         try:
             jobs = [from_json(QueuedJob, json.loads(record), _ADDED) for record, in
                     self._database.execute('SELECT record FROM job')]
