@@ -74,7 +74,7 @@ class SimClock:
 class Ticker:
     """Calls back at every whole multiple of `period` seconds, so it does not drift.
 
-    It counts from the start of the clock, so the exact time of a client's connection has no effect.
+    The multiples count from the start of the clock, so it has no effect when a client connects.
     """
 
     def __init__(self, clock: SimClock, period: float, callback: Callable[[], None]) -> None:

@@ -93,7 +93,7 @@ class JobQueue:
     _count: int = 0
 
     def swap_at(self, goal: str) -> Optional[QueueSegment]:
-        """Returns the drop-off of a running job at that goal to which no job is linked yet."""
+        """Returns a drop-off at `goal` that belongs to a running job, and has no linked job yet."""
         taken = {one.after for one in self.segments if one.is_open}
         running = {one.job for one in self.segments if one.status == 'InProgress'}
         return next((one for one in self.segments if one.is_open and one.job in running
@@ -189,7 +189,7 @@ class JobQueue:
         return max(waiting, key=lambda one: one.priority) if waiting else None
 
     def _owner(self, segment: QueueSegment) -> str:
-        """Returns the robot that must serve this segment, because it served the one before."""
+        """Returns the robot that must serve a segment, because it served the segment before."""
         return next((one.robot for one in self.segments if one.id == segment.after), NO_ROBOT)
 
     def _linked(self, job: str) -> List[QueueSegment]:

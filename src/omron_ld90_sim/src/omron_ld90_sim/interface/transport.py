@@ -116,7 +116,7 @@ class ClientConnection:
 
 
 class TcpServer:
-    """One robot's port and outgoing connection; the server says which of them are open."""
+    """One robot's port and outgoing connection; the server decides which of them are open."""
 
     def __init__(self, loop: Loop, server: Server, host: str, port: int) -> None:
         self.loop, self.server = loop, server
@@ -160,7 +160,7 @@ class TcpServer:
         try:
             sock, _ = self._listener.accept()
         except OSError as error:
-            if error.errno in (errno.EMFILE, errno.ENFILE):     # without descriptors it stays ready
+            if error.errno in (errno.EMFILE, errno.ENFILE):     # no descriptor is free
                 self._close_listener()
                 self._listen_later()
             return

@@ -21,7 +21,7 @@ from omron_ld90_sim.motion.space import LOOK_STEP, Disc, Space
 
 DRIVE_MARGIN = 15.0     # mm added to the half width
 TURN_MARGIN = 5.0       # mm added to the half diagonal
-COMFORT = 700.0         # mm of clearance above which more is not worth a detour
+COMFORT = 700.0         # mm; a clearance above this is not worth a detour
 NARROW_COST = 8.0       # cost factor of places where the robot cannot turn
 CLOSED = -1.0           # cost of a cell that no path may use
 ESCAPE = 3000.0         # mm straight ahead or back within which room to turn is searched
@@ -30,7 +30,7 @@ SEARCH_AROUND = 4000.0  # mm around robot and goal within which a path is search
 TURN_NEAR = 300.0       # mm around the ends of a narrow place to search for places to turn
 TURN_PLACES = 80        # largest number of these places
 COARSELY = 5            # every fifth point of many straights is examined first
-DETOUR = 2.5            # largest cost of the path found first; a straight in the open: 1
+DETOUR = 2.5            # largest cost of a path found near the ends; a straight in the open: 1
 
 
 class NoWay(Exception):
@@ -38,12 +38,12 @@ class NoWay(Exception):
 
 
 class Blocked(NoWay):
-    """There would be a path without the obstacles that are not on the map."""
+    """Only obstacles that are not on the map bar all paths."""
 
 
 @dataclass(frozen=True)
 class PlannedWay:
-    """A path along `vertices`; before it, if necessary, straight out of a narrow place."""
+    """A path along `vertices`; before it, if necessary, a straight drive out of a narrow place."""
 
     start: SimPose
     escape: float               # mm straight ahead first; negative: backwards; 0: turn on the spot
@@ -146,7 +146,10 @@ class Planner:
         return float(min(found, key=abs))
 
     def _approach(self, space: Space, goal: np.ndarray, heading: Optional[float]) -> np.ndarray:
-        """Returns the point at which to turn for the last straight: the goal if it has room."""
+        """Returns the point at which the robot turns into the last straight to the goal.
+
+        This is the goal itself if the robot can turn there, or need not turn.
+        """
         here = space.clearance_of(*goal)
         if here >= self.turn_clearance:
             return goal

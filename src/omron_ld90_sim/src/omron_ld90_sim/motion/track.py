@@ -1,7 +1,8 @@
 """Tracks: smooth lines with a speed for every place on them; and turns on the spot.
 
-The speed along a track is the highest that the limits allow. The acceleration limits it forwards
-from the start, the deceleration backwards from the end; towards a goal the deceleration is lower.
+The speed along a track is the highest that the limits allow. After the start, the acceleration
+limits the speed; before the end, the deceleration limits it. Towards a goal the deceleration is
+lower.
 """
 from __future__ import annotations
 
