@@ -65,7 +65,7 @@ class Fence(NamedTuple):
         return beside ** 2 + before ** 2 <= REACH ** 2
 
     def trimmed(self, points: np.ndarray) -> Fence:
-        """Returns the fence, shortened in length and depth to those `points` (N,2) that it covers.
+        """Returns the fence, reduced in length and depth to the `points` (N,2) that it covers.
 
         It contains the frame's origin, and ends on either side before a long gap without points.
         """
