@@ -272,7 +272,7 @@ class JobsInAnyOrder(RuleBasedStateMachine):
 
 class JobsOfBothInterfaces(JobsInAnyOrder):
     """Cancellations and modifications come over REST, too. The machine without REST is separate
-    because it finds most planted faults sooner."""
+    because it finds nearly all planted faults sooner."""
 
     @rule(which=PICK, key=st.sampled_from(('', 'a', 'b')), wish=st.sampled_from((
         ('JobCancel', {'cancelReason': 'why'}), ('JobSegmentModify', {'priority': 4}),
