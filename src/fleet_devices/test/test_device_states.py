@@ -61,7 +61,8 @@ def key(world: World) -> object:
     """The part of the state that decides the future: ages instead of times, relations instead of
     counts.
 
-    Of the readings that count, the last one matters, and whether the one before it was equal.
+    Of the readings that count, only two facts matter: the last reading, and whether the reading
+    before it was equal.
     """
     last = world.readings[-1:]
     return (*device_key(world.device, world.now), world.sent, world.inside, world.heard, last,

@@ -326,7 +326,7 @@ class StampsAnew(JobBook):
 
 
 class CancelsOnce(JobBook):
-    """A faulty book: it sends a cancellation only once, even if it gets lost."""
+    """A faulty book: it does not repeat a cancellation that was lost."""
 
     def due(self, now: float) -> List[FleetMessage]:
         sent = self.__dict__.setdefault('cancelled', set())
@@ -337,7 +337,7 @@ class CancelsOnce(JobBook):
 
 
 class ChangesOnce(JobBook):
-    """A faulty book: it sends a change only once, even if it gets lost."""
+    """A faulty book: it does not repeat a change that was lost."""
 
     def due(self, now: float) -> List[FleetMessage]:
         sent = self.__dict__.setdefault('changed', set())

@@ -12,7 +12,7 @@ ROUNDING = 1e-6         # of a period
 
 
 class Timer:
-    """A callback waiting on a `SimClock`; `cancel()` it or let it run once."""
+    """A callback that waits on a `SimClock`. It runs once, unless it is cancelled."""
 
     def __init__(self, callback: Callable[[], None]) -> None:
         self._callback: Optional[Callable[[], None]] = callback

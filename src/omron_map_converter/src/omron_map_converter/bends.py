@@ -38,7 +38,7 @@ def corners_of(graph: Graph, least: float) -> Set[int]:
 
 
 class _Ways:
-    """The turns of the paths over a graph; caches its results."""
+    """The turns of the paths on a graph; caches its results."""
 
     def __init__(self, graph: Graph) -> None:
         self._graph = graph

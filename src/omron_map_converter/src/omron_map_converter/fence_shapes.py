@@ -1,7 +1,7 @@
 """Rectangles along a direction, and how far they can grow. In mm.
 
 A *frame* has its origin on the offset outline, with u along a direction and v away from the floor.
-In its frame a fence is axis-parallel. Growing it means to find the next edge along u or v.
+In its frame a fence is axis-parallel, and it can grow along u or v up to the next edge.
 """
 from __future__ import annotations
 

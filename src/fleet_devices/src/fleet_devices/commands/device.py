@@ -123,7 +123,7 @@ def number_after(use: Optional[DeviceUse]) -> int:
 def is_taken(report: DeviceReport, request: Request) -> bool:
     """Returns whether a report shows that a request was taken.
 
-    After a request of `unknown` was taken, the report no longer has that requester.
+    A request of `unknown` was taken if the report does not have the requester `unknown` any more.
     """
     if request.requester == UNKNOWN_REQUESTER:
         return report.use_of(UNKNOWN_REQUESTER) is None

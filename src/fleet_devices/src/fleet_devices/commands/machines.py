@@ -1,6 +1,6 @@
 """The machines in `device list`: the state that each machine reports, and the robot it works for.
 
-Only the fleet manager knows that robot. If no fleet manager runs, the robot is left out.
+Only the fleet manager knows the robot. If no fleet manager runs, the list does not name robots.
 """
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ class ListedMachine:
 
     report  -- its newest report; None: no report came
     read_at -- when this report was made, s since 1970
-    told    -- the fleet manager's view of it; None: there is no fleet manager, or no view
+    told    -- the fleet manager's view of it; None: the fleet manager does not run or know it
     """
 
     name: str

@@ -111,7 +111,7 @@ class Exchange(NamedTuple):
 
 
 class Stage(Enum):
-    """The stage of a device: what is known about its holders."""
+    """The stage of a device, which describes its holders."""
 
     HELD = 'held open'
     FOUND = 'perhaps held: the memory is lost'
@@ -141,8 +141,8 @@ class DeviceMachine:
     output      -- the output in the last reading; None: it must be set again
     settled     -- the last reading: True: open, False: closed, None: neither
     alike       -- how many of the newest readings have this value and count, at most STEADY
-    stage_from  -- number of exchanges that had begun when the stage began: their readings do not
-                   count
+    stage_from  -- number of exchanges that had begun when the stage began; the readings of these
+                   exchanges do not count
     moving_from -- since when the device is not as it must be
     mode, since -- the mode that the device shows, and since when
     problem     -- why the last exchange had no reading; empty: it had one
@@ -333,7 +333,8 @@ class DeviceMachine:
 
 
 def _kept(obeyed: Tuple[Taken, ...]) -> Tuple[Taken, ...]:
-    """Returns all requests that hold the device, and the newest KEPT that do not."""
+    """Returns all requests that hold the device, and the newest KEPT requests that do not hold it.
+    """
     ended = [taken for taken in obeyed if not taken.use.holds]
     forgotten = ended[:-KEPT]
     return tuple(taken for taken in obeyed if taken not in forgotten)

@@ -113,7 +113,7 @@ class Devices:
     def reports(self, now: float) -> List[DeviceReport]:
         """Returns the reports that are due: of changed devices, and of others periodically.
 
-        `since` and `read_at` are times of the clock of `now`; the times in `obeyed` are stamps.
+        `since` and `read_at` are times of the same clock as `now`; times in `obeyed` are stamps.
         """
         due = []
         for name, device in self._devices.items():

@@ -271,7 +271,7 @@ class HandOverMachine:
         return self._ended(Word.UNKNOWN, StepCode.OTHER, text, HandOverPhase.LEFT, now)
 
     def _give_up(self, code: StepCode, text: str, now: float) -> HandOverMachine:
-        """Returns the device after it has given its step up.
+        """Returns the device after it has given up its step.
 
         A step that was never started has failed. The end of any other step is unknown.
         """

@@ -87,7 +87,7 @@ TRANSITIONS: Mapping[Tuple[HandedState, HandedEvent], HandedState] = {
 
 
 class HandedStopKind(Enum):
-    """What a robot does at a goal."""
+    """The act of a robot at a goal."""
 
     PICKUP = 'pickup'
     DROPOFF = 'dropoff'

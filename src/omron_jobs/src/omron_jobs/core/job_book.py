@@ -351,7 +351,7 @@ class JobBook:
     # -- the disk --------------------------------------------------------------------------------
 
     def store_news(self) -> None:
-        """Stores the news of missions, and forgets old jobs. Raises OSError: then call it again."""
+        """Stores the news of missions, and forgets old jobs. After an OSError, call it again."""
         forgotten = self.shelf.too_old(self._clock() - KEEP_ENDED * 60_000, MOST_ENDED)
         changed = [self.shelf[id] for id in sorted(self._unstored) if id not in forgotten]
         if changed or forgotten:

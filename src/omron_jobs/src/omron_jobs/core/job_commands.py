@@ -22,7 +22,7 @@ from omron_jobs.core.jobs import JobSegment, Place, QueuedJob, SegmentChange
 from omron_jobs.core.robots import RobotNews, faults_of
 
 MOST_GOALS = 50         # of one job
-SHOWN_ENDED = 11        # at most so many ended segments are in the list of queueShow
+SHOWN_ENDED = 11        # largest number of ended segments in the list of queueShow
 VERSION = '1.1.0'
 PICKUP_PRIORITY, DROPOFF_PRIORITY = 10, 20
 _LONGEST_NAME = 16      # characters of an unknown command that the reply repeats

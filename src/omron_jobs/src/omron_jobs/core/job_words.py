@@ -62,7 +62,7 @@ ECHO_TURNED = 'Echo turned {}.'
 
 
 class SegmentKind(Enum):
-    """What a robot does at the goal of a segment. The value begins the segment's id."""
+    """The act of a robot at the goal of a segment. The id of the segment begins with the value."""
 
     PICKUP = 'PICKUP'
     DROPOFF = 'DROPOFF'
@@ -71,8 +71,8 @@ class SegmentKind(Enum):
 class SegmentStatus(Enum):
     """The status of a segment. There are no other words, because a known client fails at them.
 
-    BEFORE_MODIFY, INTERRUPTED_BY_MODIFY and AFTER_MODIFY do not last: they are only sent around
-    a change.
+    BEFORE_MODIFY, INTERRUPTED_BY_MODIFY and AFTER_MODIFY do not last: they are sent only while a
+    segment is modified.
     """
 
     PENDING = 'Pending'
@@ -100,7 +100,7 @@ REFUSED_BY_FLEET = 'RefusedByFleet'
 
 
 APPLICATION_FAULT = 'Fault_Driving_Application_'
-"""Begins the substatus of a robot that has a fault; the name of the fault follows."""
+"""The beginning of the substatus of a robot with a fault; the name of the fault follows."""
 
 
 class RobotStatus(Enum):

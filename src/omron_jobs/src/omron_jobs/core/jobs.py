@@ -78,7 +78,7 @@ class DriveAct(Enum):
 
 
 class JobDrive(NamedTuple):
-    """A robot, the vertex to which it drives or where it works, and what it does."""
+    """A robot, the vertex to which it drives or where it works, and its act."""
 
     robot: str
     vertex: int
@@ -167,7 +167,7 @@ class QueuedJob:
     queued   -- ms since 1970; also the stamp of the request of its mission
     mission  -- id of the request
     is_known -- whether the fleet manager has the mission
-    cancel   -- why it is to be cancelled (empty: no reason was given); None: it is not
+    cancel   -- why it is to be cancelled (empty: without a reason); None: it is not to be cancelled
     robot    -- the robot that must serve it, by its client's wish or because of a swap; empty: any
     origin   -- the REST record that requested it; None: the job came over ARCL
     swap     -- number of the first segment of the job whose robot must serve this job; 0: no swap
@@ -196,7 +196,7 @@ class QueuedJob:
 
 @dataclass(frozen=True)
 class SegmentChange:
-    """A change of a segment; it is sent to all clients."""
+    """A change of a segment, which is sent to all clients."""
 
     job: str
     queued: int
@@ -204,7 +204,7 @@ class SegmentChange:
 
 
 def queued_segments(segments: Tuple[JobSegment, ...], robot: str = '') -> Tuple[JobSegment, ...]:
-    """Returns the segments of a new job: each waits for the one before it.
+    """Returns the segments of a new job, each of which waits for the segment before it.
 
     robot -- the robot that must serve the job; clients see it from the beginning
     """
@@ -370,7 +370,9 @@ def lost(job: QueuedJob) -> JobMission:
 
 
 def first_misplaced(job: QueuedJob, mission: JobMission) -> Optional[int]:
-    """Returns the index of the first segment ahead whose place in the mission differs; None: none.
+    """Returns the index of the first open segment to which the mission gives another place.
+
+    Returns None if there is no such segment.
 
     A mission with another number of stops was changed by a person: it is not changed back.
     """

@@ -57,7 +57,7 @@ Announce = Callable[[Sequence[SegmentChange]], None]
 
 
 class RestAnswer(NamedTuple):
-    """An answer: its HTTP status, and what is sent as JSON."""
+    """An answer: its HTTP status, and the value that is sent as JSON."""
 
     status: int
     body: Any

@@ -32,7 +32,7 @@ from omron_jobs.core.job_book import FleetAct, FleetMessage
 from omron_jobs.core.jobs import JobDrive, JobMission, JobMissionState, QueuedJob
 from omron_jobs.fleet.missions import act_of, stops_of
 
-PERSON_COMES = 120.0    # s until a person does what a mission needs
+PERSON_COMES = 120.0    # s until a person helps a robot
 
 
 class ToldMission(NamedTuple):

@@ -27,7 +27,7 @@ class JobHandover:
 
     on_change -- called with each job that has changed, in any thread, with the lock held
     lock      -- guards the jobs: they do not change while a caller holds it
-    The methods `hear_...` and `next_to_send` are for the link: only its thread calls them.
+    Only the thread of the link calls the methods `hear_...` and `next_to_send`.
     """
 
     def __init__(self, jobs: JobClient, host: str, port: int, password: bytes,

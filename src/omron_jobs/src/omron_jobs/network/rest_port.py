@@ -224,7 +224,7 @@ class _Connection(asyncio.Protocol):
             self.inner.data_received(data)
 
     def eof_received(self) -> None:
-        """Notes that the other side sends no more: the connection ends."""
+        """Notes that the other side sends no more data, so that the connection ends."""
         if self._is_let_in:
             self.inner.eof_received()
 

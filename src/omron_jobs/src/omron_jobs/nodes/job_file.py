@@ -20,7 +20,7 @@ CREATE TABLE job (mission INTEGER PRIMARY KEY, record TEXT NOT NULL);
 CREATE TABLE counters (one INTEGER PRIMARY KEY CHECK (one = 1), record TEXT NOT NULL);
 PRAGMA user_version = 1;
 '''
-# Older files do not have this table, and older programs ignore it. So the version stays the same.
+# Older files do not have this table, and older programs ignore it. So `user_version` stays 1.
 _POSTED = '''
 CREATE TABLE IF NOT EXISTS posted (kind TEXT, number INTEGER, record TEXT NOT NULL,
                                    PRIMARY KEY (kind, number))

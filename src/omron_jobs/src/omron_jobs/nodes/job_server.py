@@ -255,7 +255,7 @@ class JobServerNode:
     def _send(self, message: FleetMessage) -> None:
         act, job, first = message
         if act in (FleetAct.REQUEST, FleetAct.CHANGE) and self._site_work is None:
-            return  # the steps at its stops are not known yet: the message comes again
+            return  # the steps at the stops are not known yet: the message is repeated
         stops = stop_messages(stops_of(job, self._site_work or SiteWork()))
         if act is FleetAct.REQUEST:
             request = mission_request((), request_id=job.mission, stops=stops,
@@ -321,7 +321,7 @@ def peers() -> Any:
 
 
 def outgoing_link(port: JobPort) -> Optional[DialledLink]:
-    """Returns the outgoing connection, or None if there is to be none.
+    """Returns the outgoing connection; None: ~outgoing_host is empty.
 
     Raises ConfigurationError.
     """

@@ -53,7 +53,7 @@ class Executive:
         self._resume()
 
     def drop(self) -> None:
-        """Ends the activity silently; the base goes on. Scripts must use `outside` instead."""
+        """Ends the activity silently; the base moves on. A script must call this with `outside`."""
         if self._wait_timer is not None:
             self._wait_timer.cancel()
         self._when_still = None

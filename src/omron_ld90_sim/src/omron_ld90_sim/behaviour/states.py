@@ -16,7 +16,7 @@ class DockingPhase(Enum):
 
 
 class MotorState(Enum):
-    """Whether the robot can drive, in the words of `queryMotors`."""
+    """The state of the motors. The values are the answers of `queryMotors`."""
 
     ENABLED = 'Motors enabled'
     DISABLED = 'Motors disabled'

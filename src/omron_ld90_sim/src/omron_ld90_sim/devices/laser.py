@@ -2,8 +2,8 @@
 
 All rays march at once over the floor's distance field, in steps as long as the distance to the
 nearest wall (sphere tracing). The data sheet gives 240 degrees and 15 m. A public driver reserves
-455 rays for one scan. The position of the laser on the robot is not known; the turning centre is
-assumed.
+455 rays for one scan. The position of the laser on the robot is not known; it is assumed to be the
+turning centre.
 """
 from __future__ import annotations
 

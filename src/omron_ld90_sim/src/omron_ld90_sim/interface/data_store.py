@@ -102,7 +102,8 @@ class DataStore:
 
 
 def _counts(names: Tuple[str, ...], trip: str = '') -> Tuple[StoredValue, ...]:
-    """Returns counters of jobs; they stay 0: a robot without a fleet manager gets no jobs."""
+    """Returns counters of jobs. They stay 0, because a robot without a fleet manager gets no jobs.
+    """
     return tuple(StoredValue(f'{trip}{name}', LONG, f'{name}, of the fleet manager\'s jobs',
                              lambda _: 0) for name in names)
 

@@ -130,7 +130,9 @@ class JobQueue:
         return found
 
     def modify(self, segment: QueueSegment, goal: str, priority: int) -> None:
-        """Gives a modifiable segment another goal or priority; its drive, if any, begins anew."""
+        """Gives a modifiable segment another goal or priority. If it is driven, it is interrupted,
+        and waits again.
+        """
         was_driven, waited = segment.status == 'InProgress', segment.substatus
         self._enter(segment, 'BeforeModify', 'Driving' if was_driven else 'None')
         if was_driven:
@@ -148,7 +150,7 @@ class JobQueue:
                     self._part(following)
 
     def announce(self, added: Sequence[QueueSegment]) -> None:
-        """Calls `tell` for added segments; for use after the client has got its reply."""
+        """Calls `tell` for added segments. Must be called after the client has got its reply."""
         for one in added:
             self.tell(one)
 
@@ -159,7 +161,7 @@ class JobQueue:
                 if getattr(one, fields[kind.lower()]).lower() == value.lower()]
 
     def cancel(self, found: Sequence[QueueSegment], reason: str) -> None:
-        """Cancels the jobs of these segments: all their segments that have not ended."""
+        """Cancels all open segments of the jobs to which these segments belong."""
         jobs = {one.job for one in found if one.is_open}
         for one in self.segments:
             if one.is_open and one.job in jobs:

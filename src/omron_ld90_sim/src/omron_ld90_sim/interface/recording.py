@@ -110,7 +110,7 @@ class ReplaySession:
         self._send_due_lines()
 
     def _send_due_lines(self) -> None:
-        """Sends the due lines, up to the next line that waits for a command of the client."""
+        """Sends the recorded lines that are due, until the client must send the next command."""
         clock = self.server.clock
         while self._script and not self.closed:
             head = self._script[0]

@@ -188,7 +188,8 @@ class TcpServer:
         return (host, port) if host and port and wanted else None
 
     def _dial(self) -> None:
-        """Tries to open the outgoing connection; tries again later if no program listens."""
+        """Tries to open the outgoing connection. If no program listens, another try follows later.
+        """
         target, now = self._target(), self.loop.clock.now
         standing = any(c.session.outgoing for c in self._connections)
         if target is None or standing or self._dialling is not None or now < self._next_dial:

@@ -1,4 +1,4 @@
-"""Gives the base its courses: from standing or while moving, around obstacles."""
+"""Plans courses for the base around obstacles, from a standstill or during a drive."""
 from __future__ import annotations
 
 from dataclasses import replace
@@ -49,8 +49,8 @@ class Navigation:
                 *(Disc(place.x, place.y, radius) for place in self._stops(within))]
 
     def _stops(self, within: float) -> List[SimPose]:
-        """Returns the places of other robots within `within` mm, and their places until they could
-        come to rest.
+        """Returns the places of other robots within `within` mm, and the places that they will pass
+        until they could come to rest.
         """
         stops = []
         for other in self._near(within):

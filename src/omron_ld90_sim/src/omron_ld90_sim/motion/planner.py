@@ -231,7 +231,10 @@ class Planner:
         return self._without(spare, vertices, space), None
 
     def _without(self, spare: Set[int], vertices: Sequence[np.ndarray], space: Space) -> np.ndarray:
-        """Returns the vertices without those of the indices `spare` that a straight can bypass."""
+        """Returns the vertices, but of those with indices in `spare` only the necessary ones.
+
+        A vertex is not necessary if the straight between its neighbours is free.
+        """
         kept = [vertices[0]]
         for k in range(1, len(vertices)):
             if k not in spare or k + 1 == len(vertices) or not space.straight_is_free(
@@ -292,7 +295,9 @@ class Planner:
 
 def _cheapest(cost: np.ndarray, first: Tuple[int, int], last: Tuple[int, int]
               ) -> Tuple[Optional[np.ndarray], float]:
-    """Returns the cells (N, 2) of the cheapest chain over a grid, or None; and its cost."""
+    """Returns the cells (N, 2) of the cheapest chain over a grid (None: there is none), and the
+    cost of the chain.
+    """
     search = MCP_Geometric(cost)
     totals, _ = search.find_costs([first], [last])
     total = float(totals[last])

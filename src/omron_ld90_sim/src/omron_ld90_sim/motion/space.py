@@ -14,7 +14,7 @@ LOOK_STEP = 20.0        # mm between the examined points of a straight
 
 @dataclass(frozen=True)
 class Disc:
-    """A moving or temporary obstacle (mm)."""
+    """A round obstacle that moves or is temporary, in mm."""
 
     x: float
     y: float
