@@ -74,7 +74,8 @@ class SimClock:
 class Ticker:
     """Calls back at every whole multiple of `period` seconds, so it does not drift.
 
-    The multiples count from the start of the clock, so it has no effect when a client connects.
+    The periods are counted from the start of the clock. So the time at which a client connects has
+    no effect on the times of the calls.
     """
 
     def __init__(self, clock: SimClock, period: float, callback: Callable[[], None]) -> None:

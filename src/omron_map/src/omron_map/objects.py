@@ -67,9 +67,9 @@ class MapObject:
     @classmethod
     def dock(cls, name: str, x: float, y: float, heading: float,
              kind: str = 'DockLynx') -> MapObject:
-        """Returns a dock: the approach pose from which the robot drives on along `heading`.
+        """Returns a dock. `x`, `y` is where the robot arrives before it drives into the station.
 
-        heading -- degrees
+        heading -- the direction into the station, degrees
         """
         return cls(kind, x, y, normalise_degrees(heading), name=name)
 

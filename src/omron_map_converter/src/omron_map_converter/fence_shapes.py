@@ -103,9 +103,9 @@ class Fence(NamedTuple):
 
 
 def free_span(edges: np.ndarray, near: float, far: float) -> Optional[Tuple[float, float]]:
-    """Returns how far (left, right) the strip near..far is free of `edges` (M,2,2) around u = 0.
+    """Returns the range (left, right) of u around 0 in which no edge is in the strip v = near..far.
 
-    The result is at most LONGEST to either side; None if the strip is not free at u = 0.
+    `edges` is (M,2,2). The range is at most LONGEST to either side. None: an edge is at u = 0.
     """
     u, v = edges[..., 0], edges[..., 1]
     within = (v.min(axis=1) < far) & (v.max(axis=1) > near)

@@ -39,7 +39,7 @@ class ConnectedSession(Protocol):
         """Receives bytes from the other side."""
 
     def close(self) -> None:
-        """Ends the session after the other side has gone."""
+        """Ends the session after the other side has ended the connection."""
 
 
 class Server(Protocol):

@@ -42,7 +42,8 @@ class Navigation:
     def obstacles(self, within: float = PLAN_AROUND) -> List[Disc]:
         """Returns the obstacles that are not on the map, and the other robots within `within` mm.
 
-        A moving robot blocks its place, the place where it could come to rest, and those between.
+        A moving robot blocks its place, the place where it could come to rest, and the places
+        between these two.
         """
         radius = self.floor.body.half_diagonal
         return [*self.blocks,

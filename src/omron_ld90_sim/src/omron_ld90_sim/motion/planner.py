@@ -243,11 +243,11 @@ class Planner:
         return np.array(kept)
 
     def _through(self, space: Space, a: np.ndarray, b: np.ndarray) -> Optional[List[np.ndarray]]:
-        """Returns the points before and behind a narrow place at which to turn, so as to drive
-        straight through it; None: there are none.
+        """Returns the points at which the robot must turn, in addition to `a` and `b`, to drive
+        straight through the narrow place between them; None: this is impossible.
 
-        These are the turnable points near `a` and `b` whose straight has the most room: the
-        planner's grid is too coarse for a gap that is hardly wider than the body.
+        Of the turnable points near `a` and near `b`, the two that have the straight with the largest
+        clearance are used. The planner's grid is too coarse for a gap hardly wider than the body.
         """
         before, behind = self._turnable_near(space, a, b), self._turnable_near(space, b, a)
         first, second = (index.ravel() for index in np.indices((len(before), len(behind))))
