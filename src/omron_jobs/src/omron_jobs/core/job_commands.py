@@ -310,7 +310,7 @@ class JobCommands:
                               else row.description) for row in _ROWS), words.END_OF_COMMANDS))
 
     def set_echo(self, command: CommandLine) -> JobReply:
-        """Switches on or off that the lines of the client are sent back to it."""
+        """Switches the echo on or off: whether lines of the client are sent back to the client."""
         word = command.words[0].lower()
         if word not in ('on', 'off'):
             raise JobRefused(f'needs "on" or "off" in the place of "{word}"')

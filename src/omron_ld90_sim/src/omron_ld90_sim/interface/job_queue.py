@@ -75,7 +75,7 @@ class NewSegment:
 
 
 class NotModifiable(ValueError):
-    """The id of a segment that does not exist, has ended, or is ending."""
+    """A segment does not exist, has ended, or is ending. The text is its id."""
 
 
 class DoubleJob(ValueError):
