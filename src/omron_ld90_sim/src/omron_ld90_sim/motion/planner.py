@@ -246,8 +246,8 @@ class Planner:
         """Returns the points at which the robot must turn, in addition to `a` and `b`, to drive
         straight through the narrow place between them; None: this is impossible.
 
-        Of the turnable points near `a` and near `b`, the two with the largest clearance between them
-        are used. The planner's grid is too coarse for a gap that is hardly wider than the body.
+        Of the turnable points near `a` and near `b`, the two with the largest clearance between
+        them are used. The planner's grid is too coarse for a gap hardly wider than the body.
         """
         before, behind = self._turnable_near(space, a, b), self._turnable_near(space, b, a)
         first, second = (index.ravel() for index in np.indices((len(before), len(behind))))
