@@ -29,7 +29,9 @@ def shows_what_was_not_read(patch: pytest.MonkeyPatch) -> None:
 
 def changed(patch: pytest.MonkeyPatch, name: str,
             change: Callable[[DeviceMachine, DeviceMachine], DeviceMachine]) -> None:
-    """Changes the result of an event: `change` makes it from the state before and the result."""
+    """Changes the result of an event to that of `change`, which gets the state before the event and
+    the right result.
+    """
     right = getattr(DeviceMachine, name)
 
     def wrong(self: DeviceMachine, *arguments: object) -> DeviceMachine:

@@ -1,4 +1,4 @@
-"""The search through all states of a small world; it proves both machines of fleet_devices."""
+"""The search through all states of a small world, for both state machines of fleet_devices."""
 from __future__ import annotations
 
 from collections import deque

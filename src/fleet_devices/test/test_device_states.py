@@ -2,8 +2,8 @@
 
 Two requesters send numbered requests (odd numbers: OPEN, even numbers: CLOSED). Each request may be
 lost, late or repeated. The device shows anything at any time, or nothing. The node restarts with or
-without its memory. The search uses the real `DeviceMachine`; *ghosts* are data for the checks that
-the machine itself does not keep.
+without its memory. The search uses the real `DeviceMachine`. *Ghosts* are data that the machine
+does not keep, but that the checks need.
 """
 from __future__ import annotations
 
@@ -37,8 +37,8 @@ class World:
     sent       -- the number of the newest request of each requester
     inside     -- for each requester, whether it may be in the device: a report said that the
                   device is open for its newest request, and it has not given the device back
-    heard      -- for each requester, whether since its newest request was taken an exchange had a
-                  reading (2), an exchange has begun (1), or no exchange has begun (0)
+    heard      -- for each requester, the state of the exchanges that began after its newest request
+                  was taken: 0: there is none, 1: one is under way, 2: one had a reading
     readings   -- the last readings that count: those after a start, a silence or a new stage
     gave_back  -- whether a claim was given back since the start
     must_close -- whether the last claim was given back, and the device did not read closed since
@@ -61,7 +61,8 @@ def key(world: World) -> object:
     """The part of the state that decides the future: ages instead of times, relations instead of
     counts.
 
-    Of the readings that count, the last one matters, and whether the one before it was equal.
+    Of the readings that count, only two facts matter: the last reading, and whether the reading
+    before it was equal.
     """
     last = world.readings[-1:]
     return (*device_key(world.device, world.now), world.sent, world.inside, world.heard, last,
@@ -301,7 +302,8 @@ PLANTED = {
 
 
 BY_TWO = (planted.forgets_that_the_memory_is_lost,)
-"""Faults that show only if both requesters send. For the others, a search without b is shorter."""
+"""Faults that show only if both requesters send. For all other faults, a search without b is used,
+because it is shorter."""
 
 
 @pytest.mark.parametrize('plant', PLANTED, ids=lambda plant: plant.__name__)

@@ -1,7 +1,7 @@
-"""All devices together: data is stored before it has effects, exchanges due, and random tests.
+"""All devices together: data that is stored before it has effects, due exchanges, random tests.
 
-The machine has requesters that restart, messages that are lost or late, restarts of the node with
-and without its memory, a disk that is full, and doors that are slow, stuck, silent or lie.
+The random machine has requesters that restart, messages that are lost or late, restarts of the node
+with and without its memory, a disk that is full, and doors that are slow, stuck, silent or wrong.
 """
 from __future__ import annotations
 
@@ -194,7 +194,9 @@ class Broken(AssertionError):
 
 @dataclass
 class Machine:
-    """One door, two requesters, a person, a network that loses and delays, and all faults."""
+    """One door with all faults, two requesters, a person, and a network that loses and delays
+    messages.
+    """
 
     seed: int
     now: float = 0.0

@@ -3,8 +3,8 @@
 The fleet manager orders two steps, and may cancel each. A command may be lost, late or repeated.
 Each exchange may have its effect but no reading. The device works, fails, does not react, loses its
 memory, or shows anything. The node restarts between any two events, with its stored memory. The
-search uses the real `HandOverMachine`; *ghosts* are data for the checks that the machine itself
-does not keep.
+search uses the real `HandOverMachine`. *Ghosts* are data that the machine does not keep, but that
+the checks need.
 """
 from __future__ import annotations
 
@@ -76,7 +76,9 @@ class World:
 
 
 def key_of(world: World) -> object:
-    """The part of the state that decides the future: ages for times, relations for counts."""
+    """The part of the state that decides the future: ages instead of times, relations instead of
+    counts.
+    """
     device = world.device
 
     def age(time: Optional[float]) -> Optional[float]:
@@ -147,7 +149,7 @@ def pass_time(world: World) -> World:
 
 
 def restart(world: World) -> World:
-    """A restart: the awaited exchange has had its effect before, or never has one."""
+    """The node restarts. The awaited exchange had its effect before the restart, or has none."""
     device = HandOverMachine.start(LIMITS, world.stored, world.now)
     return replace(told(world, device), write=None, restarts=world.restarts + 1)
 

@@ -105,7 +105,7 @@ def places_of(job: QueuedJob) -> Tuple[int, ...]:
 
 
 def tell(book: JobBook, key: Key, shown: Optional[JobMission], now: float) -> List[SegmentChange]:
-    """Passes what the fleet manager has sent to a job book."""
+    """Gives a job book a message of the fleet manager."""
     if shown is None:
         return book.hear_unknown(*key, asked=now)
     return book.hear(*key, shown, now)

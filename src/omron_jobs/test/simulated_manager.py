@@ -44,8 +44,8 @@ class Robot:
 
 @dataclass(frozen=True)
 class Cut:
-    """Where the link is cut: after `words` of the Fleet Manager, or at a line of the client that
-    begins with them.
+    """The place at which the link is cut: after `words` of the Fleet Manager, or at a line of the
+    client that begins with `words`.
 
     is_heard     -- whether `words` are from a line of the client
     is_delivered -- whether this line still arrives

@@ -22,8 +22,8 @@ ROOT = Path(__file__).resolve().parents[3]
 EXAMPLE = ROOT / 'examples' / 'day_of_jobs'
 WHOLE = is_whole(__file__)
 BEGIN, END = ('00:00', '24:00') if LONG else ('08:30', '09:30') if WHOLE else ('09:01', '09:04')
-# In the example the job server restarts between two jobs; in the short slice, both sides restart
-# while its only job is served.
+# In the example the job server restarts between two jobs. In the short slice there is only one job;
+# both sides restart while a robot serves it.
 RESTARTS = () if WHOLE else ('09:01:34 restart job_server', '09:02:04 restart fleet_manager')
 GOALS = ('press', 'shelf', 'gate')
 

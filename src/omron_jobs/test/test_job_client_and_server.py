@@ -101,7 +101,8 @@ class ClientAgainstServer(RuleBasedStateMachine):
 
     @rule(is_answered=st.booleans())
     def talk(self, is_answered: bool) -> None:
-        """The client sends what is due, and gets the answers, or the link is lost before them."""
+        """The client sends the lines that are due. It gets the answers, or the link is lost before.
+        """
         for _ in range(30):
             lines = self.client.due(self.now)
             if not lines:

@@ -308,7 +308,7 @@ class SendsAgainWithoutAsking(JobClient):
 
 
 class SendsBeforeItStores(JobClient):
-    """A faulty client: it sends a job that is not yet stored as SENT."""
+    """A faulty client: it sends a job before the job is stored as SENT."""
 
     def _keep(self, job: HandedJob) -> None:
         if job.state is HandedState.SENT:

@@ -1,4 +1,6 @@
-"""Jobs over a real link on loopback: wherever it ends, each job is done once, and shown truly."""
+"""Jobs over a real link on loopback: wherever the link is lost, each job is done once, and its true
+state is shown.
+"""
 from __future__ import annotations
 
 import time

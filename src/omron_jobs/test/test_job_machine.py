@@ -272,7 +272,7 @@ class JobsInAnyOrder(RuleBasedStateMachine):
 
 class JobsOfBothInterfaces(JobsInAnyOrder):
     """Cancellations and modifications come over REST, too. The machine without REST is separate
-    because it finds most planted faults sooner."""
+    because it finds nearly all planted faults sooner."""
 
     @rule(which=PICK, key=st.sampled_from(('', 'a', 'b')), wish=st.sampled_from((
         ('JobCancel', {'cancelReason': 'why'}), ('JobSegmentModify', {'priority': 4}),
@@ -326,7 +326,7 @@ class StampsAnew(JobBook):
 
 
 class CancelsOnce(JobBook):
-    """A faulty book: it sends a cancellation only once, even if it gets lost."""
+    """A faulty book: it does not repeat a cancellation that was lost."""
 
     def due(self, now: float) -> List[FleetMessage]:
         sent = self.__dict__.setdefault('cancelled', set())
@@ -337,7 +337,7 @@ class CancelsOnce(JobBook):
 
 
 class ChangesOnce(JobBook):
-    """A faulty book: it sends a change only once, even if it gets lost."""
+    """A faulty book: it does not repeat a change that was lost."""
 
     def due(self, now: float) -> List[FleetMessage]:
         sent = self.__dict__.setdefault('changed', set())

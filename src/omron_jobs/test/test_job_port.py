@@ -1,4 +1,4 @@
-"""The port, with clients over loopback: who may connect, and the harm that a bad client does."""
+"""The port, with clients over loopback: the clients that may connect, and bad clients."""
 from __future__ import annotations
 
 import asyncio

@@ -21,7 +21,7 @@ from omron_map import MapDocument, MapObject, RotatedRectangle
 
 ROOT = Path(__file__).resolve().parents[3]
 LAB = ROOT / 'maps' / 'lab.map'
-# if LD90_REAL_MAPS names no folder
+# /nowhere: LD90_REAL_MAPS names no folder
 REAL_MAPS = Path(os.environ.get('LD90_REAL_MAPS') or '/nowhere')
 MAPS = [LAB, REAL_MAPS / 'omron-ld-site-a.map', REAL_MAPS / 'omron-ld-site-b.map']
 

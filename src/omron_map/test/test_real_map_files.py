@@ -1,4 +1,4 @@
-"""Two real robots' maps, if they are there: nothing is lost, everything is found.
+"""The maps of two real robots, if they are present: nothing is lost, and everything is found.
 
 The maps belong to other people and contain a robot's configuration. So they are not in the
 repository.

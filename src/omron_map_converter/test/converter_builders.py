@@ -14,7 +14,7 @@ from trajectory_graph import Edge, Graph, Vertex
 
 REPOSITORY = Path(__file__).resolve().parents[3]
 LAB = REPOSITORY / 'maps'
-# if LD90_REAL_MAPS names no folder
+# /nowhere: LD90_REAL_MAPS names no folder
 REAL_MAPS = Path(os.environ.get('LD90_REAL_MAPS') or '/nowhere')
 
 EMPTY_MAP = b'''2D-Map
@@ -47,7 +47,7 @@ def lab_generator():
 
 
 def real_maps() -> list:
-    """Parameters for a test of each real robot's map; one that skips if there are none."""
+    """Parameters for a test with each real robot's map, which is skipped if there are no maps."""
     paths = sorted(REAL_MAPS.glob('*.map'))
     if not paths:
         reason = f'no real maps in {REAL_MAPS}'

@@ -27,7 +27,7 @@ def arc(radius, degrees):
 
 
 def corner_and_arc(corner, radius, degrees):
-    """Edge 1, straight, meets edge 2, an arc, at 0, 0 with a corner; edge 3 continues it."""
+    """Edge 1 is straight, and meets edge 2, an arc, in a corner at 0, 0. Edge 3 follows edge 2."""
     x, y, turn, reach = arc(radius, degrees)
     back = math.radians(180.0 - corner)
     ahead = (x + 3.0 * math.cos(turn), y + 3.0 * math.sin(turn))

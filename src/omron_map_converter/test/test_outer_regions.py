@@ -10,7 +10,7 @@ from trajectory_graph import load_graph, split_edges
 
 @pytest.mark.filterwarnings('error')
 def test_a_graph_cut_into_sections_has_even_outlines():
-    """Where sections meet, corners of the floor coincide to a thousandth of a millimetre."""
+    """Where sections meet, corners of the floor differ by at most a thousandth of a millimetre."""
     graph = split_edges(load_graph(str(LAB / 'lab_graph.yaml')), 1.5)
     regions = list(outer_regions(corridors_of(graph, CorridorRules()).floor))
     assert len(regions) > 3

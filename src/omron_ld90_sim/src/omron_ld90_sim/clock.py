@@ -12,7 +12,7 @@ ROUNDING = 1e-6         # of a period
 
 
 class Timer:
-    """A callback waiting on a `SimClock`; `cancel()` it or let it run once."""
+    """A callback that waits on a `SimClock`. It runs once, unless it is cancelled."""
 
     def __init__(self, callback: Callable[[], None]) -> None:
         self._callback: Optional[Callable[[], None]] = callback
@@ -74,7 +74,8 @@ class SimClock:
 class Ticker:
     """Calls back at every whole multiple of `period` seconds, so it does not drift.
 
-    It counts from the start of the clock, so the exact time of a client's connection has no effect.
+    The periods are counted from the start of the clock. So the time at which a client connects has
+    no effect on the times of the calls.
     """
 
     def __init__(self, clock: SimClock, period: float, callback: Callable[[], None]) -> None:

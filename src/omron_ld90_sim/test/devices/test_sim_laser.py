@@ -37,8 +37,8 @@ def test_every_ray_ends_at_the_nearest_wall(pose: SimPose) -> None:
     floor = SimFloor.from_map(document)
     ranges, expected = laser.scan(floor, pose), true_ranges(document, pose)
     assert np.isfinite(ranges).all()
-    # A ray along a wall may end in one of the wall's cells, so hits are compared with walls, not
-    # ranges.
+    # A ray along a wall may end in any cell of the wall. So the hits are compared with the walls,
+    # but the ranges are not compared.
     assert np.percentile(np.abs(ranges - expected), 90) < 2.0 * floor.resolution
     near = SimFloor(np.empty((0, 2)), np.asarray(document.lines, float), np.empty((0, 4)), [], 20,
                     np.empty((0, 2)))

@@ -1,4 +1,4 @@
-"""Runs of the whole program over sockets: which results the seed determines."""
+"""Runs of the whole program over sockets: the results that the seed determines."""
 from __future__ import annotations
 
 import socket

@@ -24,8 +24,8 @@ ARROW_NECK, ARROW_WING = 0.55, 0.2  # shares of the length: start of the head, h
 #: Fonts with more than Latin letters, if they are installed; otherwise Pillow's own small font.
 FONTS = ('NotoSansCJK-Regular.ttc', 'NanumGothic.ttf', 'DejaVuSans.ttf',
          'LiberationSans-Regular.ttf')
-#: Pillow has another layout, for scripts that join letters, which crashes in Ubuntu 20.04. There a
-#: layout is a number; newer versions of Pillow have a class for it.
+#: The layout engine of Pillow. Pillow's second engine, for scripts that join letters, crashes in
+#: Ubuntu 20.04. The Pillow of Ubuntu 20.04 takes a number; newer versions have a class for it.
 BASIC_LAYOUT: Any = 0
 Font = Union[ImageFont.FreeTypeFont, ImageFont.ImageFont]
 

@@ -38,7 +38,7 @@ def _header(scans: Sequence[Scan]) -> Iterator[MapWarning]:
 
 
 def _claims(scan: Scan, keys: Tuple[str, ...], rows: np.ndarray) -> Iterator[MapWarning]:
-    """Yields a warning for each header value that contradicts `rows`; maps use only the rows."""
+    """Yields a warning for each header value that contradicts `rows`; only the rows are used."""
     count, low, high, ordered = keys
     found: Dict[str, object] = {count: len(rows)}
     if len(rows):
@@ -93,8 +93,9 @@ def _tails(records: Sequence[Record]) -> Iterator[MapWarning]:
 
 
 def _declarations(records: Sequence[Record]) -> Iterator[MapWarning]:
-    """Yields a warning for each type that is not declared,
-    if a file declares goal or dock types at all.
+    """Yields a warning for each goal whose type is not declared, if the file declares goal types.
+
+    The same applies to docks and dock types.
     """
     declared = _declared_types(records)
     for number, record in enumerate(records, 1):

@@ -57,7 +57,10 @@ def compare(old: MapDocument, new: MapDocument) -> Difference:
 
 
 def _unpaired(one: MapDocument, other: MapDocument) -> List[MapObject]:
-    """Returns the objects of `one` without an equal in `other`; each object pairs only once."""
+    """Returns the objects of `one` that have no equal object in `other`.
+
+    An object of `other` pairs with at most one object.
+    """
     left = Counter(other.objects)
     unpaired = []
     for obj in one.objects:

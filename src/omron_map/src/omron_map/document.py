@@ -91,7 +91,7 @@ class MapDocument:
 
     @property
     def docks(self) -> Tuple[MapObject, ...]:
-        """Docks of every make."""
+        """Docks of every kind, such as `Dock` and `DockLynx`."""
         return tuple(obj for obj in self.objects if obj.is_dock)
 
     @property
@@ -144,7 +144,7 @@ class MapDocument:
         return editing.find(self._records, name)
 
     def add(self, obj: MapObject) -> None:
-        """Adds `obj` at the position that the vendor's tools use.
+        """Adds `obj`, in the line of the file that the vendor's tools would give it.
 
         Raises DuplicateName, MapError.
         """
@@ -201,7 +201,7 @@ class MapDocument:
             if np.array_equal(rows, scan_editing.checked_rows(present, kind)):
                 return  # the sequence of the rows in the file has no meaning
             self._sections = scan_editing.with_rows(self._sections, kind, rows, end)
-        except FieldError as error:  # its line, if any, counts the rows and not lines of the file
+        except FieldError as error:  # a line in this error counts rows, not lines of the file
             raise MapError(self.name, error.problem, None, error.field, error.expected) from None
         scan_editing.update_header(self._records, kind, rows, end)
         self.scans = scans_of(read_headers(self._records, self.name), self._sections)

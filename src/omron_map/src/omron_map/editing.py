@@ -55,7 +55,8 @@ def remove(file: str, records: List[Record], objects: Iterable[MapObject]) -> Li
 
 
 def _is_parameter_of(name: str, record: Record) -> bool:
-    """Returns whether a line belongs to the object with this name, and is removed with it."""
+    """Returns whether a line is a parameter of the object `name`, and is removed with the object.
+    """
     return any(ref.owned for ref in find_references(record.keyword, record.text, name))
 
 
@@ -123,7 +124,7 @@ def _with_new_reference(record: Record, name: str, new_name: str) -> Record:
 
 
 def _mentions(records: List[Record], name: str, text: str) -> List[Note]:
-    """Returns the lines that perhaps mean the object `name`."""
+    """Returns a note with `text` for each line that perhaps names the object `name`."""
     return [(record, f'{record.text.split(None, 1)[0]} {text}') for record in records
             if any(not ref.certain for ref in find_references(record.keyword, record.text, name))]
 
@@ -143,9 +144,10 @@ def _by_name(records: List[Record]) -> Dict[str, MapObject]:
 
 
 def _indices(file: str, records: List[Record], objects: Iterable[MapObject]) -> List[int]:
-    """Returns the index of each object: of the identical object, or of the first equal one.
+    """Returns for each object the index of its record.
 
-    No index is returned twice. Raises MapError for an object that is not in the map.
+    If no record has the identical object, this is the first record with an equal object. No index
+    is returned twice. Raises MapError for an object that is not in the map.
     """
     places: Dict[MapObject, List[int]] = {}
     for index, record in enumerate(records):

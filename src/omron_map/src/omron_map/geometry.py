@@ -1,4 +1,4 @@
-"""Rectangles, which maps store rotated about the map's origin, and bounds of points."""
+"""Rectangles and bounds of points. A map stores a rectangle as rotated about the map's origin."""
 from __future__ import annotations
 
 import math

@@ -27,8 +27,8 @@ def export_grid(grid: OccupancyGrid, path: str, is_named: bool = True) -> Tuple[
 
     Returns the paths of the image and of the YAML file in the same folder. The YAML file names the
     image relative to itself. Each file is replaced in one step. A file whose name the user did not
-    give is replaced only if ld_map has written it; it comes first, so that a refusal changes
-    nothing. Raises MapError.
+    give is replaced only if ld_map has written it. Such a file is written first: if this is
+    refused, nothing has changed. Raises MapError.
 
     is_named -- whether the user gave `path`
     """

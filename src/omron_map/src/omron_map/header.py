@@ -59,7 +59,7 @@ SCAN_KEYS: Dict[str, Callable[[Sequence[Token], str], Any]] = {
 
 _SUFFIXES = tuple(f'{key}:'.lower() for key in SCAN_KEYS)
 _OTHER_KEYS = tuple(category.lower() for category in CATEGORIES) + (
-    'sources:', 'originlatlongalt:', 'originlatlonalt:')  # a published map has the last one
+    'sources:', 'originlatlongalt:', 'originlatlonalt:')  # the last key is in a published map
 
 
 def is_header(keyword: str) -> bool:
@@ -77,7 +77,7 @@ class ScanHeader:
 
 
 def scan_keys(sources: Sequence[str]) -> Dict[str, Tuple[str, str]]:
-    """Returns the source and key that each first word (lower case) of a line stands for."""
+    """Returns the source and the key for each possible first word (lower case) of a header line."""
     meanings = {f'{key}:'.lower(): (sources[0], key) for key in SCAN_KEYS}
     for source in reversed(sources):
         meanings.update((f'{source}{key}:'.lower(), (source, key)) for key in SCAN_KEYS)

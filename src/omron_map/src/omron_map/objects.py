@@ -67,9 +67,9 @@ class MapObject:
     @classmethod
     def dock(cls, name: str, x: float, y: float, heading: float,
              kind: str = 'DockLynx') -> MapObject:
-        """Returns a dock: the approach pose from which the robot drives on along `heading`.
+        """Returns a dock. `x`, `y` is where the robot arrives before it drives into the station.
 
-        heading -- degrees
+        heading -- the direction into the station, degrees
         """
         return cls(kind, x, y, normalise_degrees(heading), name=name)
 
@@ -97,13 +97,14 @@ class MapObject:
 
     @property
     def is_goal(self) -> bool:
-        """Whether it is a target of `goto`: Goal, StandbyGoal, DoorGoal, with or without heading.
+        """Whether the command `goto` can drive to it: Goal, StandbyGoal or DoorGoal, with or
+        without heading.
         """
         return self.base_kind.endswith('Goal')
 
     @property
     def is_dock(self) -> bool:
-        """Whether it is a target of `dock`: Dock, DockLynx and the other makes."""
+        """Whether the command `dock` can drive to it: its kind begins with `Dock`."""
         return self.kind.startswith('Dock')
 
     @property
@@ -113,7 +114,7 @@ class MapObject:
 
     @property
     def is_line(self) -> bool:
-        """Whether it is a line from the extent's from point to its to point."""
+        """Whether it is a line, from the first to the second point of `extent`."""
         return self.kind in LINE_KINDS
 
     @property
@@ -190,7 +191,10 @@ class MapObject:
 
     @property
     def anchor(self) -> Tuple[float, float, float]:
-        """x, y, theta by which the vendor's tools sort; areas and lines: the from corner, and 0."""
+        """The sort position (x, y, theta) in the vendor's tools.
+
+        For areas and lines it consists of `from_x`, `from_y` and 0.
+        """
         if self.extent is not None:
             return float(self.extent.from_x), float(self.extent.from_y), 0.0
         return self.x, self.y, self.theta

@@ -1,9 +1,9 @@
 """Occupancy grid of a map, for navigation software and RViz.
 
-A file only has the occupied places. The caller decides whether the rest is unknown or free. Cell
-(0, 0) is at the lowest x and y. Its lower left corner is at the smallest coordinates, as in
-published maps. Strictly, the scan points are the centres of cells, so the grid is shifted by half a
-cell to the upper right. Bounds are inclusive, and come from the rows, not from the header.
+A file has only the occupied places. The caller decides whether the rest is unknown or free. The
+lower left corner of cell (0, 0) is at the lowest x and y of all rows, as in published maps.
+Strictly, scan points are the centres of cells, so the grid is half a cell too far to the upper
+right. Bounds are inclusive, and come from the rows, not from the header.
 """
 from __future__ import annotations
 

@@ -18,7 +18,7 @@ _LATER_CATEGORY = re.compile(r'2D-Map(-Ex[0-9]{0,3})?', re.IGNORECASE)
 
 
 class Record(NamedTuple):
-    """One metadata line: its bytes with the line end, its first word in lower case, its object."""
+    """One metadata line: the bytes with the line end, the first word in lower case, the object."""
 
     raw: bytes
     keyword: str
@@ -60,7 +60,7 @@ def read_content(data: bytes, name: str) -> MapContent:
 
 
 def check_category(data: bytes, name: str) -> None:
-    """Raises MapError if `data`, from the beginning of the file `name`, does not begin a map.
+    """Raises MapError if `data`, the beginning of the file `name`, is not the beginning of a map.
 
     A file that was given by mistake or by malice may contain a secret, so the error does not quote
     the file.

@@ -38,7 +38,7 @@ def find_references(keyword: str, line: str, name: Optional[str] = None) -> List
 
     Without `name` it returns all words that certainly name an object. `keyword` is the line's first
     word in lower case. A line that cannot be split into words has no references. A number without
-    quotes counts as a name only where the line can have nothing but a name.
+    quotes counts as a name only at a place where the line must have a name.
     """
     if not may_name_objects(keyword):
         return []

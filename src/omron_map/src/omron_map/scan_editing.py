@@ -1,8 +1,8 @@
 """Edits of a map's points and lines: they change only the rows and the header's values about them.
 
 Rows are sorted, as in the vendor's tools. Points are written without repetitions. If there are no
-rows of a kind, their header keys and the LINES section are removed. Only maps of one scan without a
-name can be edited.
+rows of a kind, their header keys and the LINES section are removed. Only maps with a single scan
+that has no name can be edited.
 """
 from __future__ import annotations
 
@@ -78,7 +78,8 @@ def update_header(records: List[Record], kind: str, rows: np.ndarray, line_end: 
 def _place(records: List[Record], key: str) -> int:
     """Returns the index for a new key, in the vendor's order of the keys.
 
-    It follows the last key that the vendor's tools write before it, or else the category.
+    The new key follows the last present key that the vendor's tools write before it. If there is
+    none, it follows the category.
     """
     earlier = {f'{name}:'.lower() for name in _ORDER[:_ORDER.index(key)]}
     places = [index + 1 for index, record in enumerate(records) if record.keyword in earlier]

@@ -71,7 +71,7 @@ def split_sections(data: bytes, line: int) -> List[Section]:
 
 
 def _heading_offsets(data: bytes, line: int) -> List[int]:
-    """Returns the offsets of the section keywords; finds them by letters, which no row has."""
+    """Returns the offsets of the section keywords: only they have letters, rows do not."""
     letters = np.flatnonzero(np.frombuffer(data, np.uint8) > ord('9'))
     offsets: List[int] = []
     read_to = 0

@@ -46,7 +46,7 @@ class MapWatcher:
         return self._told is None and self._seen is not None
 
     def changed(self) -> bool:
-        """Returns True once for each change: the file differs from the last reported one."""
+        """Returns True once for each change, when the file differs from the last reported state."""
         now, signature = self._clock(), _signature(self.path)
         if signature != self._seen:
             self._seen, self._since = signature, now

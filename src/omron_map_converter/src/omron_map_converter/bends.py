@@ -2,8 +2,9 @@
 
 Lengths are in m, angles in rad. A *bend* is a place around which the path turns by more than BEND
 within a short stretch. The turn may be in a curve, at the corner where two edges meet, or both.
-Turns to the left and to the right add up along the path, also across vertices. A corner that alone
-is a bend ends the sum: there the robot turns on the vertex, and drives on with its new heading.
+Turns to the left and turns to the right count the same, and are added along the path, also across
+vertices. A corner that alone is a bend ends the sum, because the robot turns on that vertex, and
+drives on with its new heading.
 """
 from __future__ import annotations
 
@@ -37,7 +38,7 @@ def corners_of(graph: Graph, least: float) -> Set[int]:
 
 
 class _Ways:
-    """The turns of the paths over a graph; caches its results."""
+    """The turns of the paths on a graph; caches its results."""
 
     def __init__(self, graph: Graph) -> None:
         self._graph = graph
@@ -52,8 +53,8 @@ class _Ways:
                    for index, way_out in enumerate(ways_out) for way_in in ways_out[:index])
 
     def bends_on(self, edge: int, reach: float) -> List[Tuple[float, float]]:
-        """Returns the places on an edge at which the turns within `reach` to either side make a
-        bend.
+        """Returns the places on an edge at which the turns within `reach` to either side add up to
+        a bend.
         """
         curve, whole = self._graph.curve(edge), _millimetres(reach)
         if (float(curve.turned(np.array([curve.length]))[0]) + self._turn_beyond(edge, whole)

@@ -100,7 +100,7 @@ def convert(graph: Graph, document: MapDocument, options: ConversionOptions) -> 
 
 def convert_file(graph: Graph, base_map: str, output: str,
                  options: ConversionOptions) -> Conversion:
-    """Makes the map `output` from the file `base_map`, which may be the same.
+    """Makes the map `output` from the file `base_map`, which may be the same file.
 
     The output is written even if nothing changes, so that it is newer than its sources.
     Raises ConversionError or MapError; `output` is replaced only by a complete map.

@@ -3,8 +3,8 @@
 A corridor follows every edge's curve. At each place where the robot has to turn, a disc in which it
 can turn is also free:
 - at end vertices,
-- where its path bends within its half diagonal,
-- at vertices with any bend, if a corridor there is too narrow for turning,
+- where a path has a bend within a stretch as long as the robot's half diagonal,
+- at vertices where a path is not nearly straight, if a corridor there is too narrow for turning,
 - at the dock, from which a strip also leads to the station.
 The corridors of edges that meet are joined, so junctions are open.
 """
@@ -28,7 +28,7 @@ ROBOT_HALF_DIAGONAL = 1000.0 * HALF_DIAGONAL
 ARC = 8  # segments of a quarter circle: a circle of 0.5 m is exact to 2.4 mm
 ROUNDING = 2.5  # mm added to outlines, so that polygons are no smaller than their circles
 CURVE_TOLERANCE = 0.5  # mm between a curve and the polyline that represents it
-SLIT = 17.0  # mm: gaps in the floor of less than twice this width are filled
+SLIT = 17.0  # mm: gaps in the floor that are narrower than twice this are filled
 NEARLY_STRAIGHT = math.radians(5.0)  # with a smaller turn a robot hardly leaves its lane
 MITRE = 2  # Shapely's join style that keeps corners sharp
 

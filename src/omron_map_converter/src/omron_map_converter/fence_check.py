@@ -1,9 +1,9 @@
 """Checks the fences of a map, independently of how they were made. All in mm, map frame.
 
-A *leak* is a place at which a robot can leave the corridors. Imagine a disc as wide as the robot
-that starts at any vertex. At a leak its centre gets farther than half a corridor and ALLOWANCE from
-every curve; the zones for turning and docking do not count. The check only widens and cuts shapes;
-it shares no code with the search for fences.
+A *leak* is a place at which a robot can leave the corridors. For the check, the robot is a disc of
+its width that starts at any vertex. At a leak, the centre of the disc can get farther from every
+curve than half a corridor plus ALLOWANCE, outside the zones for turning and docking. The check only
+widens and cuts shapes; it shares no code with the search for fences.
 """
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ class FenceCheck:
     leaks: Tuple[Tuple[float, float], ...]
     """The leaks: x, y of the middle of each gap."""
     lost_area: float
-    """Floor (mm2) that fences cover, deeper than INTRUSION inside the edge of the floor."""
+    """Area (mm2) of the floor that fences cover, without a strip of INTRUSION along its edge."""
 
     @property
     def passed(self) -> bool:
@@ -53,14 +53,14 @@ def check_fences(graph: Graph, corridors: Corridors, fences: Iterable[MapObject]
 
 
 def shape_of(fence: MapObject) -> BaseGeometry:
-    """Returns the polygon of a forbidden area, the line of a forbidden line."""
+    """Returns the polygon of a forbidden area, or the line of a forbidden line."""
     if fence.is_area:
         return Polygon(fence.rectangle.corners)
     return LineString(fence.ends)
 
 
 def lost_area(floor: BaseGeometry, shapes: Iterable[BaseGeometry]) -> float:
-    """Returns the area of the floor that `shapes` cover, without INTRUSION along its edge.
+    """Returns how much of the floor (mm2) `shapes` cover, without a strip of INTRUSION at its edge.
 
     A line counts as 1 mm wide.
     """

@@ -3,11 +3,11 @@
 Lengths are in mm, in the map frame.
 
 The fences are complete when every point of the offset outline around the floor has a wall or a
-fence within the robot's half width. This is a set cover, found greedily. The search walks along the
-outline. At the first point that is not covered, it grows rectangles of several directions and
-distances until they would touch the floor. It keeps the rectangle that covers the largest number of
-open points. A rectangle that grows to the other side of a block between corridors covers the
-block's whole outline.
+fence within the robot's half width. To find few fences is a set cover problem; the search is
+greedy. It walks along the outline. At each point that is not covered, it grows rectangles of
+several directions and distances until they would touch the floor. It keeps the rectangle that
+covers the largest number of open points. A rectangle that grows to the other side of a block
+between corridors covers the block's whole outline.
 """
 from __future__ import annotations
 
@@ -45,8 +45,8 @@ LOOK_AHEAD = (250.0, 500.0, 750.0, 1000.0, 1500.0, 2000.0, 2600.0, 3200.0)
 """Arc lengths along a curved outline; a fence may be parallel to the chord of such an arc."""
 STRAIGHT = 500.0  # length of the outline in one direction that a fence follows
 STAND_OFF = 0.02  # additional points that a fence must cover per mm of distance from the floor
-WORTH = 1.5  # how many times as many points a fence across a whole block must cover
-INSET = 1.0  # distance from the sides of a fence within which edges may touch it
+WORTH = 1.5  # a fence across a whole block must cover more points than another by this factor
+INSET = 1.0  # width at either side of a fence in which edges do not limit its growth
 MANY = 2000  # from this number of outline points on, only near points are examined
 NEARBY = 1.5 * LONGEST + LONGEST_EDGE
 
@@ -122,7 +122,7 @@ class _Cover:
 
     def _best(self, ring: np.ndarray, position: int, open_points: np.ndarray,
               edges: np.ndarray) -> Fence:
-        """Returns the fence at a point of a ring that covers the most open points."""
+        """Returns the fence at a point of a ring that covers the largest number of open points."""
         origin = self._region.points[ring[position]]
         directions, straight = self._directions_ahead(ring, position)
         offers = [_Offers(Frame(origin, direction), self._region.points[open_points], edges)
@@ -165,7 +165,8 @@ class _Offers:
                 yield Fence(self._frame, *span, near, near + depth).trimmed(self._points)
 
     def worth(self, fence: Fence) -> float:
-        """Returns the number of points that it covers; reduced for a fence away from the floor."""
+        """Returns the number of points that it covers, less STAND_OFF per mm away from the floor.
+        """
         return fence.covers(self._points).sum() - STAND_OFF * fence.near
 
     def deepened(self, fence: Fence) -> Fence:
@@ -183,7 +184,7 @@ class _Offers:
         return best
 
     def _drawn_near(self, fence: Fence) -> Fence:
-        """Returns the fence, extended to the floor in front of it if the space between is free."""
+        """Returns the fence, extended up to the floor if the space between them is free."""
         span = free_span(self._edges, OFFSETS[0], fence.far)
         if span is None or span[0] > fence.left or span[1] < fence.right:
             return fence
@@ -191,17 +192,18 @@ class _Offers:
 
 
 def _post(frame: Frame) -> Fence:
-    """Returns a small fence that fits everywhere: its corners do not reach the floor
-    from the outline.
+    """Returns a fence so small that it fits at every point of the outline: none of its corners
+    reaches the floor.
     """
     half = SHORTEST / 2.0
     return Fence(frame, -half, half, -half, half)
 
 
 def _needed(fences: Sequence[Fence], covered: Sequence[np.ndarray]) -> List[Fence]:
-    """Returns the fences without those that are needless because others cover all their points.
+    """Returns the fences that are left after needless fences are removed.
 
-    Removes the smallest first.
+    A fence is needless if others cover all its points. The fence with the fewest points is removed
+    first.
     """
     if not fences:
         return []

@@ -1,7 +1,7 @@
 """Rectangles along a direction, and how far they can grow. In mm.
 
 A *frame* has its origin on the offset outline, with u along a direction and v away from the floor.
-In its frame a fence is axis-parallel. Growing it means to find the next edge along u or v.
+In its frame a fence is axis-parallel, and it can grow along u or v up to the next edge.
 """
 from __future__ import annotations
 
@@ -65,7 +65,7 @@ class Fence(NamedTuple):
         return beside ** 2 + before ** 2 <= REACH ** 2
 
     def trimmed(self, points: np.ndarray) -> Fence:
-        """Returns the fence, as short and shallow as it can be to cover the same of `points` (N,2).
+        """Returns the fence, reduced in length and depth to the `points` (N,2) that it covers.
 
         It contains the frame's origin, and ends on either side before a long gap without points.
         """
@@ -103,9 +103,9 @@ class Fence(NamedTuple):
 
 
 def free_span(edges: np.ndarray, near: float, far: float) -> Optional[Tuple[float, float]]:
-    """Returns how far (left, right) the strip near..far is free of `edges` (M,2,2) around u = 0.
+    """Returns the range (left, right) of u around 0 in which no edge is in the strip v = near..far.
 
-    The result is at most LONGEST to either side; None if the strip is not free at u = 0.
+    `edges` is (M,2,2). The range is at most LONGEST to either side. None: an edge is at u = 0.
     """
     u, v = edges[..., 0], edges[..., 1]
     within = (v.min(axis=1) < far) & (v.max(axis=1) > near)

@@ -56,7 +56,8 @@ def notes_on_fences(graph: Graph, corridors: Corridors, fences: Iterable[MapObje
 
 
 def notes_on_homes(corridors: Corridors, homes: Iterable[MapObject]) -> List[str]:
-    """Returns notes on start positions outside the corridors: a robot cannot leave them."""
+    """Returns notes on start positions outside the corridors, from which a robot reaches no goal.
+    """
     return [f'{home} at {_where(home)} mm is outside the corridors: a robot that starts there can '
             'drive to no goal.' for home in homes
             if not corridors.floor.intersects(_shape(home))]

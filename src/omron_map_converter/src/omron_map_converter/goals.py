@@ -32,8 +32,8 @@ def millimetres(position: Tuple[float, float]) -> Tuple[int, int]:
 def heading_out(graph: Graph, vertex: Vertex) -> float:
     """Returns the heading (degrees) in which the only edge of an end vertex leads away from it.
 
-    It is Theta if the vertex is its edge's origin, so the edge leads out of it. It is Theta + 180
-    degrees if the vertex is the destination.
+    If the vertex is the origin of the edge, the heading is Theta of the vertex. If it is the
+    destination, the heading is Theta + 180 degrees.
     """
     edge, = graph.edges_from(vertex.id)
     return math.degrees(vertex.theta) + (0.0 if edge > 0 else 180.0)

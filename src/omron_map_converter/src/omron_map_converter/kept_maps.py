@@ -1,8 +1,9 @@
 """Keeps converted maps for later conversions of the same files, because fences take long to make.
 
-A kept map has the SHA-256 of everything on which it depends as its name: the graph, the base map,
-the options, the source code of the conversion, and the versions of its libraries. So an outdated
-map is never found. The first line of a file is the SHA-256 of its map: a damaged map is not used.
+The name of a kept map is the SHA-256 of everything on which the map depends: the graph, the base
+map, the options, the source code of the conversion, and the versions of its libraries. So an
+outdated map is never found. The first line of a file is the SHA-256 of its map, so that a damaged
+map is not used.
 """
 from __future__ import annotations
 
@@ -26,7 +27,7 @@ from trajectory_graph import Graph
 from trajectory_graph.yaml_file import dump_graph
 
 MOST = 20
-"""The number of kept maps; beyond it, the maps that were not used for longest are removed."""
+"""The largest number of kept maps. If there are more, the least recently used ones are removed."""
 
 Folder = Union[str, 'os.PathLike[str]']
 
@@ -60,7 +61,7 @@ def convert_or_copy(graph: Graph, base_map: str, output: str, options: Conversio
 def _key(graph: Graph, base_map: str, options: ConversionOptions) -> str:
     """Returns the SHA-256 of everything on which the map depends."""
     whole = hashlib.sha256()
-    with contextlib.suppress(OSError):  # the conversion reports that it cannot be read
+    with contextlib.suppress(OSError):  # the conversion reports an unreadable base map
         whole.update(_digest(Path(base_map).read_bytes()))
     for part in (dump_graph(graph), repr(options), *_versions()):
         whole.update(_digest(part.encode()))

@@ -1,8 +1,9 @@
 """The regions outside the floor, and the offset outline that must be covered. mm, map frame.
 
 The outside of the floor consists of *outer regions*: one for every block between corridors, and one
-that surrounds everything. The *offset outline* of each runs OUTLINE_DISTANCE away from the floor.
-If walls and fences cover all outlines, no robot can leave the floor.
+that surrounds everything. The *offset outline* of a region is a line around it at the distance
+OUTLINE_DISTANCE from the floor. If walls and fences cover all outlines, no robot can leave the
+floor.
 """
 from __future__ import annotations
 
@@ -40,7 +41,7 @@ def outer_regions(floor: BaseGeometry) -> Iterator[OuterRegion]:
     """Yields the outer regions around and inside `floor`.
 
     The result is the same for every version of GEOS. All versions make the same shapes, but begin
-    their lists of corners at different corners; here they are put in a fixed order.
+    their lists of corners at different corners; this function puts them in a fixed order.
     """
     everything = box(*floor.bounds).buffer(OUTSIDE, join_style=MITRE)
     outside = everything.difference(floor.buffer(OUTLINE_DISTANCE, join_style=MITRE))
@@ -53,7 +54,7 @@ def outer_regions(floor: BaseGeometry) -> Iterator[OuterRegion]:
 
 
 def sides(directions: np.ndarray) -> List[np.ndarray]:
-    """Returns the stretches of a ring without a change of direction, as positions in order."""
+    """Returns the straight stretches of a ring, each as its positions on the ring, in order."""
     turns = (directions * np.roll(directions, 1, axis=0)).sum(axis=1) < SAME_DIRECTION
     corners = np.flatnonzero(turns)
     if not len(corners):
@@ -71,8 +72,8 @@ def _region(piece: Polygon, outlines: List[np.ndarray]) -> OuterRegion:
 
 
 def _outline(ring: LinearRing) -> np.ndarray:
-    """Returns the corners (N,2) of a closed ring, beginning and ending with the lowest of the
-    leftmost.
+    """Returns the corners (N,2) of a closed ring. The lowest of the leftmost corners is the first,
+    and again the last.
 
     Corners that are equal when rounded to micrometres are merged.
     """

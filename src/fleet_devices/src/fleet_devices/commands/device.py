@@ -105,7 +105,8 @@ def _ask(states: TopicListener, name: str, requester: str, mode: DeviceMode) -> 
 
 
 def not_held(report: DeviceReport, requester: str) -> str:
-    """Returns sentences: the requester holds nothing to give back, and these hold the device."""
+    """Returns sentences that say that the requester does not hold the device, and list its holders.
+    """
     holders = [use.requester for use in report.obeyed if use.holds]
     return (f'{requester} does not hold device {report.device}, so nothing is given back. '
             + (f'It is held for {", ".join(holders)}: name one with --of.' if holders
@@ -113,8 +114,8 @@ def not_held(report: DeviceReport, requester: str) -> str:
 
 
 def number_after(use: Optional[DeviceUse]) -> int:
-    """Returns the number of the next request of a requester. It is above the last number, even if
-    this came from another clock.
+    """Returns the number of the next request of a requester. It is larger than the number of its
+    last request, even if another computer's clock gave that number.
     """
     return max(milliseconds(), use.number + 1 if use is not None else 0)
 
@@ -122,7 +123,7 @@ def number_after(use: Optional[DeviceUse]) -> int:
 def is_taken(report: DeviceReport, request: Request) -> bool:
     """Returns whether a report shows that a request was taken.
 
-    After a request of `unknown` was taken, the report no longer has that requester.
+    A request of `unknown` was taken if the report does not have the requester `unknown` any more.
     """
     if request.requester == UNKNOWN_REQUESTER:
         return report.use_of(UNKNOWN_REQUESTER) is None

@@ -1,6 +1,6 @@
 """The machines in `device list`: the state that each machine reports, and the robot it works for.
 
-Only the fleet manager knows that robot. If no fleet manager runs, the robot is left out.
+Only the fleet manager knows the robot. If no fleet manager runs, the list does not name robots.
 """
 from __future__ import annotations
 
@@ -25,9 +25,9 @@ _TOPIC = '/devices/', '/step_states'
 class ListedMachine:
     """A machine, as the list shows it.
 
-    report  -- its newest report; None: none came
+    report  -- its newest report; None: no report came
     read_at -- when this report was made, s since 1970
-    told    -- the fleet manager's view of it; None: there is no fleet manager, or no view
+    told    -- the fleet manager's view of it; None: the fleet manager does not run or know it
     """
 
     name: str
@@ -58,7 +58,7 @@ class ListedMachine:
 
     @property
     def serves(self) -> str:
-        """The robot for which it works, with the robot's mission; '-': none, or not known."""
+        """The robot for which the machine works, and the mission; '-': no robot, or not known."""
         step, told = self.running, self.told
         if step is None or told is None or told.key != step.key or not told.robot:
             return '-'
@@ -101,7 +101,8 @@ def _machine(name: str, message: Optional[StepStates],
 
 
 def machine_table(machines: Iterable[ListedMachine], now: float) -> str:
-    """Returns the machines as a table; the reason for a failed last step is below its machine."""
+    """Returns the machines as a table. If the last step of a machine failed, its text is below it.
+    """
     rows, notes = [], []
     for one in machines:
         last = one.last

@@ -25,10 +25,10 @@ this state:
     | a number that is not new          | any     | no change: the request is a repetition         |
 
 The device is read by *exchanges*, one after the other. If the output is not as it must be, an
-exchange also sets it. So a device is opened again if its reading was wrong, if another program has
-switched it, or if it has lost its power. Neither time nor the silence of a requester ends a use: a
-requester that does not run any more holds the device until a person gives it back, or until it runs
-again and gives the device back.
+exchange also sets it. So a held device is opened again after a wrong reading, after another program
+has switched it, and after it has lost its power. Neither time nor the silence of a requester ends a
+use: a requester that does not run any more holds the device until a person gives the device back,
+or until the requester runs again and gives it back.
 
     | readings                                                        | mode                       |
     |-----------------------------------------------------------------|----------------------------|
@@ -38,13 +38,13 @@ again and gives the device back.
     | anything else                                                   | MOVING                     |
     | anything else for longer than the device's timeout              | UNKNOWN (TIMED_OUT)        |
 
-Invariants (`test_device_states.py` searches all states, and finds each rule that is left out):
+Invariants (`test_device_states.py` checks them in all states, and fails if a rule is left out):
 
 NEVER CLOSES ON A HOLDER  the output is set to off only while no requester holds the device, and
                           only after a claim was given back since the start
-OPEN IS NEW     a report that says OPEN shows only requests that were taken before an exchange with
-                a reading began; the last `STEADY` readings were open, and the last reading is not
-                older than `offline_after`
+OPEN IS NEW     a report that says OPEN shows a request only if an exchange with a reading began
+                after the request was taken; the last `STEADY` readings were open, and the last
+                reading is not older than `offline_after`
 NUMBERS GROW    the number of a requester's newest request never falls, also across restarts with
                 the memory
 HELD IS OPENED  while a requester holds the device, each exchange sets the output, unless the
@@ -111,7 +111,7 @@ class Exchange(NamedTuple):
 
 
 class Stage(Enum):
-    """The stage of a device: what is known about its holders."""
+    """The stage of a device, which describes its holders."""
 
     HELD = 'held open'
     FOUND = 'perhaps held: the memory is lost'
@@ -140,9 +140,9 @@ class DeviceMachine:
     read_at     -- when that exchange began
     output      -- the output in the last reading; None: it must be set again
     settled     -- the last reading: True: open, False: closed, None: neither
-    alike       -- number of the last readings in a row with this value, at most STEADY
-    stage_from  -- number of exchanges that had begun when the stage began: their readings do not
-                   count
+    alike       -- how many of the newest readings have this value and count, at most STEADY
+    stage_from  -- number of exchanges that had begun when the stage began; the readings of these
+                   exchanges do not count
     moving_from -- since when the device is not as it must be
     mode, since -- the mode that the device shows, and since when
     problem     -- why the last exchange had no reading; empty: it had one
@@ -206,7 +206,7 @@ class DeviceMachine:
     def ask(self, request: DeviceRequest, now: float, stamp: float) -> DeviceMachine:
         """Returns the device after a request; the same object if the request changes nothing.
 
-        stamp -- the time for its use
+        stamp -- the time that is noted as the beginning of the use
         The caller must store `memory` before it does or reports anything.
         """
         if request.requester == UNKNOWN_REQUESTER:
@@ -315,7 +315,7 @@ class DeviceMachine:
         return self.read > taken.begun
 
     def _continues(self, settled: Optional[bool]) -> bool:
-        """Returns whether a reading continues the ones before it."""
+        """Returns whether a reading has the same value as the readings before it that count."""
         return self.alike > 0 and settled == self.settled
 
     def _is_steady(self) -> bool:
@@ -324,7 +324,7 @@ class DeviceMachine:
     def _with(self, now: float, **changes: Any) -> DeviceMachine:
         """Returns the device after a change.
 
-        When a new stage begins, its time begins, and earlier readings do not count.
+        If a new stage begins, its time limit starts, and earlier readings do not count any more.
         """
         after = replace(self, **changes)
         if after.stage is not self.stage:
@@ -333,7 +333,8 @@ class DeviceMachine:
 
 
 def _kept(obeyed: Tuple[Taken, ...]) -> Tuple[Taken, ...]:
-    """Returns all requests that hold the device, and the newest KEPT that do not."""
+    """Returns all requests that hold the device, and the newest KEPT requests that do not hold it.
+    """
     ended = [taken for taken in obeyed if not taken.use.holds]
     forgotten = ended[:-KEPT]
     return tuple(taken for taken in obeyed if taken not in forgotten)

@@ -28,7 +28,7 @@ class StoredDevices:
 class Periods(NamedTuple):
     """Times (s).
 
-    exchange -- from the beginning of an exchange with a device to that of the next exchange
+    exchange -- from the beginning of an exchange with a device to the beginning of the next one
     report   -- from a report of a device that does not change to the next report
     """
 
@@ -37,7 +37,7 @@ class Periods(NamedTuple):
 
 
 class _Told(NamedTuple):
-    """The last report of a device, when it was made, and the device whose state it shows."""
+    """The last report of a device, its time, and the state of the device that it shows."""
 
     device: DeviceMachine
     report: DeviceReport
@@ -47,7 +47,7 @@ class _Told(NamedTuple):
 class Devices:
     """The devices by their names. `now` is in s of a clock that never steps back.
 
-    memory -- the stored data; a device that is not in it has lost its memory
+    memory -- the stored data; a device that is missing there starts with the memory LOST
     store  -- stores a new memory; raises OSError if it cannot
     least_run -- the number of this run is at least this
     """
@@ -113,7 +113,7 @@ class Devices:
     def reports(self, now: float) -> List[DeviceReport]:
         """Returns the reports that are due: of changed devices, and of others periodically.
 
-        `since` and `read_at` are times of the clock of `now`; the times in `obeyed` are stamps.
+        `since` and `read_at` are times of the same clock as `now`; times in `obeyed` are stamps.
         """
         due = []
         for name, device in self._devices.items():

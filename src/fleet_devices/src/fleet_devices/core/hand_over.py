@@ -1,8 +1,8 @@
 """One device that carries out steps: a press or a conveyor that hands something over to a robot.
 
 The fleet manager orders a step of a device like a step of a robot (`route_protocol.steps`). The
-device has a *start* output, together with which the driver writes the key of the step, and the
-inputs *done* and *failed*. It is read by *exchanges*, one after the other.
+device has a *start* output, and the inputs *done* and *failed*. When the driver writes the start
+output, it also writes the key of the step. It reads the device by *exchanges*, one after the other.
 State: the actor's memory of its steps, the phase, and the last readings.
 
     | phase     | meaning                                        | start output                |
@@ -16,7 +16,7 @@ State: the actor's memory of its steps, the phase, and the last readings.
     | event                                         | in                | then                     |
     |-----------------------------------------------|-------------------|--------------------------|
     | start without the memory: a new run begins    |                   | LEFT                     |
-    | start with the memory                         | any               | the same                 |
+    | start with the memory                         | any               | the phase in the memory  |
     | DO with a new key                             | LEFT, IDLE        | READYING                 |
     | DO with a new key                             | a step runs       | the new step FAILED      |
     | DO of another kind of step                    | LEFT, IDLE        | FAILED                   |
@@ -35,11 +35,11 @@ State: the actor's memory of its steps, the phase, and the last readings.
 
 "Reads" means `STEADY` equal readings, all from exchanges that began in this phase.
 
-Invariants (`test_hand_over_states.py` searches all states, and finds each rule that is left out):
+Invariants (`test_hand_over_states.py` checks them in all states, and fails if a rule is left out):
 
 ONCE      the start of a key is written at most once, also across restarts
 STORED    the start is written only after WORKING with this key was stored
-TRUE      a started step is reported as DONE or FAILED only if the device shows this for its key
+TRUE      a started step is reported as DONE or FAILED only if the device shows this with its key
 NOT BEGUN a step that ends as FAILED or CANCELLED in READYING was not started
 ONE RUNS  at most one step runs
 LIVE      a step ends if the device works, or is silent
@@ -61,7 +61,7 @@ from route_protocol.steps import (
     Word,
 )
 
-_REPORTS = 2 ** 32  # more than the number of reports of one life of the driver
+_REPORTS = 2 ** 32  # more than the number of reports between two starts of the driver
 
 
 class HandOverPhase(Enum):
@@ -117,14 +117,16 @@ class HandOverMemory:
 class HandOverMachine:
     """The device that the module describes. `now` is in s of a clock that never steps back.
 
-    actor   -- the memory of the steps, as the fleet manager sees them
+    actor   -- the steps and their states, as they are reported to the fleet manager
     key     -- the key of the step that runs; 0: no step runs
-    begun   -- number of exchanges that have begun; `is_awaited`: the last one has not ended
+    begun   -- number of exchanges that have begun
+    is_awaited -- whether the last exchange has not ended
     begun_at -- when the last exchange began
     read_at -- when the last exchange with a reading began
-    signals -- the last reading; None: there is none that counts
-    alike   -- number of the last readings in a row that are equal, at most STEADY
-    since   -- when the phase began; `phase_from`: number of exchanges that had begun then
+    signals -- the newest reading; None: the last exchange had none
+    alike   -- how many of the newest readings are equal and began in this phase, at most STEADY
+    since   -- when the phase began
+    phase_from -- number of exchanges that had begun when the phase began
     problem -- why the last exchange had no reading; empty: it had one
 
     It has many attributes because the phase follows from several facts of the last exchanges.
@@ -188,7 +190,7 @@ class HandOverMachine:
         return replace(after, key=command.key)._enter(HandOverPhase.READYING, now)
 
     def begin(self, now: float) -> Tuple[HandOverMachine, Optional[StartSignal]]:
-        """Returns the device at the beginning of an exchange, and what this writes (None: nothing).
+        """Returns the device at the beginning of an exchange, and the signal to write (None: none).
 
         The exchange before it must have ended. A changed `memory` must be stored before the
         exchange is carried out.
@@ -269,7 +271,7 @@ class HandOverMachine:
         return self._ended(Word.UNKNOWN, StepCode.OTHER, text, HandOverPhase.LEFT, now)
 
     def _give_up(self, code: StepCode, text: str, now: float) -> HandOverMachine:
-        """Returns the device after it has given its step up.
+        """Returns the device after it has given up its step.
 
         A step that was never started has failed. The end of any other step is unknown.
         """

@@ -1,4 +1,6 @@
-"""All devices of a site that carry out steps: stored memory, and due exchanges and reports."""
+"""All devices of a site that carry out steps: their memory, and the exchanges and reports that are
+due.
+"""
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
@@ -65,7 +67,7 @@ class HandOvers:
             self._change(name, self._devices[name].obey(command, now))
 
     def begin_due(self, now: float) -> List[Tuple[str, Optional[StartSignal]]]:
-        """Begins the exchanges that are due. Returns for each device what to write.
+        """Begins the exchanges that are due. Returns their devices, each with the signal to write.
 
         The memory of these devices is already stored.
         """
@@ -84,7 +86,7 @@ class HandOvers:
         """Notes that an exchange has ended. `signals`: None: no reading, because of `problem`."""
         device = self._devices[name]
         if not self._change(name, device.end(signals, problem, now)):
-            self._devices[name] = replace(device, is_awaited=False)  # it is read again
+            self._devices[name] = replace(device, is_awaited=False)  # the device is read again
 
     def tick(self, now: float) -> None:
         """Notes that time has passed."""

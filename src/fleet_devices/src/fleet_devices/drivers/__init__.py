@@ -1,1 +1,1 @@
-"""Drivers, which set the outputs of devices and read the devices: simulated, or Modbus TCP."""
+"""Drivers, which set the outputs of devices and read the devices: simulated, or by Modbus TCP."""

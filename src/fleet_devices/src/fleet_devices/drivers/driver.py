@@ -44,8 +44,8 @@ class ExchangeQueue:
             on_end: Callable[[Optional[Kind], str], None]) -> None:
         """Queues an exchange; never waits.
 
-        on_end -- called with its reading, or with None and the reason why there is none, in the
-                  thread of `run`
+        on_end -- called in the thread of `run`, with the reading, or with None and the reason why
+                  there is no reading
         """
         def carry_out() -> None:
             try:

@@ -2,8 +2,8 @@
 
 A door or a light has one coil and one discrete input. A device that carries out hand-overs has a
 coil to start it, two discrete inputs, and four holding registers for the key of the step.
-The client is pymodbus, from 2.1 (Ubuntu 20.04) to 3.x. After an error a connection is closed: a
-late answer could be mistaken for the answer to the next request.
+The client is pymodbus, from 2.1 (Ubuntu 20.04) to 3.x. After an error a connection is closed,
+because a late answer could be mistaken for the answer to the next request.
 """
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from fleet_devices.drivers.driver import Silent
 TIMEOUT = 1.0  # s for a connection, and for an answer
 PAUSE = 1.0    # s after a failed connection before the next one
 
-logging.getLogger('pymodbus').setLevel(logging.CRITICAL)  # Silent says what has failed
+logging.getLogger('pymodbus').setLevel(logging.CRITICAL)  # the exception Silent has the problem
 
 Clock = Callable[[], float]
 Request = Callable[[Any], Any]
@@ -139,7 +139,7 @@ class ModbusUnit:
 
 
 class ModbusDevice:
-    """One door, light or the like behind a connection."""
+    """One door, light or similar device behind a connection."""
 
     def __init__(self, connection: ModbusConnection, address: ModbusAddress) -> None:
         self._unit, self._address = ModbusUnit(connection, address.unit), address

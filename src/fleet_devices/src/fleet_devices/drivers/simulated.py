@@ -37,7 +37,8 @@ class ScriptedFault:
 
 
 class SimulatedDevice:
-    """A door that moves at a constant speed: it opens while its output is on, and then closes.
+    """A door that moves at a constant speed. It opens while its output is on, and closes while it
+    is off.
 
     clock  -- s, from any beginning
     travel -- s from closed to open

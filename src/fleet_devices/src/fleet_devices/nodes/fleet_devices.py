@@ -16,7 +16,7 @@ Parameters
     ~memory_file       string  fleet_devices/memory.json  keeps the holders of each device; a
                                         relative path begins in ROS_HOME
     ~steps_file        string  fleet_devices/steps.json  keeps the steps of each machine; used only
-                                        if the site has one
+                                        if the site has machines
     ~period            float   0.2 s    between two readings of a device
     ~offline_after     float   2 s      without a reading until a device is OFFLINE
     ~simulated_travel  float   3 s      for a simulated device to open, close or hand over

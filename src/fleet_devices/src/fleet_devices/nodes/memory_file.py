@@ -19,7 +19,7 @@ STEPS_LOST = ('the steps of the devices are not known: a person is asked for eac
 
 
 class MemoryFile(Generic[Kind]):
-    """Keeps a value; a relative path begins in ROS_HOME.
+    """Keeps a value in a file; a relative path begins in ROS_HOME.
 
     empty  -- the value if nothing was stored
     loss   -- the consequence if the file cannot be read, as a clause

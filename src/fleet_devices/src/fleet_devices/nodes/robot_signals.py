@@ -1,4 +1,4 @@
-"""A device at an output and an input of an LD-90; uses the commands of its omron_controller.
+"""Drives a device at an output and an input of an LD-90, through the robot's omron_controller.
 
 An action goal is never cancelled, because a cancellation would stop the robot.
 """
@@ -20,7 +20,7 @@ ANSWER = 2.0  # s within which a command must end
 
 
 class RobotSignals:
-    """The driver of such a device. Only one thread calls `exchange`."""
+    """The driver of a device that an LD-90 switches. Only one thread calls `exchange`."""
 
     def __init__(self, address: RobotAddress) -> None:
         self._address = address

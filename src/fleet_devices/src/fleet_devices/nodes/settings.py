@@ -36,7 +36,8 @@ SIMULATED = 'simulated'  # the connection of all simulated devices
 class Settings:
     """The checked parameters of the node; raises ConfigurationError.
 
-    devices -- the devices through which edges lead; `machines`: the devices that carry out steps
+    devices  -- the devices through which edges lead
+    machines -- the devices that carry out steps
     """
 
     def __init__(self) -> None:
@@ -70,11 +71,11 @@ class Settings:
         self._connections: Dict[Tuple[str, int], ModbusConnection] = {}
 
     def lines(self) -> Dict[str, Tuple[Hashable, DevicePort]]:
-        """Returns for each device its connection, which others may share, and its driver."""
+        """Returns the connection and the driver of each device. Devices may share a connection."""
         return {name: self._line(device) for name, device in self.devices.items()}
 
     def machine_lines(self) -> Dict[str, Tuple[Hashable, HandOverPort]]:
-        """Returns for each machine its connection, which others may share, and its driver."""
+        """Returns the connection and the driver of each machine. They may share a connection."""
         return {name: self._machine_line(machine) for name, machine in self.machines.items()}
 
     def _machine_line(self, machine: StepDevice) -> Tuple[Hashable, HandOverPort]:

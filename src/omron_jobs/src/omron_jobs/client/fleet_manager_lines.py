@@ -39,7 +39,7 @@ class SegmentLine:
 class AnswerEnd:
     """The last line of the answer to a command; `command` in lower case.
 
-    linked -- id of the job after whose drop-off the new job picks up (a swap); empty: no swap
+    linked -- for a swap: id of the job that drops off where the new job picks up; empty: no swap
     """
 
     command: str

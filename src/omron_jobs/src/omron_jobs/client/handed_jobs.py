@@ -87,7 +87,7 @@ TRANSITIONS: Mapping[Tuple[HandedState, HandedEvent], HandedState] = {
 
 
 class HandedStopKind(Enum):
-    """What a robot does at a goal."""
+    """The act of a robot at a goal."""
 
     PICKUP = 'pickup'
     DROPOFF = 'dropoff'
@@ -118,7 +118,8 @@ class HandedSegment:
 
     @property
     def number(self) -> int:
-        """The number in its id. One counter numbers all segments: the numbers show their order."""
+        """The number in its id. One counter numbers all segments, so the numbers show their order.
+        """
         digits = self.id[len(self.id.rstrip('0123456789')):]
         return int(digits) if digits else 0
 
@@ -142,7 +143,7 @@ class HandedJob:
     is_unwanted -- whether it is to be cancelled
     reason    -- why the Fleet Manager refused the job, or its modification
     wanted    -- its stops after the modification under way; empty: none is under way
-    linked    -- id of the job after whose drop-off, at the same goal, this job picks up (a swap)
+    linked    -- for a swap: id of the job that drops off where this job picks up; empty: no swap
     """
 
     id: str
@@ -187,9 +188,9 @@ class HandedJob:
     def after_listing(self, listed: Tuple[str, ...]) -> HandedJob:
         """Returns the job after a listing of the segments that the Fleet Manager still knows.
 
-        It forgets segments in the order in which they ended, and a segment begins when the one
-        before it is completed. So if no open segment is listed, the job has ended, and the listed
-        segments show how.
+        The Fleet Manager forgets segments in the order in which they ended. A segment begins when
+        the segment before it is completed. So if no open segment is listed, the job has ended. Then
+        the listed segments and the known final segments show how it ended.
         """
         known = tuple(one for one in self.segments if one.id in listed or one.is_final)
         if not self.is_open or any(not one.is_final for one in known):
@@ -211,7 +212,7 @@ class HandedJob:
                      for change in _changes_of(stop, segment))
 
     def settled(self) -> HandedJob:
-        """Returns the job without its modification, if this has ended.
+        """Returns the job without its modification, if the modification has ended.
 
         The modification of a job that has ended is refused.
         """
@@ -223,7 +224,9 @@ class HandedJob:
         return self if self.is_open else self.refused(self.reason or 'the job has ended')
 
     def refused(self, reason: str) -> HandedJob:
-        """Returns the job after the refusal of its modification; it keeps values already shown."""
+        """Returns the job after the refusal of its modification. It keeps the values that the Fleet
+        Manager has shown already.
+        """
         missing = {(change.segment.id, change.field) for change in self.changes}
         stops = self.stops
         if len(self.segments) == len(stops):

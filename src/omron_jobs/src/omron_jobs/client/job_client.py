@@ -1,15 +1,15 @@
 """All jobs that are handed to one Fleet Manager, across lost links and restarts of both sides.
 
-One command or query waits for its answer at a time, because answers have no number.
+Only one command or query at a time waits for its answer, because answers have no number.
 
     event         what follows
     request       the job is stored, then it is sent as soon as there is a link
     login         each job that the Fleet Manager may have is queried, before other lines are sent
     answer ends   the job is changed according to the answer; the next command is due
     error         the job is queried: it was refused only if the Fleet Manager does not know it
-    modification  it is stored; then each value that the Fleet Manager does not show is sent once
-                  over a link, and the job is queried: the answer shows whether it was done
-    loss          the open query is dropped: its job is in doubt, and is queried after a login
+    modification  it is stored; then each value that the Fleet Manager does not show is sent, once
+                  per link, and the job is queried: the answer shows whether the value was changed
+    loss          the command without an answer is dropped: its job is queried after a login
     restart       as after a loss, with the jobs that are on the disk
 
 Invariants: a job is on the disk as SENT before its command is sent. A job is sent again only if the
@@ -85,11 +85,11 @@ class JobClient:
         self._store, self._clock, self._new_id = store, clock, new_id
         self._is_linked = False
         self._question: Optional[_Question] = None
-        self._heard: Dict[str, float] = {}      # when each job was heard of over this link
-        self._asked: Dict[str, float] = {}      # when each job was queried over this link
+        self._heard: Dict[str, float] = {}      # when the last news of each job came on this link
+        self._asked: Dict[str, float] = {}      # when each job was queried on this link
         self._errors: Dict[str, str] = {}       # why a job was refused, until it is queried
-        self._unsure: Set[str] = set()          # jobs whose modification has an answer
-        self._tried: Set[str] = set()           # modifications that were sent over this link
+        self._unsure: Set[str] = set()          # jobs to query, as a modification was answered
+        self._tried: Set[str] = set()           # modifications that were sent on this link
         self._changed: Dict[str, HandedJob] = {}
         self._is_stored = True
         self.problem = ''                       # why the Fleet Manager answers no query
@@ -142,9 +142,10 @@ class JobClient:
         return self._jobs[job.id]
 
     def cancel(self, id: str) -> None:
-        """Cancels a job; it ends when the Fleet Manager says so, or at once if it was not sent.
+        """Cancels a job. A job that was not sent ends at once. Any other job ends when the Fleet
+        Manager reports its end.
 
-        Raises OSError: then it is not cancelled.
+        Raises OSError; then the job is not cancelled.
         """
         job = self._jobs.get(id)
         if job is not None and job.is_open and not job.is_unwanted:
@@ -216,7 +217,7 @@ class JobClient:
         return self._question is not None and now - self._question.since > ANSWERED_WITHIN
 
     def store_news(self) -> None:
-        """Stores what the lines changed. Raises OSError; the next call tries it again."""
+        """Stores the changes that came with lines. Raises OSError; the next call tries it again."""
         if not self._is_stored:
             self._store(self.jobs)
             self._is_stored = True
@@ -309,7 +310,7 @@ class JobClient:
     # -- the disk ----------------------------------------------------------------------------------
 
     def _keep(self, job: HandedJob) -> None:
-        """Stores a job on the disk, then changes or adds it here."""
+        """Stores a job on the disk, then changes or adds it in memory."""
         jobs = {**self._jobs, job.id: job}
         ended = [one.id for one in jobs.values() if not one.is_open]
         for id in ended[:max(0, len(ended) - MOST_ENDED)]:

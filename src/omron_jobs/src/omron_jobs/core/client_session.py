@@ -8,9 +8,9 @@
     OPEN    a line                             OPEN; it is carried out; CLOSED after `quit`
     all     a line that is too long; the end   CLOSED
 
-Only a client that connects must give the password; before that, no command of it is carried out. A
-reply goes to the client that sent the command. After the reply, the changes that the command caused
-go to all clients, in the same order.
+Only a client that connects to the server must give the password. The server carries out no command
+before that. A reply goes to the client that sent the command. After the reply, the changes that the
+command caused go to all clients, in the same order.
 """
 from __future__ import annotations
 

@@ -22,7 +22,7 @@ class CommandLine(NamedTuple):
     """A line in its parts.
 
     name -- first word, as typed
-    rest -- what follows it, as typed
+    rest -- the text after the first word, as typed
     """
 
     line: str

@@ -1,11 +1,11 @@
 """All jobs: accepts, changes and cancels them, and follows their missions.
 
-A job is stored before its client gets the reply that it is queued. Its request is repeated, with
-the same id and stamp, until the fleet manager has shown its mission. The fleet manager recognises
-repeats by id and stamp. So neither a lost message nor a restart of either side loses a job, or
-makes it run twice.
+A job is stored before its client gets the reply that it is queued. The request for its mission is
+repeated, with the same id and stamp, until the fleet manager has shown the mission. The fleet
+manager recognises repeats by id and stamp. So neither a lost message nor a restart of either side
+loses a job, or makes it run twice.
 A cancellation is stored and repeated in the same way, until the mission ends. A change of priority
-or goal is stored and repeated until the mission shows it, or refuses the goal.
+or goal is stored and repeated until the mission shows it, or the fleet manager refuses the goal.
 The status of a mission is sent to clients at once, and stored later. If it cannot be stored, it can
 be derived from the mission again.
 """
@@ -50,7 +50,7 @@ from omron_jobs.core.posted_records import PostedRecord
 
 REPEAT = 2.0        # s between two messages about one job to the fleet manager
 SILENCE = 10.0      # s without news of a mission after which the fleet manager is asked
-QUESTIONS = 10      # about silent missions in a second, at most: a thousand may be silent
+QUESTIONS = 10      # most questions about silent missions per second: a thousand may be silent
 MOST_OPEN = 2000    # jobs
 MOST_ENDED = 100    # jobs that are kept after their end; OMRON's MaxNumberOfCompletedItems
 KEEP_ENDED = 60     # min for which ended jobs are kept; OMRON's DeleteCompletedItemsMinutes
@@ -76,7 +76,7 @@ class JobStore(Protocol):
 
     def write(self, jobs: Sequence[QueuedJob], forgotten: Sequence[int], counters: JobCounters,
               posted: Optional[PostedRecord] = None) -> None:
-        """Stores jobs; each replaces the job with its mission. Stores all or none; raises OSError.
+        """Stores jobs, all or none; replaces stored jobs of the same missions. Raises OSError.
 
         forgotten -- missions of jobs to be removed
         posted    -- the REST record that has changed the jobs
@@ -104,7 +104,7 @@ class FleetAct(Enum):
 class FleetMessage(NamedTuple):
     """A message to the fleet manager about the mission of a job.
 
-    first -- number, from 1, of the first stop to be changed; 0: no stop is
+    first -- number, from 1, of the first stop to be changed; 0: no stop is changed
     """
 
     act: FleetAct
@@ -136,7 +136,7 @@ class JobBook:
         self._unstored: Set[int] = set()
         self._restless: Set[int] = {job.mission for job in self.shelf.open}
         self._silent_from = -math.inf   # no mission is silent before this moment
-        self._asked = -math.inf         # the questions allowed up to this moment are used
+        self._asked = -math.inf         # all questions that were allowed before this are used up
 
     # -- queries of clients ----------------------------------------------------------------------
 
@@ -154,7 +154,7 @@ class JobBook:
     # -- commands of clients ---------------------------------------------------------------------
 
     def swap_at(self, vertex: int) -> Optional[QueuedJob]:
-        """Returns the oldest job whose robot drops off at a vertex next, and has no other job then.
+        """Returns the oldest job whose robot drops off at a vertex next, and has no further job.
 
         Returns None if there is no such job.
         """
@@ -166,10 +166,10 @@ class JobBook:
               origin: Optional[JobOrigin] = None, swap: Optional[QueuedJob] = None) -> QueuedJob:
         """Accepts a job. Raises JobRefused, and OSError if it cannot be stored.
 
-        id     -- given by the client; empty: the job gets an id `JOB...`, as at OMRON
+        id     -- given by the client; empty: the job gets an id `JOB...`, as OMRON's jobs do
         robot  -- the robot that must serve it; empty: any robot
-        origin -- its record of the REST interface
-        swap   -- the job whose robot must serve it
+        origin -- the REST record that requests it; None: it comes over ARCL
+        swap   -- a job whose robot must also serve the new job
         """
         if swap is not None:
             robot = swap.segments[-1].told.robot
@@ -279,7 +279,7 @@ class JobBook:
         return FleetAct.CHANGE if is_other else None
 
     def silent(self, now: float) -> List[FleetMessage]:
-        """Returns questions about silent missions: a status may be lost. `now`: as in `due`."""
+        """Returns questions about silent missions, whose status may be lost. `now`: as in `due`."""
         most = int(min(now - self._asked, SILENCE) * QUESTIONS)
         if most < 1 or now < self._silent_from:
             return []
@@ -294,7 +294,7 @@ class JobBook:
                 else:
                     self._silent_from = min(self._silent_from, last + SILENCE)
         self._asked = max(self._asked, now - SILENCE) + min(len(silent), most) / QUESTIONS
-        if len(silent) > most:  # missions that are served first, then by time since the last news
+        if len(silent) > most:  # first those that a robot serves; then by time since the last news
             silent.sort(key=lambda one: one[:2])
             self._silent_from = now
         for _, _, job in silent[:most]:
@@ -351,7 +351,7 @@ class JobBook:
     # -- the disk --------------------------------------------------------------------------------
 
     def store_news(self) -> None:
-        """Stores the news of missions, and forgets old jobs. Raises OSError: then call it again."""
+        """Stores the news of missions, and forgets old jobs. After an OSError, call it again."""
         forgotten = self.shelf.too_old(self._clock() - KEEP_ENDED * 60_000, MOST_ENDED)
         changed = [self.shelf[id] for id in sorted(self._unstored) if id not in forgotten]
         if changed or forgotten:

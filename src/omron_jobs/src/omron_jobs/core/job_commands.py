@@ -22,10 +22,10 @@ from omron_jobs.core.jobs import JobSegment, Place, QueuedJob, SegmentChange
 from omron_jobs.core.robots import RobotNews, faults_of
 
 MOST_GOALS = 50         # of one job
-SHOWN_ENDED = 11        # at most so many ended segments are in the list of queueShow
+SHOWN_ENDED = 11        # largest number of ended segments in the list of queueShow
 VERSION = '1.1.0'
 PICKUP_PRIORITY, DROPOFF_PRIORITY = 10, 20
-_LONGEST_NAME = 16      # characters of an unknown command that are repeated
+_LONGEST_NAME = 16      # characters of an unknown command that the reply repeats
 DEFAULT_PRIORITIES = {SegmentKind.PICKUP: PICKUP_PRIORITY, SegmentKind.DROPOFF: DROPOFF_PRIORITY}
 CANCELLABLE = (SegmentStatus.PENDING, SegmentStatus.IN_PROGRESS, SegmentStatus.INTERRUPTED)
 _QUERIED = (*CANCELLABLE, SegmentStatus.COMPLETED, SegmentStatus.CANCELLED, SegmentStatus.FAILED)
@@ -106,8 +106,8 @@ class JobCommands:
                         changes_of(job))
 
     def queue_pickup_dropoff(self, command: CommandLine) -> JobReply:
-        """Queues a pickup and the drop-off after it. A robot that drops off at the pickup's goal
-        next serves both (a swap).
+        """Queues a pickup and the drop-off after it. If a robot drops off at the goal of the pickup
+        next, this robot must serve the new job (a swap).
         """
         pickup = self._goal(command, SegmentKind.PICKUP, 0, 2)
         swap = self._book.swap_at(pickup.vertex)
@@ -165,7 +165,9 @@ class JobCommands:
             tuple(changes))
 
     def queue_modify(self, command: CommandLine) -> JobReply:
-        """Changes a segment: its priority while it waits, or its goal until this is reached."""
+        """Changes the priority of a segment that waits, or the goal of a segment until a robot has
+        reached it.
+        """
         id, what = command.words[0], command.words[1].lower()
         if what == 'priority':
             priority = command.number(2, 0)
@@ -248,7 +250,7 @@ class JobCommands:
         return JobReply((words.DATE_TIME.format(now),))
 
     def query_faults(self, command: CommandLine) -> JobReply:
-        """Lists the faults because of which robots serve no jobs: those of one robot, or of all."""
+        """Lists the faults of one robot or of all robots. A robot with a fault serves no jobs."""
         only, echo = self._robot(command), command.text(1, 'echo')
         return JobReply((*(
             words.ROBOT_FAULT.format(
@@ -308,7 +310,7 @@ class JobCommands:
                               else row.description) for row in _ROWS), words.END_OF_COMMANDS))
 
     def set_echo(self, command: CommandLine) -> JobReply:
-        """Switches the sending back of lines on or off."""
+        """Switches the echo on or off: whether lines of the client are sent back to the client."""
         word = command.words[0].lower()
         if word not in ('on', 'off'):
             raise JobRefused(f'needs "on" or "off" in the place of "{word}"')
@@ -346,9 +348,10 @@ _Matches = Callable[[QueuedJob, JobSegment], bool]
 
 
 def matching(kind: str, value: str, only_current: bool = False) -> _Matches:
-    """Returns a test of whether a command's type and value name a segment. Raises JobRefused.
+    """Returns a function that tests whether a command's type and value name a segment.
 
-    only_current -- whether a robot or a status names only the segment that is served or comes next
+    only_current -- whether a robot or status can only name the segment that is served or comes next
+    Raises JobRefused.
     """
     wanted = value.lower()
 
@@ -367,7 +370,7 @@ def matching(kind: str, value: str, only_current: bool = False) -> _Matches:
 
 
 def _status(value: str, known: Iterable[SegmentStatus]) -> None:
-    """Raises JobRefused unless a status is one of these."""
+    """Raises JobRefused unless `value` is one of the statuses `known`."""
     names = [one.value.lower() for one in known]
     if value.lower() not in names:
         raise JobRefused(f'needs {", ".join(names)} in the place of "{value}"')
@@ -467,6 +470,6 @@ _OF_ROBOTS = tuple(
         ('queueDropoff', 'qd'), ('queueCancelLocal', 'qcl'), ('queueModifyLocal', 'qmodl'),
         ('queueQueryLocal', 'qql'), ('queueShowRobotLocal', 'qsrl'), ('pauseTaskCancel', ''),
         ('waitTaskCancel', ''), ('modeUnlock', '')))
-"""Commands of robots, which clients may send here by mistake: refused, and not in the help."""
+"""Commands of robots, which clients may send by mistake. They are refused, and not in the help."""
 _TABLE: Dict[str, _Row] = {key.lower(): row for row in (*_ROWS, *_OF_ROBOTS)
                            for key in (row.name, row.shortcut) if key}

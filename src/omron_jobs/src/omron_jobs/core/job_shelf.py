@@ -1,7 +1,7 @@
 """All jobs that are kept, in several orders, for quick queries.
 
-Each order is updated when a job changes: a server has a thousand jobs, and a status of one job must
-not cost a search through all.
+Each order is updated when a job changes. A server may have a thousand jobs, so a new status of one
+job must not require a search through all of them.
 """
 from __future__ import annotations
 
@@ -69,7 +69,7 @@ class JobShelf:
         self.on_change(mission)
 
     def too_old(self, since: int, most: int) -> List[int]:
-        """Returns the missions of ended jobs to forget: all but the `most` newest, and old ones.
+        """Returns the missions of ended jobs to forget: of old jobs, and of jobs beyond `most`.
 
         since -- ms since 1970; a job that ended before this is old
         """

@@ -41,8 +41,8 @@ UPDATE = 'QueueUpdate: {segment} {job} {priority} {state} Goal "{goal}" {robot} 
 LISTED = ': {segment} {job} {priority} {state} Goal "{goal}" {robot} {dates} {echo} {fails}'
 SHOW, QUERY = 'QueueShow' + LISTED, 'QueueQuery' + LISTED
 ROBOT = 'QueueRobot: "{}" {} {} {}'
-# The robot's name; the fields of a robot's own list: type, name, short and long text, whether the
-# fault keeps the robot from driving, is critical, is that of an application; then the echo.
+# The fields: the robot's name; type, name, short text and long text of the fault; whether the robot
+# cannot drive, whether the fault is critical, whether it is one of an application; the echo.
 ROBOT_FAULT = 'RobotFaultQuery: "{}" {} {} "{}" "{}" true false {} {}'
 END_OF_FAULTS = 'EndQueryFaults'
 END_OF_SHOW, END_OF_SHOW_COMPLETED = 'EndQueueShow', 'EndQueueShowCompleted'
@@ -62,7 +62,7 @@ ECHO_TURNED = 'Echo turned {}.'
 
 
 class SegmentKind(Enum):
-    """What a robot does at the goal of a segment. The value begins the segment's id."""
+    """The act of a robot at the goal of a segment. The id of the segment begins with the value."""
 
     PICKUP = 'PICKUP'
     DROPOFF = 'DROPOFF'
@@ -71,8 +71,8 @@ class SegmentKind(Enum):
 class SegmentStatus(Enum):
     """The status of a segment. There are no other words, because a known client fails at them.
 
-    BEFORE_MODIFY, INTERRUPTED_BY_MODIFY and AFTER_MODIFY do not last: they are only sent around
-    a change.
+    BEFORE_MODIFY, INTERRUPTED_BY_MODIFY and AFTER_MODIFY do not last: they are sent only while a
+    segment is modified.
     """
 
     PENDING = 'Pending'
@@ -100,7 +100,7 @@ REFUSED_BY_FLEET = 'RefusedByFleet'
 
 
 APPLICATION_FAULT = 'Fault_Driving_Application_'
-"""Begins the substatus of a robot that has a fault; the name of the fault follows."""
+"""The beginning of the substatus of a robot with a fault; the name of the fault follows."""
 
 
 class RobotStatus(Enum):

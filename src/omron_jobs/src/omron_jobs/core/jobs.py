@@ -17,9 +17,9 @@ OMRON's order:
     another goal, InProgress            BeforeModify, InterruptedByModify, AfterModify; then
                                         Pending
 
-The job determines the priority and the places of its mission. A change is sent whenever the mission
-shows other values. So it is repeated until the mission shows the values, also if another change
-crosses it.
+The job determines the priority and the places of its mission. Whenever the mission shows other
+values, a change is sent. So the change is repeated until the mission shows the values of the job,
+even if several changes are under way at once.
 Invariants: a final status never changes; a segment is Completed only if the mission counts its stop
 as reached; segments are completed in their order.
 """
@@ -70,7 +70,7 @@ _ENDED = frozenset((JobMissionState.SUCCEEDED, JobMissionState.FAILED, JobMissio
 
 
 class DriveAct(Enum):
-    """What a robot was seen to do. Clients are informed in the order of these values."""
+    """The reported act of a robot. Clients are informed of the acts in this order."""
 
     DRIVES = 'drives'
     WAITS = 'waits'     # in front of its goal, while steps run before it may enter
@@ -78,7 +78,7 @@ class DriveAct(Enum):
 
 
 class JobDrive(NamedTuple):
-    """A robot, the vertex to which it drives or where it works, and what it does."""
+    """A robot, the vertex to which it drives or where it works, and its act."""
 
     robot: str
     vertex: int
@@ -126,7 +126,7 @@ class JobSegment:
 
     number -- unique among all segments, pickups and drop-offs
     ended  -- ms since 1970; 0: it has not ended
-    other  -- the former place, if its mission may still have it; None: it has the new place
+    other  -- the former place, if the mission may still have it; None: it has the new place
     """
 
     number: int
@@ -167,9 +167,9 @@ class QueuedJob:
     queued   -- ms since 1970; also the stamp of the request of its mission
     mission  -- id of the request
     is_known -- whether the fleet manager has the mission
-    cancel   -- why it is to be cancelled (empty: no reason was given); None: it is not
+    cancel   -- why it is to be cancelled (empty: without a reason); None: it is not to be cancelled
     robot    -- the robot that must serve it, by its client's wish or because of a swap; empty: any
-    origin   -- its record of the REST interface; None: it came over ARCL
+    origin   -- the REST record that requested it; None: the job came over ARCL
     swap     -- number of the first segment of the job whose robot must serve this job; 0: no swap
     """
 
@@ -196,7 +196,7 @@ class QueuedJob:
 
 @dataclass(frozen=True)
 class SegmentChange:
-    """A change of a segment; it is sent to all clients."""
+    """A change of a segment, which is sent to all clients."""
 
     job: str
     queued: int
@@ -204,7 +204,7 @@ class SegmentChange:
 
 
 def queued_segments(segments: Tuple[JobSegment, ...], robot: str = '') -> Tuple[JobSegment, ...]:
-    """Returns the segments of a new job: each waits for the one before it.
+    """Returns the segments of a new job, each of which waits for the segment before it.
 
     robot -- the robot that must serve the job; clients see it from the beginning
     """
@@ -213,7 +213,7 @@ def queued_segments(segments: Tuple[JobSegment, ...], robot: str = '') -> Tuple[
 
 
 def carrier_to(job: QueuedJob, vertex: int) -> str:
-    """Returns the robot whose next drop-off, at a vertex, ends a job; empty: there is none.
+    """Returns the robot that will end a job with its next drop-off, at `vertex`; empty: none.
 
     Such a robot carries the load of the job, so no other robot can get the job.
     """
@@ -255,8 +255,8 @@ def news_of(job: QueuedJob, mission: JobMission, now: int
 
 def _as_placed(job: QueuedJob, segment: JobSegment, index: int, mission: JobMission
                ) -> Tuple[JobSegment, List[SegmentChange]]:
-    """Returns a segment after its change of goal was done, or with the former goal if the change
-    cannot be done; in this case also returns the changes to send.
+    """Returns a segment, and the changes to send, after the mission has shown whether a change of
+    goal was done. If the change cannot be done, the segment gets its former goal again.
     """
     other = segment.other
     if other is None or index >= len(mission.places):
@@ -316,7 +316,8 @@ def _present(job: QueuedJob, segments: Tuple[JobSegment, ...], index: int, missi
 
 
 def _served(segment: JobSegment, robot: str, drive: Optional[JobDrive]) -> Told:
-    """Returns the status of a segment that a robot serves. It never goes back."""
+    """Returns the status of a segment that a robot serves; never a status before the present one.
+    """
     course = _course_with(robot, segment.kind)
     seen = 1
     if drive is not None and (drive.robot, drive.vertex) == (robot, segment.vertex):
@@ -369,7 +370,9 @@ def lost(job: QueuedJob) -> JobMission:
 
 
 def first_misplaced(job: QueuedJob, mission: JobMission) -> Optional[int]:
-    """Returns the first segment ahead that has another place in the mission; None: there is none.
+    """Returns the index of the first open segment to which the mission gives another place.
+
+    Returns None if there is no such segment.
 
     A mission with another number of stops was changed by a person: it is not changed back.
     """

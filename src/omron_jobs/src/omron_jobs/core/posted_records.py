@@ -1,7 +1,7 @@
 """Cancellations and modifications that REST clients have posted and the server has carried out.
 
-Such a record is stored together with the jobs that it changes. So after a restart its client can
-still query whether it was carried out, and a second record with its key is refused.
+Such a record is stored together with the jobs that it changes. So after a restart a client can
+still query whether the record was carried out, and a second record with the same key is refused.
 """
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
 """Answers requests of REST clients: the part about jobs of FLOW Core's Integration Toolkit; no I/O.
 
-The answer to a request is a status and JSON. For a wrong request, even one that is no JSON, it is
-an error record that names the error. A job is made or changed only if the answer is 201.
+The answer to a request is a status and JSON. The answer to a wrong request, even if its body is no
+JSON, is an error record that names the error. A job is made or changed only if the answer is 201.
 """
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ from omron_jobs.core.rest_words import (
 
 OK, CREATED, BAD, UNKNOWN, BROKEN = 200, 201, 400, 404, 500
 _ERRORS = {BAD: 'Bad Request', UNKNOWN: 'Not Found', BROKEN: 'Internal Server Error'}
-_SERVER_FIELDS = ('status', 'assignedJobId', 'audit', 'upd')  # of a record that is sent back
+_SERVER_FIELDS = ('status', 'assignedJobId', 'audit', 'upd')  # in records that clients send back
 _MILLIS = re.compile(r'\d{1,19}\Z', re.ASCII)
 _TYPES = {kind.value: kind for kind in RestType}
 _KINDS = {name: kind for kind, word in SEGMENT_TYPE.items()
@@ -57,7 +57,7 @@ Announce = Callable[[Sequence[SegmentChange]], None]
 
 
 class RestAnswer(NamedTuple):
-    """An answer: its HTTP status, and what is sent as JSON."""
+    """An answer: its HTTP status, and the value that is sent as JSON."""
 
     status: int
     body: Any
@@ -70,7 +70,7 @@ def error(status: int, message: str) -> RestAnswer:
 
 
 def stream_of(path: str) -> Optional[RestType]:
-    """Returns the type of the records that a path streams; None: it is no such path."""
+    """Returns the type of the records that are streamed at a path; None: it is no such path."""
     name, _, rest = path.strip('/').partition('/')
     kind = _TYPES.get(name)
     return kind if rest == STREAM and kind is not RestType.STORE_VALUE else None

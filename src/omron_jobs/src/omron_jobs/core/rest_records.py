@@ -58,7 +58,7 @@ def request_key(job: QueuedJob) -> str:
 
 
 def status_of(job: QueuedJob) -> JobStatus:
-    """Returns the status of a job, which follows from those of its segments."""
+    """Returns the status of a job, which follows from the statuses of its segments."""
     statuses = [one.told.status for one in job.segments]
     if any(one in BEING_MODIFIED for one in statuses):
         return JobStatus.MODIFYING
@@ -163,11 +163,11 @@ class RestRecords:
         self._history: Dict[RestType, Deque[Record]] = {
             kind: deque(maxlen=LONGEST_HISTORY) for kind in WITH_HISTORY}
         self._shown: Dict[int, QueuedJob] = {}
-        self._changed: Dict[int, None] = {}     # missions whose jobs have changed, in this order
+        self._changed: Dict[int, None] = {}     # missions of changed jobs, in order
         self._by_segment: Dict[int, int] = {}
         self._robots: Mapping[str, RobotNews] = {}
         self._goals: Optional[Mapping[str, int]] = None
-        self._numbers: Dict[RestType, int] = {}     # of the newest posted record
+        self._numbers: Dict[RestType, int] = {}     # number of the newest posted record
         self._last = 0
         for one in posted:
             self.post(one)
@@ -222,7 +222,7 @@ class RestRecords:
                 self._put(RestType.STORE_VALUE, {'namekey': item, 'value': str(value)})
 
     def announce(self, changes: Iterable[SegmentChange]) -> None:
-        """Updates the records: first for these changes of segments, in order, then `refresh`."""
+        """Updates the records of these changed segments, in order, and then all with `refresh`."""
         self._find_new_jobs()
         for change in changes:
             job = self._shown.get(self._by_segment.get(change.segment.number, 0))

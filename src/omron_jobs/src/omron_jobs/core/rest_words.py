@@ -108,7 +108,7 @@ ROBOT_STATUS: Mapping[RobotStatus, str] = {
 
 
 class CancelType(Enum):
-    """What the value of a cancellation names."""
+    """The kind of thing that the value of a cancellation names."""
 
     SEGMENT_ID = 'SegmentId'
     JOB_ID = 'JobId'

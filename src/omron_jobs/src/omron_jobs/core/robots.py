@@ -14,10 +14,11 @@ class RobotNews(NamedTuple):
 
 
 class RobotFault(NamedTuple):
-    """A reason for which a robot serves no jobs. Meanwhile the robot does not drive to jobs.
+    """A reason for which a robot serves no jobs. While it has the fault, it drives to no jobs.
 
-    It is never critical: the fleet manager does not report which faults a person must clear.
-    is_application -- whether the substatus of the robot says that it is a fault of its application
+    No fault is called critical, because the fleet manager does not report which faults a person
+    must clear.
+    is_application -- whether the substatus of the robot says that an application has this fault
     """
 
     robot: str

@@ -1,9 +1,9 @@
 """The command `simulate_jobs`: it plays a day of jobs against a simulated fleet, without ROS.
 
 Exit status:
-- 0: The day was played, and no promise was broken.
+- 0: The day was played, and the job server broke no promise (see `judge`).
 - 1: The input is wrong; stderr has one sentence.
-- 2: A promise was broken; the output says which.
+- 2: The job server broke a promise; the output says which.
 - 130: Ctrl-C.
 """
 from __future__ import annotations

@@ -66,7 +66,7 @@ class _WrongLine(ValueError):
 
 
 class _Reader:
-    """Reads lines; it keeps the facts about the lines so far that later lines need.
+    """Reads lines, and keeps the facts about earlier lines that later lines need.
 
     goals -- names of the goals
     jobs  -- number of segments of each job to which a line gives an id

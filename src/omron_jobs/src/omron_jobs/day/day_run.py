@@ -1,7 +1,8 @@
 """Plays a day of jobs in virtual time: a program, the job server, and the fleet.
 
-The job server is the one of the node: `JobServer`, `JobCommands` and `JobBook`, with a disk in
-memory. The program is logged in, sends each line at its time, and reads all lines of the server.
+The job server consists of classes of the node: `JobServer`, `JobCommands` and `JobBook`. Its disk
+is simulated. The program is logged in, sends each line at its time, and reads all lines of the
+server.
 The day is over when all jobs have ended, or `LONGEST_REST` after its last line.
 """
 from __future__ import annotations
@@ -103,7 +104,7 @@ class DayRun:
         return {**{str(vertex): vertex for vertex in goals.values()}, **goals}
 
     def _start_job_server(self) -> None:
-        """Starts the job server with what is on the disk; the program logs in."""
+        """Starts the job server with the jobs that are on the disk; the program logs in."""
         self._book = JobBook(
             self._disk.jobs.values(), self._disk.counters, self._disk,
             lambda: round(1000.0 * (self._world.wall + self._world.now)),

@@ -32,7 +32,7 @@ from omron_jobs.core.job_book import FleetAct, FleetMessage
 from omron_jobs.core.jobs import JobDrive, JobMission, JobMissionState, QueuedJob
 from omron_jobs.fleet.missions import act_of, stops_of
 
-PERSON_COMES = 120.0    # s until a person does what a mission needs
+PERSON_COMES = 120.0    # s until a person helps a robot
 
 
 class ToldMission(NamedTuple):
@@ -48,7 +48,7 @@ class FleetDesk:
 
     news    -- statuses that the job server has not heard yet
     last    -- the last status of each mission, by the id of its request
-    serials -- the numbers of all missions that were accepted for a request, by its id
+    serials -- the numbers of all missions that were accepted, by the id of their request
     """
 
     def __init__(self, fleet: StudiedFleet, work: SiteWork) -> None:

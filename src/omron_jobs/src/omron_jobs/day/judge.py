@@ -115,7 +115,7 @@ class Judge:
                     self._cells[round(place.x) + x, round(place.y) + y].append(place)
         self._segments: Dict[str, Tuple[WatchedJob, int]] = {}
         self._visits: Dict[Tuple[str, int], float] = {}
-        """When each robot was at each vertex last (s), by robot and vertex."""
+        """The last time (s) at which each robot was at each vertex, by robot and vertex."""
         self._cancels: Set[Tuple[str, str]] = set()
         """Types and values of the cancellations that were accepted, in lower case."""
 

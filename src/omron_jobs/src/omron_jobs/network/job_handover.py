@@ -1,8 +1,8 @@
 """Hands jobs to an OMRON Fleet Manager: connects the state machine `JobClient` to an ARCL link.
 
-`omron_arcl` does connection and login. When the link closes, even because the process ends, it is
-reset: the kernel drops bytes that were not delivered. So no command of an old link arrives after
-the first query of the next link.
+`omron_arcl` does connection and login. When the link closes, even because the process ends, the TCP
+connection is reset: the kernel drops bytes that were not delivered. So no command of an old link
+arrives after the first query of the next link.
 """
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ class JobHandover:
 
     on_change -- called with each job that has changed, in any thread, with the lock held
     lock      -- guards the jobs: they do not change while a caller holds it
-    The methods `hear_...` and `next_to_send` are for the link: only its thread calls them.
+    Only the thread of the link calls the methods `hear_...` and `next_to_send`.
     """
 
     def __init__(self, jobs: JobClient, host: str, port: int, password: bytes,

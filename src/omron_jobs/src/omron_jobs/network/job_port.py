@@ -60,7 +60,8 @@ class JobPort:
         return int(self._listening.sockets[0].getsockname()[1])
 
     def dialled(self, ended: asyncio.Future[None]) -> DialledClient:
-        """Returns the protocol for a connection that this server opens; sets `ended` at its end."""
+        """Returns the protocol for a connection that this server opens. `ended` is set at its end.
+        """
         return DialledClient(self, ended)
 
     def flush(self) -> None:
@@ -159,7 +160,7 @@ class _Client(asyncio.Protocol):
 
 
 class DialledClient(_Client):
-    """A connection that this server has opened: the program there need not log in."""
+    """A connection that this server has opened. The program at its other end need not log in."""
 
     def __init__(self, port: JobPort, ended: asyncio.Future[None]) -> None:
         super().__init__(port)

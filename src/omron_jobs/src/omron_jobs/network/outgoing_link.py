@@ -8,7 +8,8 @@
     all        `close`                        CLOSED
 
 OMRON's outgoing connections have no password and no welcome. So the program at the address may send
-commands without a login. If it disappears silently, it counts as lost after about SILENCE s.
+commands without a login. If the program disappears silently, the connection counts as lost after
+about SILENCE s.
 """
 from __future__ import annotations
 
@@ -39,7 +40,7 @@ class DialledAddress(NamedTuple):
 
 
 class DialledLink:
-    """Keeps one connection to a program. `trouble`: why it is not connected; empty: it is."""
+    """Keeps one connection to a program. `trouble`: why there is none; empty: there is one."""
 
     def __init__(self, port: JobPort, address: DialledAddress) -> None:
         self.trouble = 'it is opened'

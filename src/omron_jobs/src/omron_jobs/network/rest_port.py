@@ -224,7 +224,7 @@ class _Connection(asyncio.Protocol):
             self.inner.data_received(data)
 
     def eof_received(self) -> None:
-        """Notes that the other side sends no more: the connection ends."""
+        """Notes that the other side sends no more data, so that the connection ends."""
         if self._is_let_in:
             self.inner.eof_received()
 
@@ -244,7 +244,7 @@ class _Connection(asyncio.Protocol):
         self.inner.resume_writing()
 
     def set_deadline(self) -> None:
-        """Starts the time limit for the next request; after it the connection ends."""
+        """Starts the time limit for the next request. After this time the connection ends."""
         self.pause_deadline()
         self._deadline = asyncio.get_event_loop().call_later(REQUEST_TIME, self.end)
 

@@ -38,7 +38,7 @@ def mission_of(status: msg.MissionStatus) -> JobMission:
 
 
 def stamp_of(status: msg.MissionStatus) -> int:
-    """Returns the stamp of the request of a mission, in ms; the fleet manager rounds by less."""
+    """Returns the stamp of the request of a mission, rounded to ms to remove errors of floats."""
     return round(status.request_stamp.to_nsec() / 1e6)
 
 

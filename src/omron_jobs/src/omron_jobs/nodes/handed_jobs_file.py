@@ -22,7 +22,9 @@ class HandedJobsFile:
         hold(self._path, parameter)
 
     def read(self) -> List[HandedJob]:
-        """Returns the stored jobs. Raises ConfigurationError: a node without them doubles jobs."""
+        """Returns the stored jobs. Raises ConfigurationError if they cannot be read, because a node
+        without them would queue jobs twice.
+        """
         try:
             with open(self._path, encoding='utf-8') as file:
                 return [from_json(HandedJob, record) for record in json.load(file)]

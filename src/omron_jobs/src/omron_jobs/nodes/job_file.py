@@ -20,7 +20,7 @@ CREATE TABLE job (mission INTEGER PRIMARY KEY, record TEXT NOT NULL);
 CREATE TABLE counters (one INTEGER PRIMARY KEY CHECK (one = 1), record TEXT NOT NULL);
 PRAGMA user_version = 1;
 '''
-# Older files do not have this table, and older programs ignore it. So the version stays the same.
+# Older files do not have this table, and older programs ignore it. So `user_version` stays 1.
 _POSTED = '''
 CREATE TABLE IF NOT EXISTS posted (kind TEXT, number INTEGER, record TEXT NOT NULL,
                                    PRIMARY KEY (kind, number))
@@ -55,7 +55,9 @@ class JobFile:
             f'another one with {self._parameter}. With another file it does not know its jobs.')
 
     def read(self) -> Tuple[List[QueuedJob], JobCounters]:
-        """Returns the stored jobs and counters. Raises ConfigurationError: jobs would be lost."""
+        """Returns the stored jobs and counters. Raises ConfigurationError if they cannot be read,
+        because jobs would be lost.
+        """
         try:
             jobs = [from_json(QueuedJob, json.loads(record), _ADDED) for record, in
                     self._database.execute('SELECT record FROM job')]

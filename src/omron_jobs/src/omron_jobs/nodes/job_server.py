@@ -86,7 +86,7 @@ from omron_jobs.nodes.job_file import JobFile
 from trajectory_graph import Graph
 
 TICK = 0.2          # s between two checks for what is due
-SHORTEST_PERIOD = 0.1  # s between two times of the commands of the outgoing connection
+SHORTEST_PERIOD = 0.1  # s between two repetitions of the outgoing commands
 _NAME = 'job_server'
 
 
@@ -115,7 +115,7 @@ class JobServerNode:
         self._problem = self._work_problem = ''
         self._works_soon = False
         self._questions: queue.Queue[Tuple[QueuedJob, float]] = queue.Queue()
-        self._asked: Set[int] = set()  # missions of questions without an answer
+        self._asked: Set[int] = set()  # missions with a question that has no answer yet
         self._loop = asyncio.new_event_loop()
         self._outgoing, rest = outgoing_link(self._port), rest_settings()
         self._rest_port: Optional[RestPort] = None
@@ -236,7 +236,9 @@ class JobServerNode:
             self._work_soon()
 
     def _work_soon(self) -> None:
-        """Schedules `_work` after all inputs that have come: many statuses come at once."""
+        """Schedules `_work` once for all inputs that are waiting, because many statuses may come at
+        once.
+        """
         if not self._works_soon:
             self._works_soon = True
             self._loop.call_soon(self._work)
@@ -253,7 +255,7 @@ class JobServerNode:
     def _send(self, message: FleetMessage) -> None:
         act, job, first = message
         if act in (FleetAct.REQUEST, FleetAct.CHANGE) and self._site_work is None:
-            return  # the steps at its stops are not known yet: the message comes again
+            return  # the steps at the stops are not known yet: the message is repeated
         stops = stop_messages(stops_of(job, self._site_work or SiteWork()))
         if act is FleetAct.REQUEST:
             request = mission_request((), request_id=job.mission, stops=stops,
@@ -304,7 +306,9 @@ class JobServerNode:
 
 
 def stamp(job: QueuedJob) -> genpy.Time:
-    """Returns the stamp of a request for a job's mission; with it the same id can be used again."""
+    """Returns the stamp of the request for a job's mission. A later request with another stamp may
+    have the same id.
+    """
     return genpy.Time(job.queued // 1000, job.queued % 1000 * 1_000_000)
 
 
@@ -317,7 +321,7 @@ def peers() -> Any:
 
 
 def outgoing_link(port: JobPort) -> Optional[DialledLink]:
-    """Returns the outgoing connection, or None if there is to be none.
+    """Returns the outgoing connection; None: ~outgoing_host is empty.
 
     Raises ConfigurationError.
     """

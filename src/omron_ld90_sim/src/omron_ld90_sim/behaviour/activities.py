@@ -18,10 +18,10 @@ from omron_ld90_sim.motion.planner import Blocked, NoWay
 from omron_ld90_sim.motion.track import straight_track
 from omron_map import MapObject
 
-BLOCKED_TIMEOUT = 30.0      # s of waiting at a blocked path before giving up
+BLOCKED_TIMEOUT = 30.0      # s of waiting at a blocked path, after which a drive fails
 RETRY = 2.0                 # s between two attempts to find a path
 PROGRESS = 1000.0           # mm of progress after which the timeout begins again
-ARRIVED_WITHIN = 1.0        # mm from a place, and deg from a heading, within which it is reached
+ARRIVED_WITHIN = 1.0        # a place (mm) or heading (deg) counts as reached within this distance
 SETTLE = 0.5                # s between two docking states
 AFTER_UNDOCKING = 0.2       # s between `Undocked`, `Stopping` and `Stopped`
 _WAVERING_ON_GOTO = (ChargeState.NOT, ChargeState.OVERCHARGE, ChargeState.BULK)
@@ -31,8 +31,8 @@ _WAVERING_ON_UNDOCK = (ChargeState.NOT, ChargeState.OVERCHARGE, ChargeState.NOT,
 
 def go_to_goal(robot: SimRobot, goal: MapObject,
                heading: Optional[float] = None) -> ScriptedActivity:
-    """Carries out `goto`: leaves the dock first, drives to the goal, turns
-    if the goal has a heading.
+    """Carries out `goto`: leaves the dock first, drives to the goal, and turns there if the goal
+    has a heading.
     """
     return _go(robot, goal.name, *_place(goal, heading), goal=True)
 
@@ -91,8 +91,8 @@ def _reach(robot: SimRobot, name: str, x: float, y: float, heading: Optional[flo
 
 def _near(robot: SimRobot, x: float, y: float, heading: Optional[float]
           ) -> Tuple[float, float, Optional[float]]:
-    """Returns the pose at which the robot stops for a goal: with an arrival error
-    if there is room.
+    """Returns the pose at which the robot stops for a goal. If there is room, the pose has an
+    arrival error.
     """
     distance, angle = robot.quirks.arrival_error
     place = SimPose(x, y, robot.random.uniform(-180.0, 180.0)).ahead(
@@ -114,7 +114,9 @@ def drive(robot: SimRobot, x: float, y: float, heading: Optional[float], failed:
 
 def _until_there(robot: SimRobot, x: float, y: float, heading: Optional[float],
                  set_off: Callable[[], None], failed: str) -> Script:
-    """Sets off repeatedly until the robot is at a place; waits for obstacles a limited time."""
+    """Starts the drive again until the robot is at a place. Fails if obstacles block the robot for
+    BLOCKED_TIMEOUT.
+    """
     waited, nearest = 0.0, robot.true_pose.distance_to(x, y)
     while True:
         if not robot.navigation.can_set_course:
@@ -135,13 +137,13 @@ def _until_there(robot: SimRobot, x: float, y: float, heading: Optional[float],
                 waited, nearest = 0.0, left
         if waited >= BLOCKED_TIMEOUT:
             raise ActivityFailure('Failed going to goal', failed)
-        pause = robot.random.uniform(0.5, 1.5) * RETRY      # random: robots must not retry together
+        pause = robot.random.uniform(0.5, 1.5) * RETRY      # random: robots do not retry together
         yield pause
         waited += pause
 
 
 def _straight_to(robot: SimRobot, x: float, y: float) -> None:
-    """Sets off slowly for a place that is straight ahead or behind."""
+    """Begins a slow drive to a place that is straight ahead or behind."""
     here, limits = robot.true_pose, robot.base.limits
     distance = here.distance_to(x, y)
     if here.ahead(distance).distance_to(x, y) > distance:
@@ -160,7 +162,7 @@ def come_to_rest(robot: SimRobot) -> Script:
 def leave_dock(robot: SimRobot, wavering: Sequence[ChargeState] = _WAVERING_ON_GOTO) -> Script:
     """Backs out of the dock if the robot is in it.
 
-    wavering -- the charge states that the robot announces meanwhile, as transcripts show
+    wavering -- the charge states that the robot announces on its way out, as real robots do
     """
     if robot.docking.state is DockingPhase.UNDOCKED:
         return

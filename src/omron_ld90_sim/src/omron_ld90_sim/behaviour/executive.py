@@ -10,8 +10,8 @@ wait, or `STANDING` to wait until the base stands.
     the script fails                  -                 no activity is left; the base brakes
     `drop`                            -                 no activity is left; the base goes on
 
-Invariants: there is one script at most, and it waits for one event at most. A script does not end
-itself from the inside: `outside` runs such an action at the next pause of the script.
+Invariants: there is at most one script, and it waits for at most one event. A script must not end
+itself while it runs, so `outside` delays an action that may do this to the script's next pause.
 """
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ class Executive:
         self._resume()
 
     def drop(self) -> None:
-        """Ends the activity silently; the base goes on. Scripts must use `outside` instead."""
+        """Ends the activity silently; the base moves on. A script must call this with `outside`."""
         if self._wait_timer is not None:
             self._wait_timer.cancel()
         self._when_still = None

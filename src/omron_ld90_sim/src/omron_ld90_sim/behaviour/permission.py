@@ -1,4 +1,4 @@
-"""Whether the robot may drive: its motors, and the faults and other reasons that block it."""
+"""The permission to drive: the motors, and the faults and other reasons that block the robot."""
 from __future__ import annotations
 
 from enum import Enum

@@ -1,18 +1,18 @@
 """The robot: one body on one floor, with one activity at a time.
 
-It sends `Interrupted:` for an activity that another one replaces, and announces events to all
-clients through `announce`. Its `executive` carries out the activities; its `permission` says
-whether it may drive. Events from outside and what follows from them:
+The robot sends `Interrupted:` if another activity replaces the present one. It announces events to
+all clients through `announce`. Its `executive` carries out the activities; its `permission` shows
+whether it may drive. Events from outside and their effects:
 
     event                        activity           status at rest         lines
     another activity starts      replaced           its own                Interrupted
     stop, a reason to block      ends, brakes       Stopped                Interrupted, Stopping,
                                                                            Stopped
     halt                         ends, brakes       Stopped                none
-    motors cut, button pressed   ends, brakes hard  words of the motors    words of the motors
+    motors cut, button pressed   ends, brakes hard  text of MotorState     text of MotorState
     motors enabled               none runs          Stopped                Motors enabled,
                                                                            Stopping, Stopped
-    the script fails             ends, brakes       words of the failure   Error
+    the script fails             ends, brakes       status of the failure  Error
     the robot is lost            ends, brakes       Robot lost             Error: Robot lost
 
 Invariants: there is one activity at most; none runs while the motors are off. The robot is docking
@@ -56,10 +56,10 @@ from omron_map import MapDocument
 class Quirks:
     """How this robot differs from an ideal one.
 
-    arrival_error -- the largest error (mm, deg) with which it stops at a goal
-    failing_goals -- goals that it fails to reach, in lower case
+    arrival_error -- the largest error (mm, deg) with which the robot stops at a goal
+    failing_goals -- goals that the robot fails to reach, in lower case
     failing_docks -- how many of the next drives into a dock fail
-    stops_to_replace -- whether it sends `Stopping` when an activity is replaced
+    stops_to_replace -- whether the robot sends `Stopping` when an activity is replaced
     speed_limit -- mm/s, for every drive
     """
 
@@ -78,7 +78,7 @@ class TaskState:
     last_goal -- the goal of its last drive
     waiting -- status text of the running wait task; empty: no wait task runs
     pausing -- whether a pause task runs
-    patrol_places -- by route in lower case: the index of the present goal
+    patrol_places -- index of the present goal on each route, by the route's name in lower case
     """
 
     last_goal: str = ''
@@ -144,7 +144,7 @@ class SimRobot:
         return self.localization.believed(self.base.pose)
 
     def scan(self) -> np.ndarray:
-        """Returns one laser scan: hits (N, 2) in mm, in the frame of the believed pose."""
+        """Returns one laser scan: hits (N, 2) in mm, map frame, as seen from the believed pose."""
         return self.scanner.scan(self.navigation.floor, self.true_pose, self.pose,
                                  self.navigation.outlines(laser.RANGE))
 
@@ -215,7 +215,7 @@ class SimRobot:
             self.status = self.extended = 'Stopped'
 
     def stop(self) -> None:
-        """Ends the activity, with the robot's lines for it."""
+        """Ends the activity, and sends the robot's lines about this."""
         self._interrupt()
         self.announce_stopping()
 
@@ -277,7 +277,7 @@ class SimRobot:
     # -- localization ------------------------------------------------------------------------
 
     def localize(self, pose: SimPose, spread: Tuple[float, float] = FOUND_WITHIN) -> None:
-        """Searches for itself around `pose`; the robot is lost if it is not there."""
+        """Makes the robot search for itself around `pose`. It is lost if it is not there."""
         self.localization.search(pose, self.base.pose, spread)
         if self.localization.lost:
             self.executive.outside(self._end_as_lost)

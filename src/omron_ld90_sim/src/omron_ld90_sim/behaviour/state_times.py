@@ -1,4 +1,4 @@
-"""Time and distance of the robot in each of the states that its data store counts."""
+"""The time and distance that the robot spent in each state, for its data store."""
 from __future__ import annotations
 
 from enum import Enum

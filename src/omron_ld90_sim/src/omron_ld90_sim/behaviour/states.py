@@ -16,7 +16,7 @@ class DockingPhase(Enum):
 
 
 class MotorState(Enum):
-    """Whether the robot can drive, in the words of `queryMotors`."""
+    """The state of the motors. The values are the answers of `queryMotors`."""
 
     ENABLED = 'Motors enabled'
     DISABLED = 'Motors disabled'
@@ -59,7 +59,10 @@ class ScriptedActivity:
     goal: bool = False                              # whether `point` is a goal; `status` names it
 
     def interrupted(self, words: InterruptedWords) -> Optional[str]:
-        """Returns the line that announces its early end, or None; a point has no name."""
+        """Returns the line that announces the early end of the activity; None: there is no line.
+
+        A drive to a point is announced with coordinates, because a point has no name.
+        """
         if words is InterruptedWords.NOTHING:
             return None
         if self.point is None or (self.goal and words is InterruptedWords.NAME):

@@ -62,7 +62,10 @@ def _switches(name: str) -> Dict[str, bool]:
 
 @dataclass
 class Equipment:
-    """Four digital inputs and outputs, one analog input; real robots' names are not known."""
+    """The robot's equipment: four digital inputs, four digital outputs and an analog input.
+
+    Their names are invented, because the names on real robots are not known.
+    """
 
     inputs: Dict[str, bool] = field(default_factory=lambda: _switches('Input'))
     outputs: Dict[str, bool] = field(default_factory=lambda: _switches('Output'))

@@ -2,8 +2,8 @@
 
 All rays march at once over the floor's distance field, in steps as long as the distance to the
 nearest wall (sphere tracing). The data sheet gives 240 degrees and 15 m. A public driver reserves
-455 rays for one scan. The position of the laser on the robot is not known; the turning centre is
-assumed.
+455 rays for one scan. The position of the laser on the robot is not known; it is assumed to be the
+turning centre.
 """
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from omron_ld90_sim.motion.kinematics import SimPose
 FIELD_OF_VIEW = 240.0   # deg
 RANGE = 15000.0         # mm
 RAYS = 455
-STEPS_AT_ONCE = 8       # steps of a ray between two checks which rays have ended
+STEPS_AT_ONCE = 8       # steps of a ray between two checks for rays that have ended
 _ANGLES = np.radians(np.linspace(-FIELD_OF_VIEW / 2, FIELD_OF_VIEW / 2, RAYS))
 
 
@@ -75,9 +75,9 @@ def _march(floor: SimFloor, origin: np.ndarray, direction: np.ndarray) -> np.nda
 
 
 def _edges(start: np.ndarray, along: np.ndarray, direction: np.ndarray) -> np.ndarray:
-    """Returns the range at which each ray from the origin hits an edge first; inf: it hits none.
+    """Returns the range at which each ray from the origin first hits an edge; inf: it hits none.
 
-    Only those of the edges (E, 2) count whose outer side faces the origin.
+    An edge (E, 2) counts only if its outer side faces the origin.
     """
     beside = start[:, 0] * along[:, 1] - start[:, 1] * along[:, 0]
     seen = beside < 0

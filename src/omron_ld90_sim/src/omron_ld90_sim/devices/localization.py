@@ -15,7 +15,7 @@ _NO_ERROR = SimPose(0.0, 0.0, 0.0)
 
 
 class Localization:
-    """The believed pose of a robot: the true pose plus `error`, which is 0 if it is not lost."""
+    """The pose that a robot believes: its true pose plus `error`; 0: the robot is not lost."""
 
     def __init__(self, clock: SimClock, seed: int) -> None:
         self.error = _NO_ERROR

@@ -14,8 +14,8 @@ from omron_ld90_sim.motion.noise import noise
 
 NOISE = 6.0             # mm, standard deviation along the ray
 KEPT_FOR = 30.0         # s for which cumulative points are kept
-KEPT_WITHIN = 4000.0    # mm from the robot within which they are reported
-KEPT_POINTS = 200       # largest number that is reported
+KEPT_WITHIN = 4000.0    # mm; kept points within this distance of the robot are reported
+KEPT_POINTS = 200       # largest number of points in a report
 
 
 class Scanner:
@@ -27,7 +27,7 @@ class Scanner:
 
     def scan(self, floor: SimFloor, true: SimPose, believed: SimPose,
              others: Sequence[np.ndarray]) -> np.ndarray:
-        """Returns the hits (N, 2) of a scan from `true`: mm, in the believed pose's frame."""
+        """Returns the hits (N, 2) of a scan from `true`: mm, map frame, as seen from `believed`."""
         ranges = laser.scan(floor, true, others)
         ranges = ranges + noise(self._seed, self._clock.now, NOISE, len(ranges))
         hits = laser.points(believed, ranges)

@@ -1,7 +1,7 @@
 """Actions of the robot without a command: battery warnings, auto-docking, stopping without a link.
 
-All of them except those about the battery are off by default. The sections `Docking` and `Outgoing
-ARCL connection setup` of the configuration switch them on.
+By default, only the actions about the battery are on. The sections `Docking` and `Outgoing ARCL
+connection setup` of the configuration switch on the other actions.
 """
 from __future__ import annotations
 

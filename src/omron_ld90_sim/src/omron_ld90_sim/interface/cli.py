@@ -185,7 +185,7 @@ def main(argv: Optional[List[str]] = None) -> int:
     given = sys.argv[1:] if argv is None else argv
     # roslaunch adds remappings such as __name:=ld90_sim, which have no meaning here
     words = [word for word in given if ':=' not in word]
-    if '--start' in words[:-1]:     # argparse takes -1.0,2.0,90 for an option
+    if '--start' in words[:-1]:     # argparse would take -1.0,2.0,90 for an option
         at = words.index('--start')
         words[at:at + 2] = [f'--start={words[at + 1]}']
     arguments = parser().parse_args(words)

@@ -47,7 +47,7 @@ class SimControlServer:
         try:
             sock, _ = self._listener.accept()
         except OSError as error:
-            if error.errno in (errno.EMFILE, errno.ENFILE):     # without descriptors it stays ready
+            if error.errno in (errno.EMFILE, errno.ENFILE):     # no descriptor is free
                 self._loop.selector.unregister(self._listener)
                 self._loop.clock.after(RECONNECT, self._listen)
             return

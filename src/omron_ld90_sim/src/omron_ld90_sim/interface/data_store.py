@@ -42,7 +42,7 @@ class StoredValue:
     type: str
     description: str
     read: Callable[[DataStore], object]
-    range: str = ''         # minimum and maximum, if they differ from its type's
+    range: str = ''         # minimum and maximum; empty: those of its type
 
     @property
     def info(self) -> str:
@@ -102,14 +102,15 @@ class DataStore:
 
 
 def _counts(names: Tuple[str, ...], trip: str = '') -> Tuple[StoredValue, ...]:
-    """Returns counters of jobs; they stay 0: a robot without a fleet manager gets no jobs."""
+    """Returns counters of jobs. They stay 0, because a robot without a fleet manager gets no jobs.
+    """
     return tuple(StoredValue(f'{trip}{name}', LONG, f'{name}, of the fleet manager\'s jobs',
                              lambda _: 0) for name in names)
 
 
 def _state_fields(trip: str, spent: Callable[[DataStore, WorkState], Sum]
                   ) -> Tuple[StoredValue, ...]:
-    """Returns the fields of the states of the manual's list: hours, and for some metres."""
+    """Returns the fields of the states in STATES: hours, and for some states also metres."""
     counted: Dict[str, WorkState] = {state.value: state for state in WorkState}
 
     def hours(name: str) -> Callable[[DataStore], object]:
@@ -131,7 +132,7 @@ def _state_fields(trip: str, spent: Callable[[DataStore, WorkState], Sum]
 
 
 def _pose_fields(names: str, pose: Callable[[DataStore], SimPose]) -> Tuple[StoredValue, ...]:
-    """Returns X and Y (mm) and Th (deg); `names` has a `*` in place of these."""
+    """Returns the fields X, Y (mm) and Th (deg) of a pose; `*` in `names` stands for the three."""
     x, y, theta = (names.replace('*', axis) for axis in ('X', 'Y', 'Th'))
     return (StoredValue(x, LONG, 'X (mm)', lambda store: round(pose(store).x), ANY_SIGN),
             StoredValue(y, LONG, 'Y (mm)', lambda store: round(pose(store).y), ANY_SIGN),

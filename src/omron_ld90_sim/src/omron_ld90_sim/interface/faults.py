@@ -56,7 +56,7 @@ class Faults:
                 f"'{words}' is no fault, expected: {_usage(method)}{reason}") from error
 
     def schedule(self, line: str) -> None:
-        """Applies `[SECONDS] FAULT` at that time of the simulated clock; without one, at once."""
+        """Applies `[SECONDS] FAULT` at this time of the simulated clock, or without SECONDS now."""
         first, _, rest = line.strip().partition(' ')
         try:
             float(first)
@@ -126,7 +126,7 @@ class Faults:
     def unblock(self) -> None:
         """unblock
 
-        Removes all such obstacles.
+        Removes all obstacles of `block`.
         """
         self._robot.navigation.blocks.clear()
 
@@ -147,7 +147,7 @@ class Faults:
     def faildock(self, times: str = '1') -> None:
         """faildock [TIMES]
 
-        This number of next drives into a dock misses the charger: the robot backs out and retries.
+        The next TIMES drives into a dock miss the charger: the robot backs out and retries.
         """
         self._robot.quirks.failing_docks = int(numbers.number(times, 0, 100))
 

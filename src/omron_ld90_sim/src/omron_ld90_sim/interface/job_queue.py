@@ -75,7 +75,7 @@ class NewSegment:
 
 
 class NotModifiable(ValueError):
-    """The id of a segment that does not exist, has ended, or is ending."""
+    """A segment does not exist, has ended, or is ending. The text is its id."""
 
 
 class DoubleJob(ValueError):
@@ -93,7 +93,7 @@ class JobQueue:
     _count: int = 0
 
     def swap_at(self, goal: str) -> Optional[QueueSegment]:
-        """Returns the drop-off of a running job at that goal to which no job is linked yet."""
+        """Returns a drop-off at `goal` that belongs to a running job, and has no linked job yet."""
         taken = {one.after for one in self.segments if one.is_open}
         running = {one.job for one in self.segments if one.status == 'InProgress'}
         return next((one for one in self.segments if one.is_open and one.job in running
@@ -130,7 +130,9 @@ class JobQueue:
         return found
 
     def modify(self, segment: QueueSegment, goal: str, priority: int) -> None:
-        """Gives a modifiable segment another goal or priority; its drive, if any, begins anew."""
+        """Gives a modifiable segment another goal or priority. If it is driven, it is interrupted,
+        and waits again.
+        """
         was_driven, waited = segment.status == 'InProgress', segment.substatus
         self._enter(segment, 'BeforeModify', 'Driving' if was_driven else 'None')
         if was_driven:
@@ -148,7 +150,7 @@ class JobQueue:
                     self._part(following)
 
     def announce(self, added: Sequence[QueueSegment]) -> None:
-        """Calls `tell` for added segments; for use after the client has got its reply."""
+        """Calls `tell` for added segments. Must be called after the client has got its reply."""
         for one in added:
             self.tell(one)
 
@@ -159,7 +161,7 @@ class JobQueue:
                 if getattr(one, fields[kind.lower()]).lower() == value.lower()]
 
     def cancel(self, found: Sequence[QueueSegment], reason: str) -> None:
-        """Cancels the jobs of these segments: all their segments that have not ended."""
+        """Cancels all open segments of the jobs to which these segments belong."""
         jobs = {one.job for one in found if one.is_open}
         for one in self.segments:
             if one.is_open and one.job in jobs:
@@ -189,7 +191,7 @@ class JobQueue:
         return max(waiting, key=lambda one: one.priority) if waiting else None
 
     def _owner(self, segment: QueueSegment) -> str:
-        """Returns the robot that must serve this segment, because it served the one before."""
+        """Returns the robot that must serve a segment, because it served the segment before."""
         return next((one.robot for one in self.segments if one.id == segment.after), NO_ROBOT)
 
     def _linked(self, job: str) -> List[QueueSegment]:

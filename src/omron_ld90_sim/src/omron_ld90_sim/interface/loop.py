@@ -3,8 +3,8 @@
 The loop sleeps until a socket is ready or the clock's next callback is due. Simulated time is wall
 time multiplied by the speed factor. Input takes effect at the robot's next cycle; the clock
 advances to this cycle at once. So no client waits, and a client that answers within a cycle sees
-the same times in every run. Inputs that take long, such as the planning of many robots, alternate
-with the clock.
+the same times in every run. If inputs take long, for example because many robots plan, inputs and
+clock take turns.
 """
 from __future__ import annotations
 

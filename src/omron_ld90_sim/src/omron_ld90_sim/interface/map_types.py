@@ -2,7 +2,8 @@
 
 `MapInfo: <meta type> Name=<type> Label=... Desc=...` declares a type. A line
 `MapInfo: ArgDesc Name=... Parent=<type> Type=... Priority=... Desc=...` declares one of its
-parameters. `CairnInfo: Params "<object>" <value>...` gives the values of one object, in that order.
+parameters. `CairnInfo: Params "<object>" <value>...` has the values of one object, in the order of
+the declarations.
 """
 from __future__ import annotations
 
@@ -68,7 +69,7 @@ def arguments(document: MapDocument, kind: str) -> List[TypeArgument]:
 
 
 def parameters(document: MapDocument, name: str) -> List[str]:
-    """Returns the parameter values in the map of the object with this name."""
+    """Returns the parameter values that the map has for the object `name`."""
     for words in _lines(document, 'cairninfo:'):
         if words[0] == 'Params' and words[1:2] and words[1].lower() == name.lower():
             return words[2:]

@@ -33,7 +33,7 @@ def angle(text: object) -> float:
 
 
 def seconds(text: object) -> float:
-    """Returns a time from now, or since the start."""
+    """Returns a time (s), counted from now or from the start."""
     return number(text, 0.0, LONGEST)
 
 

@@ -31,7 +31,7 @@ def unescape(text: str) -> bytes:
                        else b'\\', text.encode('ascii', 'replace'))
 
 
-OVERLAP = 0.5  # s for which a recorded line waits for the client's command before it in the log
+OVERLAP = 0.5  # s after its time, a recorded command that the client did not send is skipped
 
 
 class LogError(ValueError):
@@ -44,7 +44,7 @@ class Transfer:
 
     time: float
     direction: str      # 'C' from the client, 'S' from the robot
-    connection: int     # 1, 2, ... in the order of their begin; 0: the outgoing one
+    connection: int     # 1, 2, ... in the order in which they began; 0: the outgoing one
     text: str           # escaped: printable ASCII
 
     def __str__(self) -> str:
@@ -110,7 +110,7 @@ class ReplaySession:
         self._send_due_lines()
 
     def _send_due_lines(self) -> None:
-        """Sends the due lines, up to the next line that waits for a command of the client."""
+        """Sends the recorded lines that are due, until the client must send the next command."""
         clock = self.server.clock
         while self._script and not self.closed:
             head = self._script[0]
@@ -133,7 +133,9 @@ class ReplaySession:
                 self._script.popleft()
 
     def _answer(self, line: bytes) -> None:
-        """Continues after the recorded `line`, or answers that a line not recorded is unknown."""
+        """Continues the recording after `line`; if `line` was not recorded, answers that it is an
+        unknown command.
+        """
         for skipped, transfer in enumerate(self._script):
             recorded = unescape(transfer.text)
             if transfer.direction == 'C' and recorded.lower() in (line.lower(), HIDDEN):

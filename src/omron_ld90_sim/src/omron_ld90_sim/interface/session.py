@@ -26,7 +26,7 @@ from omron_ld90_sim.clock import SimClock
 from omron_ld90_sim.interface.dialect import Dialect, HelpLayout
 
 MAX_COMMAND = 5000
-CYCLE = 0.1                 # s between two checks of the server for input of its clients
+CYCLE = 0.1                 # s between two checks of the server for client input
 HIDDEN = b'********'        # replaces the password in a log
 BLANK = b' \t\0'           # removed at both ends of a line; telnet sends a NUL after a CR
 _TELNET = re.compile(rb'^(?:\xff[\xfb-\xfe].|[\x80-\xff])+', re.DOTALL)

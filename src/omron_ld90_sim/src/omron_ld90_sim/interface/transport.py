@@ -39,7 +39,7 @@ class ConnectedSession(Protocol):
         """Receives bytes from the other side."""
 
     def close(self) -> None:
-        """Ends the session after the other side has gone."""
+        """Ends the session after the other side has ended the connection."""
 
 
 class Server(Protocol):
@@ -116,7 +116,7 @@ class ClientConnection:
 
 
 class TcpServer:
-    """One robot's port and outgoing connection; the server says which of them are open."""
+    """One robot's port and outgoing connection; the server decides which of them are open."""
 
     def __init__(self, loop: Loop, server: Server, host: str, port: int) -> None:
         self.loop, self.server = loop, server
@@ -160,7 +160,7 @@ class TcpServer:
         try:
             sock, _ = self._listener.accept()
         except OSError as error:
-            if error.errno in (errno.EMFILE, errno.ENFILE):     # without descriptors it stays ready
+            if error.errno in (errno.EMFILE, errno.ENFILE):     # no descriptor is free
                 self._close_listener()
                 self._listen_later()
             return
@@ -188,7 +188,8 @@ class TcpServer:
         return (host, port) if host and port and wanted else None
 
     def _dial(self) -> None:
-        """Tries to open the outgoing connection; tries again later if no program listens."""
+        """Tries to open the outgoing connection. If no program listens, another try follows later.
+        """
         target, now = self._target(), self.loop.clock.now
         standing = any(c.session.outgoing for c in self._connections)
         if target is None or standing or self._dialling is not None or now < self._next_dial:

@@ -61,7 +61,8 @@ class Base:
     def brake(self, deceleration: Optional[float] = None) -> None:
         """Brakes to a stop and drops the other manoeuvres; never brakes less than before.
 
-        `deceleration` is in mm/s2. In a bend it is less, because the rotation has a limit, too.
+        `deceleration` is in mm/s2. In a bend the base brakes less, because the change of its
+        rotation has a limit, too.
         """
         if self._queue:
             self._queue = deque([self._queue[0]])

@@ -149,8 +149,8 @@ class SimFloor:
     def clearance_at(self, xy: np.ndarray) -> np.ndarray:
         """Returns the distance (mm) from each point (N, 2) to an obstacle; 0 outside the map.
 
-        It is interpolated between cells: within a few mm of the truth, but too small midway between
-        obstacles.
+        The distance is interpolated between cells. It is exact within a few mm, except that it is
+        too small midway between obstacles.
         """
         position = (np.asarray(xy, float).reshape(-1, 2) - self.origin) / self.resolution
         column, row = position[:, 0], position[:, 1]

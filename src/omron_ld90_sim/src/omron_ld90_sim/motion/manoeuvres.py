@@ -53,7 +53,9 @@ def manoeuvres(way: PlannedWay, planner: Planner, limits: Limits = LD90_LIMITS,
 
 def _stretches(tracks: List[np.ndarray], limits: Limits, direction: float,
                way: PlannedWay) -> List[Manoeuvre]:
-    """Returns a turn and a track from standing for each of `tracks`, and the last turn of `way`."""
+    """Returns for each of `tracks` a turn and a track that begins at a standstill; then the last
+    turn of `way`.
+    """
     result: List[Manoeuvre] = []
     for number, samples in enumerate(tracks):
         result += _turn(direction, float(samples[0, 2]), limits.path_rotation)

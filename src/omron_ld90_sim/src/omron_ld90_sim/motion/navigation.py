@@ -1,4 +1,4 @@
-"""Gives the base its courses: from standing or while moving, around obstacles."""
+"""Plans courses for the base around obstacles, from a standstill or during a drive."""
 from __future__ import annotations
 
 from dataclasses import replace
@@ -42,14 +42,17 @@ class Navigation:
     def obstacles(self, within: float = PLAN_AROUND) -> List[Disc]:
         """Returns the obstacles that are not on the map, and the other robots within `within` mm.
 
-        A moving robot blocks its place, the place where it could come to rest, and those between.
+        A moving robot blocks its place, the place where it could come to rest, and the places
+        between these two.
         """
         radius = self.floor.body.half_diagonal
         return [*self.blocks,
                 *(Disc(place.x, place.y, radius) for place in self._stops(within))]
 
     def _stops(self, within: float) -> List[SimPose]:
-        """Returns places of the robots within `within` mm, from here to where they can stop."""
+        """Returns the places of other robots within `within` mm, and the places that they will pass
+        until they could come to rest.
+        """
         stops = []
         for other in self._near(within):
             base, track = other.base, other.base.track
@@ -98,12 +101,12 @@ class Navigation:
         except NoWay as reason:
             if not obstacles:
                 raise
-            self.planner.plan(start, x, y, heading)     # raises if waiting would be useless
+            self.planner.plan(start, x, y, heading)     # raises if obstacles are not the cause
             raise Blocked(str(reason)) from reason
 
     @property
     def can_set_course(self) -> bool:
-        """Whether the base stands or drives forwards, and does not turn, back up or just arrive."""
+        """Whether the base stands, or drives forwards and is not about to arrive."""
         base, track = self.base, self.base.track
         return base.still or (track is not None and not track.reverse
                               and track.length - base.place > SHORTEST_LEAD)

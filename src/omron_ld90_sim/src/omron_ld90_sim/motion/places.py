@@ -32,10 +32,10 @@ def docked_pose(floor: SimFloor, dock: MapObject) -> SimPose:
 def start_places(document: MapDocument, floor: SimFloor,
                  wanted: Sequence[Optional[Tuple[float, float, float]]], seed: int = 0
                  ) -> List[SimPose]:
-    """Returns the start poses: each as wanted (mm, mm, degrees), or if None the next free place.
+    """Returns the start pose of each robot: as in `wanted` (mm, mm, degrees); None: a free place.
 
     The free places are, in this order: docks, RobotHome, goals with a heading, other goals, and
-    random places. Each is at a distance from the places that are taken.
+    random places. Each is farther than START_DISTANCE from the places that are taken.
     """
     chance = random.Random(seed)
     taken = [SimPose(*place) for place in wanted if place is not None]

@@ -21,7 +21,7 @@ from omron_ld90_sim.motion.space import LOOK_STEP, Disc, Space
 
 DRIVE_MARGIN = 15.0     # mm added to the half width
 TURN_MARGIN = 5.0       # mm added to the half diagonal
-COMFORT = 700.0         # mm of clearance above which more is not worth a detour
+COMFORT = 700.0         # mm; a clearance above this is not worth a detour
 NARROW_COST = 8.0       # cost factor of places where the robot cannot turn
 CLOSED = -1.0           # cost of a cell that no path may use
 ESCAPE = 3000.0         # mm straight ahead or back within which room to turn is searched
@@ -30,7 +30,7 @@ SEARCH_AROUND = 4000.0  # mm around robot and goal within which a path is search
 TURN_NEAR = 300.0       # mm around the ends of a narrow place to search for places to turn
 TURN_PLACES = 80        # largest number of these places
 COARSELY = 5            # every fifth point of many straights is examined first
-DETOUR = 2.5            # largest cost of the path found first; a straight in the open: 1
+DETOUR = 2.5            # largest cost of a path found near the ends; a straight in the open: 1
 
 
 class NoWay(Exception):
@@ -38,12 +38,12 @@ class NoWay(Exception):
 
 
 class Blocked(NoWay):
-    """There would be a path without the obstacles that are not on the map."""
+    """Only obstacles that are not on the map bar all paths."""
 
 
 @dataclass(frozen=True)
 class PlannedWay:
-    """A path along `vertices`; before it, if necessary, straight out of a narrow place."""
+    """A path along `vertices`; before it, if necessary, a straight drive out of a narrow place."""
 
     start: SimPose
     escape: float               # mm straight ahead first; negative: backwards; 0: turn on the spot
@@ -146,7 +146,10 @@ class Planner:
         return float(min(found, key=abs))
 
     def _approach(self, space: Space, goal: np.ndarray, heading: Optional[float]) -> np.ndarray:
-        """Returns the point at which to turn for the last straight: the goal if it has room."""
+        """Returns the point at which the robot turns into the last straight to the goal.
+
+        This is the goal itself if the robot can turn there, or need not turn.
+        """
         here = space.clearance_of(*goal)
         if here >= self.turn_clearance:
             return goal
@@ -204,7 +207,7 @@ class Planner:
                     ) -> Tuple[np.ndarray, Optional[np.ndarray]]:
         """Returns the vertices of long straights between turnable points of `raw`, and None.
 
-        If a place cannot be passed, returns the vertices before it and the cells there.
+        If a place cannot be passed, returns instead the vertices before this place, and its cells.
         """
         clear = space.clearance_at(raw)
         last = len(raw) - 1
@@ -228,7 +231,10 @@ class Planner:
         return self._without(spare, vertices, space), None
 
     def _without(self, spare: Set[int], vertices: Sequence[np.ndarray], space: Space) -> np.ndarray:
-        """Returns the vertices without those of the indices `spare` that a straight can bypass."""
+        """Returns the vertices, but of those with indices in `spare` only the necessary ones.
+
+        A vertex is not necessary if the straight between its neighbours is free.
+        """
         kept = [vertices[0]]
         for k in range(1, len(vertices)):
             if k not in spare or k + 1 == len(vertices) or not space.straight_is_free(
@@ -237,11 +243,11 @@ class Planner:
         return np.array(kept)
 
     def _through(self, space: Space, a: np.ndarray, b: np.ndarray) -> Optional[List[np.ndarray]]:
-        """Returns the points before and behind a narrow place at which to turn, so as to drive
-        straight through it; None: there are none.
+        """Returns the points at which the robot must turn, in addition to `a` and `b`, to drive
+        straight through the narrow place between them; None: this is impossible.
 
-        These are the turnable points near `a` and `b` whose straight has the most room: the
-        planner's grid is too coarse for a gap that is hardly wider than the body.
+        Of the turnable points near `a` and near `b`, the two with the largest clearance between
+        them are used. The planner's grid is too coarse for a gap hardly wider than the body.
         """
         before, behind = self._turnable_near(space, a, b), self._turnable_near(space, b, a)
         first, second = (index.ravel() for index in np.indices((len(before), len(behind))))
@@ -289,7 +295,9 @@ class Planner:
 
 def _cheapest(cost: np.ndarray, first: Tuple[int, int], last: Tuple[int, int]
               ) -> Tuple[Optional[np.ndarray], float]:
-    """Returns the cells (N, 2) of the cheapest chain over a grid, or None; and its cost."""
+    """Returns the cells (N, 2) of the cheapest chain over a grid (None: there is none), and the
+    cost of the chain.
+    """
     search = MCP_Geometric(cost)
     totals, _ = search.find_costs([first], [last])
     total = float(totals[last])

@@ -14,7 +14,7 @@ LOOK_STEP = 20.0        # mm between the examined points of a straight
 
 @dataclass(frozen=True)
 class Disc:
-    """A moving or temporary obstacle (mm)."""
+    """A round obstacle that moves or is temporary, in mm."""
 
     x: float
     y: float
@@ -43,10 +43,9 @@ class Space:
 
     def clearance_along(self, starts: np.ndarray, ends: np.ndarray, fractions: np.ndarray
                         ) -> np.ndarray:
-        """Returns the least clearance (N,) at these fractions of each straight from starts to ends
-        (N, 2).
+        """Returns the least clearance (N,) on each straight from `starts` to `ends` (N, 2).
 
-        A single start or end is used for all straights.
+        It is examined at `fractions` of the straights. A single start or end is used for all.
         """
         points = starts[:, None] + fractions[:, None] * (ends - starts)[:, None]
         return self.clearance_at(points).reshape(points.shape[:2]).min(axis=1)

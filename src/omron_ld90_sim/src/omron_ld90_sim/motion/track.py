@@ -1,7 +1,8 @@
-"""Tracks: smooth lines with a speed for every place on them; and turns on the spot.
+"""Tracks, which are smooth lines with a speed for every place, and turns on the spot.
 
-The speed along a track is the highest that the limits allow. The acceleration limits it forwards
-from the start, the deceleration backwards from the end; towards a goal the deceleration is lower.
+The speed along a track is the highest that the limits allow. After the start, the acceleration
+limits the speed; before the end, the deceleration limits it. Towards a goal the deceleration is
+lower.
 """
 from __future__ import annotations
 
@@ -21,8 +22,8 @@ STRAIGHT_STEP = 100.0       # mm between samples
 class Turn:
     """A turn on the spot to a heading (deg) at up to `rate` deg/s, in the shorter direction.
 
-    With `angle` (deg, left positive) it turns by that angle instead, even if it is more than a
-    whole turn.
+    If `angle` (deg, left positive) is given, the robot turns by this angle instead, even if it is
+    more than a whole turn.
     """
 
     heading: float

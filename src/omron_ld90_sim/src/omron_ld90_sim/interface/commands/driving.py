@@ -122,7 +122,9 @@ def localize_to_point(call: CommandCall) -> None:
 
 @command('localizeAtGoal', 'Localizes at a goal', '<goal> [xySpread angleSpread]', 1)
 def localize_at_goal(call: CommandCall) -> None:
-    """Searches for the robot around a goal, with the goal's heading or, without it, its own."""
+    """Searches for the robot around a goal, with the goal's heading. If the goal has no heading,
+    the robot's true heading is used.
+    """
     goal = find_goal(call, call.arguments[0])
     heading = goal.theta if goal.has_heading else call.robot.true_pose.theta
     _localize(call, SimPose(goal.x, goal.y, heading), call.number(1, -1.0), call.number(2, -1.0),

@@ -37,8 +37,8 @@ def execute(server: ArclServer, session: SimSession, line: str) -> None:
 def _variables(server: ArclServer) -> Dict[str, str]:
     """Returns the values of `$g`, `$y` and so on in a command line (ARCL manual I617-E-01 p. 51).
 
-    I617-E-02 p. 45 has them in lower case, so lower case is accepted, too. `$m` and `$y` are
-    exceptions: they are the month and the year.
+    I617-E-02 p. 45 has them in lower case, so lower case is accepted, too. Two letters differ by
+    case: `$m` is the month and `$M` the minute, `$y` is the year and `$Y` the position.
     """
     robot, now = server.robot, server.wall_time()
     x, y, theta = (int(round(value)) for value in (robot.pose.x, robot.pose.y, robot.pose.theta))

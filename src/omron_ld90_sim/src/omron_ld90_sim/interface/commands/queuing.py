@@ -1,4 +1,4 @@
-"""The robot's part of queuing: queries of a fleet manager, or of a client in its place."""
+"""The robot's part of queuing: the commands that a fleet manager, or a client like it, sends."""
 from __future__ import annotations
 
 from dataclasses import replace

@@ -157,7 +157,9 @@ def get_info(call: CommandCall) -> None:
 
 @command('createInfo', 'creates a piece of information', '<infoName> <maxLen> <infoValue>', 3)
 def create_info(call: CommandCall) -> None:
-    """Creates an info. Only the first word of an unquoted value counts; it is cut to `<maxLen>`."""
+    """Creates an info. Of a value without quotes, only the first word counts. The value is cut to
+    `<maxLen>` characters.
+    """
     name, length = call.arguments[0], int(call.number(1))
     if name in INFOS:
         raise CommandFailed(f"Info '{name}' is the robot's own")
