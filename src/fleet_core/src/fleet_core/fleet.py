@@ -60,7 +60,7 @@ class RobotType:
 
     @property
     def fastest(self) -> float:
-        """The speed (m/s) that the robot never exceeds, also if it does not know of its load."""
+        """The speed (m/s) that the robot never exceeds, even if it does not know of its load."""
         return max(self.speed, self.own_speed)
 
     @property
@@ -100,7 +100,7 @@ class Fleet:
     """All robots that share a graph.
 
     clearance     -- m that stays free between any two robots
-    dock_approach -- m before a dock that no other robot enters while a robot docks or leaves
+    dock_approach -- m in front of a dock; no other robot enters them while a robot docks or leaves
     """
 
     types: Tuple[RobotType, ...]

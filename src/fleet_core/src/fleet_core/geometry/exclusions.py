@@ -32,7 +32,7 @@ class Approach(NamedTuple):
     """The places that only one robot may use while it docks or leaves a dock."""
 
     edges: Dict[int, Tuple[float, float]]  # by place: the part of it in the approach, as fractions
-    vertices: FrozenSet[int]               # without the dock, where a docked robot blocks nothing
+    vertices: FrozenSet[int]               # not the dock: a docked robot blocks no approach
 
 
 class Conflicts(NamedTuple):
@@ -238,7 +238,7 @@ class _Pairs:
             self.high = np.maximum.reduceat(high, first)
 
     def make_symmetric(self) -> None:
-        """Adds each reverse of a pair that rounding left out; it excludes the whole place."""
+        """Adds the reverse of each pair if rounding left it out. It excludes the whole place."""
         key, mirrored = self._keys()
         missing = ~np.isin(mirrored, key)
         if missing.any():

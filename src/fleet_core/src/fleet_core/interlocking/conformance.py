@@ -2,8 +2,8 @@
 
 The model proves for any number of robots that allocations stay apart, contain what robots may
 drive, and are in the journal (`test/interlocking/test_allocation_proof.py`). The proof holds for
-this program only if the program does what the model does. So this module maps the real state to the
-model's relations after each event, and checks the step between them:
+this program only if the program does what the model does. So after each event, this module maps the
+real state to the relations of the model, and checks the step from the state before:
 
     | relation of the model       | real state                                                     |
     |-----------------------------|----------------------------------------------------------------|

@@ -1,7 +1,7 @@
 """The fleet manager's end of the route protocol for one robot, and where the robot may be.
 
-`route_protocol.master` says what the robot may still do by its orders. The reports also say where
-it is. The allocation is computed from these two alone:
+`route_protocol.master` keeps what the robot may still do according to its orders. The reports also
+say where the robot is. The allocation is computed from these two alone:
 
     | the robot may be                    | because                                                |
     |-------------------------------------|--------------------------------------------------------|
@@ -57,9 +57,10 @@ ME = 'path_supervisor'
 MANUAL_REACH = 10.0
 # m that a standing robot may be beside the place where its route begins or ends
 BESIDE = NEAR + TREMBLE
-_STEP = 0.5   # m: the step in which the area around such a robot grows
-_SOON = 0.2   # s within which that area grows again; ticks come more often
-_SQUARE = 1.0  # m: its location is stored whenever it has come into another square of this size
+# While another giver moves a robot:
+_STEP = 0.5   # m: the area around the robot grows in steps of this size
+_SOON = 0.2   # s within which the area grows again; ticks come more often
+_SQUARE = 1.0  # m: the robot's location is stored when it comes into another square of this size
 
 Clock = Callable[[], int]
 """Returns ms since 1970."""
@@ -76,7 +77,8 @@ class Located(NamedTuple):
     """A location of the robot.
 
     age      -- s for which the robot may have moved on before the report arrived
-    is_stray -- it was on no place that the robot had then; it counts until two later ones arrive
+    is_stray -- it was on no place that the robot had then. A stray location counts until two later
+                locations arrive
     """
 
     point: Point
@@ -131,9 +133,9 @@ class Heard:
     cause   -- why a new epoch of the robot began; None: none did, or no epoch was known before
     had_route -- the robot had a route before, or an order for one was on its way
     is_off_graph -- this report and the one before say that the robot is off the graph
-    left    -- the robot stands, but not where it may be by its orders
+    left    -- the robot stands, but not where it may be according to its orders
     expected -- if it has left: a clause that says where it was expected, and where it is
-    is_near -- it is still on the edge on which it stood, or on one at its vertex
+    is_near -- the robot is still on the edge on which it stood, or on an edge at its vertex
     is_located -- the report has a new location
     """
 
@@ -180,7 +182,7 @@ class RouteMaster:
         self._beside: Optional[Point] = None
         """The location of the robot when `begin_at` chose where its next route begins."""
         self._cut_refused = 0  # `end` of a shorter route that the robot refused
-        # Answers that were computed from all this since the last change.
+        # Values that are computed from the attributes above; None: not since the last change.
         self._allocation: Optional[Allocation] = None
         self._elsewhere: Optional[Tuple[Located, ...]] = None
         self._progress: Optional[Tuple[object, ...]] = None
@@ -189,7 +191,7 @@ class RouteMaster:
 
     @property
     def protocol(self) -> MasterState:
-        """What the robot may still do by its orders."""
+        """What the robot may still do according to its orders."""
         return self.record.protocol
 
     @property
@@ -382,9 +384,9 @@ class RouteMaster:
     def end_after(self, edges: int) -> bool:
         """Lets the robot drive only so many of the edges ahead. Returns whether its orders change.
 
-        Routes that never left this program are withdrawn. If the robot may have more edges by its
-        other orders, it is sent a shorter route, or a stop if no edge is left. A robot that refused
-        such a shorter route before keeps its route, because it cannot brake in time.
+        Routes that never left this program are withdrawn. If other orders give the robot more
+        edges, it is sent a shorter route, or a stop if no edge is left. A robot that refused such a
+        shorter route before keeps its route, because it cannot brake in time.
         """
         before = self.protocol
         self._take_back_unsent()
@@ -544,7 +546,7 @@ class RouteMaster:
             point, position.point(self.record.graph)) <= BESIDE
 
     def _expected(self, before: MasterState) -> str:
-        """Returns a clause that says where the robot may have been by its orders."""
+        """Returns a clause that says where the robot may have been according to its orders."""
         edges = dict.fromkeys(abs(step.edge) for step in before.may_be_on
                               if step.number >= self.record.cleared[0])
         return (f'it was expected on the edges {listed(drawn_ids(self.record.graph, edges))}'
@@ -555,9 +557,7 @@ class RouteMaster:
         return 'off the graph' if position is None else position.told(self.record.graph)
 
     def _is_near(self, report: Report) -> bool:
-        """Returns whether the robot is still on the edge on which it stood, or on one
-        that leads to its vertex.
-        """
+        """Returns whether the robot is still on the edge on which it stood, or at its vertex."""
         position, graph = self.record.position, self.record.graph
         if position is None or not report.pose.edge:
             return False
@@ -693,9 +693,7 @@ class RouteMaster:
         self._set(replace(self.protocol, unknown=self._next_number()))
 
     def settle(self, position: Optional[GraphPosition]) -> None:
-        """Notes that a person says that the robot stands at this position
-        and holds nothing else.
-        """
+        """Notes that, according to a person, the robot stands here and holds nothing else."""
         self._set(replace(self.protocol, behind=(), held=(), is_anywhere=False))
         self.record.stand(position)
         self.record.begin_anew()

@@ -32,7 +32,7 @@ class Booked(NamedTuple):
     """The booked state of one robot.
 
     mid_edge -- where it stands between two vertices; None: it stands at `vertex`
-    points   -- (slot, lead) that it blocks by standing there, by observer
+    points   -- by observer, each (slot, lead) that it blocks while it stands at `mid_edge`
     until    -- time until which it stands at its end
     held     -- number of drives that it holds from now on
     """
@@ -108,7 +108,7 @@ class LaterBookings:
         self._left.pop(name, None)
 
     def slots(self, name: str, observer: RobotType) -> Set[int]:
-        """Returns all slots that a robot blocks for an observer, and perhaps some others."""
+        """Returns all slots that a robot blocks for an observer. There may be too many of them."""
         booked = self._robots[self._left[name]]
         blocking, vertices = self._blocking[booked.kind, observer], self._network.vertices
         found = {slot for slot, _ in booked.points.get(observer, ())}

@@ -35,7 +35,7 @@ class Constraint(NamedTuple):
 
 
 class Conflicting(Exception):
-    """A plan in which two robots hold excluding places at once: a defect of the planner."""
+    """Two robots would hold places that exclude each other at once: a defect of the planner."""
 
 
 class _Drives(NamedTuple):
@@ -110,8 +110,8 @@ def _in_order(plans: Plans, names: Sequence[str], released: Mapping[str, int]) -
 
 def _meetings(reservations: ReservationTable, drives: _Drives, moving: RobotType,
               observer: RobotType, moves: np.ndarray, observes: np.ndarray) -> _Pairs:
-    """Returns, for each planned drive of an observer and each moving robot, the robot's last
-    conflicting drive before it.
+    """Returns, for each planned drive of an observer and each moving robot, the last conflicting
+    drive of the moving robot before the planned drive.
 
     The robots are those of the given types.
     """

@@ -51,7 +51,7 @@ def assign(missions: Sequence[Mission], own: Mapping[str, Hindrance],
     it and its queue hold.
 
     own  -- by robot, what hinders it from serving any mission
-    room -- at stations and chargers, before any of these missions gets a robot
+    room -- the free places at stations and chargers before any of these missions gets a robot
     """
     own, room = dict(own), room.copy()
     assigned: List[Assigned] = []
@@ -63,7 +63,7 @@ def assign(missions: Sequence[Mission], own: Mapping[str, Hindrance],
         order = order[len(group):]
         able: List[Tuple[Mission, Sequence[str]]] = []
         left = room.copy()
-        # what a mission waits for, by the names of its robots, if none of these robots is free
+        # by the robots that may serve a mission: what it waits for if none of them is free
         busy: Dict[Tuple[str, ...], str] = {}
         for mission in group:
             names = acceptance.robots_for(mission.request)
@@ -149,8 +149,7 @@ def _match(missions: Sequence[Tuple[Mission, Sequence[str]]], robots: Mapping[st
 
 
 def _all_alike(missions: Sequence[Mission]) -> bool:
-    """Returns whether the same robots may serve all missions, so
-    that the oldest can be served first.
+    """Returns whether all missions may be served by the same robots: then the oldest come first.
     """
     return len({(m.request.robot_type, m.request.robot) for m in missions}) == 1
 

@@ -150,9 +150,9 @@ def _stands(work: SiteWork, fleet: Fleet, graph: Graph, place: int,
 
 
 def _others(places: Iterable[int], place: int, has: Dict[int, Set[str]]) -> List[int]:
-    """Returns the other places of a station, without lower ones that have loads.
+    """Returns the places of a station that are to be compared with `place`.
 
-    For such a pair of places, the call for the lower one finds the other one.
+    Omits a lower vertex at which robots have loads: the call for that vertex yields the same pair.
     """
     return [vertex for vertex in places
             if vertex != place and not (vertex < place and has.get(vertex))]

@@ -47,9 +47,9 @@ class PlanInForce:
             self._waited_for.setdefault(first, []).append((before, then))
 
     def in_the_way(self, name: str, drive: int, records: Mapping[str, RouteRecord]) -> str:
-        """Returns the name of a robot that must drive on before this robot may begin its drive.
+        """Returns a robot that must drive on before robot `name` may begin its drive; empty: none.
 
-        Empty: none.
+        drive -- number of the drive in the plan
         """
         for turn in self._turns.get((name, drive), ()):
             plan = self.plans.get(turn.first)
@@ -73,8 +73,8 @@ class PlanInForce:
 
     def asked_to_move(self, working: Iterable[str],
                       records: Mapping[str, RouteRecord]) -> Set[str]:
-        """Returns robots that must move because a robot of `working` waits for them, or a robot
-        that must move.
+        """Returns the robots that must move because a robot of `working`, or another robot that
+        must move, waits for them.
 
         records -- of all robots: drives that are released need no request
         """

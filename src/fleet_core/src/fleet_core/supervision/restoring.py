@@ -126,7 +126,10 @@ def _areas_of(memory: Memory, kept: AbstractSet[Step], before: Graph) -> List[Ar
 
 def _position_on(memory: Memory, graph: Graph,
                  before: Graph) -> Tuple[Optional[GraphPosition], List[Area]]:
-    """Returns the stored position if the graph still has it, or else the area of a robot there."""
+    """Returns the stored position; None: the graph does not have it any more.
+
+    If it has not, and the robot may not drive, also returns the area of the old position.
+    """
     position = memory.position
     if position is None or _is_there(position, graph, before):
         return position, []

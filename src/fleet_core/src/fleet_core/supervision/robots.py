@@ -116,7 +116,7 @@ class ManagedRobot:
         return changes
 
     def hear(self, report: Report, now: float) -> Heard:
-        """Evaluates a report that passed the check. Raises WrongReport.
+        """Evaluates a report that passed `check_report`. Raises WrongReport.
 
         now -- time at which the report arrived
         """
@@ -238,9 +238,9 @@ class ManagedRobot:
     def other_beginning(self) -> Optional[GraphPosition]:
         """Returns another starting place to be tried after a refusal; None: there is none.
 
-        Each robot decides by itself how near to a vertex it must be to stand on it. So if a route
-        on the edge was refused near a vertex, the vertex is tried, and if a route at the vertex was
-        refused, the edge is tried.
+        Each robot decides by itself how near to a vertex it must be to stand on it. So after a
+        refusal near a vertex, a route from the edge is replaced by a route from the vertex, and the
+        reverse.
         """
         record, master = self.record, self.master
         if not self._has_refused or not master.is_ready:

@@ -136,7 +136,7 @@ class Supervisor:
                                                            journal.milliseconds, changes)
         """Robots that are not in the fleet file any more, but may be on the site."""
         self.acceptance = Acceptance(graph, {r.name: r.type for r in self.robots.values()})
-        """The data by which requests are checked."""
+        """The data with which requests are checked."""
         self.book = MissionBook(
             journal.missions(), journal.last_serial() + 1,
             {serial: now - seconds for serial, seconds in journal.stays().items()})
@@ -210,7 +210,7 @@ class Supervisor:
 
     @property
     def tick_due(self) -> Optional[float]:
-        """The time at which the next `tick` is due at the latest; None: the usual time will do.
+        """The time at which the next `tick` is due at the latest; None: it comes as usual.
 
         This tick stores all changes that reports made, with their effects, in one commit.
         """
@@ -274,14 +274,14 @@ class Supervisor:
         return [*actions, *self._out.actions(now)]
 
     def _acceptance_now(self) -> Acceptance:
-        """Returns the data by which requests are checked, with the places of the robots."""
+        """Returns the data with which requests are checked, with the places of the robots."""
         return replace(self.acceptance, places={
             robot.name: vertex for robot in self.robots.values()
             for vertex in [robot.record.some_vertex] if vertex is not None})
 
     def _accept(self, request: Request, before: Optional[Mission],
                 acceptance: Acceptance) -> Optional[Mission]:
-        """Accepts a request. None: it is a repeat, and its status is published again.
+        """Accepts a request. Returns None for a repeat, and publishes its status again.
 
         before -- the last mission with the id of the request
         """
@@ -529,8 +529,8 @@ class Supervisor:
     def _doubt_journal(self, why: str, reporting: str = '') -> None:
         """Counts the place of each robot as unknown until it has stopped once.
 
-        The run number stays wrong until all places are known. If the fleet manager restarts before,
-        the places are unknown again.
+        The run number stays wrong until all places are known. If the fleet manager restarts before
+        that, the places are unknown again.
 
         why       -- the reason as a clause
         reporting -- the robot whose report is just being handled
