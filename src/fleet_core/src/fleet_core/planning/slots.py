@@ -76,8 +76,7 @@ class Slots:
 
     def add_drive(self, blocks: Iterable[Block], start: float, seconds: float, robot: str,
                   touched: List[int]) -> None:
-        """Books all slots that a drive blocks. This repeats the code of `add`, because it runs often.
-        """
+        """Books all slots that a drive blocks. Repeats the code of `add`, because it runs often."""
         rows, merged = self._rows, self.merged
         for slot, clear, lead in blocks:
             begin = start - lead
