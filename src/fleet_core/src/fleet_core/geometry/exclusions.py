@@ -188,7 +188,8 @@ class Exclusions:
         return pairs.conflicts()
 
     def _at_ends(self, pairs: _Pairs) -> Tuple[np.ndarray, ...]:
-        """Returns pairs: a place that excludes a vertex also excludes the edges there, at that end.
+        """Returns pairs for the edges at each vertex: a place that excludes the vertex excludes
+        these edges, too, at that end.
 
         Geometry gives the same result except for rounding, but the searches need it exactly.
         """
@@ -238,7 +239,7 @@ class _Pairs:
             self.high = np.maximum.reduceat(high, first)
 
     def make_symmetric(self) -> None:
-        """Adds the reverse of each pair if rounding left it out. It excludes the whole place."""
+        """Adds the reverse of a pair if rounding left it out. It then excludes the whole place."""
         key, mirrored = self._keys()
         missing = ~np.isin(mirrored, key)
         if missing.any():

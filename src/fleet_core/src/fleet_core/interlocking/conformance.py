@@ -11,7 +11,7 @@ real state to the relations of the model, and checks the step from the state bef
     | journal(robot, place)       | edges in the allocation that was stored last                   |
     | sent(robot, place)          | edges of the open orders that may have left this program       |
 
-The model of claims (`test/interlocking/test_claim_proof.py`) has these as well:
+The model of claims (`test/interlocking/test_claim_proof.py`) has these relations as well:
 
     | claim(robot, resource)        | the robot's claims                                           |
     | stored_claim(robot, resource) | its claims in the journal                                    |

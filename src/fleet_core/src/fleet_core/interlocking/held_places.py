@@ -33,7 +33,7 @@ class HeldPlaces:
         self._at: Dict[RobotType, Dict[int, List[Tuple[str, HeldPlace]]]] = {}
 
     def places(self, name: str) -> Sequence[HeldPlace]:
-        """Returns the places that a robot holds, without those that its areas cover."""
+        """Returns the places that follow from a robot's edges and vertex, not from its areas."""
         return self._held.get(name, ())
 
     def _places_of(self, allocation: Allocation) -> List[HeldPlace]:

@@ -218,7 +218,7 @@ class Interlocking:
                               self._asked(robot, edges)))
 
     def would_grant(self, wanted: Mapping[str, Sequence[int]]) -> Dict[str, Tuple[int, ...]]:
-        """Returns how many of these edges, from the first on, all robots may have together now.
+        """Returns those of these edges, from the first on, that all robots may have together now.
 
         Nothing is granted. A robot's last order need not be settled yet, because its next report
         will settle it.
@@ -300,7 +300,7 @@ class Interlocking:
     # -- orders that are sent ---------------------------------------------------------------------
 
     def keep_out(self) -> List[str]:
-        """Ends routes before devices that do not report now that they are open.
+        """Ends routes in front of devices that do not report now that they are open.
 
         Returns the names of the robots whose orders have changed. A robot that is where the device
         is needed may leave, and keeps its route.
@@ -338,8 +338,8 @@ class Interlocking:
         return None
 
     def orders(self, now: float) -> List[Tuple[str, Sending]]:
-        """Returns all orders that are due now. Orders that stop a robot or shorten its route pass
-        no gate.
+        """Returns all orders that are due now. No gate holds back an order that stops a robot or
+        shortens its route.
 
         All other orders are checked against the present reports of devices: since the grant, the
         commit may have taken long, or this program may have restarted.
@@ -582,8 +582,8 @@ def _last_order_is_settled(_: Interlocking, asked: Asked) -> Optional[Refusal]:
 
 
 def _edge_follows(_: Interlocking, asked: Asked) -> Optional[Refusal]:
-    """Refuses an edge that does not begin at the end of the edge before it, at the end of the
-    robot's route, or at the robot's position.
+    """Refuses an edge that does not continue the edge before it, the robot's route, or the place
+    where the robot stands.
     """
     record = asked.robot.master.record
     graph, start = record.graph, asked.robot.master.record.position

@@ -76,8 +76,8 @@ class Needs:
     An edge also needs what the vertices at its ends need, because a robot on it may stand there.
     But the rest of an edge does not need what the vertex behind the robot needs, if no part of the
     robot covers that vertex. So a robot that a person put down on the edge may drive on while
-    another robot claims what the vertex behind it needs. If the robot itself has this claim, it
-    keeps the claim until it has left the edge.
+    another robot claims what the vertex behind it needs. A robot that claims this already keeps
+    the claim until it has left the edge.
     """
 
     def __init__(self, resources: Iterable[Resource], geometry: SiteGeometry) -> None:

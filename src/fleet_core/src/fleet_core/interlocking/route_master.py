@@ -107,7 +107,7 @@ class Memory(NamedTuple):
     """The state of a route master that must survive a restart.
 
     position   -- where the robot stands
-    locations  -- those of the last two that matter after a restart, beginning with the newest
+    locations  -- of the last two locations, those that matter after a restart; the newest is first
     """
 
     protocol: MasterState = MasterState()
@@ -182,7 +182,7 @@ class RouteMaster:
         self._beside: Optional[Point] = None
         """The location of the robot when `begin_at` chose where its next route begins."""
         self._cut_refused = 0  # `end` of a shorter route that the robot refused
-        # Values that are computed from the attributes above; None: not since the last change.
+        # Computed from the attributes above; None: not computed since the last change.
         self._allocation: Optional[Allocation] = None
         self._elsewhere: Optional[Tuple[Located, ...]] = None
         self._progress: Optional[Tuple[object, ...]] = None
@@ -313,8 +313,8 @@ class RouteMaster:
         """Returns whether a point is on a place that the robot has, within the accuracy with which
         it stands or follows its edges.
 
-        A robot that begins a route is as far from it as it was from the place where it stood. The
-        tolerance on edges allows for this, so a grant adds no place but its edges.
+        When a robot begins a route, it is as far from the route as it was from the place where it
+        stood. The tolerance on edges allows for this, so a grant adds no place but its edges.
 
         position -- where the robot stands; None: it drives, or its place is not known
         """
@@ -365,7 +365,7 @@ class RouteMaster:
 
     def shorten(self) -> bool:
         """Asks the robot to stop at the end of its edge. Returns whether it may still drive on
-        behind that edge.
+        beyond that edge.
 
         If the robot refuses because it cannot brake in time, the next call asks it to stop at the
         end of the following edge.
@@ -492,7 +492,7 @@ class RouteMaster:
     def _note_pose(self, report: Report) -> None:
         self._told = self._told or (0.0, None)
         self.record.pose = report.pose
-        # A report without a location says nothing about the graph.
+        # A report without a location does not say whether the robot is on the graph.
         self._off_graph = 0 if self.record.pose.edge else self._off_graph + bool(report.stamp)
 
     @property
@@ -557,7 +557,8 @@ class RouteMaster:
         return 'off the graph' if position is None else position.told(self.record.graph)
 
     def _is_near(self, report: Report) -> bool:
-        """Returns whether the robot is still on the edge on which it stood, or at its vertex."""
+        """Returns whether the robot is on the edge on which it stood, or on an edge at its vertex.
+        """
         position, graph = self.record.position, self.record.graph
         if position is None or not report.pose.edge:
             return False
@@ -609,8 +610,8 @@ class RouteMaster:
     def position_at(self, pose: Pose) -> Optional[GraphPosition]:
         """Returns where the robot can begin a route if it is at this pose.
 
-        It is on a dock only if it is within AT_VERTEX. A robot near a dock is not docked: it must
-        still drive into it.
+        The robot is on a dock only if it is within AT_VERTEX of the dock. A robot near a dock is
+        not docked: it must still drive into the dock.
         """
         graph = self.record.graph
         position = position_of(pose, graph, self.record.near)
@@ -622,7 +623,7 @@ class RouteMaster:
     def _stored_locations(self) -> Tuple[Located, ...]:
         """The locations that matter after a restart.
 
-        While another giver moves the robot, they change only when it comes into another square.
+        While another giver moves the robot, they change only when the robot enters another square.
         """
         if self.protocol.is_anywhere:
             return tuple(Located((math.floor(x / _SQUARE) * _SQUARE + _SQUARE / 2,
@@ -713,7 +714,7 @@ class RouteMaster:
         self._absent_since = now
 
     def is_back(self, report: Report, now: float) -> bool:
-        """Ends the absence if this location was taken after it began. Returns whether it ended."""
+        """Ends the absence if this location is newer than its begin. Returns whether it ended."""
         if self._absent_since is None or not report.stamp or (
                 now - max(report.age, 0.0) <= self._absent_since + CLOCK_ERROR):
             return False

@@ -44,7 +44,8 @@ class RouteRecord:
         """Number of times that the record was begun anew. A plan of an earlier generation is void.
         """
         self.cleared: Tuple[int, float] = (0, 0.0)
-        """An edge's number and a fraction of it: everything before is certainly behind the robot.
+        """Number of an edge, and a fraction of it: the path up to there is certainly behind the
+        robot.
         """
         self._slack = slack
         self._driven: Deque[Step] = deque(maxlen=_REMEMBERED)
@@ -162,7 +163,7 @@ class RouteRecord:
         self.cleared = (self.done, self.begun(edge, self.position))
 
     def stand(self, position: Optional[GraphPosition]) -> None:
-        """Notes that the robot stands there, and on nothing else."""
+        """Notes that the robot stands at this position, and on nothing else."""
         self.position = position
         self.cleared = (self.done, 0.0)
 

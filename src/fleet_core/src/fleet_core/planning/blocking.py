@@ -5,8 +5,9 @@ drive only while no other robot holds a conflicting place, and early enough to b
 the next robot. For each drive of one robot type, this module gives the slots that the drive blocks
 for another type:
 
-(slot, clear, lead): no robot may begin the drive `slot`, or (lead 0) wait there, from `lead`
-                     seconds before the blocking drive begins until its fraction `clear` is driven
+(slot, clear, lead): no robot may begin the drive `slot` from `lead` seconds before the blocking
+                     drive begins until the fraction `clear` of the blocking drive is driven. If
+                     `slot` is for waiting, no robot may wait there, and `lead` is 0.
 
 `lead` is the time that the other robot needs to get out of the way of the blocking drive.
 """

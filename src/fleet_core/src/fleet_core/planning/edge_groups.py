@@ -112,8 +112,9 @@ def _rest(fleet: Sequence[RobotProgress]) -> _Drives:
 
 def _marks(network: RoadNetwork, clearance: float, drives: _Drives, kind: RobotType,
            other_kind: RobotType, of_kind: np.ndarray, of_other: np.ndarray) -> _Marks:
-    """Returns the marks of robots of one type with the robots of another type whose names come
-    later.
+    """Returns the marks between robots of type `kind` and later robots of type `other_kind`.
+
+    Robots are ordered by their names.
     """
     conflicts = network.exclusions.at(kind.reach + other_kind.reach + clearance)
     one = np.flatnonzero(of_kind)

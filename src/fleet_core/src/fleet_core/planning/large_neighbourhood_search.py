@@ -122,7 +122,7 @@ class LargeNeighbourhoodSearch:
         return self._random.sample(self._movable, self._size())
 
     def _around_delayed(self) -> List[str]:
-        """Returns a delayed robot, and those that it meets on its shortest path."""
+        """Returns a delayed robot, and the robots that it meets on its shortest path."""
         delays = [max(self.delay(name), 0.0) for name in self._movable]
         if sum(delays) <= 0.0:
             return self._any()

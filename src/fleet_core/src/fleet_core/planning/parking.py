@@ -80,7 +80,7 @@ class WellFormedSets:
         if core is None:
             return False
         # To the core and back, each robot may use only places that no other parked robot blocks.
-        # The nodes are these vertices, and for each robot one node for the core, numbered last.
+        # The nodes are all vertices, and after them for each robot one node that is the core.
         own = count[self._edge] == 1
         begin, end, whose = self._begin[own], self._end[own], owner[self._edge[own]]
         fits = np.ones(len(begin), dtype=bool)

@@ -186,7 +186,7 @@ class PlanningPipeline:
         return [t for t in failed if t.name not in self._paths]
 
     def _serve_one(self, agent: Agent, deadline: float) -> bool:
-        """Finds a path past all plans; if there is none, changes plans to make room for it.
+        """Finds a path past all plans; if there is none, lets other robots make room.
 
         Returns whether the robot has a path now.
         """

@@ -25,7 +25,7 @@ _ROUNDING = 1e-9  # s
 
 
 class Constraint(NamedTuple):
-    """`then` may begin drive `drive` only after `first` has driven `fraction` of `before`."""
+    """`then` may begin its drive `drive` only after `first` has driven `fraction` of `before`."""
 
     first: str
     before: int
@@ -35,7 +35,7 @@ class Constraint(NamedTuple):
 
 
 class Conflicting(Exception):
-    """Two robots would hold places that exclude each other at once: a defect of the planner."""
+    """Two robots would be too near to each other in a plan, which is a defect of the planner."""
 
 
 class _Drives(NamedTuple):
@@ -130,7 +130,7 @@ def _meetings(reservations: ReservationTable, drives: _Drives, moving: RobotType
     fraction = np.where(forward, conflicts.forward[at], conflicts.backward[at])
     counts = wanted[conflicts.other[at]] & (fraction > drives.begun[before])
     before, fraction = before[counts], fraction[counts]
-    # All uses of each edge in groups, one for each robot; each group is in order.
+    # The uses of each edge, in one group for each robot; each group is in order.
     edge, robot = conflicts.other[at][counts] - vertices, drives.robot[before]
     robots = int(drives.robot.max()) + 1
     by_robot = edge * robots + robot

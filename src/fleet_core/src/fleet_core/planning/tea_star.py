@@ -1,4 +1,4 @@
-"""TEA*: robots are planned one after the other; each plan is an obstacle in time for the next.
+"""TEA*: robots are planned one after the other. A plan is an obstacle in time for later robots.
 
 The path planner of the dissertation uses the same loop. First the fixed drives of all robots are
 booked. Then each robot looks for its path through time, past all paths found before. A robot that

@@ -28,8 +28,8 @@ class Assumption(NamedTuple):
     """The assumption of a plan about one robot.
 
     generation -- generation of its route record
-    base       -- number in the record of the first edge of the plan
-    end        -- number in the record that follows the number of the last granted edge
+    base       -- number, in the record, of the plan's first edge
+    end        -- number, in the record, that follows the last granted edge
     kind       -- its type, which depends on its load
     places     -- for an obstacle: the vertices, edges and areas where it may be
     errand     -- key of its errand
@@ -49,7 +49,7 @@ class Assumption(NamedTuple):
 class World(NamedTuple):
     """The present state of all that a plan depends on.
 
-    versions -- a number for each robot, which grows when anything of it or its errand changes
+    versions -- a number for each robot, which grows when the robot or its errand changes
     """
 
     robots: Mapping[str, ManagedRobot]

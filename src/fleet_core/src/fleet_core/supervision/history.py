@@ -108,8 +108,8 @@ def _opened(path: str) -> Tuple[sqlite3.Connection, Callable[[], bool]]:
 
     The second value is a function. It returns whether all data that were read belong to one moment.
     SQLite ensures this with files beside the journal. In a folder that this process may not write,
-    SQLite cannot make these files. If no supervisor has made them either, the journal is read
-    without this protection.
+    SQLite cannot make these files. If no supervisor has made them either, the function looks
+    whether the journal file has changed.
     """
     address = f'file:{quote(os.path.abspath(path))}?mode=ro'
     if os.path.exists(f'{path}-wal') or os.access(os.path.dirname(os.path.abspath(path)), os.W_OK):

@@ -97,9 +97,7 @@ def not_done(before: Status, command: CommandKind, trouble: str) -> Status:
 
 
 def not_stored(before: Status, command: CommandKind, trouble: str) -> Status:
-    """Returns the status after a command that was carried out,
-    but could not be stored on the disk.
-    """
+    """Returns the status after a command that was carried out but could not be stored."""
     return replace(before, command=command, command_code=CommandCode.NOT_STORED,
                    reason=f'{command.name} is carried out, but will be lost if the fleet '
                           f'manager ends before it can be stored: {trouble}')

@@ -119,10 +119,11 @@ class Request:
         """The key that is the same for all copies of one request.
 
         The key of a request with a stamp has only the id, the stamp, the robot and the type, so
-        MODIFY does not change it. Without a stamp, the key has the priority and the destinations,
-        too: for a template its name and arguments, because the template may have changed, and for a
-        group its name, not the chosen place. Fields that later versions add to the message are not
-        part of the key. Otherwise an update would repeat missions.
+        MODIFY does not change it. Without a stamp, the key also has the priority, and the
+        destinations or stops. In place of the stops of a template, it has the template's name and
+        arguments, because the template may have changed. It has the name of a group, not the chosen
+        place. Fields that later versions add to the message are not part of the key. Otherwise an
+        update would repeat missions.
         """
         places: Tuple[object, ...] = (self.template, self.arguments) if self.template else (
             _as_asked(self.stops), _as_asked(self.on_cancel), self.dwells) if self.stops else (

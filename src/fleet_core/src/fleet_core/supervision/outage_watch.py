@@ -1,4 +1,4 @@
-"""The effects of the begin and the end of an outage on the robot's mission and on the log."""
+"""What follows when an outage begins or ends: a change of the robot's mission, and a log text."""
 from __future__ import annotations
 
 from typing import Dict, Mapping, Optional

@@ -92,12 +92,12 @@ class PlanExecutor:
         self._took: Deque[float] = deque([HOLD], _TIMED)
         """s that the last answers took, at most HOLD."""
         self._is_anew = False
-        # number of failed questions in a row; it is the seed of the next question
+        # number of questions in a row that failed or left robots unserved; the next one's seed
         self._failures = 0
         self._delays: Dict[str, _Delay] = {}
         # number of plans in a row with which a robot was held up
         self._useless = 0
-        # serial of the mission for which each robot's route was given
+        # by robot, the serial of the mission for which its route was given
         self._missions: Dict[str, int] = {}
 
     @property

@@ -11,7 +11,7 @@ from fleet_core.supervision.robot_plan import RobotPlan
 
 
 class _Turn(NamedTuple):
-    """`first` must have driven `fraction` of its drive number `before`."""
+    """What a drive waits for: `first` must have driven `fraction` of its drive number `before`."""
 
     first: str
     before: int
@@ -24,7 +24,7 @@ class PlanInForce:
     Only the order counts, not the times. A robot's drive is due when each robot that comes before
     it in the order has driven far enough.
 
-    bases   -- by robot, the number in its record of the first drive of its plan
+    bases   -- by robot, the number of its plan's first drive in its record
     made_at -- the supervisor's time that is 0 in the plan's times
     assumptions -- the conditions under which the plan is useful
     """
@@ -76,7 +76,7 @@ class PlanInForce:
         """Returns the robots that must move because a robot of `working`, or another robot that
         must move, waits for them.
 
-        records -- of all robots: drives that are released need no request
+        records -- the route records of all robots; a drive that is released needs no request
         """
         moving = set(working)
         asked: Set[str] = set()

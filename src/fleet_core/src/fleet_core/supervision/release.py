@@ -76,7 +76,7 @@ def foreseen_edges(goals: Mapping[str, GrantGoal], plan: PlanInForce,
     They are due according to the present plan already. So the other robots have left all places
     that they had to leave before. And a plan that begins with these edges exists: the present plan.
 
-    goals -- of the robots that follow the plan; `ahead` includes the m until the answer comes
+    goals -- of the robots that follow the plan; `ahead` includes the m driven until the answer
     """
     due = {name: due_edges(name, plan, records, goal).edges for name, goal in goals.items()
            if _ends_certainly(records[name])}

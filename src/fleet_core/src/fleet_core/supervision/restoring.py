@@ -128,7 +128,7 @@ def _position_on(memory: Memory, graph: Graph,
                  before: Graph) -> Tuple[Optional[GraphPosition], List[Area]]:
     """Returns the stored position; None: the graph does not have it any more.
 
-    If it has not, and the robot may not drive, also returns the area of the old position.
+    The second value is the area of a position that is lost in this way, if the robot stood there.
     """
     position = memory.position
     if position is None or _is_there(position, graph, before):
@@ -156,7 +156,7 @@ def _is_there(position: GraphPosition, graph: Graph, before: Graph) -> bool:
 
 
 def _line(graph: Graph, edge: int, begin: float) -> Tuple[Point, ...]:
-    """Returns the curve of a signed edge from a fraction of it on."""
+    """Returns points on the curve of a signed edge, from the fraction `begin` on."""
     curve = graph.curve(edge)
     first, rest = begin * curve.length, (1.0 - begin) * curve.length
     steps = max(int(rest / _STEP), 1)

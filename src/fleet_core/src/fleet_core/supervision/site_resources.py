@@ -37,7 +37,7 @@ def chargers_of(work: SiteWork, fleet: Fleet, graph: Graph) -> Dict[str, Charger
 def resources_of(work: SiteWork, chargers: Iterable[Charger] = ()) -> Tuple[Resource, ...]:
     """Returns the resources of a site: one for each device, station, zone and charger.
 
-    Only one robot at a time may use a device. The capacity says how many may use another resource.
+    Only one robot at a time may use a device. For other resources, their capacity is the limit.
     """
     return (*(Resource(one.name, _KINDS[one.kind], frozenset(one.edges), has_device=True)
               for one in work.devices.values()),

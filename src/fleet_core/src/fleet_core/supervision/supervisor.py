@@ -143,7 +143,7 @@ class Supervisor:
         self._journal = journal
         self._began = self._heard = now
         self._is_starting = True
-        # (robot, resource) if a robot is where it needs a device that does not report to be open
+        # (robot, resource): the robot is where it needs a device that does not report to be open
         self._lost: Set[Tuple[str, str]] = set()
         # after the loss of the journal: nothing is granted until all robots stand
         self._is_recovering = False
@@ -450,7 +450,7 @@ class Supervisor:
 
     def set_load(self, name: str, request_id: Optional[int], now: float,
                  ) -> Tuple[str, List[Action]]:
-        """Stores the load that a robot carries according to a person.
+        """Stores what a robot carries, as a person has said.
 
         request_id -- of the robot's mission, whose load it carries; None: it carries nothing
 
@@ -527,7 +527,7 @@ class Supervisor:
             self._out.send()
 
     def _doubt_journal(self, why: str, reporting: str = '') -> None:
-        """Counts the place of each robot as unknown until it has stopped once.
+        """Counts the place of each robot as unknown until the robot has stopped once.
 
         The run number stays wrong until all places are known. If the fleet manager restarts before
         that, the places are unknown again.

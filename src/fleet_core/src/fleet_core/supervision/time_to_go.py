@@ -65,7 +65,7 @@ def time_to_go(robot: ManagedRobot, errand: Errand, plan: Optional[PlanInForce],
 
 def _timed(robot: ManagedRobot, drives: Sequence[PlannedDrive], times: EdgeTimes,
            clock: float) -> Iterator[_TimedDrive]:
-    """Yields the drives with their times; the robot may have begun the first.
+    """Yields the drives with their times. The robot may have begun the first drive already.
 
     clock -- the present time (s) on the time scale of the plan
     """

@@ -1,4 +1,4 @@
-"""The runs of the timetables: each is a mission, whose id and stamp follow from its time.
+"""The runs of the timetables. A run is a mission; its id and stamp follow from the run's time.
 
 The time of the last run is stored together with its mission. So a restart neither repeats nor loses
 a run.

@@ -386,7 +386,7 @@ class WorkDesk:
         return problem
 
     def set_load(self, name: str, request_id: Optional[int]) -> str:
-        """Stores the load that a robot carries according to a person.
+        """Stores what a robot carries, as a person has said.
 
         request_id -- of the robot's mission, whose load it carries; None: it carries nothing
 

@@ -306,8 +306,8 @@ def _was_at_work(work: Work) -> bool:
 def _moved(work: Work, where: Where) -> Work:
     """Returns the work after a robot was moved away from its stop, if it was.
 
-    A person is asked first about the steps that run. Then the robot drives back, if steps are left
-    there.
+    A person is asked first about the steps that run. Then the robot drives back, if its stop has
+    steps left.
     """
     if where.is_there or work.current == len(work.progress) or (
             where.is_near and not is_at_work(work)):
@@ -540,7 +540,7 @@ def cancel(situation: Situation, reason: str = '') -> Situation:
 
 
 def fail(situation: Situation, reason: str) -> Situation:
-    """Returns the situation of a mission when neither its stops nor those for cleaning up can be
+    """Returns the situation of a mission when neither its stops nor those of `on_cancel` can be
     made any more.
     """
     return settle(situation._replace(work=replace(

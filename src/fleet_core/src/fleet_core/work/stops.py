@@ -27,7 +27,7 @@ class StopKind(IntEnum):
 
 
 class Condition(IntEnum):
-    """When a stop for cleaning up is made, as in itrci_nav_msgs/MissionStop."""
+    """When a stop of `on_cancel` is made, as in itrci_nav_msgs/MissionStop."""
 
     ALWAYS = 0
     LOADED = 1
@@ -188,8 +188,7 @@ def problem_of(step: WorkStep) -> str:
 
 
 def _rules_of_load(step: WorkStep) -> Tuple[Tuple[bool, str], ...]:
-    """Returns whether a step breaks each rule for steps that change the load, with a text for it.
-    """
+    """Returns, for each rule about a change of the load, whether the step breaks it, and a text."""
     return (
         (step.blocking is not StepBlocking.HARD, 'changes the load, so its blocking must be HARD'),
         (step.when is not When.AT, 'changes the load, so it must be carried out AT the stop'),
