@@ -15,7 +15,8 @@ Point = Tuple[float, float]
 
 @dataclass(frozen=True)
 class Area:
-    """All points within `radius` (m) of the line through the points `line`, or of the only one."""
+    """All points within `radius` (m) of the line through the points `line`, or of a single point.
+    """
 
     line: Tuple[Point, ...]
     radius: float = 0.0

@@ -239,7 +239,7 @@ class _Pairs:
             self.high = np.maximum.reduceat(high, first)
 
     def make_symmetric(self) -> None:
-        """Adds the reverse of a pair if rounding left it out. It then excludes the whole place."""
+        """Adds the reverse pairs that rounding left out. An added pair excludes the whole place."""
         key, mirrored = self._keys()
         missing = ~np.isin(mirrored, key)
         if missing.any():

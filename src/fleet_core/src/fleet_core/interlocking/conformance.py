@@ -56,8 +56,8 @@ class Invariant(Enum):
     READ = 'the interlocking does not know its present allocation'
     APART = 'it is too near to another robot, and is not stopped'
     CLAIMED = 'it may be where it needs something that it does not claim'
-    CLAIM_STORED = 'by the journal, it may be where it needs something that it does not claim'
-    GRANTED = 'it was granted edges that need something without a claim in the journal'
+    CLAIM_STORED = 'its allocation in the journal needs something that it does not claim'
+    GRANTED = 'it was granted edges that need something for which the journal has no claim'
     CAPACITY = 'it claims something that others claim already'
     ASKED = 'a device was asked for it without a claim in the journal'
 

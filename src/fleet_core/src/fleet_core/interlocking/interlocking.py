@@ -56,7 +56,7 @@ class Gate(Enum):
     BEFORE_ENTRY = 'a step before the entry has not ended'
     TOO_NEAR = 'it is too near to another robot'
     OCCUPIED = 'another robot may be there'
-    CLAIM = 'it has no claim to what it needs there, or that is not ready'
+    CLAIM = 'it has no claim to what it needs there, or the claim is not ready'
 
 
 class Refusal(NamedTuple):
@@ -218,7 +218,7 @@ class Interlocking:
                               self._asked(robot, edges)))
 
     def would_grant(self, wanted: Mapping[str, Sequence[int]]) -> Dict[str, Tuple[int, ...]]:
-        """Returns those of these edges, from the first on, that all robots may have together now.
+        """Returns, for each robot, its first edges: as many as all robots may have together now.
 
         Nothing is granted. A robot's last order need not be settled yet, because its next report
         will settle it.

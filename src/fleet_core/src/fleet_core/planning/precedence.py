@@ -103,7 +103,7 @@ def _in_order(plans: Plans, names: Sequence[str], released: Mapping[str, int]) -
     back = np.flatnonzero((np.diff(place) < 0) & (np.diff(robot) == 0))
     if len(back):
         raise Conflicting(f'{names[robot[back[0]]]} would begin its drive {number[back[0]] + 1} '
-                          'before the one that leads there')
+                          'before the drive that leads there')
     columns = robot, number, drive.astype(np.int64), start, end, begun, planned
     return _Drives(*(column[order] for column in columns))
 
@@ -183,7 +183,7 @@ def _check(reservations: ReservationTable, names: Sequence[str], drives: _Drives
            pairs: _Pairs) -> None:
     """Raises Conflicting if the order may have rings, or the times of the plans do not keep it."""
     if (pairs.first >= pairs.then).any():
-        raise Conflicting('a drive would wait for one that comes after it in the order of all')
+        raise Conflicting('a drive would wait for a drive that comes later in the order of all')
     start, begun = drives.start[pairs.first], drives.begun[pairs.first]
     share = (pairs.fraction - begun) / (1.0 - begun)
     until = start + share * (drives.end[pairs.first] - start)

@@ -25,7 +25,7 @@ class Outage(Enum):
 
     @property
     def needs_person(self) -> bool:
-        """Whether the robot comes back only by `fleet in`."""
+        """Whether the robot comes back only after the command `fleet in`."""
         return self in _NEED_PERSON
 
     def way_back(self, name: str) -> str:

@@ -161,7 +161,7 @@ class WorkDesk:
         phase = rules.phase_of(Situation(mission.serial, work, load))
         if phase is WorkPhase.NEEDS_PERSON:
             return Wait(WaitCode.PERSON, mission.reason)
-        # A step that cannot be ordered is no work: a person must help.
+        # If its step cannot be ordered, the robot does not work: it waits for a person.
         code = WaitCode.PERSON if name in self._hindered else WaitCode.STEP
         return Wait(code, mission.reason or 'the end of its work',
                     rules.time_left(work, self._clock()))

@@ -224,7 +224,7 @@ def _steps_in_turn(work: Work) -> Iterator[Tuple[StepPlace, WorkStep, StepProgre
 def passed(situation: Situation, reached: int) -> Situation:
     """Returns the situation after the robot has reached so many stops without work.
 
-    A stop may be AT_WORK because it was the last stop until others were added. The robot leaves it.
+    A stop may be AT_WORK, because it was the last one until others were added. Then it is left.
     """
     work = situation.work
     while work.current < min(reached, len(work.progress)):
@@ -519,8 +519,8 @@ def _no_answer(work: Work, own: StepProgress, said: StepDecision) -> str:
     if said is StepDecision.RETRY and work.is_ending:
         return 'is not repeated, because its mission ends'
     if own.seen is Seen.NOTHING:
-        return ('is still on its way to its robot or device: start the driver of that, and answer '
-                'when it shows the step')
+        return ('is still on its way to its robot or device: start the driver of the robot or '
+                'device, and answer when it shows the step')
     if said is StepDecision.RETRY and not has_ended(own):
         return 'still runs: wait until it ends'
     return ''
