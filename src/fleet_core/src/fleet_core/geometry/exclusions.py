@@ -208,8 +208,9 @@ class Exclusions:
 
 
 class _Pairs:
-    """A growing set of ordered pairs of places: each with the part of `place`, from the fraction
-    `low` to the fraction `high`, that excludes `other`.
+    """A growing set of ordered pairs of places.
+
+    The part of `place` from the fraction `low` to the fraction `high` excludes `other`.
     """
 
     def __init__(self, places: int) -> None:

@@ -83,7 +83,7 @@ class Needs:
     def __init__(self, resources: Iterable[Resource], geometry: SiteGeometry) -> None:
         self.resources: Mapping[str, Resource] = {one.name: one for one in resources}
         self.has_devices = any(one.has_device for one in self.resources.values())
-        """Whether any resource is ready only if a device reports it."""
+        """Whether any resource is ready only if a device reports so."""
         self._geometry = geometry
         self._at: Dict[int, FrozenSet[str]] = {}  # by place
         self._vertices: Set[int] = set()  # places of vertices that need anything

@@ -41,8 +41,8 @@ class Rests:
 class PathQuery:
     """What one robot has to do, with all data that a search for its path needs.
 
-    The searches read the attributes in their inner loops, so all values are computed before that.
-    A robot that keeps its plan needs no search: values for searches are computed at first use.
+    The searches read the attributes in their inner loops, so all values are computed before a
+    search begins. They are computed at first use, because a robot that keeps its plan needs none.
 
     vertex       -- where it starts; -1: between two vertices
     origins      -- {vertex: seconds}: the vertices from which its path may begin, and the time to

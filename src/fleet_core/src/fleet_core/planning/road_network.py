@@ -96,7 +96,7 @@ class RoadNetwork:
         return self.origin[drive ^ 1]
 
     def vertex_slot(self, vertex: int) -> int:
-        """Returns the slot of waiting at a vertex."""
+        """Returns the slot for waiting at a vertex."""
         return self.drives + vertex
 
     def length(self, drive: int) -> float:

@@ -30,7 +30,7 @@ class TimetableRun(NamedTuple):
     """A run that a timetable requests now, or runs that it has missed.
 
     request -- of the run that is due; None: no run is due
-    due     -- the run, and how many were missed
+    due     -- the run, and the number of runs that were missed
     """
 
     timetable: Timetable
