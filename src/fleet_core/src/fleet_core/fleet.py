@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import FrozenSet, Optional, Tuple
 
 DOCK_APPROACH = 2.0  # m in front of a dock in which a robot manoeuvres freely
-# m: a robot that is farther from a vertex never counts as standing on it, however large its play is
+# m: a robot farther from a vertex than this never counts as standing on it, with any play
 NEAR = 0.3
 # m from a vertex within which a robot without play counts as standing on it
 AT_VERTEX = 0.02
@@ -60,7 +60,7 @@ class RobotType:
 
     @property
     def fastest(self) -> float:
-        """The speed (m/s) that the robot never exceeds, also if it does not know of its load."""
+        """The speed (m/s) that the robot never exceeds, even if it does not know of its load."""
         return max(self.speed, self.own_speed)
 
     @property
@@ -100,7 +100,7 @@ class Fleet:
     """All robots that share a graph.
 
     clearance     -- m that stays free between any two robots
-    dock_approach -- m before a dock that no other robot enters while a robot docks or leaves
+    dock_approach -- m in front of a dock; no other robot enters them while a robot docks or leaves
     """
 
     types: Tuple[RobotType, ...]

@@ -122,9 +122,9 @@ CheckStep = Callable[[WorkStep, yaml.Node], None]
 
 def load_work(path: Union[str, os.PathLike], graph: Graph,
               fleet: Optional[Fleet] = None) -> SiteWork:
-    """Returns what a file says about the work at the site of a graph. Raises FileError.
+    """Reads the work file of the site that a graph describes. Raises FileError.
 
-    fleet -- the robots that carry the loads; None: the loads are not compared with them
+    fleet -- the robots that carry the loads; None: the loads are not checked against the robots
     """
     try:
         root = strict_yaml.compose(path)

@@ -15,7 +15,8 @@ Point = Tuple[float, float]
 
 @dataclass(frozen=True)
 class Area:
-    """All points within `radius` (m) of a line through these points, or of the single point."""
+    """All points within `radius` (m) of the line through the points `line`, or of a single point.
+    """
 
     line: Tuple[Point, ...]
     radius: float = 0.0

@@ -32,7 +32,7 @@ class Approach(NamedTuple):
     """The places that only one robot may use while it docks or leaves a dock."""
 
     edges: Dict[int, Tuple[float, float]]  # by place: the part of it in the approach, as fractions
-    vertices: FrozenSet[int]               # without the dock, where a docked robot blocks nothing
+    vertices: FrozenSet[int]               # not the dock: a docked robot blocks no approach
 
 
 class Conflicts(NamedTuple):
@@ -188,7 +188,8 @@ class Exclusions:
         return pairs.conflicts()
 
     def _at_ends(self, pairs: _Pairs) -> Tuple[np.ndarray, ...]:
-        """Returns pairs: a place that excludes a vertex also excludes the edges there, at that end.
+        """Returns pairs for the edges at each vertex: a place that excludes the vertex excludes
+        these edges, too, at that end.
 
         Geometry gives the same result except for rounding, but the searches need it exactly.
         """
@@ -207,8 +208,9 @@ class Exclusions:
 
 
 class _Pairs:
-    """A growing set of ordered pairs of places: each with the part of `place`, from the fraction
-    `low` to the fraction `high`, that excludes `other`.
+    """A growing set of ordered pairs of places.
+
+    The part of `place` from the fraction `low` to the fraction `high` excludes `other`.
     """
 
     def __init__(self, places: int) -> None:
@@ -238,7 +240,7 @@ class _Pairs:
             self.high = np.maximum.reduceat(high, first)
 
     def make_symmetric(self) -> None:
-        """Adds each reverse of a pair that rounding left out; it excludes the whole place."""
+        """Adds the reverse pairs that rounding left out. An added pair excludes the whole place."""
         key, mirrored = self._keys()
         missing = ~np.isin(mirrored, key)
         if missing.any():

@@ -32,7 +32,7 @@ class SiteGeometry:
     """The numbered places of a graph: first the vertices, then the edges, in the graph's order.
 
     graph         -- the trajectory graph
-    dock_approach -- m before a dock that belong to the robot that docks or leaves
+    dock_approach -- m in front of a dock that belong to a robot while it docks or leaves
     alone         -- groups of places that exclude each other wherever they are
     """
 

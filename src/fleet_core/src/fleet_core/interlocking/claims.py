@@ -1,9 +1,9 @@
 """Claims: which robot may be where a resource is needed.
 
 A robot claims a resource before it is granted a place that needs it. The claim is on the disk
-before the device is asked, and before the place is granted. It ends only when the robot's place
-does not need it any more, never after a time. So no door closes on a robot that stands in it, not
-even after a restart.
+before the device is asked, and before the place is granted. The claim has no time limit: it ends
+only when no place of the robot needs the resource any more. So no door closes on a robot that
+stands in it, not even after a restart.
 
 A robot claims what its allocation needs, what it wants, and what the journal says that it claims.
 The state of a claim is not stored. It follows from three facts:
@@ -18,8 +18,8 @@ The state of a claim is not stored. It follows from three facts:
 
     needed -- a place in the robot's allocation needs the resource
     wanted -- the edges that the robot asked for last need the resource
-    ready  -- the claim is on the disk, and the device, if there is one, has freshly reported that
-              it is open, by a request that was made with this claim
+    ready  -- the claim is on the disk; and the device, if there is one, has freshly reported that
+              it is open, because of a request that was made with this claim
 
 Events, and the state after them:
 
@@ -41,7 +41,7 @@ Events, and the state after them:
 Invariants (`test_claim_proof.py` proves them for any number of robots, places and resources):
 
 (a) an allocated or stored place has all claims that it needs
-(b) claims exceed the capacity only by evidence: a robot that is in a place has its claim anyway
+(b) claims exceed the capacity only because of evidence: a robot at a place has its claims anyway
 (c) a claim is stored before the device is asked, and ends only when no place needs it any more
 (d) an edge into a resource is granted only with a claim that is READY or IN_USE, and the order for
     it is sent only with such a claim
@@ -116,10 +116,12 @@ class Claims:
                  clock: Callable[[], int] = lambda: 0) -> None:
         self.needs = needs
         self.open_for: Mapping[str, int] = {}
-        """By resource, the number of the request by which its device freshly reports to be open."""
+        """By resource whose device freshly reports to be open, the number of the request that the
+        device obeys.
+        """
         self._clock = clock
         self._number = number
-        # The three reasons for claims, by robot. Resources that the site lost are left out.
+        # The three reasons for claims, by robot, without resources that the site has no more.
         self._stored = {name: own & needs.resources.keys() for name, own in (stored or {}).items()}
         self._wanted: Dict[str, FrozenSet[str]] = {}
         # Until its allocation is known, a robot may need all that it claims in the journal.
@@ -142,7 +144,7 @@ class Claims:
         return self._kept(name) | self.stored_of(name)
 
     def stored_of(self, name: str) -> FrozenSet[str]:
-        """Returns the names of the resources that a robot claims by the journal."""
+        """Returns the names of the resources that a robot claims according to the journal."""
         return self._stored.get(name, NOTHING)
 
     @property
@@ -184,7 +186,7 @@ class Claims:
 
         Empty: none does.
 
-        A robot that is already where a resource is needed may leave without its device.
+        A robot that is already where a resource is needed may leave, even if its device is shut.
 
         is_inside -- the robot stands on the edge, between its ends
         here      -- resources that the robot's present edge needs: it does not enter them anew

@@ -2,8 +2,8 @@
 
 The model proves for any number of robots that allocations stay apart, contain what robots may
 drive, and are in the journal (`test/interlocking/test_allocation_proof.py`). The proof holds for
-this program only if the program does what the model does. So this module maps the real state to the
-model's relations after each event, and checks the step between them:
+this program only if the program does what the model does. So after each event, this module maps the
+real state to the relations of the model, and checks the step from the state before:
 
     | relation of the model       | real state                                                     |
     |-----------------------------|----------------------------------------------------------------|
@@ -11,7 +11,7 @@ model's relations after each event, and checks the step between them:
     | journal(robot, place)       | edges in the allocation that was stored last                   |
     | sent(robot, place)          | edges of the open orders that may have left this program       |
 
-The model of claims (`test/interlocking/test_claim_proof.py`) has these as well:
+The model of claims (`test/interlocking/test_claim_proof.py`) has these relations as well:
 
     | claim(robot, resource)        | the robot's claims                                           |
     | stored_claim(robot, resource) | its claims in the journal                                    |
@@ -56,8 +56,8 @@ class Invariant(Enum):
     READ = 'the interlocking does not know its present allocation'
     APART = 'it is too near to another robot, and is not stopped'
     CLAIMED = 'it may be where it needs something that it does not claim'
-    CLAIM_STORED = 'by the journal, it may be where it needs something that it does not claim'
-    GRANTED = 'it was granted edges that need something without a claim in the journal'
+    CLAIM_STORED = 'its allocation in the journal needs something that it does not claim'
+    GRANTED = 'it was granted edges that need something for which the journal has no claim'
     CAPACITY = 'it claims something that others claim already'
     ASKED = 'a device was asked for it without a claim in the journal'
 

@@ -33,9 +33,7 @@ class HeldPlaces:
         self._at: Dict[RobotType, Dict[int, List[Tuple[str, HeldPlace]]]] = {}
 
     def places(self, name: str) -> Sequence[HeldPlace]:
-        """Returns the places that a robot holds by its edges and its vertex,
-        but not by its areas.
-        """
+        """Returns the places that follow from a robot's edges and vertex, not from its areas."""
         return self._held.get(name, ())
 
     def _places_of(self, allocation: Allocation) -> List[HeldPlace]:
@@ -67,8 +65,7 @@ class HeldPlaces:
                 at[place] = [pair for pair in at[place] if pair[0] != name]
 
     def excluding(self, robot: str, kind: RobotType, held: HeldPlace) -> Iterator[str]:
-        """Yields the names of other robots that hold a place
-        which excludes this place of `robot`.
+        """Yields the names of other robots that hold a place which excludes this place of `robot`.
         """
         exclusions = self._geometry.exclusions
         for other_kind, at in self._at.items():

@@ -56,7 +56,7 @@ class Gate(Enum):
     BEFORE_ENTRY = 'a step before the entry has not ended'
     TOO_NEAR = 'it is too near to another robot'
     OCCUPIED = 'another robot may be there'
-    CLAIM = 'it has no claim to what it needs there, or that is not ready'
+    CLAIM = 'it has no claim to what it needs there, or the claim is not ready'
 
 
 class Refusal(NamedTuple):
@@ -164,7 +164,7 @@ class Interlocking:
         self._news = news or (lambda: robots)
         self._known: Dict[str, Allocation] = {}
         self._holds = HeldPlaces(geometry, clearance)
-        self._stored = HeldPlaces(geometry, clearance)  # by the allocations in the journal
+        self._stored = HeldPlaces(geometry, clearance)  # according to the journal
         self._to_store: Set[str] = set()
         self._with_areas: Set[str] = set()
         self._unknown: Set[str] = set()
@@ -218,7 +218,7 @@ class Interlocking:
                               self._asked(robot, edges)))
 
     def would_grant(self, wanted: Mapping[str, Sequence[int]]) -> Dict[str, Tuple[int, ...]]:
-        """Returns for each robot the longest beginning of its edges that all may have together now.
+        """Returns, for each robot, its first edges: as many as all robots may have together now.
 
         Nothing is granted. A robot's last order need not be settled yet, because its next report
         will settle it.
@@ -300,7 +300,7 @@ class Interlocking:
     # -- orders that are sent ---------------------------------------------------------------------
 
     def keep_out(self) -> List[str]:
-        """Ends routes before devices that do not report now that they are open.
+        """Ends routes in front of devices that do not report now that they are open.
 
         Returns the names of the robots whose orders have changed. A robot that is where the device
         is needed may leave, and keeps its route.
@@ -338,8 +338,8 @@ class Interlocking:
         return None
 
     def orders(self, now: float) -> List[Tuple[str, Sending]]:
-        """Returns all orders that are due now. Orders that stop a robot or shorten its route pass
-        no gate.
+        """Returns all orders that are due now. No gate holds back an order that stops a robot or
+        shortens its route.
 
         All other orders are checked against the present reports of devices: since the grant, the
         commit may have taken long, or this program may have restarted.
@@ -404,10 +404,10 @@ class Interlocking:
         return next(self._in_area(robot.name, robot.type, area), None) is None
 
     def without_room(self, robot: InterlockedRobot, kind: RobotType) -> str:
-        """Returns the name of a robot because of which this one cannot become another type.
+        """Returns the name of a robot that is too near for this robot to become another type.
 
-        Empty: there is none. Robots that are too near only in the journal must then be stored, as
-        after a grant.
+        Empty: there is none. In that case, robots whose stored allocations are too near must be
+        stored, as after a grant.
         """
         self._refresh()
         own = self._known[robot.name]
@@ -421,7 +421,7 @@ class Interlocking:
         return ''
 
     def _near_to(self, name: str, own: Allocation, kind: RobotType) -> Iterator[str]:
-        """Yields the robots whose allocations would exclude this one if its robot were a `kind`."""
+        """Yields the robots whose allocations would exclude `own` if its robot were a `kind`."""
         for held in self._holds.places(name):
             yield from self._holders(name, kind, held)
         for area in own.areas:
@@ -520,7 +520,7 @@ class Interlocking:
 
 
 def _meets(part: Optional[Tuple[float, float]], held: HeldPlace) -> bool:
-    """Returns whether the blocked part of a place lies on the part of it that is still held.
+    """Returns whether the blocked part of a place overlaps the part that is still held.
 
     part -- the blocked part, from one fraction to another; None: nothing is blocked
     """
@@ -582,8 +582,8 @@ def _last_order_is_settled(_: Interlocking, asked: Asked) -> Optional[Refusal]:
 
 
 def _edge_follows(_: Interlocking, asked: Asked) -> Optional[Refusal]:
-    """Refuses an edge that does not join the edge before it, the end of all grants,
-    or the robot's position.
+    """Refuses an edge that does not continue the edge before it, the robot's route, or the place
+    where the robot stands.
     """
     record = asked.robot.master.record
     graph, start = record.graph, asked.robot.master.record.position
@@ -644,7 +644,7 @@ GATES: Tuple[Condition, ...] = (
 
 LASTING_GATES: Tuple[Condition, ...] = tuple(
     gate for gate in GATES if gate is not _last_order_is_settled)
-"""The gates that do not open with the robot's next report."""
+"""The gates that the robot's next report does not open."""
 
 WITHOUT_CLAIMS: Tuple[Condition, ...] = (
     _edge_follows, _edge_is_open, _edge_is_open_to_load, _stop_may_be_entered, _place_is_free)

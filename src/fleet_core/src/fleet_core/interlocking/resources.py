@@ -76,18 +76,18 @@ class Needs:
     An edge also needs what the vertices at its ends need, because a robot on it may stand there.
     But the rest of an edge does not need what the vertex behind the robot needs, if no part of the
     robot covers that vertex. So a robot that a person put down on the edge may drive on while
-    another one claims what is behind it. A robot that claims what the vertex behind it needs keeps
-    this claim until it has left the edge.
+    another robot claims what the vertex behind it needs. A robot that claims this already keeps
+    the claim until it has left the edge.
     """
 
     def __init__(self, resources: Iterable[Resource], geometry: SiteGeometry) -> None:
         self.resources: Mapping[str, Resource] = {one.name: one for one in resources}
         self.has_devices = any(one.has_device for one in self.resources.values())
-        """Whether any resource is ready only if a device reports it."""
+        """Whether any resource is ready only if a device reports so."""
         self._geometry = geometry
         self._at: Dict[int, FrozenSet[str]] = {}  # by place
         self._vertices: Set[int] = set()  # places of vertices that need anything
-        self._of_edge: Dict[int, FrozenSet[str]] = {}  # computed once: each grant asks for it
+        self._of_edge: Dict[int, FrozenSet[str]] = {}  # computed once, because each grant needs it
         self._covered: Dict[Tuple[int, float], float] = {}
         for one in self.resources.values():
             vertices = [geometry.index[vertex] for vertex in one.vertices & geometry.index.keys()]

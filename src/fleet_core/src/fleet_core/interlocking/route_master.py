@@ -1,7 +1,7 @@
 """The fleet manager's end of the route protocol for one robot, and where the robot may be.
 
-`route_protocol.master` says what the robot may still do by its orders. The reports also say where
-it is. The allocation is computed from these two alone:
+`route_protocol.master` keeps what the robot may still do according to its orders. The reports also
+say where the robot is. The allocation is computed from these two alone:
 
     | the robot may be                    | because                                                |
     |-------------------------------------|--------------------------------------------------------|
@@ -57,9 +57,10 @@ ME = 'path_supervisor'
 MANUAL_REACH = 10.0
 # m that a standing robot may be beside the place where its route begins or ends
 BESIDE = NEAR + TREMBLE
-_STEP = 0.5   # m: the step in which the area around such a robot grows
-_SOON = 0.2   # s within which that area grows again; ticks come more often
-_SQUARE = 1.0  # m: its location is stored whenever it has come into another square of this size
+# While another giver moves a robot:
+_STEP = 0.5   # m: the area around the robot grows in steps of this size
+_SOON = 0.2   # s within which the area grows again; ticks come more often
+_SQUARE = 1.0  # m: the robot's location is stored when it comes into another square of this size
 
 Clock = Callable[[], int]
 """Returns ms since 1970."""
@@ -76,7 +77,8 @@ class Located(NamedTuple):
     """A location of the robot.
 
     age      -- s for which the robot may have moved on before the report arrived
-    is_stray -- it was on no place that the robot had then; it counts until two later ones arrive
+    is_stray -- it was on no place that the robot had then. A stray location counts until two later
+                locations arrive
     """
 
     point: Point
@@ -105,7 +107,7 @@ class Memory(NamedTuple):
     """The state of a route master that must survive a restart.
 
     position   -- where the robot stands
-    locations  -- those of the last two that matter after a restart, beginning with the newest
+    locations  -- of the last two locations, those that matter after a restart; the newest is first
     """
 
     protocol: MasterState = MasterState()
@@ -131,9 +133,9 @@ class Heard:
     cause   -- why a new epoch of the robot began; None: none did, or no epoch was known before
     had_route -- the robot had a route before, or an order for one was on its way
     is_off_graph -- this report and the one before say that the robot is off the graph
-    left    -- the robot stands, but not where it may be by its orders
+    left    -- the robot stands, but not where it may be according to its orders
     expected -- if it has left: a clause that says where it was expected, and where it is
-    is_near -- it is still on the edge on which it stood, or on one at its vertex
+    is_near -- the robot is still on the edge on which it stood, or on an edge at its vertex
     is_located -- the report has a new location
     """
 
@@ -180,7 +182,7 @@ class RouteMaster:
         self._beside: Optional[Point] = None
         """The location of the robot when `begin_at` chose where its next route begins."""
         self._cut_refused = 0  # `end` of a shorter route that the robot refused
-        # Answers that were computed from all this since the last change.
+        # Computed from the attributes above; None: not computed since the last change.
         self._allocation: Optional[Allocation] = None
         self._elsewhere: Optional[Tuple[Located, ...]] = None
         self._progress: Optional[Tuple[object, ...]] = None
@@ -189,7 +191,7 @@ class RouteMaster:
 
     @property
     def protocol(self) -> MasterState:
-        """What the robot may still do by its orders."""
+        """What the robot may still do according to its orders."""
         return self.record.protocol
 
     @property
@@ -311,8 +313,8 @@ class RouteMaster:
         """Returns whether a point is on a place that the robot has, within the accuracy with which
         it stands or follows its edges.
 
-        A robot that begins a route is as far from it as it was from the place where it stood. The
-        tolerance on edges allows for this, so a grant adds no place but its edges.
+        When a robot begins a route, it is as far from the route as it was from the place where it
+        stood. The tolerance on edges allows for this, so a grant adds no place but its edges.
 
         position -- where the robot stands; None: it drives, or its place is not known
         """
@@ -363,7 +365,7 @@ class RouteMaster:
 
     def shorten(self) -> bool:
         """Asks the robot to stop at the end of its edge. Returns whether it may still drive on
-        behind that edge.
+        beyond that edge.
 
         If the robot refuses because it cannot brake in time, the next call asks it to stop at the
         end of the following edge.
@@ -382,9 +384,9 @@ class RouteMaster:
     def end_after(self, edges: int) -> bool:
         """Lets the robot drive only so many of the edges ahead. Returns whether its orders change.
 
-        Routes that never left this program are withdrawn. If the robot may have more edges by its
-        other orders, it is sent a shorter route, or a stop if no edge is left. A robot that refused
-        such a shorter route before keeps its route, because it cannot brake in time.
+        Routes that never left this program are withdrawn. If other orders give the robot more
+        edges, it is sent a shorter route, or a stop if no edge is left. A robot that refused such a
+        shorter route before keeps its route, because it cannot brake in time.
         """
         before = self.protocol
         self._take_back_unsent()
@@ -490,7 +492,7 @@ class RouteMaster:
     def _note_pose(self, report: Report) -> None:
         self._told = self._told or (0.0, None)
         self.record.pose = report.pose
-        # A report without a location says nothing about the graph.
+        # A report without a location does not say whether the robot is on the graph.
         self._off_graph = 0 if self.record.pose.edge else self._off_graph + bool(report.stamp)
 
     @property
@@ -544,7 +546,7 @@ class RouteMaster:
             point, position.point(self.record.graph)) <= BESIDE
 
     def _expected(self, before: MasterState) -> str:
-        """Returns a clause that says where the robot may have been by its orders."""
+        """Returns a clause that says where the robot may have been according to its orders."""
         edges = dict.fromkeys(abs(step.edge) for step in before.may_be_on
                               if step.number >= self.record.cleared[0])
         return (f'it was expected on the edges {listed(drawn_ids(self.record.graph, edges))}'
@@ -555,8 +557,7 @@ class RouteMaster:
         return 'off the graph' if position is None else position.told(self.record.graph)
 
     def _is_near(self, report: Report) -> bool:
-        """Returns whether the robot is still on the edge on which it stood, or on one
-        that leads to its vertex.
+        """Returns whether the robot is on the edge on which it stood, or on an edge at its vertex.
         """
         position, graph = self.record.position, self.record.graph
         if position is None or not report.pose.edge:
@@ -609,8 +610,8 @@ class RouteMaster:
     def position_at(self, pose: Pose) -> Optional[GraphPosition]:
         """Returns where the robot can begin a route if it is at this pose.
 
-        It is on a dock only if it is within AT_VERTEX. A robot near a dock is not docked: it must
-        still drive into it.
+        The robot is on a dock only if it is within AT_VERTEX of the dock. A robot near a dock is
+        not docked: it must still drive into the dock.
         """
         graph = self.record.graph
         position = position_of(pose, graph, self.record.near)
@@ -622,7 +623,7 @@ class RouteMaster:
     def _stored_locations(self) -> Tuple[Located, ...]:
         """The locations that matter after a restart.
 
-        While another giver moves the robot, they change only when it comes into another square.
+        While another giver moves the robot, they change only when the robot enters another square.
         """
         if self.protocol.is_anywhere:
             return tuple(Located((math.floor(x / _SQUARE) * _SQUARE + _SQUARE / 2,
@@ -693,9 +694,7 @@ class RouteMaster:
         self._set(replace(self.protocol, unknown=self._next_number()))
 
     def settle(self, position: Optional[GraphPosition]) -> None:
-        """Notes that a person says that the robot stands at this position
-        and holds nothing else.
-        """
+        """Notes that, according to a person, the robot stands here and holds nothing else."""
         self._set(replace(self.protocol, behind=(), held=(), is_anywhere=False))
         self.record.stand(position)
         self.record.begin_anew()
@@ -715,7 +714,7 @@ class RouteMaster:
         self._absent_since = now
 
     def is_back(self, report: Report, now: float) -> bool:
-        """Ends the absence if this location was taken after it began. Returns whether it ended."""
+        """Ends the absence if this location is newer than its begin. Returns whether it ended."""
         if self._absent_since is None or not report.stamp or (
                 now - max(report.age, 0.0) <= self._absent_since + CLOCK_ERROR):
             return False

@@ -35,7 +35,7 @@ class RouteRecord:
         self.graph = graph
         self.kind = kind
         self.protocol = MasterState()
-        """What the robot may still do by its orders."""
+        """What the robot may still do according to its orders."""
         self.position: Optional[GraphPosition] = None
         """Where the robot stands, or the vertex that it passed last; None: not known."""
         self.pose = Pose()
@@ -44,7 +44,8 @@ class RouteRecord:
         """Number of times that the record was begun anew. A plan of an earlier generation is void.
         """
         self.cleared: Tuple[int, float] = (0, 0.0)
-        """An edge's number and a fraction of it: everything before is certainly behind the robot.
+        """Number of an edge, and a fraction of it: the path up to there is certainly behind the
+        robot.
         """
         self._slack = slack
         self._driven: Deque[Step] = deque(maxlen=_REMEMBERED)
@@ -88,9 +89,7 @@ class RouteRecord:
         return (*self.protocol.behind, *map(Step, count(self.done), self.ahead))
 
     def holds(self) -> Tuple[Hold, ...]:
-        """Returns all edges that other robots may not be granted, each
-        with its cleared fraction.
-        """
+        """Returns all edges on which the robot may be, each with its cleared fraction."""
         number, fraction = self.cleared
         return tuple(Hold(step.edge, fraction if step.number == number else 0.0)
                      for step in self.protocol.may_be_on if step.number >= number)
@@ -109,7 +108,7 @@ class RouteRecord:
 
     @property
     def some_vertex(self) -> Optional[int]:
-        """A vertex from which edges lead to the robot's place; None: not known."""
+        """A vertex from which the robot's place can be reached along edges; None: not known."""
         if self.last_vertex is not None or self.position is None:
             return self.last_vertex
         return self.graph.end_vertex(self.position.edge).id
@@ -147,7 +146,7 @@ class RouteRecord:
     # -- changes ----------------------------------------------------------------------------------
 
     def set_protocol(self, protocol: MasterState) -> None:
-        """Notes that what the robot may still do by its orders has changed.
+        """Notes a change of what the robot may still do according to its orders.
 
         A late copy of a stop from before the epoch sets the number of the edge under way back to
         its value at that stop. Then no edge with that number or a higher one lies behind the robot.
@@ -159,12 +158,12 @@ class RouteRecord:
     def begins_with(self, edge: int) -> None:
         """Notes that a standing robot is granted this edge first.
 
-        The part of the edge behind the robot is not taken.
+        The part of the edge that lies behind the robot is not allocated.
         """
         self.cleared = (self.done, self.begun(edge, self.position))
 
     def stand(self, position: Optional[GraphPosition]) -> None:
-        """Notes that the robot stands there, and on nothing else."""
+        """Notes that the robot stands at this position, and on nothing else."""
         self.position = position
         self.cleared = (self.done, 0.0)
 
@@ -202,7 +201,5 @@ class RouteRecord:
         self.protocol = left(self.protocol, self.cleared[0])
 
     def margin(self, age: float) -> float:
-        """Returns the distance (m) that the robot may be away from a location
-        that is `age` s old.
-        """
+        """Returns how far (m) the robot may be away from a location that is `age` s old."""
         return self._slack + (max(age, 0.0) + CLOCK_ERROR) * self.kind.fastest

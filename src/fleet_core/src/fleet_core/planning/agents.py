@@ -19,8 +19,8 @@ LATER = 1e-4
 class Rests:
     """The vertices at which an agent's path may end for ever.
 
-    Most of these vertices are common to all robots of a type. What follows from the common vertices
-    is computed once for all these robots.
+    Most of these vertices are common to all robots of a type. Values that depend only on the common
+    vertices are computed once for all these robots.
 
     common -- vertices that are rests of other agents, too
     own    -- further vertices
@@ -41,8 +41,8 @@ class Rests:
 class PathQuery:
     """What one robot has to do, with all data that a search for its path needs.
 
-    The searches read the attributes in their inner loops, so all values are computed before that.
-    A robot that keeps its plan needs no search: values for searches are computed at first use.
+    The searches read the attributes in their inner loops, so all values are computed before a
+    search begins. They are computed at first use, because a robot that keeps its plan needs none.
 
     vertex       -- where it starts; -1: between two vertices
     origins      -- {vertex: seconds}: the vertices from which its path may begin, and the time to
@@ -102,7 +102,7 @@ class PathQuery:
 
     @cached_property
     def to_go(self) -> List[Sequence[float]]:
-        """For each leg, the seconds from each vertex over its destination and all later ones.
+        """For each leg, the seconds from each vertex to its destination and then to all later ones.
 
         One more entry follows: the seconds to the nearest rest, or 0 without rests.
         """

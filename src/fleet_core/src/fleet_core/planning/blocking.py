@@ -2,11 +2,12 @@
 
 The reservation table does not book places. It books the *beginnings of drives*. A robot may begin a
 drive only while no other robot holds a conflicting place, and early enough to be out of the way of
-the next robot. For each drive of one robot type, this module gives the slots of another type that
-it blocks:
+the next robot. For each drive of one robot type, this module gives the slots that the drive blocks
+for another type:
 
-(slot, clear, lead): no robot may begin the drive `slot`, or (lead 0) wait there, from `lead`
-                     seconds before the blocking drive begins until its fraction `clear` is driven
+(slot, clear, lead): no robot may begin the drive `slot` from `lead` seconds before the blocking
+                     drive begins until the fraction `clear` of the blocking drive is driven. If
+                     `slot` is for waiting, no robot may wait there, and `lead` is 0.
 
 `lead` is the time that the other robot needs to get out of the way of the blocking drive.
 """
@@ -42,7 +43,7 @@ class Meeting(NamedTuple):
 
 
 class _Blocks(NamedTuple):
-    """The blocks of all places, row by row.
+    """What each place blocks: a row of (slot, lead, clear fraction) for each place.
 
     The columns are arrays of Python, not of numpy, because short rows are read number by number.
     """
@@ -70,7 +71,7 @@ class Blocking:
         return self._network.exclusions.at(self._distance)
 
     def drive(self, drive: int) -> Iterator[Block]:
-        """Returns the blocks of a drive."""
+        """Returns the slots that a drive blocks, with the clear fraction and lead of each."""
         rows, slots, leads, clears = self._blocks
         row = rows[self._network.vertices + (drive >> 1)]
         return zip(slots[row], clears[drive & 1][row], leads[row])
@@ -136,7 +137,7 @@ class Blocking:
         return blocked
 
     def prepare(self) -> None:
-        """Computes the blocks for `drive` and `wait`. Otherwise they are computed at first use."""
+        """Computes in advance what `drive`, `edges` and `wait` need at their first use."""
         _ = self._blocks, self._edge_blocks
 
     @cached_property
@@ -153,7 +154,7 @@ class Blocking:
     def _blocks(self) -> _Blocks:
         starts, other, forward, backward, mirrored = self.conflicts
         is_edge = other >= self._network.vertices
-        # Each pair with an edge makes two blocks, one for each direction; with a vertex, one.
+        # A pair with an edge makes two blocks, one for each direction. One with a vertex makes one.
         count = np.where(is_edge, 2, 1)
         first = np.concatenate(([0], np.cumsum(count)))
         pair = np.repeat(np.arange(len(other)), count)

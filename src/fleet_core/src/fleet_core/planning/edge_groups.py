@@ -40,10 +40,10 @@ class RobotProgress(NamedTuple):
 
 
 class EdgeGroup(NamedTuple):
-    """Drives of two robots that must all be driven in one order, or all in the other.
+    """Drives of two robots that must all be driven in one order, or all in the reverse order.
 
-    constraints -- let `first` go first
-    reverse     -- let `then` go first; empty: this is impossible
+    constraints -- the conditions with which `first` goes before `then`
+    reverse     -- the conditions with which `then` goes before `first`; empty: this is impossible
     """
 
     first: str
@@ -67,7 +67,7 @@ class _Drives(NamedTuple):
 
 
 class _Marks(NamedTuple):
-    """M pairs of drives that exclude each other: the drive that goes first, and the other."""
+    """M pairs of drives that exclude each other: `first` goes before `then`."""
 
     first: np.ndarray        # (M,) index into _Drives
     then: np.ndarray         # (M,)
@@ -112,8 +112,9 @@ def _rest(fleet: Sequence[RobotProgress]) -> _Drives:
 
 def _marks(network: RoadNetwork, clearance: float, drives: _Drives, kind: RobotType,
            other_kind: RobotType, of_kind: np.ndarray, of_other: np.ndarray) -> _Marks:
-    """Returns the marks of robots of one type with the robots of another type whose names come
-    later.
+    """Returns the marks between robots of type `kind` and later robots of type `other_kind`.
+
+    Robots are ordered by their names.
     """
     conflicts = network.exclusions.at(kind.reach + other_kind.reach + clearance)
     one = np.flatnonzero(of_kind)

@@ -1,4 +1,4 @@
-"""Explains in words which robots block which."""
+"""Explains in words which robots block which other robots."""
 from __future__ import annotations
 
 import time
@@ -33,7 +33,7 @@ _BESIDE_ONE = 1e6
 
 
 def out_of_reach(network: RoadNetwork, agent: Agent) -> str:
-    """Returns why an agent has no path even without traffic: which vertex is out of reach."""
+    """Returns why an agent has no path even without traffic. Names the vertex out of reach."""
     seconds_to, origin = agent.query.seconds_to, _where(network, agent)
     starts: Sequence[int] = ((agent.query.vertex,) if agent.mid_edge is None else
                              [end for _, end, _ in agent.mid_edge.exits(network, agent.kind)])
@@ -152,12 +152,12 @@ def why_not(reservations: ReservationTable, agent: Agent, deadline: float) -> st
 
 def _fewest_blocked(reservations: ReservationTable,
                     agent: Agent, deadline: float) -> Tuple[List[int], Dict[str, None]]:
-    """Returns the drives of a path over all destinations to a rest, and robots that stand before
-    it.
+    """Returns the drives of the path over all destinations to a rest, past the fewest standing
+    robots.
 
-    The path is the one past the fewest standing robots. It ends early if it cannot be continued.
-    If the agent stands between two vertices, the path begins at the next vertex. The second value
-    names the robots that stand between the agent and that vertex.
+    The path ends early if it cannot be continued. If the agent stands between two vertices, the
+    path begins at the next vertex. The second value names the robots that stand between the agent
+    and that vertex.
     """
     query = agent.query
     drives: List[int] = []

@@ -55,7 +55,8 @@ class LargeNeighbourhoodSearch:
         return self._now[name].cost - self._all[name].query.lower_bound
 
     def run(self, deadline: float, rounds: Optional[int] = None) -> None:
-        """Improves until the deadline (monotonic s), for `rounds`, or until no robot has a delay.
+        """Improves the plans until the deadline (monotonic s), for `rounds` rounds, or until no
+        robot has a delay.
         """
         cost = best = sum(path.cost for path in self._now.values())
         while len(self._movable) > 0 and (rounds is None or self.rounds < rounds):
@@ -121,7 +122,7 @@ class LargeNeighbourhoodSearch:
         return self._random.sample(self._movable, self._size())
 
     def _around_delayed(self) -> List[str]:
-        """Returns a delayed robot, and those that it meets on its shortest path."""
+        """Returns a delayed robot, and the robots that it meets on its shortest path."""
         delays = [max(self.delay(name), 0.0) for name in self._movable]
         if sum(delays) <= 0.0:
             return self._any()
@@ -171,8 +172,8 @@ class LargeNeighbourhoodSearch:
         return list(met)
 
     def _filled(self, names: Sequence[str]) -> List[str]:
-        """Returns the movable robots among `names`, cut or filled up with others to the size of a
-        neighbourhood.
+        """Returns as many robots as a neighbourhood has: movable ones of `names`, then other ones
+        at random.
         """
         size = self._size()
         chosen = [name for name in dict.fromkeys(names) if name in self._movable_set][:size]

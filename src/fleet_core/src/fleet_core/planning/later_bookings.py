@@ -1,4 +1,4 @@
-"""Bookings of robots that keep their plans. The bookings of a slot are made when it is first read.
+"""Bookings of robots that keep their plans, made for each slot when the slot is first read.
 
 The search for one robot reads few slots, but the kept plans of all other robots block most slots.
 So this index stores only which robots use which places. The bookings are the same, in the same
@@ -32,7 +32,7 @@ class Booked(NamedTuple):
     """The booked state of one robot.
 
     mid_edge -- where it stands between two vertices; None: it stands at `vertex`
-    points   -- (slot, lead) that it blocks by standing there, by observer
+    points   -- by observer, each (slot, lead) that it blocks while it stands at `mid_edge`
     until    -- time until which it stands at its end
     held     -- number of drives that it holds from now on
     """
@@ -69,7 +69,7 @@ begin and end."""
 class LaterBookings:
     """The bookings of some robots, by slot.
 
-    robots -- in the order in which they are booked
+    robots -- the booked states by name, in the order in which the robots are booked
     """
 
     def __init__(self, network: RoadNetwork,
@@ -108,7 +108,7 @@ class LaterBookings:
         self._left.pop(name, None)
 
     def slots(self, name: str, observer: RobotType) -> Set[int]:
-        """Returns all slots that a robot blocks for an observer, and perhaps some others."""
+        """Returns all slots that a robot blocks for an observer, and perhaps others besides."""
         booked = self._robots[self._left[name]]
         blocking, vertices = self._blocking[booked.kind, observer], self._network.vertices
         found = {slot for slot, _ in booked.points.get(observer, ())}

@@ -19,7 +19,7 @@ from fleet_core.planning.edge_groups import EdgeGroup
 from fleet_core.planning.precedence import Constraint
 
 GAIN = 5.0     # s that all robots together must gain by a change
-LATE = 5.0     # s after its planned time from which a drive that waits for a robot counts as late
+LATE = 5.0     # s: a drive that waits for a robot counts as late this long after its planned time
 TRIALS = 40    # maximum number of orders that are tried
 _IN_A_ROW = 6  # maximum number of groups that are reversed together
 _LATER = 1e-4  # weight of a second after the errand; a second before its end weighs 1
@@ -105,7 +105,7 @@ class _Order(NamedTuple):
 
 
 class _Arc(NamedTuple):
-    """`then` begins `lag` s after `node` at the earliest, for one order of `group`."""
+    """In one order of `group`, `then` begins at the earliest `lag` s after `node`."""
 
     node: int
     then: int
@@ -190,9 +190,7 @@ class _Orders:
         return None if open_nodes else times
 
     def _passed(self, chosen: FrozenSet[int]) -> Tuple[_Times, Set[int]]:
-        """Returns the times as far as they are known, and the nodes
-        that wait for each other for ever.
-        """
+        """Returns the times, as far as they are known, and the nodes that wait for ever."""
         self._left -= 1
         starts, waits = list(self._earliest), list(self._open)
         side = [False] * (len(self._groups) + 1)  # the last entry stands for no group

@@ -19,7 +19,8 @@ def outcome_of(reservations: ReservationTable, agents: Mapping[str, Agent],
     behind   -- each agent's plan after its fixed drives
     served   -- agents whose plans lead to all of their destinations
     unserved -- the other agents, each with the reason
-    rounds   -- of improvement; if there were any, each drive begins as early as the order allows
+    rounds   -- number of rounds of improvement; above 0: the drives get the earliest times that
+                the order allows
     """
     ids = reservations.network.signed_ids
     plans = schedule(reservations, agents, in_order(behind)) if rounds else behind

@@ -6,9 +6,9 @@ them (Cap et al., arXiv 1501.07704):
 - The rest of the graph is still connected.
 - Each of these robots can leave and come back.
 
-Then robots can always move, for all missions. Vertices that the graph forbids as
-parking, such as those that cut an edge into sections, may be cut off. If closed edges divide the
-graph into parts without a path between them, the conditions hold for each part.
+Then robots can always move, in all missions. A vertex that the graph forbids as parking, such as
+one between two sections of an edge, may be cut off. If closed edges divide the graph into parts
+without a path between them, the conditions hold for each part.
 
 The capacity of the graph is the size of the largest such set. The largest set is hard to find, so
 it is searched for from many beginnings, as long as a fixed amount of work allows. The result is
@@ -33,9 +33,9 @@ _TRIALS = 20
 # The search ends after this many trials in a row without gain. Two would have been enough for each
 # of 40 random graphs.
 _FRUITLESS = 4
-# Maximum of the number of checked places, added up over all checks of one search. The search on a
-# graph of 25 vertices needs a twentieth of it. More gained nothing on graphs of 64 and of 100
-# vertices.
+# The largest number of places that all checks of one search may examine together. The search on a
+# graph of 25 vertices needs a twentieth of this number. A larger number gained nothing on graphs of
+# 64 and of 100 vertices.
 _WORK = 3_000_000
 
 
@@ -80,7 +80,7 @@ class WellFormedSets:
         if core is None:
             return False
         # To the core and back, each robot may use only places that no other parked robot blocks.
-        # The nodes are these vertices, and for each robot one node for the core, numbered last.
+        # The nodes are all vertices, and after them for each robot one node that is the core.
         own = count[self._edge] == 1
         begin, end, whose = self._begin[own], self._end[own], owner[self._edge[own]]
         fits = np.ones(len(begin), dtype=bool)
@@ -105,8 +105,8 @@ class WellFormedSets:
         usable = count[self._edge] == 0
         left = self._parts(self._begin[usable], self._end[usable], self._vertices)
         sizes = np.bincount(left[free], minlength=self._vertices)
-        # Of each part of the graph the largest remaining piece, preferably one with wanted
-        # vertices.
+        # The core of each part of the graph is the largest piece that remains of it, preferably one
+        # with wanted vertices.
         vertices = np.flatnonzero(free)
         order = vertices[np.lexsort((sizes[left[vertices]], self._wanted[vertices]))]
         core = np.full(self._vertices, -1, dtype=np.int64)

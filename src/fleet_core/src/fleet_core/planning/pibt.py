@@ -1,4 +1,4 @@
-"""PIBT: one step of all robots at once, in which each robot chooses in the order of priorities.
+"""PIBT: one step of all robots at once. Robots choose their moves in the order of priorities.
 
 A robot in the way of a more urgent robot is asked to move. It then asks the robots in its own way
 (Okumura et al., AIJ 2022).
@@ -73,7 +73,7 @@ class PibtAgent:
     def has_path(self, deadline: float) -> bool:
         """Returns whether the robot could reach its targets in order without traffic.
 
-        False also if this is not known by the deadline (monotonic s).
+        Also returns False if this is not known by the deadline (monotonic s).
         """
         vertex = self.vertex(self.begin)
         for target in self.targets[self.leg(self.begin):]:

@@ -16,7 +16,7 @@ Times = Mapping[Tuple[str, int], float]
 class PlanRequest:
     """All data for one plan. The planner keeps no state of the fleet.
 
-    tasks       -- one for each robot that obeys; names are unique
+    tasks       -- one for each robot for which the planner can plan; names are unique
     obstacles   -- robots for which the planner cannot plan
     closed      -- ids of the edges that no robot may use
     edge_times  -- learned seconds, by type name and signed edge id; they replace length / speed

@@ -45,7 +45,7 @@ _MOST_STEPS = 3000
 class PlanningPipeline:
     """One run of the planner.
 
-    All steps of the run work on the same plans, bookings and reasons: the attributes.
+    The attributes are the plans, bookings and reasons on which all steps of the run work.
 
     reservations -- the reservation table, in which nothing is booked yet
     tasks, obstacles, parking, reserved -- the planner's input
@@ -107,7 +107,7 @@ class PlanningPipeline:
         return [t for name, t in self._agents.items() if name not in self._grounded]
 
     def _in_order(self, agents: Iterable[Agent]) -> List[Agent]:
-        """Returns the order in which robots are planned at first."""
+        """Returns the agents in the order in which they are planned at first."""
         order = by_length(agents)
         if self._shuffles:
             self._random.shuffle(order)
@@ -117,9 +117,7 @@ class PlanningPipeline:
     # -- present plans ----------------------------------------------------------------------------
 
     def _ground_who_is_too_near(self) -> None:
-        """Lets robots that stand too near to each other stay where they are,
-        in the way of all others.
-        """
+        """Keeps robots that stand too near to each other where they are. They block all others."""
         for one, other in self._problem.too_near():
             for name, near in ((one, other), (other, one)):
                 self._unserved[name] = (f'it stands nearer to {near} than is allowed; move one of '
@@ -188,7 +186,7 @@ class PlanningPipeline:
         return [t for t in failed if t.name not in self._paths]
 
     def _serve_one(self, agent: Agent, deadline: float) -> bool:
-        """Finds a path past all plans; if there is none, changes plans to make room for it.
+        """Finds a path past all plans; if there is none, lets other robots make room.
 
         Returns whether the robot has a path now.
         """

@@ -25,7 +25,7 @@ _ROUNDING = 1e-9  # s
 
 
 class Constraint(NamedTuple):
-    """`then` may begin drive `drive` only after `first` has driven `fraction` of `before`."""
+    """`then` may begin its drive `drive` only after `first` has driven `fraction` of `before`."""
 
     first: str
     before: int
@@ -35,7 +35,7 @@ class Constraint(NamedTuple):
 
 
 class Conflicting(Exception):
-    """A plan in which two robots hold excluding places at once: a defect of the planner."""
+    """Two robots would be too near to each other in a plan, which is a defect of the planner."""
 
 
 class _Drives(NamedTuple):
@@ -103,15 +103,15 @@ def _in_order(plans: Plans, names: Sequence[str], released: Mapping[str, int]) -
     back = np.flatnonzero((np.diff(place) < 0) & (np.diff(robot) == 0))
     if len(back):
         raise Conflicting(f'{names[robot[back[0]]]} would begin its drive {number[back[0]] + 1} '
-                          'before the one that leads there')
+                          'before the drive that leads there')
     columns = robot, number, drive.astype(np.int64), start, end, begun, planned
     return _Drives(*(column[order] for column in columns))
 
 
 def _meetings(reservations: ReservationTable, drives: _Drives, moving: RobotType,
               observer: RobotType, moves: np.ndarray, observes: np.ndarray) -> _Pairs:
-    """Returns, for each planned drive of an observer and each moving robot, the robot's last
-    conflicting drive before it.
+    """Returns, for each planned drive of an observer and each moving robot, the last conflicting
+    drive of the moving robot before the planned drive.
 
     The robots are those of the given types.
     """
@@ -130,7 +130,7 @@ def _meetings(reservations: ReservationTable, drives: _Drives, moving: RobotType
     fraction = np.where(forward, conflicts.forward[at], conflicts.backward[at])
     counts = wanted[conflicts.other[at]] & (fraction > drives.begun[before])
     before, fraction = before[counts], fraction[counts]
-    # All uses of each edge in groups, one for each robot; each group is in order.
+    # The uses of each edge, in one group for each robot; each group is in order.
     edge, robot = conflicts.other[at][counts] - vertices, drives.robot[before]
     robots = int(drives.robot.max()) + 1
     by_robot = edge * robots + robot
@@ -183,7 +183,7 @@ def _check(reservations: ReservationTable, names: Sequence[str], drives: _Drives
            pairs: _Pairs) -> None:
     """Raises Conflicting if the order may have rings, or the times of the plans do not keep it."""
     if (pairs.first >= pairs.then).any():
-        raise Conflicting('a drive would wait for one that comes after it in the order of all')
+        raise Conflicting('a drive would wait for a drive that comes later in the order of all')
     start, begun = drives.start[pairs.first], drives.begun[pairs.first]
     share = (pairs.fraction - begun) / (1.0 - begun)
     until = start + share * (drives.end[pairs.first] - start)

@@ -73,8 +73,8 @@ class ReservationTable:
         """Books a robot that stands at `vertex`, or `mid_edge`, and then follows its plan.
 
         After the plan it stands at the end of its plan until the time `until`. It holds the first
-        `held` drives from now on: another robot may pass there only after it, even if there is
-        enough time before it. The robot must not have bookings yet.
+        `held` drives from now on: another robot may pass there only after this robot, even if it
+        would have enough time before. The robot must not have bookings yet.
         """
         booked = self.state(kind, vertex, plan, mid_edge, until, held)
         self.booked[robot] = booked
@@ -301,6 +301,6 @@ class ReservationTable:
 
 
 def _remainder_of(blocks: Iterable[Block], begun: float) -> List[Block]:
-    """Returns the blocks of the rest of a drive when a fraction of it lies behind."""
+    """Returns what the rest of a drive blocks after its fraction `begun` is driven."""
     return [(slot, (clear - begun) / (1.0 - begun), lead)
             for slot, clear, lead in blocks if clear > begun]

@@ -28,8 +28,7 @@ Roads = List[List[Tuple[int, int, float]]]
 def estimated(seconds: np.ndarray) -> Sequence[float]:
     """Returns the seconds (V,) as the searches use them: Python's numbers, larger by a tiny factor.
 
-    So the searches first follow, of several equally good paths, the path that is nearest to its
-    end.
+    So of several equally good paths, a search first follows the path that is nearest to its end.
     """
     return array('d', (seconds * _GUIDED).tobytes())
 
@@ -42,7 +41,7 @@ class RoadNetwork:
 
     graph         -- the trajectory graph
     closed        -- ids of edges that no robot may use
-    dock_approach -- m before a dock that belong to a robot that docks or leaves
+    dock_approach -- m in front of a dock that belong to a robot while it docks or leaves
     learned       -- seconds, by type name and signed edge id, which replace length / speed
     geometry      -- geometry of the same graph, if it is known already
     """
@@ -97,7 +96,7 @@ class RoadNetwork:
         return self.origin[drive ^ 1]
 
     def vertex_slot(self, vertex: int) -> int:
-        """Returns the slot of waiting at a vertex."""
+        """Returns the slot for waiting at a vertex."""
         return self.drives + vertex
 
     def length(self, drive: int) -> float:
@@ -227,7 +226,7 @@ class RoadNetwork:
         return self._shortest[kind]
 
     def estimates(self, kind: RobotType, target: int) -> Sequence[float]:
-        """Returns `paths_to` a target, as the searches use it."""
+        """Returns the seconds of `paths_to` for one target, in the form that the searches use."""
         known = self._estimates.setdefault(kind, {})
         if target not in known:
             known[target] = estimated(self.paths_to(kind, (target,))[0])

@@ -113,9 +113,9 @@ def steps_until(deadline: float) -> Iterator[None]:
 
 def _next(heap: List[_Entry], newest: Optional[_Entry],
           best: Mapping[int, float]) -> Optional[_Entry]:
-    """Takes the entry with the lowest cost whose state is the earliest with its key.
+    """Takes the entry with the lowest cost; entries whose key has an earlier state are dropped.
 
-    newest -- an entry that is not in the heap yet; often it is taken at once, and never put there
+    newest -- an entry that is not in the heap yet; often it is the one that is taken
     """
     while heap or newest:
         entry = heappushpop(heap, newest) if newest else heappop(heap)

@@ -21,7 +21,7 @@ class _Round(NamedTuple):
     """N vertices that were removed together, none of them next to another."""
 
     vertices: np.ndarray    # (N,)
-    neighbours: np.ndarray  # (2, N) those not removed before; the vertex itself if one is missing
+    neighbours: np.ndarray  # (2, N) not removed before; the vertex itself in place of a missing one
     seconds: np.ndarray     # (2, N) from the vertex to the neighbour
 
 

@@ -76,7 +76,7 @@ class Slots:
 
     def add_drive(self, blocks: Iterable[Block], start: float, seconds: float, robot: str,
                   touched: List[int]) -> None:
-        """Books all blocks of a drive, as `add` does for one; written out because it runs often."""
+        """Books all slots that a drive blocks. Repeats the code of `add`, because it runs often."""
         rows, merged = self._rows, self.merged
         for slot, clear, lead in blocks:
             begin = start - lead
@@ -96,7 +96,9 @@ class Slots:
             touched.append(slot)
 
     def busy(self, slot: int) -> Busy:
-        """Returns the times at which `slot` is blocked. Exactly at their begin and end it is free.
+        """Returns the times at which a slot is blocked.
+
+        At the begin and at the end of such a time, the slot is free.
         """
         busy = self.merged[slot]
         if busy is None:

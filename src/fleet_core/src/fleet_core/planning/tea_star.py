@@ -1,4 +1,4 @@
-"""TEA*: robots are planned one after the other; each plan is an obstacle in time for the next.
+"""TEA*: robots are planned one after the other. A plan is an obstacle in time for later robots.
 
 The path planner of the dissertation uses the same loop. First the fixed drives of all robots are
 booked. Then each robot looks for its path through time, past all paths found before. A robot that
@@ -38,7 +38,7 @@ Paths = Dict[str, Path]
 
 
 class TeaStar:
-    """Plans agents against a reservation table, in which their paths are booked in the end."""
+    """Plans agents one after the other, and books their paths in a reservation table."""
 
     def __init__(self, reservations: ReservationTable, search: Search = find_path) -> None:
         self.reservations = reservations
@@ -148,7 +148,7 @@ class TeaStar:
     def _put_first(self, order: Sequence[Agent], paths: Paths, deadline: float) -> bool:
         """Plans the first agent before the others; agents that are in its way lose their paths.
 
-        Returns False if the first agent finds no path even so.
+        Returns False if the first agent finds no path even then.
         """
         first, planned = order[0], [t for t in order if t.name in paths]
         taken = self.reservations.take_out([t.name for t in planned])

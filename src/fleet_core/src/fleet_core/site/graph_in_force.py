@@ -1,4 +1,4 @@
-"""The graph in force, and when a file may replace it: never on routes that robots drive.
+"""The graph in force, and when a file may replace it: never if this changes a running route.
 
 A copy of the graph in force is kept. If the node restarts while robots drive, the file may have
 changed meanwhile; the copy is the graph on which they drive.

@@ -58,8 +58,8 @@ class LongEdge:
 class Stranded:
     """Vertices that robots of a type cannot reach, or from which they cannot return.
 
-    vertices     -- vertices to which and from which no edges lead
-    behind_docks -- vertices whose only edges lead through a dock, through which no route may lead
+    vertices     -- vertices that edges do not join to the rest of the graph in both directions
+    behind_docks -- vertices to which edges lead only through a dock; no route leads through a dock
     """
 
     type: str

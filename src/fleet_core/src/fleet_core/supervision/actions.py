@@ -62,7 +62,7 @@ class PublishStatus:
 
 @dataclass(frozen=True)
 class AskPlanner:
-    """Ask the planner for a plan. Its answer returns this number.
+    """Ask the planner for a plan. The planner's answer has the same number.
 
     edge_times -- learned driving times, in place of length / speed
     alone      -- groups of places; because of a resource, only one robot at a time may be in each

@@ -1,4 +1,5 @@
-"""Assignment: decides which robot serves which mission, so that robots drive little altogether."""
+"""Assignment: decides which robot serves which mission, so that all robots together drive little.
+"""
 from __future__ import annotations
 
 from dataclasses import dataclass
@@ -47,11 +48,11 @@ def assign(missions: Sequence[Mission], own: Mapping[str, Hindrance],
     """Assigns missions to robots: those of higher priority first, then the oldest.
 
     Among missions of one priority, the sum of the times to the first destinations is minimal.
-    Whether a battery lasts is judged by nominal driving times. A station gets no more robots than
-    it and its queue hold.
+    The charge that a mission needs follows from nominal driving times. A station gets no more
+    robots than it and its queue hold.
 
     own  -- by robot, what hinders it from serving any mission
-    room -- at stations and chargers, before any of these missions gets a robot
+    room -- the free places at stations and chargers before any of these missions gets a robot
     """
     own, room = dict(own), room.copy()
     assigned: List[Assigned] = []
@@ -63,7 +64,7 @@ def assign(missions: Sequence[Mission], own: Mapping[str, Hindrance],
         order = order[len(group):]
         able: List[Tuple[Mission, Sequence[str]]] = []
         left = room.copy()
-        # what a mission waits for, by the names of its robots, if none of these robots is free
+        # by the robots that may serve a mission: what it waits for if none of them is free
         busy: Dict[Tuple[str, ...], str] = {}
         for mission in group:
             names = acceptance.robots_for(mission.request)
@@ -149,9 +150,7 @@ def _match(missions: Sequence[Tuple[Mission, Sequence[str]]], robots: Mapping[st
 
 
 def _all_alike(missions: Sequence[Mission]) -> bool:
-    """Returns whether the same robots may serve all missions, so
-    that the oldest can be served first.
-    """
+    """Returns whether the same robots may serve all missions. If so, the oldest come first."""
     return len({(m.request.robot_type, m.request.robot) for m in missions}) == 1
 
 

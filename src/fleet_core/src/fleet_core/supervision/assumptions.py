@@ -28,8 +28,8 @@ class Assumption(NamedTuple):
     """The assumption of a plan about one robot.
 
     generation -- generation of its route record
-    base       -- number in the record of the first edge of the plan
-    end        -- number in the record after the last granted edge
+    base       -- number, in the record, of the plan's first edge
+    end        -- number, in the record, that follows the last granted edge
     kind       -- its type, which depends on its load
     places     -- for an obstacle: the vertices, edges and areas where it may be
     errand     -- key of its errand
@@ -49,7 +49,7 @@ class Assumption(NamedTuple):
 class World(NamedTuple):
     """The present state of all that a plan depends on.
 
-    versions -- a number for each robot, which grows when anything of it or its errand changes
+    versions -- a number for each robot, which grows when the robot or its errand changes
     """
 
     robots: Mapping[str, ManagedRobot]
@@ -61,7 +61,7 @@ class World(NamedTuple):
 class WorldView:
     """Finds out which robots and errands have changed since the last call of `world`.
 
-    changes -- those that the robots' route masters note
+    changes -- the changes that the route masters of the robots note
     """
 
     def __init__(self, robots: Mapping[str, ManagedRobot], changes: Changes) -> None:
@@ -72,7 +72,7 @@ class WorldView:
 
     def world(self, serving: Mapping[str, Mission], network: RoadNetwork,
               limits: Mapping[str, StationLimit]) -> World:
-        """Returns the present world.
+        """Returns the present state of all that a plan depends on.
 
         serving -- the missions that robots serve, by robot
         limits  -- how far robots may go; a robot without an entry has no limit
@@ -101,7 +101,7 @@ class Assumptions:
     """The last version of each robot, and whether the assumption about this version held."""
 
     def misfits(self, world: World) -> AbstractSet[str]:
-        """Returns robots about which the assumption does not hold."""
+        """Returns the robots whose assumptions do not hold."""
         for name, version in world.versions.items():
             if self._held.get(name, (0, False))[0] != version:
                 self._held[name] = version, self.holds(name, world)

@@ -39,7 +39,7 @@ class Battery:
 
     @property
     def full(self) -> float:
-        """The charge, from 0 to 1, with which it may leave the dock."""
+        """The charge, from 0 to 1, with which the robot may leave the dock."""
         return self._settings.leave_above
 
     @property

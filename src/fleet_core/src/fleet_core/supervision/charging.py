@@ -59,7 +59,10 @@ class _Need(Enum):
 
 
 class _Stay(NamedTuple):
-    """A robot that stays in a charger, and is no candidate. `place` is None between vertices."""
+    """A robot that stays in a charger and is no candidate for a turn.
+
+    place -- the vertex where it is; None: it is between vertices
+    """
 
     robot: str
     charger: str
@@ -70,7 +73,7 @@ class ChargerDesk:
     """Gives robots their turns at chargers. The other robots wait.
 
     waiting -- for each robot that must charge and has no turn: what it waits for, in words
-    leaving -- robots without work in a full charger for which another robot has a turn
+    leaving -- robots without work in a full charger, if another robot has a turn there
     view    -- returns what is known of a device now
     """
 
@@ -116,10 +119,10 @@ class ChargerDesk:
 
     def _candidate(self, robot: ManagedRobot, is_short: bool, network: RoadNetwork,
                    now: float) -> Optional[Candidate]:
-        """Returns a robot as a candidate for a turn; None: it need not charge, or cannot.
+        """Returns a robot as a candidate for a turn; None: it need not charge, or cannot charge.
 
         A robot that stands at its charger keeps its turn during an outage. A robot that works, but
-        does not report its charge any more, must give up its turn: it might stay for ever.
+        does not report its charge any more, loses its turn, because it might stay there for ever.
         """
         if robot.works and robot.battery.is_mute(robot.liveness, now):
             if _has_to(robot, is_short) or (robot.battery.is_below_leaving
@@ -139,7 +142,7 @@ class ChargerDesk:
         return robot.dock is not None and robot.stands_at((robot.dock,))
 
     def _places(self, robot: ManagedRobot, network: RoadNetwork, now: float) -> Tuple[int, ...]:
-        """Returns the docks that would do for a robot, the nearest one first."""
+        """Returns the docks at which a robot could charge now, the nearest one first."""
         docks = docks_of(robot, network)
         if robot.dock in docks and self._has_arrived(robot):
             return (robot.dock,)
@@ -231,14 +234,14 @@ class ChargerDesk:
         return f'which charges until {100.0 * (robot.charge_until or robot.battery.full):.0f} %'
 
     def _in_the_way(self, turns: Mapping[str, int], stays: List[_Stay]) -> Iterator[str]:
-        """Yields robots without work that claim a charger which a robot
-        with a turn cannot claim yet.
+        """Yields robots without work that must leave their full charger, because another robot has
+        a turn there and cannot claim the charger yet.
         """
         staying = {one.robot for one in stays}
         for name in {self.at[place].name for place in turns.values()}:
             charger, inside = self._chargers[name], self._claims.holders(name)
             if charger.capacity == len(charger.places) or len(inside) < charger.capacity:
-                continue  # the plan makes room at single places
+                continue  # the plan itself moves a robot away from a place that another one needs
             going = {robot for robot, place in turns.items() if place in charger.places}
             if going - set(inside):
                 yield from (one for one in inside if one not in going | staying)

@@ -33,7 +33,7 @@ _OLD = DeviceView(DeviceMode.OFFLINE, 'its reports are old or have ended: is fle
 
 
 class _Sent(NamedTuple):
-    """Number of a request that was sent, and when."""
+    """The number of the last request that was sent to a device, and the time."""
 
     number: int = 0
     at: float = -math.inf
@@ -54,8 +54,8 @@ class DeviceDesk:
     def report(self, report: DeviceReport, now: float) -> None:
         """Handles a report. A report that is older than the newest one changes nothing.
 
-        Its times are those of the supervisor's clock. If a reading was made more than AHEAD s after
-        `now`, its clock is wrong, so its age is unknown.
+        The times in the report are those of the supervisor's clock. If the time of a reading is
+        more than AHEAD s after `now`, a clock is wrong. Then the age of the reading is unknown.
         """
         name = report.device
         resource = self._claims.needs.resources.get(name)

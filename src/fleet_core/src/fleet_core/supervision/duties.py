@@ -1,4 +1,4 @@
-"""The errand of each robot, from which the planner's task and the limit of grants follow."""
+"""The errand of each robot. It determines the planner's task and how far grants may lead."""
 from __future__ import annotations
 
 import math
@@ -37,7 +37,7 @@ class StationLimit(NamedTuple):
     waits  -- its next destination is at that station
     place  -- the queue place at which it waits; None: it waits where it is
     is_there -- the edges that it was granted end at that queue place
-    leaves -- it has no work at its station or charger, for which another robot waits
+    leaves -- it has no work at its station or charger, and another robot waits to come there
     """
 
     reach: Optional[int] = None
@@ -84,7 +84,7 @@ class Errand:
 
     @property
     def is_to_drive(self) -> bool:
-        """Whether the robot is to leave the place where it is. Then others make room for it."""
+        """Whether the robot is to leave its place. If so, the other robots make room for it."""
         if self.duty is Duty.QUEUE:
             return self.limit.leaves or self.place is not None and not self.limit.is_there
         return self.limit.leaves or self.duty in (Duty.MISSION, Duty.CHARGE)

@@ -18,7 +18,7 @@ from fleet_core.planning.plan_requests import Times
 
 KEPT = 9         # number of last drives of an edge; their median ignores a single long wait
 ENOUGH = 3       # number of drives after which the median replaces the nominal time
-# relative change of a time that justifies a new table, after which planners must prepare again
+# relative change of a time that justifies a new table; for each table, planners must prepare again
 WORTH_IT = 0.2
 PERIOD = 60.0    # s between two tables
 

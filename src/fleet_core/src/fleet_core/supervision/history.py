@@ -106,10 +106,10 @@ def history(path: str, since: float = -math.inf) -> Iterator[HistoryLine]:
 def _opened(path: str) -> Tuple[sqlite3.Connection, Callable[[], bool]]:
     """Opens a journal for reading.
 
-    The second value is a function. It returns whether all that was read is the content of one
-    moment. SQLite ensures this with files beside the journal. In a folder that this process may not
-    write, SQLite cannot make these files. If no supervisor has made them, the journal is read as it
-    is.
+    The second value is a function. It returns whether all data that were read belong to one moment.
+    SQLite ensures this with files beside the journal. In a folder that this process may not write,
+    SQLite cannot make these files. If no supervisor has made them either, the function looks
+    whether the journal file has changed.
     """
     address = f'file:{quote(os.path.abspath(path))}?mode=ro'
     if os.path.exists(f'{path}-wal') or os.access(os.path.dirname(os.path.abspath(path)), os.W_OK):

@@ -308,7 +308,7 @@ def _request_text(request: Request) -> str:
 
 
 def _mission(row: Tuple[int, str, int, str, int, str, int]) -> Mission:
-    """Returns the mission in a row of the columns of _MISSION."""
+    """Returns the mission that a row stores. The row has the columns of _MISSION."""
     serial, text, state, robot, reached, reason, deadline = row
     return Mission(serial, read_request(text), MissionState(state), robot, reached, reason=reason,
                    deadline_state=DeadlineState(deadline))

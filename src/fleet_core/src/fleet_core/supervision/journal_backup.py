@@ -16,7 +16,7 @@ REASON = 'the journal was restored from a backup'
 
 
 def copy_database(path: str, copy: str) -> None:
-    """Copies an SQLite file as of one moment, also while a program writes it.
+    """Copies an SQLite file as it is at one moment, even while a program writes it.
 
     Raises sqlite3.Error.
     """
@@ -27,11 +27,11 @@ def copy_database(path: str, copy: str) -> None:
 
 
 def make_as_lost(path: str, clock: Callable[[], float] = time.time) -> int:
-    """Removes everything that may be outdated from an old journal. Returns how many missions ended.
+    """Removes everything that may be outdated from an old journal, and cancels its open missions.
 
-    Robots and missions went on after the copy was made. So the fleet manager must begin as with a
-    lost journal: without robots, routes and open missions. Then robots report where they are. The
-    history stays. Raises JournalError.
+    Robots and missions went on after the copy was made. So the fleet manager must begin as if the
+    journal had been lost: without robots, routes and open missions. Then robots report where they
+    are. The history stays. Returns how many missions were cancelled. Raises JournalError.
     """
     file = JournalDatabase(path)
     try:

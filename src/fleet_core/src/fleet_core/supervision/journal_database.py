@@ -1,4 +1,4 @@
-"""The SQLite file of a journal: its layout, the migration of older layouts, and its one writer."""
+"""The SQLite file of a journal: its layout, the migration of older layouts, and its lock."""
 from __future__ import annotations
 
 import fcntl
@@ -50,7 +50,7 @@ _MIGRATIONS: Tuple[str, ...] = (
     ''', '''
     ALTER TABLE mission ADD COLUMN deadline_state INTEGER NOT NULL DEFAULT 0;
     ''')
-"""Statement k turns a file of version k into one of version k + 1. Version 0 has no number."""
+"""Statement k turns a file of version k into one of version k + 1. A new file has version 0."""
 LAYOUT: Dict[str, Tuple[str, ...]] = {
     'mission': ('serial', 'request_id', 'request', 'state', 'robot', 'reached', 'reason', 'stamp',
                 'changed', 'deadline_state'),
@@ -80,7 +80,7 @@ class UnknownLayout(JournalError):
 class JournalUnavailable(JournalError):
     """The journal cannot be used now, but may be later: the disk is full or not writable.
 
-    reason -- the text as a clause
+    reason -- the text of the exception, as a clause
     """
 
     def __init__(self, path: str, what: object, remedy: str = 'free space on its disk, or mend that'
@@ -100,7 +100,8 @@ class _Identity(NamedTuple):
 class JournalDatabase:
     """The file, open and locked for one supervisor.
 
-    Raises JournalUnavailable, also if another supervisor uses the file, and JournalError.
+    Raises JournalError, and JournalUnavailable if the file cannot be used now, for example because
+    another supervisor uses it.
     """
 
     def __init__(self, path: str) -> None:
@@ -113,8 +114,8 @@ class JournalDatabase:
             self.database.execute('PRAGMA journal_mode=WAL')
             self.database.execute('PRAGMA synchronous=FULL')
             _migrate(self.database, path)
-            # This descriptor is closed only with the database: closing it also ends the locks of
-            # SQLite.
+            # This descriptor stays open as long as the database: closing it would also end the
+            # locks of SQLite.
             self._head = os.open(path, os.O_RDONLY)
             self._expected = self._identities()
         except JournalError:
@@ -182,7 +183,10 @@ class JournalDatabase:
 
 
 def _locked(path: str) -> int:
-    """Locks a file beside the journal. Locks of the journal itself belong to SQLite."""
+    """Locks a file beside the journal, because SQLite locks the journal itself.
+
+    Returns the descriptor of the file.
+    """
     try:
         lock = os.open(f'{path}.lock', os.O_RDWR | os.O_CREAT, 0o600)
     except OSError as error:

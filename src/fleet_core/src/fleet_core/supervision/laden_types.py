@@ -14,7 +14,7 @@ from fleet_core.work.loads import LoadType
 
 
 class LadenTypes:
-    """For each robot type of a fleet, its types with each type of load.
+    """For each robot type and each type of load, the type of a robot that carries such a load.
 
     A robot that may carry one of several types of load, or a load of unknown type, has the largest
     radius, the lowest speed, and all closed edges of these types of load.

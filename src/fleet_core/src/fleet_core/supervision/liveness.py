@@ -1,4 +1,4 @@
-"""Liveness of one robot: whether it reports, moves and answers, judged by when reports come."""
+"""Liveness of one robot: whether it reports, moves and answers orders."""
 from __future__ import annotations
 
 import math
@@ -23,7 +23,7 @@ class Liveness:
         self.stands = False
         """Whether the last report says that the robot stands."""
         self._pose = Pose()
-        self._moved = -math.inf      # when it was last seen to move from _pose, or first seen
+        self._moved = -math.inf      # when it was last seen to move (to _pose), or first seen
         self._answered = -math.inf   # when it last had no order to answer, or took one up
 
     @property
@@ -32,7 +32,7 @@ class Liveness:
         return self.seen > -math.inf
 
     def hear(self, report: Report, graph: Graph, now: float) -> None:
-        """Notes when a report came, and what has changed in it."""
+        """Notes that a report came at `now`, and whether the robot has moved or stands."""
         if not self.is_seen:
             self._answered = now
         if now - self.seen > SILENCE:

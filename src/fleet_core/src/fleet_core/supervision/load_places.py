@@ -5,8 +5,8 @@ at a queue place, at a dock, or at a place of a station. While it is there, the 
 neither its load nor the last edge to its stop. To send the other robot away takes time. If it
 cannot leave, the load stays where it is.
 
-What robots carry follows from the templates and the steps of jobs. A parameter may stand for each
-place of a station, and for the places that timetables name. Missions that are sent with stops of
+What robots carry follows from the templates and the steps of jobs. A parameter may stand for any
+place of a station, or for a place that a timetable names. Missions that are sent with stops of
 their own are not known in advance.
 """
 from __future__ import annotations
@@ -89,7 +89,10 @@ class _Stand(NamedTuple):
 
 
 def too_near(work: SiteWork, fleet: Fleet, graph: Graph) -> Tuple[TooNear, ...]:
-    """Returns the places that keep robots from their loads, for the widest robots of a fleet."""
+    """Returns the places at which a robot would keep others from their loads.
+
+    The robots count as the widest ones of the fleet.
+    """
     if not any(load.radius for load in work.loads.values()):
         return ()
     laden = LadenTypes(work.loads, fleet.all_types)
@@ -150,9 +153,9 @@ def _stands(work: SiteWork, fleet: Fleet, graph: Graph, place: int,
 
 
 def _others(places: Iterable[int], place: int, has: Dict[int, Set[str]]) -> List[int]:
-    """Returns the other places of a station, without lower ones that have loads.
+    """Returns the places of a station that are to be compared with `place`.
 
-    For such a pair of places, the call for the lower one finds the other one.
+    Omits a lower vertex at which robots have loads: the call for that vertex yields the same pair.
     """
     return [vertex for vertex in places
             if vertex != place and not (vertex < place and has.get(vertex))]

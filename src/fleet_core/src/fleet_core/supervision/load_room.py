@@ -4,11 +4,11 @@ A robot with a load has another type (`laden_types`). The radius of this type ma
 change to it is like a grant: the robot's allocation with this radius must not exclude any other
 robot's allocation.
 
-- If the next stop of a robot takes a load, the robot gets a type with room for the load. It gets
-  this type as soon as no other robot is in the way, mostly long before it arrives at the stop. So
+- If a robot takes a load at its next stop, it gets a type with room for the load. It gets
+  this type as soon as no other robot is in the way, usually long before it arrives at the stop. So
   the planner takes the room into account, and leads other robots away.
 - The step that takes the load does not begin before the robot has this type.
-- A load that a robot carries, or may carry, counts at once, also if only a person says so. If other
+- A load that a robot carries, or may carry, counts at once, even if only a person says so. If other
   robots are too near at that time, the interlocking grants them nothing, as after any evidence.
 """
 from __future__ import annotations
@@ -28,7 +28,7 @@ class LoadRoom:
     """Gives each robot the type that its load requires.
 
     laden  -- the types of the fleet's robots with each load of the site
-    robots -- by name, each of its type without load
+    robots -- by name; at first each has its type without load
     clearance -- m that stays free between any two robots
     """
 
@@ -38,7 +38,7 @@ class LoadRoom:
         self._geometry, self._clearance = geometry, clearance
         self._own: Dict[str, RobotType] = {name: one.type for name, one in robots.items()}
         self.in_the_way: Dict[str, str] = {}
-        """By robot that has no room to take its load, a robot that is too near."""
+        """For each robot that has no room to take its load: a robot that is too near."""
         for name in robots if laden else ():
             self._become(name, self._at_least(name))
 

@@ -33,7 +33,7 @@ def queue_words(station: str, number: int, robot: str, is_there: bool) -> str:
 
 
 class ResourceLook(Enum):
-    """How a resource or a machine looks; each look has its colour. The value says what it shows."""
+    """How a resource or a machine looks. Each look has its own colour; the value is its meaning."""
 
     PLACE = 'a station or zone, or a machine that is free'
     OPEN = 'a device that is open, or a machine at work'

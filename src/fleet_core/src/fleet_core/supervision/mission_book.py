@@ -1,4 +1,4 @@
-"""The book of all missions: open missions, repeated requests, ended ones, and unstored changes."""
+"""The book of all missions: open ones, ended ones, and changes that are not stored yet."""
 from __future__ import annotations
 
 from collections import deque
@@ -21,7 +21,7 @@ from fleet_core.work.dependencies import Dependency, Until
 
 MOST_OPEN = 5000   # maximum number of open missions; more are a mistake, and delay urgent work
 MOST_AFTER = 100   # maximum number of missions after which one mission may come
-REMEMBERED = 1000  # number of ended missions of which a repeated request is recognised
+REMEMBERED = 1000  # number of ended missions whose requests are recognised if they are repeated
 
 
 class MissionBook:
@@ -147,9 +147,10 @@ class MissionBook:
         return tuple(found)
 
     def _let_follow(self, mission: Mission) -> None:
-        """Notes that a mission has ended: missions that wait for it go on, or fail as well.
+        """Handles the end of a mission: a mission that waits for it goes on, or fails if it
+        required another end.
 
-        This is a loop, because a chain of such missions may exceed Python's limit of nested calls.
+        This is a loop, because recursion along a chain of missions may exceed Python's limit.
         """
         ended = deque((mission,))
         while ended:
@@ -219,7 +220,7 @@ class MissionBook:
             self.changed.add(mission.serial)
 
     def change(self, mission: Mission, change: MissionChange) -> None:
-        """Changes the priority, and the destinations from now on."""
+        """Changes the priority of a mission, and the destinations that are left."""
         is_pending = mission in self.pending
         if is_pending:
             self.pending.remove(mission)
@@ -255,7 +256,9 @@ class MissionBook:
         self._begun_stays.add(mission.serial)
 
     def reach(self, mission: Mission, count: int = 1) -> None:
-        """Counts `count` more destinations as visited. The last one ends a mission without steps.
+        """Counts `count` more destinations as visited.
+
+        A mission without steps ends when all its destinations are visited.
         """
         mission.reached += count
         mission.stays_since = None

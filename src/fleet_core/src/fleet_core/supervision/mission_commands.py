@@ -39,7 +39,7 @@ def carry_out(command: CommandKind, mission: Mission, book: MissionBook,
     elif command is CommandKind.RESUME:
         if mission.state is not MissionState.PAUSED:
             return f'Mission {mission.request.id} is not paused.'
-        if not name:  # if its earliest time has come, it goes on with the next look at the clock
+        if not name:  # if its earliest time has come, `MissionTimes.follow` soon notes it
             book.set(mission, *waits_as(mission.request))
         else:
             book.set(mission, MissionState.ACTIVE)
@@ -58,7 +58,9 @@ def carry_out(command: CommandKind, mission: Mission, book: MissionBook,
 
 def modify(mission: Mission, change: MissionChange, book: MissionBook, acceptance: Acceptance,
            robots: Mapping[str, ManagedRobot], desk: WorkDesk) -> str:
-    """Changes priority, and destinations or stops. Returns why this is refused; empty: done.
+    """Changes the priority, destinations or stops of a mission.
+
+    Returns why the change is refused; empty: it is made.
 
     If the destinations change, the robot comes to rest, as for a cancelled mission. Then it goes on
     with a plan for the new destinations.
@@ -95,9 +97,7 @@ def not_done(before: Status, command: CommandKind, trouble: str) -> Status:
 
 
 def not_stored(before: Status, command: CommandKind, trouble: str) -> Status:
-    """Returns the status after a command that was carried out,
-    but could not be stored on the disk.
-    """
+    """Returns the status after a command that was carried out but could not be stored."""
     return replace(before, command=command, command_code=CommandCode.NOT_STORED,
                    reason=f'{command.name} is carried out, but will be lost if the fleet '
                           f'manager ends before it can be stored: {trouble}')

@@ -11,8 +11,8 @@ from typing import Callable, Iterator
 from fleet_core.supervision.mission_book import MissionBook, waits_as
 from fleet_core.supervision.missions import DeadlineState, Mission, MissionState
 
-NEAR = 10.0    # s before its deadline at which a mission that is not done is at risk in any case
-AGAIN = 30.0   # s by which it must be expected to be early, so that it is not at risk any more
+NEAR = 10.0    # s before its deadline: a mission that is not expected to end by then is at risk
+AGAIN = 30.0   # s before its deadline: a mission at risk is in time again if it will end by then
 PERIOD = 1.0   # s between two estimates
 
 

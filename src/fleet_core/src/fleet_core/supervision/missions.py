@@ -116,13 +116,14 @@ class Request:
 
     @property
     def identity(self) -> Tuple[object, ...]:
-        """The key that is equal if the same request was sent twice.
+        """The key that is the same for all copies of one request.
 
-        With a stamp, only the id, the stamp, and the wanted robot and type count, also after
-        MODIFY. Without a stamp, all of the content counts. Of a template the name and the arguments
-        count, because the template may have changed. Of a group the name counts, not the place that
-        was chosen. Fields that later versions add to the message are not part of the key. Otherwise
-        an update would repeat missions.
+        The key of a request with a stamp has only the id, the stamp, the robot and the type, so
+        MODIFY does not change it. Without a stamp, the key also has the priority, and the
+        destinations or stops. In place of the stops of a template, it has the template's name and
+        arguments, because the template may have changed. It has the name of a group, not the chosen
+        place. Fields that later versions add to the message are not part of the key. Otherwise an
+        update would repeat missions.
         """
         places: Tuple[object, ...] = (self.template, self.arguments) if self.template else (
             _as_asked(self.stops), _as_asked(self.on_cancel), self.dwells) if self.stops else (
@@ -204,11 +205,11 @@ class Mission:
     stays_since -- the supervisor's time since which it stays at a destination; None: it does not
                    stay
     reason      -- why it ended, or what it waits for
-    changes     -- number of times that it got other destinations; then earlier plans are useless
+    changes     -- number of times that its destinations were changed; earlier plans are useless
     stored      -- its status on the disk; None: it is not stored yet
     changed_by  -- the person or program that requested changes which are not stored yet; empty:
                    no such change, or no name
-    is_held     -- the `WorkDesk` lets its robot stand, because of its steps
+    is_held     -- its robot must stand because of its steps, as the `WorkDesk` decides
     is_bound    -- its robot may carry its load, so no other robot may serve it
     has_worked  -- one of its steps was ordered, so the mission has begun
     asks        -- key of the step that waits for an answer; 0: no step waits
@@ -304,10 +305,10 @@ class RequestRefused(Exception):
 
 @dataclass(frozen=True)
 class Acceptance:
-    """The data by which requests are checked.
+    """The data with which requests are checked.
 
     robots -- type of each robot by its name
-    places -- known vertices at which robots are, or from which they have driven
+    places -- by robot, a vertex that edges connect with its place; no entry: its place is unknown
     able   -- robots that may serve a request, by its robot, type and docks; filled on demand
     """
 
@@ -378,9 +379,9 @@ class Acceptance:
                                  f'{request.robot or "each of its robots"}')
 
     def check_change(self, mission: Mission, change: MissionChange) -> None:
-        """Raises RequestRefused if the serving robot could not carry out the changed rest.
+        """Raises RequestRefused if the mission cannot be served any more after the change.
 
-        Without a serving robot: if no robot could.
+        If a robot serves the mission already, only this robot counts.
         """
         if not change.destinations and not change.stops:
             return
@@ -391,7 +392,7 @@ class Acceptance:
             robot=mission.robot or mission.request.robot))
 
     def robots_for(self, request: Request) -> Tuple[str, ...]:
-        """Returns the robots that may serve a request, judged by type, name and docks."""
+        """Returns the robots that may serve a request, according to its type, robot and docks."""
         docks = self._docks(request)
         key = request.robot, request.robot_type, docks
         if key not in self.able:

@@ -18,7 +18,7 @@ class Networks:
     """One network with nominal times, and one with learned times.
 
     rate      -- the factor by which simulated robots are faster than the clock
-    resources -- in plans, the places of a resource for one robot exclude each other
+    resources -- if only one robot may use a resource, its places exclude each other in plans
     laden     -- types of robots with loads, besides those of the fleet
     """
 
@@ -33,7 +33,7 @@ class Networks:
             geometry=SiteGeometry(graph, fleet.dock_approach, alone) if alone else self.geometry)
         self.network = self.nominal
         """The network with learned times."""
-        # each view of the fleet asks for these constants, for each drive of each plan
+        # cached, because each view of the fleet needs these times for each drive of each plan
         self.edge_times = EdgeTimes(lru_cache(maxsize=None)(self._nominal_time))
         self._types = {kind.name: kind for kind in (*fleet.types, *laden)}
         self._rate = rate

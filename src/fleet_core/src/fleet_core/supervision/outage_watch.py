@@ -1,4 +1,4 @@
-"""The effects when a robot's outage begins or ends: on its mission, and on the operators' log."""
+"""What follows when an outage begins or ends: a change of the robot's mission, and a log text."""
 from __future__ import annotations
 
 from typing import Dict, Mapping, Optional
@@ -25,7 +25,7 @@ class OutageWatch:
             self.compare_robot(robot)
 
     def compare_robot(self, robot: ManagedRobot) -> None:
-        """Handles a change of one robot."""
+        """Handles the change of one robot's outage, if there is one."""
         name = robot.name
         if name in self._before and self._before[name] is robot.outage:
             return

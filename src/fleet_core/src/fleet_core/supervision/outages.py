@@ -25,7 +25,7 @@ class Outage(Enum):
 
     @property
     def needs_person(self) -> bool:
-        """Whether the robot comes back only by `fleet in`."""
+        """Whether the robot comes back only after the command `fleet in`."""
         return self in _NEED_PERSON
 
     def way_back(self, name: str) -> str:
@@ -84,7 +84,11 @@ _WAYS_BACK: Mapping[Outage, str] = {
 
 
 class OutageChange(NamedTuple):
-    """A sign leads from any of these outages (None: the robot works) to the target."""
+    """The change that a sign makes. None stands for a robot that works.
+
+    sources -- the outages in which the sign has an effect
+    target  -- the outage after the sign
+    """
 
     sources: AbstractSet[Optional[Outage]]
     target: Optional[Outage]
@@ -148,7 +152,7 @@ def sign_of_epoch(cause: EpochCause, had_route: bool) -> Optional[Sign]:
 
     had_route -- the robot had a route, or an order for one was on its way
     """
-    if cause in (EpochCause.RESTART, EpochCause.NONE):  # NONE: a cause of a later definition
+    if cause in (EpochCause.RESTART, EpochCause.NONE):  # NONE: only a later version knows the cause
         return Sign.FAILURE if had_route else None
     return _OF_EPOCH.get(cause)
 

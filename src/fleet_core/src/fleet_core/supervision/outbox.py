@@ -65,7 +65,7 @@ class Outbox:
         self.put(Note(text, is_warning))
 
     def note_state(self, subject: str, wrong: str, mended: str) -> None:
-        """Logs what is wrong with a subject, once for as long as this stays the same.
+        """Logs what is wrong with a subject, but only when this changes.
 
         wrong  -- what is wrong; empty: nothing
         mended -- the text to log when nothing is wrong any more

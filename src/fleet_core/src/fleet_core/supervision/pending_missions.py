@@ -18,9 +18,7 @@ FIRST: Key = (-2 ** 63, 0)
 
 
 def key_of(mission: Mission) -> Key:
-    """Returns the key by which missions are sorted: those of higher priority first,
-    then the oldest.
-    """
+    """Returns the sort key of a mission: higher priorities come first, then older missions."""
     return -mission.request.priority, mission.serial
 
 
@@ -60,7 +58,7 @@ class PendingMissions:
         self.changes += 1
 
     def first(self, free: Mapping[str, str]) -> List[Mission]:
-        """Returns of each kind as many missions as the free robots could serve.
+        """Returns the first missions of each kind, as many as the free robots could serve.
 
         free -- types of the free robots, by name
         """
@@ -74,7 +72,8 @@ class PendingMissions:
         return found
 
     def behind(self, key: Key, count: int) -> List[Mission]:
-        """Returns the next `count` missions after a key. The first mission follows the last one."""
+        """Returns the next `count` missions after a key. After the last one, the first one follows.
+        """
         start = bisect_right(self._order, key)
         keys = self._order[start:start + count]
         keys += self._order[:min(start, count - len(keys))]

@@ -115,7 +115,7 @@ def _ring(outcome: PlanningOutcome) -> List[str]:
         behind += nodes[1:]
     if not before:
         return []
-    # a ring is a strongly connected part of more than one node, or a node before itself
+    # a ring is a strongly connected part of more than one node, or a node that precedes itself
     count = len(robots)
     arcs = coo_matrix((np.ones(len(before)), (before, behind)), shape=(count, count))
     _, part = connected_components(arcs, connection='strong')

@@ -92,11 +92,12 @@ class PlanExecutor:
         self._took: Deque[float] = deque([HOLD], _TIMED)
         """s that the last answers took, at most HOLD."""
         self._is_anew = False
-        self._failures = 0                     # in a row; each new question has another seed
+        # number of questions in a row that failed or left robots unserved; the next one's seed
+        self._failures = 0
         self._delays: Dict[str, _Delay] = {}
         # number of plans in a row with which a robot was held up
         self._useless = 0
-        # serial of the mission for which each robot's route was given
+        # by robot, the serial of the mission for which its route was given
         self._missions: Dict[str, int] = {}
 
     @property
@@ -105,7 +106,8 @@ class PlanExecutor:
         return bool(self._open)
 
     def plan_anew(self) -> None:
-        """Asks the planner again in any case, and lets it drop the old plan."""
+        """Notes that the planner is to be asked for a plan that keeps nothing of the present one.
+        """
         self._is_anew = True
 
     def make_room(self, room: RoomForLoads) -> None:
@@ -117,7 +119,9 @@ class PlanExecutor:
     # -- answers of the planner -------------------------------------------------------------------
 
     def plan_made(self, number: int, outcome: PlanningOutcome, world: World, now: float) -> bool:
-        """Uses the planner's answer if it fits, even a late one. Returns whether one was expected.
+        """Uses an answer of the planner if it fits, even if it is late.
+
+        Returns whether the answer was expected.
         """
         question = self._open.pop(number, None)
         if question is None:
@@ -196,7 +200,7 @@ class PlanExecutor:
     def _release(self, plan: PlanInForce, world: World, now: float) -> None:
         """Requests grants of the edges that are due.
 
-        A robot about which the plan's assumption does not hold gets none.
+        A robot gets no edges if the plan's assumption about it does not hold.
         """
         asked, misfits = self._asked(plan, world), plan.assumptions.misfits(world)
         ends, versions, claims = self._ends(now), world.versions, self._interlocking.claims
@@ -285,7 +289,7 @@ class PlanExecutor:
             self._delays[name] = _Delay(now, refusal)
 
     def _ask(self, world: World, is_useful: bool, now: float) -> None:
-        """Asks for another plan if this one does not fit the present errands."""
+        """Asks the planner for another plan if one is due."""
         if not self._is_to_ask(is_useful, now - self._asked_at):
             return
         # A plan that cannot be carried out is not kept.

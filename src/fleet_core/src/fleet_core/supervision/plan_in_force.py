@@ -11,7 +11,7 @@ from fleet_core.supervision.robot_plan import RobotPlan
 
 
 class _Turn(NamedTuple):
-    """`first` must have driven `fraction` of its drive number `before`."""
+    """What a drive waits for: `first` must have driven `fraction` of its drive number `before`."""
 
     first: str
     before: int
@@ -24,7 +24,7 @@ class PlanInForce:
     Only the order counts, not the times. A robot's drive is due when each robot that comes before
     it in the order has driven far enough.
 
-    bases   -- by robot, the number in its record of the first drive of its plan
+    bases   -- by robot, the number of its plan's first drive in its record
     made_at -- the supervisor's time that is 0 in the plan's times
     assumptions -- the conditions under which the plan is useful
     """
@@ -47,9 +47,9 @@ class PlanInForce:
             self._waited_for.setdefault(first, []).append((before, then))
 
     def in_the_way(self, name: str, drive: int, records: Mapping[str, RouteRecord]) -> str:
-        """Returns the name of a robot that must drive on before this robot may begin its drive.
+        """Returns a robot that must drive on before robot `name` may begin its drive; empty: none.
 
-        Empty: none.
+        drive -- number of the drive in the plan
         """
         for turn in self._turns.get((name, drive), ()):
             plan = self.plans.get(turn.first)
@@ -73,10 +73,10 @@ class PlanInForce:
 
     def asked_to_move(self, working: Iterable[str],
                       records: Mapping[str, RouteRecord]) -> Set[str]:
-        """Returns robots that must move because a robot of `working` waits for them, or a robot
-        that must move.
+        """Returns the robots that must move because a robot of `working`, or another robot that
+        must move, waits for them.
 
-        records -- of all robots: drives that are released need no request
+        records -- the route records of all robots; a drive that is released needs no request
         """
         moving = set(working)
         asked: Set[str] = set()

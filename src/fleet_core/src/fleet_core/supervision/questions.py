@@ -38,8 +38,8 @@ class Question:
     ends: Mapping[str, int]
 
     def plan(self, outcome: PlanningOutcome, world: World) -> Optional[PlanInForce]:
-        """Returns the plan in an answer; None: a robot was granted edges meanwhile that the plan
-        lacks.
+        """Returns the plan in an answer; None: meanwhile a robot was granted edges that do not fit
+        the plan.
 
         If a robot's errand has changed meanwhile, the plan still serves all other robots.
         """

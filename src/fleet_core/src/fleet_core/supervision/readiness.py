@@ -1,4 +1,4 @@
-"""The last line of a start: which robots are ready, so that people know that they may begin."""
+"""The message that ends a start: it says which robots are ready, so that people can begin."""
 from __future__ import annotations
 
 from typing import Mapping, Optional
@@ -7,7 +7,7 @@ from fleet_core.supervision.fleet_view import RobotState
 
 LIMIT = 30.0  # s after the first news of the fleet, within which all robots should be ready
 _READY = (RobotState.IDLE, RobotState.BUSY, RobotState.CHARGING)
-_NOT_WANTED = (RobotState.ABSENT, RobotState.OUT_OF_SERVICE)  # a person has said so
+_NOT_WANTED = (RobotState.ABSENT, RobotState.OUT_OF_SERVICE)  # as a person has declared
 
 
 class Readiness:
@@ -23,7 +23,7 @@ class Readiness:
 
         Empty: they were returned before, or robots are still awaited.
 
-        robots      -- by name
+        robots      -- the states of the robots, by name
         is_surveyed -- whether the survey of the graph, which logs several lines, has ended
         now         -- time of these news, in s
         """

@@ -64,7 +64,7 @@ def due_edges(name: str, plan: PlanInForce, records: Mapping[str, RouteRecord],
 
 
 MayHave = Callable[[Mapping[str, Sequence[int]]], Mapping[str, Tuple[int, ...]]]
-"""Takes edges of each robot, and returns as many of the first of them as all robots may have now.
+"""Takes edges of each robot. Returns those, from the first on, that all robots may have at once.
 """
 
 
@@ -76,7 +76,7 @@ def foreseen_edges(goals: Mapping[str, GrantGoal], plan: PlanInForce,
     They are due according to the present plan already. So the other robots have left all places
     that they had to leave before. And a plan that begins with these edges exists: the present plan.
 
-    goals -- of the robots that follow the plan; `ahead` includes the way until the answer
+    goals -- of the robots that follow the plan; `ahead` includes the m driven until the answer
     """
     due = {name: due_edges(name, plan, records, goal).edges for name, goal in goals.items()
            if _ends_certainly(records[name])}

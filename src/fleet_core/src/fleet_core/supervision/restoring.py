@@ -126,7 +126,10 @@ def _areas_of(memory: Memory, kept: AbstractSet[Step], before: Graph) -> List[Ar
 
 def _position_on(memory: Memory, graph: Graph,
                  before: Graph) -> Tuple[Optional[GraphPosition], List[Area]]:
-    """Returns the stored position if the graph still has it, or else the area of a robot there."""
+    """Returns the stored position; None: the graph does not have it any more.
+
+    The second value is the area of a position that is lost in this way, if the robot stood there.
+    """
     position = memory.position
     if position is None or _is_there(position, graph, before):
         return position, []
@@ -153,7 +156,7 @@ def _is_there(position: GraphPosition, graph: Graph, before: Graph) -> bool:
 
 
 def _line(graph: Graph, edge: int, begin: float) -> Tuple[Point, ...]:
-    """Returns the curve of a signed edge from a fraction of it on."""
+    """Returns points on the curve of a signed edge, from the fraction `begin` on."""
     curve = graph.curve(edge)
     first, rest = begin * curve.length, (1.0 - begin) * curve.length
     steps = max(int(rest / _STEP), 1)

@@ -116,7 +116,7 @@ class ManagedRobot:
         return changes
 
     def hear(self, report: Report, now: float) -> Heard:
-        """Evaluates a report that passed the check. Raises WrongReport.
+        """Evaluates a report that passed `check_report`. Raises WrongReport.
 
         now -- time at which the report arrived
         """
@@ -149,7 +149,7 @@ class ManagedRobot:
 
     @property
     def is_at_rest(self) -> bool:
-        """Whether the robot stands, and no order is on its way that lets it drive."""
+        """Whether the robot stands, and no order that lets it drive is on its way."""
         protocol = self.master.protocol
         return (self.master.order is None and not protocol.may_drive
                 and not protocol.is_anywhere and self.liveness.stands)
@@ -238,9 +238,9 @@ class ManagedRobot:
     def other_beginning(self) -> Optional[GraphPosition]:
         """Returns another starting place to be tried after a refusal; None: there is none.
 
-        Each robot decides by itself how near to a vertex it must be to stand on it. So if a route
-        on the edge was refused near a vertex, the vertex is tried, and if a route at the vertex was
-        refused, the edge is tried.
+        Each robot decides by itself how near to a vertex it must be to stand on it. So if it
+        refused a route that begins on the edge, the vertex near it is tried, and if it refused a
+        route that begins at the vertex, the edge is tried.
         """
         record, master = self.record, self.master
         if not self._has_refused or not master.is_ready:

@@ -1,7 +1,7 @@
 """The run number: it shows whether the journal is the one that the last run has left.
 
 Each start draws a number, and writes it into the journal and into a file beside it. If an older
-journal is put back, the two differ.
+journal is put back, the two numbers differ.
 """
 from __future__ import annotations
 

@@ -37,7 +37,7 @@ def chargers_of(work: SiteWork, fleet: Fleet, graph: Graph) -> Dict[str, Charger
 def resources_of(work: SiteWork, chargers: Iterable[Charger] = ()) -> Tuple[Resource, ...]:
     """Returns the resources of a site: one for each device, station, zone and charger.
 
-    A device is for one robot at a time. Each other resource is for as many as its capacity says.
+    Only one robot at a time may use a device. For other resources, their capacity is the limit.
     """
     return (*(Resource(one.name, _KINDS[one.kind], frozenset(one.edges), has_device=True)
               for one in work.devices.values()),

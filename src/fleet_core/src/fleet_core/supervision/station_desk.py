@@ -104,7 +104,7 @@ class StationDesk:
     def room(self, at: Mapping[int, Charger], chargers: Mapping[str, Occupancy]) -> StationRoom:
         """Returns the stations and chargers to which a further robot may be sent now.
 
-        at       -- charger of each of its places
+        at       -- by place, the charger to which it belongs
         chargers -- the robots that take the places of each charger, by its name
         """
         going = self._going()
@@ -138,7 +138,7 @@ class StationDesk:
     def advance(self, network: RoadNetwork, leaving: AbstractSet[str] = frozenset()) -> None:
         """Follows missions, robots and claims. Chooses among the places of groups.
 
-        leaving -- robots without work that are to leave their places, because others need these
+        leaving -- robots without work that are to leave, because other robots need their places
         """
         going = self._going() if self._stations or leaving else {}
         in_the_way = {*leaving, *self._advance(going, network)}
@@ -147,7 +147,7 @@ class StationDesk:
                        if limit != NO_LIMIT}
 
     def _advance(self, going: Mapping[str, Mission], network: RoadNetwork) -> Set[str]:
-        """Advances the queues. Returns the robots that are to leave stations for others."""
+        """Advances the queues. Returns the robots that are to leave stations for other robots."""
         leaving: Set[str] = set()
         for station in self._stations.values():
             waiters = [self._waiter(name, mission, station, network)

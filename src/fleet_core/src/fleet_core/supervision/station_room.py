@@ -16,7 +16,7 @@ class Occupancy(NamedTuple):
     """The robots that take the places of a station and of its queue, or of a charger.
 
     robots  -- names of all these robots
-    waiters -- for each robot that goes there for a mission, the places that would do
+    waiters -- for each robot that goes there for a mission, the places at which its stop may be
     others  -- the robots there that do not make room
     leaving -- names of the robots that are to leave the station, because others wait for it
     doing   -- what each robot at a charger does there, in words that follow its name
@@ -33,7 +33,8 @@ class StationRoom:
     """The free places at stations, in their queues and at chargers, as missions need them.
 
     at          -- station or charger of each place
-    group_of    -- returns the group of which any place would do for the next stop of a mission
+    group_of    -- returns the group of a mission's next stop, which may be at any place of the
+                   group; empty: the next stop has no group
     occupancies -- by the name of the station or charger
     """
 
@@ -101,5 +102,5 @@ NO_STATIONS = StationRoom({}, lambda _: '', {})
 
 
 def places_for(mission: Mission, station: Target, group: str) -> Tuple[int, ...]:
-    """Returns the places of a station that would do for the next stop of a mission."""
+    """Returns the places of a station at which the next stop of a mission may take place."""
     return station.places if group == station.name else mission.left[:1]

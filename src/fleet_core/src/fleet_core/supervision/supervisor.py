@@ -136,14 +136,14 @@ class Supervisor:
                                                            journal.milliseconds, changes)
         """Robots that are not in the fleet file any more, but may be on the site."""
         self.acceptance = Acceptance(graph, {r.name: r.type for r in self.robots.values()})
-        """The data by which requests are checked."""
+        """The data with which requests are checked."""
         self.book = MissionBook(
             journal.missions(), journal.last_serial() + 1,
             {serial: now - seconds for serial, seconds in journal.stays().items()})
         self._journal = journal
         self._began = self._heard = now
         self._is_starting = True
-        # (robot, resource) if a robot is where it needs a device that does not report to be open
+        # (robot, resource): the robot is where it needs a device that does not report to be open
         self._lost: Set[Tuple[str, str]] = set()
         # after the loss of the journal: nothing is granted until all robots stand
         self._is_recovering = False
@@ -210,7 +210,7 @@ class Supervisor:
 
     @property
     def tick_due(self) -> Optional[float]:
-        """The time at which the next `tick` is due at the latest; None: the usual time will do.
+        """The time at which the next `tick` is due at the latest; None: it comes as usual.
 
         This tick stores all changes that reports made, with their effects, in one commit.
         """
@@ -274,14 +274,14 @@ class Supervisor:
         return [*actions, *self._out.actions(now)]
 
     def _acceptance_now(self) -> Acceptance:
-        """Returns the data by which requests are checked, with the places of the robots."""
+        """Returns the data with which requests are checked, with the places of the robots."""
         return replace(self.acceptance, places={
             robot.name: vertex for robot in self.robots.values()
             for vertex in [robot.record.some_vertex] if vertex is not None})
 
     def _accept(self, request: Request, before: Optional[Mission],
                 acceptance: Acceptance) -> Optional[Mission]:
-        """Accepts a request. None: it is a repeat, and its status is published again.
+        """Accepts a request. Returns None for a repeat, and publishes its status again.
 
         before -- the last mission with the id of the request
         """
@@ -450,7 +450,7 @@ class Supervisor:
 
     def set_load(self, name: str, request_id: Optional[int], now: float,
                  ) -> Tuple[str, List[Action]]:
-        """Stores the load that a robot carries according to a person.
+        """Stores what a robot carries, as a person has said.
 
         request_id -- of the robot's mission, whose load it carries; None: it carries nothing
 
@@ -527,10 +527,10 @@ class Supervisor:
             self._out.send()
 
     def _doubt_journal(self, why: str, reporting: str = '') -> None:
-        """Counts the place of each robot as unknown until it has stopped once.
+        """Counts the place of each robot as unknown until the robot has stopped once.
 
-        The run number stays wrong until all places are known. If the fleet manager restarts before,
-        the places are unknown again.
+        The run number stays wrong until all places are known. If the fleet manager restarts before
+        that, the places are unknown again.
 
         why       -- the reason as a clause
         reporting -- the robot whose report is just being handled

@@ -29,7 +29,7 @@ class OrderSwitching:
     """Looks for a better order, at most once in PERIOD.
 
     clearance -- m that stays free between any two robots
-    limit     -- s of the clock for one search
+    limit     -- s of the clock that one search may take
     """
 
     def __init__(self, clearance: float, limit: float = LIMIT) -> None:

@@ -48,8 +48,8 @@ def time_to_go(robot: ManagedRobot, errand: Errand, plan: Optional[PlanInForce],
                times: EdgeTimes, now: float) -> TimeToGo:
     """Returns the time that a robot needs for its errand; `now` is the supervisor's time.
 
-    A plan that was made for another errand is not used: there, a stay without an end lasts long.
-    Without a mission the robot's destination is the end of its plan.
+    A plan for another errand is not used, because it may count a stay without an end as a long one.
+    If the robot has no mission, its destination is the end of its plan.
     """
     mission, own = errand.mission, None if plan is None else plan.plan_of(robot.name)
     if plan is None or own is None or not robot.works or not plan.is_for(robot.name, errand):
@@ -65,7 +65,7 @@ def time_to_go(robot: ManagedRobot, errand: Errand, plan: Optional[PlanInForce],
 
 def _timed(robot: ManagedRobot, drives: Sequence[PlannedDrive], times: EdgeTimes,
            clock: float) -> Iterator[_TimedDrive]:
-    """Yields the drives with their times; the robot may have begun the first.
+    """Yields the drives with their times. The robot may have begun the first drive already.
 
     clock -- the present time (s) on the time scale of the plan
     """
@@ -82,7 +82,10 @@ def _timed(robot: ManagedRobot, drives: Sequence[PlannedDrive], times: EdgeTimes
 
 def _of_mission(mission: Mission, drives: Iterable[_TimedDrive], usual: float,
                 now: float) -> TimeToGo:
-    """Returns the time of a mission over these drives. A stay uses up the planned wait after it."""
+    """Returns the time that a mission needs for these drives.
+
+    Of the planned wait after a stay, only the part that is longer than the stay counts.
+    """
     stops = [(vertex, _stay(mission.request.dwell(mission.reached + number)))
              for number, vertex in enumerate(mission.left)]
     first, needed, stay = nan, 0.0, 0.0
@@ -108,8 +111,8 @@ def _stay(dwell: float) -> float:
 def time_over(mission: Mission, kinds: Iterable[RobotType], network: RoadNetwork) -> float:
     """Returns the seconds from the next destination of a mission to its last one, without a plan.
 
-    They are those of the fastest type, without traffic, with the stays that have an end. Infinite:
-    there is no path.
+    They are those of the fastest of `kinds`, without traffic. Stays count if they have an end.
+    Infinite: there is no path.
     """
     left = mission.left
     stays = sum(max(mission.request.dwell(index), 0.0)

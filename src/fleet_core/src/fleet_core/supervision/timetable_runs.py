@@ -1,4 +1,4 @@
-"""The runs of the timetables: each is a mission, whose id and stamp follow from its time.
+"""The runs of the timetables. A run is a mission; its id and stamp follow from the run's time.
 
 The time of the last run is stored together with its mission. So a restart neither repeats nor loses
 a run.
@@ -27,10 +27,10 @@ _LARGEST_ID = 2 ** 31 - 1
 
 
 class TimetableRun(NamedTuple):
-    """What a timetable asks for now.
+    """A run that a timetable requests now, or runs that it has missed.
 
     request -- of the run that is due; None: no run is due
-    due     -- the run, and how many were missed
+    due     -- the run, and the number of runs that were missed
     """
 
     timetable: Timetable
@@ -64,7 +64,9 @@ class TimetableRuns:
         self._looked: Optional[WallMinute] = None
 
     def due(self) -> Iterator[TimetableRun]:
-        """Yields, once in each minute, what the timetables ask for. `done` must be called for each.
+        """Yields the due or missed runs of all timetables, once in each minute.
+
+        The caller must call `done` for each.
         """
         now = self._now
         if now == self._looked:
@@ -118,7 +120,7 @@ def stored_name(timetable: str) -> str:
 
 
 def paused_name(timetable: str) -> str:
-    """Returns the name of the stored number that says whether it is paused."""
+    """Returns the name of the stored number that says whether a timetable is paused."""
     return f'timetable paused/{timetable}'
 
 

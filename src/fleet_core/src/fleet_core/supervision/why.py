@@ -1,6 +1,6 @@
 """Why a mission or a robot does not go on. Programs and people get the same answer, made here.
 
-A mission that has a robot waits for what its robot waits for.
+A mission that a robot serves waits for the same as the robot.
 """
 from __future__ import annotations
 
@@ -166,7 +166,7 @@ def _turn(robot: ManagedRobot, supervisor: Supervisor, now: float) -> Wait:
 
 
 def _until_free(before: Sequence[str], supervisor: Supervisor, now: float) -> float:
-    """Returns the seconds until the first of the robots at a station ends its work, at the latest.
+    """Returns after how many seconds, at the latest, one of these robots ends its work at a stop.
     """
     ends = [nan]
     for name in before:

@@ -91,7 +91,7 @@ class WorkDesk:
         self._sent: Dict[Tuple[str, int, StepAct], float] = {}
         for mission in book.serving.values():
             self._show(mission)
-        for mission in book.open:  # earlier versions kept some at work after they lost their robot
+        for mission in book.open:  # an older version may have kept a mission at work without robot
             self.parted(mission)
 
     # -- loads and works of the robots -------------------------------------------------------------
@@ -161,7 +161,7 @@ class WorkDesk:
         phase = rules.phase_of(Situation(mission.serial, work, load))
         if phase is WorkPhase.NEEDS_PERSON:
             return Wait(WaitCode.PERSON, mission.reason)
-        # A step that cannot be ordered is no work: a person must help.
+        # If its step cannot be ordered, the robot does not work: it waits for a person.
         code = WaitCode.PERSON if name in self._hindered else WaitCode.STEP
         return Wait(code, mission.reason or 'the end of its work',
                     rules.time_left(work, self._clock()))
@@ -225,7 +225,7 @@ class WorkDesk:
         """Notes the running steps that no mission here has ordered. Returns whether they changed.
 
         Such a step was ordered by another fleet manager, or for a mission that this fleet manager
-        has ended or forgotten. The first report of the robot already shows such a step.
+        has ended or forgotten. So only the first report of a robot can show a new one.
         """
         before = self._strange.pop(name, frozenset())
         running = frozenset(step.key for step in report.steps if not step.word.is_final)
@@ -252,7 +252,7 @@ class WorkDesk:
             self.fail(mission, f'the journal is older than a step that {taker} has taken')
 
     def follow_all(self, may_begin: bool) -> List[str]:
-        """Follows all robots with missions with steps. Returns those for which a step has begun.
+        """Updates the missions with steps. Returns the robots for which a step has begun.
 
         may_begin -- steps may begin now
         """
@@ -263,7 +263,7 @@ class WorkDesk:
                 if mission.serial in self._works and self._follow(mission, may_begin)]
 
     def _follow(self, mission: Mission, may_begin: bool) -> bool:
-        """Follows one robot. Returns whether a step has begun."""
+        """Updates one mission with steps. Returns whether a step has begun."""
         robot, situation = self._robots[mission.robot], self._situation(mission)
         now = self._clock()
         if not situation.work.is_ending:
@@ -338,7 +338,7 @@ class WorkDesk:
         return True
 
     def fail(self, mission: Mission, reason: str) -> bool:
-        """Fails a mission if it has steps and a robot serves it. Returns whether that is so.
+        """Lets a mission fail if it has steps and a robot serves it. Returns whether that is so.
 
         The mission has failed when its running steps have ended. Until then its robot stands.
         """
@@ -360,7 +360,7 @@ class WorkDesk:
         return problem
 
     def choices(self, mission: Mission) -> str:
-        """Returns the group of which any place would do for the next stop of a mission.
+        """Returns the group of a mission's next stop; the stop may be at any place of this group.
 
         Empty: the place of this stop is fixed.
         """
@@ -386,7 +386,7 @@ class WorkDesk:
         return problem
 
     def set_load(self, name: str, request_id: Optional[int]) -> str:
-        """Stores the load that a robot carries according to a person.
+        """Stores what a robot carries, as a person has said.
 
         request_id -- of the robot's mission, whose load it carries; None: it carries nothing
 
@@ -468,7 +468,10 @@ class WorkDesk:
             self._book.changed.add(mission.serial)
 
     def _set_phase(self, mission: Mission, phase: WorkPhase, reason: str) -> None:
-        """Sets the state and reason of a mission. During an outage of its robot: only its end."""
+        """Sets the state and reason of a mission.
+
+        While the robot of the mission has an outage, only the end of the mission is set.
+        """
         state, robot = _STATES[phase], self._robots.get(mission.robot)
         if mission.state is MissionState.PAUSED and state.is_open:
             state = MissionState.PAUSED

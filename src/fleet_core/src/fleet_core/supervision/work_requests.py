@@ -40,7 +40,7 @@ class WorkRequests:
         return request
 
     def placed(self, stops: Iterable[WorkStop]) -> Tuple[WorkStop, ...]:
-        """Returns the stops with a place of each group.
+        """Returns the stops, with a place for each stop that names a group.
 
         Raises RequestRefused for an unknown group.
         """

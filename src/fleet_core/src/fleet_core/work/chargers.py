@@ -79,7 +79,7 @@ class Candidate(NamedTuple):
 
 @dataclass(frozen=True)
 class Occupied:
-    """The places and the room at chargers that robots which are no candidates take.
+    """The places and the room that robots which are no candidates take at chargers.
 
     kept   -- places in which they stay
     inside -- by the name of a charger, how many of them stay in it

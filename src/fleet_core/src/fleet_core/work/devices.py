@@ -6,9 +6,9 @@ from dataclasses import dataclass
 from enum import Enum
 from typing import Optional, Tuple, Union
 
-LAST_ADDRESS = 65535   # of a coil or an input of Modbus, and of a port
-LAST_UNIT = 255        # of Modbus
-KEY_REGISTERS = 4      # of 16 bits each, the highest ones first
+LAST_ADDRESS = 65535   # the highest address of a coil or an input of Modbus, and the highest port
+LAST_UNIT = 255        # the highest unit of Modbus
+KEY_REGISTERS = 4      # number of registers (16 bits each) for a key; the highest bits come first
 
 
 class DeviceKind(Enum):
@@ -34,7 +34,7 @@ class ModbusAddress:
 
     open_coil -- the coil that opens it
     is_open   -- the discrete input that says that it is open
-    unit      -- the device behind a gateway
+    unit      -- number of the device behind a gateway
     """
 
     host: str
@@ -63,7 +63,7 @@ class HandOverAddress:
     start_coil   -- the coil that begins a hand-over
     key_register -- the first of the KEY_REGISTERS holding registers that receive the step's key
     done, failed -- the discrete inputs that say how it has ended
-    unit         -- the device behind a gateway
+    unit         -- number of the device behind a gateway
     """
 
     host: str

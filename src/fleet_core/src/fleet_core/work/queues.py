@@ -17,9 +17,10 @@ are full (`has_place_for`), because that robot would wait in the way of others a
 A waiter finds no queue place only if its mission has a stop before this one, or if the queue was
 shortened meanwhile.
 
-The rest has the order of the lower three rows. Robots that have arrived come first, in the order of
-their arrival. Then come those on their way, in the order in which they got a queue place, and then
-those without one, by priority and age of their missions. So no robot passes another in the queue.
+The rest are the waiters without a turn, in the order of the lower three rows. Robots that have
+arrived come first, in the order of their arrival. Then come those on their way, in the order in
+which they got a queue place. The last are those without a queue place, ordered by the priority and
+age of their missions. So no robot passes another in the queue.
 
 A turn is not a claim. A robot claims the station when it is granted the edges that lead there, as
 it claims a door (`interlocking.claims`). Nothing here is stored: after a restart, robots with a
@@ -31,8 +32,8 @@ Invariants, for each state after any events (`test_queues.py`):
   those that claim it exceed it already.
 - No two robots have the same target. No robot has a turn for a place where another one stands.
 - A queue place is not used while a queue place before it is free.
-- The order of those that have arrived never changes. None of them waits while a robot behind it
-  gets a turn, except for a place that only that robot may use.
+- The order of those that have arrived never changes. While one of them waits, no robot behind it
+  gets a turn, except for a place that does not suit the one that waits.
 - While a place that some robot may use is free, and there is room, no robot waits for it.
 """
 from __future__ import annotations
@@ -59,7 +60,7 @@ class Waiter(NamedTuple):
     """A robot whose next stop is at a station.
 
     places    -- vertices of the station that suit the robot, the nearest one first
-    rank      -- of its mission; the lower one is served first
+    rank      -- of its mission; the mission with the lowest rank is served first
     ends_at   -- vertex at which the edges that it was granted end; None: it is between vertices
     is_inside -- it claims the station
     """

@@ -50,7 +50,7 @@ from fleet_core.work.work import (
 )
 from route_protocol.steps import ShownStep, StepAct, StepCommand, StepReport, Word
 
-GRACE = 10_000  # ms: a person is asked if a step has not ended so long after it was told to end
+GRACE = 10_000  # ms after a step was told to end: if it has not ended then, a person is asked
 
 
 class StepDecision(IntEnum):
@@ -171,7 +171,7 @@ def stands_for(step: WorkStep, where: Where) -> bool:
 
 
 def blocks_none(step: WorkStep, work: Work) -> bool:
-    """Returns whether this step may run together with all that run now."""
+    """Returns whether this step may run together with all steps that run now."""
     running = [other for _, other, own in work.steps if own.state is StepState.RUNNING]
     return not running or step.blocking is not StepBlocking.HARD and all(
         other.blocking is not StepBlocking.HARD for other in running)
@@ -222,10 +222,9 @@ def _steps_in_turn(work: Work) -> Iterator[Tuple[StepPlace, WorkStep, StepProgre
 
 
 def passed(situation: Situation, reached: int) -> Situation:
-    """Returns the situation after the robot has passed so many stops without work.
+    """Returns the situation after the robot has reached so many stops without work.
 
-    It leaves one of them if it was AT_WORK there, because that stop was the last one until others
-    were added.
+    A stop may be AT_WORK, because it was the last one until others were added. Then it is left.
     """
     work = situation.work
     while work.current < min(reached, len(work.progress)):
@@ -241,7 +240,7 @@ def follow(situation: Situation, where: Where) -> Situation:
     """
     work = situation.work
     if where.stands:
-        work = _moved(work, where)  # also if it ends
+        work = _moved(work, where)  # even if the mission ends
     if _has_stop(work):
         work = _followed(work, where)
     return settle(situation._replace(work=work))
@@ -307,8 +306,8 @@ def _was_at_work(work: Work) -> bool:
 def _moved(work: Work, where: Where) -> Work:
     """Returns the work after a robot was moved away from its stop, if it was.
 
-    A person is asked first about the steps that run. Then the robot drives back, if steps are left
-    there.
+    A person is asked first about the steps that run. Then the robot drives back, if its stop has
+    steps left.
     """
     if where.is_there or work.current == len(work.progress) or (
             where.is_near and not is_at_work(work)):
@@ -346,7 +345,7 @@ def begin(situation: Situation, place: StepPlace, key: int, run: int, now: int) 
 
 
 def _changing(load: RobotLoad, step: WorkStep) -> RobotLoad:
-    """Returns the load of a robot after a step has begun that takes or gives a load.
+    """Returns the load of a robot after a step that takes or gives a load has begun.
 
     Until it is known how the step has ended, the robot may carry what it carried before, and also
     what the step takes.
@@ -514,14 +513,14 @@ def answer(situation: Situation, said: StepDecision, key: int = 0) -> Tuple[Situ
 
 
 def _no_answer(work: Work, own: StepProgress, said: StepDecision) -> str:
-    """Returns why a step cannot be answered so, in words that follow its name; '': it can."""
+    """Returns why a step cannot get this answer, in words that follow its name; '': it can."""
     if said is StepDecision.RETRY and own.state is StepState.RUNNING:
         return 'runs: there is nothing to retry'
     if said is StepDecision.RETRY and work.is_ending:
         return 'is not repeated, because its mission ends'
     if own.seen is Seen.NOTHING:
-        return ('is still on its way to its robot or device: start the driver of that, and answer '
-                'when it shows the step')
+        return ('is still on its way to its robot or device: start the driver of the robot or '
+                'device, and answer when it shows the step')
     if said is StepDecision.RETRY and not has_ended(own):
         return 'still runs: wait until it ends'
     return ''
@@ -541,7 +540,7 @@ def cancel(situation: Situation, reason: str = '') -> Situation:
 
 
 def fail(situation: Situation, reason: str) -> Situation:
-    """Returns the situation of a mission when neither its stops nor those for cleaning up can be
+    """Returns the situation of a mission when neither its stops nor those of `on_cancel` can be
     made any more.
     """
     return settle(situation._replace(work=replace(
@@ -561,7 +560,7 @@ def _end(situation: Situation, ending: Ending, reason: str) -> Situation:
 
 
 def settle(situation: Situation) -> Situation:
-    """Returns the situation of a mission that ends, after all that can end at once has ended."""
+    """Returns the situation of a mission that ends, after each part that can end now has ended."""
     if not situation.work.is_ending:
         return situation
     for place, _, own in tuple(situation.work.steps):
@@ -610,7 +609,7 @@ def _with_clean_up(work: Work, situation: Situation) -> Work:
 def changed(situation: Situation, stops: Tuple[WorkStop, ...], first: int = 0,
             ) -> Tuple[Situation, str]:
     """Returns the situation after new stops have replaced stops that have not begun, and a clause
-    that says why they cannot replace them (empty: they have).
+    that says why the change is refused (empty: it is made).
 
     first -- number, from 1, of the first stop to be replaced; 0: the first one that has not begun
     """

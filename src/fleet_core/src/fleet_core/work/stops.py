@@ -27,7 +27,7 @@ class StopKind(IntEnum):
 
 
 class Condition(IntEnum):
-    """When a stop for cleaning up is made, as in itrci_nav_msgs/MissionStop."""
+    """When a stop of `on_cancel` is made, as in itrci_nav_msgs/MissionStop."""
 
     ALWAYS = 0
     LOADED = 1
@@ -120,7 +120,7 @@ class WorkStop:
 
     place     -- vertex; for a group, the chosen vertex; 0 in a request: none is chosen yet
     condition -- for a stop after a cancellation: with which load the robot makes it
-    group     -- name of the group of which any place is right; empty: only `place` is right
+    group     -- name of a group: the stop may be at any of its places; empty: only at `place`
     """
 
     place: int
@@ -188,8 +188,7 @@ def problem_of(step: WorkStep) -> str:
 
 
 def _rules_of_load(step: WorkStep) -> Tuple[Tuple[bool, str], ...]:
-    """Returns the rules for a step that changes the load: whether it breaks each one, and a text.
-    """
+    """Returns, for each rule about a change of the load, whether the step breaks it, and a text."""
     return (
         (step.blocking is not StepBlocking.HARD, 'changes the load, so its blocking must be HARD'),
         (step.when is not When.AT, 'changes the load, so it must be carried out AT the stop'),

@@ -47,7 +47,7 @@ class StopState(Enum):
 
     @property
     def is_final(self) -> bool:
-        """Whether the stop is behind the robot, whether it was made or not."""
+        """Whether the stop is behind the robot, made or not made."""
         return self in (StopState.DONE, StopState.FAILED, StopState.SKIPPED)
 
 

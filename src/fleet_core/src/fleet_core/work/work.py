@@ -1,4 +1,4 @@
-"""The work of one mission: how far its stops and steps are, and the load of its robot.
+"""The work of one mission: the progress of its stops and steps, and the load of its robot.
 
 All objects here are immutable values. `work.rules` has the rules for new values. A `Situation` is
 stored as a whole, before anything that follows from it is sent.
@@ -25,7 +25,7 @@ class Seen(Enum):
 
 
 class Ending(Enum):
-    """How a mission ends before its last stop; NONE: it does not end so."""
+    """How a mission ends before its last stop; NONE: it does not end early."""
 
     NONE = ''
     CANCEL = 'cancel'
@@ -34,7 +34,7 @@ class Ending(Enum):
 
 @dataclass(frozen=True)
 class StepProgress:
-    """How far a step is.
+    """The progress of one step.
 
     key      -- number under which it was ordered last; 0: it was never ordered
     run      -- the run of its robot, or device, for which it was ordered
@@ -56,7 +56,7 @@ class StepProgress:
 
 @dataclass(frozen=True)
 class StopProgress:
-    """How far a stop is, with its steps."""
+    """The progress of one stop and of its steps."""
 
     state: StopState = StopState.WAITING
     steps: Tuple[StepProgress, ...] = ()
@@ -75,8 +75,8 @@ class Work:
 
     stops     -- stops that have been made, and stops that are to be made
     on_cancel -- stops that may follow a cancellation
-    is_cut    -- because it ends, some stops were removed, and those of `on_cancel` were added
-    reason    -- why it ends, for people
+    is_cut    -- the mission ends, so stops of `on_cancel` have replaced the stops that were left
+    reason    -- why the mission ends, for people
     """
 
     stops: Tuple[WorkStop, ...]
@@ -93,7 +93,7 @@ class Work:
 
     @cached_property
     def current(self) -> int:
-        """Number of the stop that is made now or next; the number of stops: none is."""
+        """Number of the stop that is made now or next; if there is none, the number of stops."""
         return next((k for k, stop in enumerate(self.progress) if not stop.state.is_final),
                     len(self.progress))
 
