@@ -351,6 +351,16 @@ class TestAfterAnOutage:
         assert bench.memory.ruling.kind is RecordKind.FOREIGN_DRIVE
         assert not bench.memory.stop_owed, 'the drive of another client is not stopped'
 
+    def test_a_drive_that_began_late_and_was_stopped_does_not_begin_again(self, bench):
+        bench.drive(ROUTE)
+        bench.robot('EStop pressed', 'EStop relieved and motors still disabled', 'Motors enabled')
+        bench.send()
+        bench.robot('Going to 12', 'Interrupted: Going to 100 200', 'Stopping')
+        assert bench.memory.stop_owed
+        bench.robot('Going to 12')
+        assert bench.memory.ruling.kind is RecordKind.FOREIGN_DRIVE
+        assert not bench.memory.stop_owed, 'the drive of another client is not stopped'
+
     def test_a_drive_that_is_to_be_answered_is_not_the_one_that_was_broken_off(self, bench):
         bench.status('Going to 12')
         bench.drive(ROUTE, 'goto 12')

@@ -56,6 +56,8 @@ Derived values and rules:
   client or of the robot itself.
 - A motion of the robot belongs to a drive if both have the same name. A motion without the name of
   a goal belongs to a drive without the name of a goal, also after an outage.
+- A drive that the robot has acknowledged does not set out again after the robot has obeyed a stop of
+  any client, or has broken the drive off. Another motion to the same goal is that of another client.
 - If the robot breaks off a drive (`Interrupted`), a new epoch begins at once. The reason may be an
   emergency stop or another client, so the robot's next line or status about its motion begins
   another epoch. Until that line or status, drives that name an epoch are refused. They are also
@@ -781,7 +783,12 @@ class Drives:
     def may_begin_late(self, activity: Activity) -> bool:
         """Returns whether this motion may be for a drive of ours that has ended for its giver."""
         return any(r.may_move and r.number not in self._executions and _may_cause(r, activity)
-                   for r in self._records)
+                   and not (r.acknowledged_by and self._is_stopped_since(r)) for r in self._records)
+
+    def _is_stopped_since(self, drive: DriveRecord) -> bool:
+        """Returns whether the robot has said `Stopping` for a stop that was sent after a drive."""
+        return any(r.owed and r.number > drive.number and self._was_sent(r)
+                   and self.has_begun(self._executions[r.number]) for r in self._records)
 
     def lost_drives(self, activity: Activity) -> List[DriveRecord]:
         """Returns the drives of unknown fate that may be the cause of this motion.
