@@ -56,8 +56,8 @@ Derived values and rules:
   client or of the robot itself.
 - A motion of the robot belongs to a drive if both have the same name. A motion without the name of
   a goal belongs to a drive without the name of a goal, also after an outage.
-- A drive that the robot has acknowledged does not set out again after the robot has obeyed a stop of
-  any client, or has broken the drive off. Another motion to the same goal is that of another client.
+- A drive that the robot has acknowledged does not set out again after the robot has obeyed a stop,
+  or has broken off the drive. A later motion to the same goal is that of another client.
 - If the robot breaks off a drive (`Interrupted`), a new epoch begins at once. The reason may be an
   emergency stop or another client, so the robot's next line or status about its motion begins
   another epoch. Until that line or status, drives that name an epoch are refused. They are also
