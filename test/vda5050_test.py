@@ -37,9 +37,10 @@ SCHEMAS = ROOT / 'build' / 'vda5050_schemas' / '2.1.0'
 PREFIX = 'uagv/v2/OMRON/omron_ld90'
 DOCK = 16
 # The robot has no instant action that takes time without a drive. Because its clock is eight times
-# as fast, it may happen to stop at a node.
+# as fast, it may happen to stop at a node, even in each of three attempts.
 MAY_NOT_BE_TRIED = {
     'a new order is rejected while an action of actionStates has not ended',
+    'an order from a node ahead, within its deviation, is driven or rejected',
     'after a cancellation: an order from a temporary node where the vehicle stands'}
 MISSION = (DOCK, 18, 39, 52, 6, DOCK)
 

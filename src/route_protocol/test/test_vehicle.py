@@ -167,6 +167,18 @@ def test_after_a_failure_a_route_begins_at_the_same_number_and_does_not_go_on():
     assert its.state.order == 5
 
 
+def test_after_its_master_moved_it_itself_a_route_has_the_next_number_and_does_not_go_on():
+    its = took(order(5, 1, 2))
+    its.leave_route()
+    assert its.state.phase is Phase.RUNNING
+    its.complete(2)
+    its.leave_route()
+    assert its.judge(order(6, 3, first=2)) == Judgement(Answer.ROUTE, done=2, rest=(3,))
+    assert (its.state.epoch, its.state.order) == (1, 5)
+    report = its.report(0, SymbolicPose(), None, Motion.STANDING)
+    assert report.states == (EdgeState.COMPLETE, EdgeState.COMPLETE)
+
+
 def test_a_new_epoch_fails_the_route_and_forgets_the_numbers():
     its = took(order(5, 1, 2))
     obey(its, order(6, 9), willing=False)

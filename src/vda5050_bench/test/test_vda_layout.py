@@ -11,7 +11,7 @@ from vda_schemas import problems
 
 from trajectory_graph import Graph, UnknownVertex, load_graph
 from vda5050_bench.layout import lif, main, shortest_edges, track_on
-from vda5050_bench.track import read_track
+from vda5050_bench.track import Stop, Track, action, read_track
 from vda5050_protocol.codec_3 import CODECS
 from vda5050_protocol.codecs import VERSION_2_1
 
@@ -52,6 +52,13 @@ def test_an_order_is_made_in_the_version_of_the_vehicle(capsys, version):
     header, order = CODECS[version].read('order', text.encode())
     assert (header.version, len(order.edges)) == (version, 3)
     assert not problems(version, 'order', json.loads(text))
+
+
+def test_an_action_is_that_of_the_node_if_an_edge_has_the_same_id():
+    track = Track((Stop('1', 0.0, 0.0), Stop('2', 1.0, 0.0)), ('2',), ('-2',))
+    order = track.order('o', actions={'2': [action('say', 'a')]})
+    assert [[found['actionId'] for found in item['actions']]
+            for item in (*order['nodes'], *order['edges'])] == [[], ['a'], []]
 
 
 def test_a_layout_has_every_vertex_and_both_directions():

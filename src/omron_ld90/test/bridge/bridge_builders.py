@@ -7,7 +7,7 @@ from itertools import count
 from typing import Callable, Dict, List, Optional, Sequence, Tuple
 
 from omron_arcl import ActivityKind, Outcome
-from omron_arcl.records import CommandFate, LastCommand, MotionCause, RobotMotion
+from omron_arcl.records import CommandFate, LastCommand, MotionCause, MotionState, RobotMotion
 from omron_arcl.replies import DockingState
 from omron_ld90.bridge import events as p
 from omron_ld90.bridge.route_follower import RouteFollower
@@ -39,7 +39,8 @@ def told_of(motion: RobotMotion) -> p.MotionTold:
         else EpochCause(memory.cause),
         obeys_us=memory.giver.name == BRIDGE and memory.cause is MotionCause.OTHER_GIVER,
         number=last.number, fate=last.fate, is_unexplained=memory.cause is MotionCause.INTERRUPTED,
-        state=motion.state, emergency_stop=motion.emergency_stop)
+        state=motion.state, emergency_stop=motion.emergency_stop, giver=memory.giver.name,
+        previous_epoch=memory.previous_epoch)
 
 
 def graph_of(places: Dict[int, Tuple[float, float]], ends: Dict[int, Tuple[int, int]]) -> Graph:
@@ -265,6 +266,13 @@ class Bench:
             self.robot.obey(None, command)
             self.robot.foreign = False
         self.hear_motion(reason)
+
+    def master_acts(self, master: str, state: MotionState = MotionState.STANDING) -> None:
+        """The master drives or stops the robot itself, and the controller reports it."""
+        before, self.epoch = self.epoch, self.epoch + 1
+        self.tell(p.MotionTold(
+            self.epoch, state=state, number=self.robot.last[0], fate=self.robot.last[1],
+            giver=f'/robot/{master}', previous_epoch=before))
 
     def tell(self, *events: p.Event) -> None:
         """Passes events to the follower; the robot obeys its commands."""

@@ -6,10 +6,10 @@ from bridge_builders import BRIDGE, told_of
 from modelled_controller import Delays
 from motion_witness import Witness
 
-from omron_arcl import Giver, parse_command, parse_line
+from omron_arcl import Giver, Outcome, parse_command, parse_line
 from omron_arcl.dispatcher import Dispatcher
-from omron_arcl.drives import Drives
-from omron_ld90.bridge.events import RobotLink
+from omron_arcl.drives import Drives, Overruled
+from omron_ld90.bridge.events import CommandEnded, RobotLink
 from omron_ld90.bridge.robot_monitor import RobotMonitor
 from omron_ld90.bridge.route_strategies import RouteSettings
 from route_protocol.values import EpochCause
@@ -21,10 +21,10 @@ LOST = ('lose',)
 class Told:
     """A bridge and a controller. The bridge hears of an act only if the test calls `tell`."""
 
-    def __init__(self) -> None:
+    def __init__(self, master: str = '') -> None:
         self.memory = None
         self.number = 0
-        self.robot = RobotMonitor(RouteSettings())
+        self.robot = RobotMonitor(RouteSettings(), master=lambda: master)
         self.start()
         self.tell()
 
@@ -148,6 +148,91 @@ def test_a_start_of_the_controller_is_nobodys_act_also_for_a_bridge_that_has_nev
     assert told.robot.overruled is None
     told.act(('shows', 'Stopped'), *WE_STOP)
     told.tell()
+    assert told.robot.overruled is EpochCause.OTHER_GIVER
+
+
+MASTER = Giver('/robot/vehicle', 'd')
+MASTER_WAITS = ('give', MASTER, 'doTask wait 5'), ('say', 'Doing task wait 5')
+MASTER_STOPS = ('give', MASTER, 'stop'), ('say', 'Stopping', 'Stopped')
+WE_ARRIVE = ('say', 'Arrived at 3'),
+
+
+def told_one_by_one(told: Told, *acts) -> None:
+    for act in acts:
+        told.act(act)
+        told.tell()
+
+
+@pytest.mark.parametrize('acts', [
+    MASTER_WAITS, (*MASTER_WAITS, ('say', 'Completed doing task wait 5')),
+    (*MASTER_WAITS, *MASTER_STOPS), (*MASTER_WAITS, ('cancel', MASTER)),
+    (*MASTER_WAITS, *MASTER_STOPS, *WE_DRIVE, *WE_ARRIVE, *MASTER_WAITS)])
+def test_what_the_master_of_the_route_does_itself_overrules_none_of_its_orders(acts):
+    told = Told('vehicle')
+    told_one_by_one(told, *WE_DRIVE, *WE_ARRIVE)
+    told.robot.leave()  # the route is complete
+    told_one_by_one(told, *acts)
+    assert told.robot.overruled is None
+
+
+def test_a_drive_that_the_controller_refused_for_an_epoch_of_the_master_is_given_again():
+    told = Told('vehicle')
+    told_one_by_one(told, *WE_DRIVE, *WE_ARRIVE)
+    told.robot.leave()
+    known = told.robot.epoch
+    told.act(*MASTER_WAITS)
+    waits = told_of(told.records.motion)
+    told.act(*MASTER_STOPS)
+    told.robot.tracker.send('4', 'goto 4')  # the bridge has heard nothing of that
+    give, = told.robot.due_commands(0.0)
+    assert give.known_epoch == known
+    stopped = told_of(told.records.motion)
+    with pytest.raises(Overruled):
+        told.dispatcher.start(parse_command('goto 4'), giver=OURS, known_epoch=known,
+                              number=give.number)
+    told.robot.update(waits, 0.0)
+    told.robot.update(stopped, 0.0)
+    told.robot.update(CommandEnded(give.number, Outcome.OVERRULED, ''), 0.0)
+    assert told.robot.due_commands(0.0) == []
+    told.tell()
+    assert told.robot.overruled is None
+    assert [again.known_epoch for again in told.robot.due_commands(0.0)] == [told.robot.epoch]
+
+
+@pytest.mark.parametrize('others', [
+    (('give', PERSON, 'stop'), ('say', 'Stopping', 'Stopped')),
+    (('say', 'Interrupted: Doing task wait 5', 'Stopping', 'Stopped'),),
+    (('say', 'Interrupted: Doing task wait 5'),), (('cancel', PERSON),)])
+@pytest.mark.parametrize('is_told', [True, False])
+def test_an_act_of_others_between_two_of_the_master_is_known(others, is_told):
+    told = Told('vehicle')
+    told_one_by_one(told, *WE_DRIVE, *WE_ARRIVE)
+    told.robot.leave()
+    told_one_by_one(told, *MASTER_WAITS)
+    if is_told:
+        told_one_by_one(told, *others)
+    else:
+        told.act(*others)
+    told_one_by_one(told, *MASTER_STOPS)
+    assert told.robot.overruled is not None
+
+
+@pytest.mark.parametrize('answered', [True, False])
+def test_a_master_that_stops_the_drive_of_its_own_route_takes_it_over(answered):
+    told = Told('vehicle')
+    told.tell()
+    told.robot.tracker.send('3', 'goto 3')
+    give, = told.robot.due_commands(0.0)
+    told.number = give.number - 1
+    told_one_by_one(told, *WE_DRIVE[:1 + answered], *MASTER_STOPS)
+    assert told.robot.overruled is EpochCause.OTHER_GIVER
+
+
+def test_a_program_with_another_name_is_not_the_master():
+    told = Told('adapter2')
+    told_one_by_one(told, *WE_DRIVE, *WE_ARRIVE)
+    told.robot.leave()
+    told_one_by_one(told, ('give', PROGRAM, 'goto 4'), ('say', 'Going to 4'))
     assert told.robot.overruled is EpochCause.OTHER_GIVER
 
 

@@ -9,7 +9,8 @@ from bridge_builders import DOCK_VERTEX, Bench, yard
 from hypothesis import given
 from hypothesis import strategies as st
 
-from omron_arcl import Outcome
+from omron_arcl import ActivityKind, Outcome
+from omron_arcl.records import MotionState
 from omron_ld90.bridge import events as p
 from omron_ld90.bridge.route_follower import RouteFollower
 from route_protocol.values import (
@@ -104,6 +105,72 @@ def test_an_order_that_goes_on_may_leave_out_what_is_driven(edges, first):
     fleet.run()
     assert fleet.commands == ['goto 2', 'goto 5', 'goto 6']
     assert (fleet.report.done, fleet.report.first) == (3, first)
+
+
+@pytest.mark.parametrize('is_late', [True, False])
+def test_an_order_that_crosses_what_its_master_did_itself_is_driven(is_late, monkeypatch):
+    fleet = Fleet()
+    fleet.send(1)
+    fleet.run()
+    epoch = fleet.report.epoch
+    gives = []
+    if is_late:
+        with monkeypatch.context() as on_the_way:
+            on_the_way.setattr(fleet, 'give', gives.append)
+            fleet.send(5, first=1)
+    fleet.master_acts('fleet')
+    for give in gives:
+        fleet.give(give)  # the controller refuses it, because it names the epoch before
+    if not is_late:
+        fleet.send(5, first=1, epoch=epoch)
+    fleet.run()
+    assert (fleet.refusals, fleet.report.epoch) == ([], epoch)
+    assert (fleet.commands, fleet.report.states) == (['goto 2', 'goto 5'], (EdgeState.COMPLETE,))
+
+
+def test_the_next_route_begins_where_its_master_has_brought_the_robot_itself():
+    fleet = Fleet()
+    fleet.send(1)
+    fleet.run()
+    fleet.robot.obey(None, 'goto 3')
+    fleet.robot.foreign = False
+    fleet.master_acts('fleet', MotionState.DRIVING)
+    assert fleet.report.motion is Motion.MOVED
+    fleet.run(lambda bench: bench.robot.goal is None)
+    fleet.hear_motion('')
+    fleet.run(lambda bench: bench.follower.report().motion is Motion.STANDING)
+    assert fleet.report.states == (EdgeState.COMPLETE,)
+    fleet.send(5, first=1)
+    assert fleet.refusals.pop().reason.code is ReasonCode.STARTS_ELSEWHERE
+    fleet.send(3, first=1)
+    fleet.run()
+    assert (fleet.refusals, fleet.commands[-1]) == ([], 'goto 4')
+    assert fleet.report.states == (EdgeState.COMPLETE,)
+
+
+def test_each_edge_on_which_a_stopped_robot_rolls_on_is_reported_at_once():
+    """Else the master would not know which vertices it has passed."""
+    fleet = Fleet(strategy='rolling')
+    fleet.send(1, 5, 6)
+    fleet.send(first=0)
+    fleet.reports.clear()
+    for k in range(1, 6):
+        fleet.tell(p.RobotSeen(int((fleet.now + 0.1 * k) * NANOSECONDS), ActivityKind.STOPPING,
+                               None, (2.0 * k, 0.0)))
+    assert {report.motion for report in fleet.reports} == {Motion.COMING_TO_REST}
+    assert [report.pose.edge for report in fleet.reports] == [5, 6]
+
+
+@pytest.mark.parametrize('giver', ['rviz', 'fleet2'])
+def test_what_another_than_the_master_did_overrules_an_order_on_its_way(giver):
+    fleet = Fleet()
+    fleet.send(1)
+    fleet.run()
+    epoch = fleet.report.epoch
+    fleet.master_acts(giver)
+    fleet.send(5, first=1, epoch=epoch)
+    assert fleet.refusals.pop().reason.code is ReasonCode.OVERRULED
+    assert (fleet.report.cause, fleet.commands) == (EpochCause.OTHER_GIVER, ['goto 2'])
 
 
 def test_an_order_that_does_not_go_on_with_the_edge_under_way_is_refused():

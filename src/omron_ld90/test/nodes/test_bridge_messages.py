@@ -70,12 +70,13 @@ def test_an_outcome_is_an_ending(outcome, message, ending):
     ('', EpochCause.OTHER_CLIENT, False), ('', EpochCause.EMERGENCY_STOP, True),
     ('', EpochCause.RESTART, False)])
 def test_a_motion_is_that_of_the_bridge_or_of_somebody_else(giver, cause, is_ours):
-    told = Motion(epoch=9, foreign_epoch=8, giver=giver, cause=int(cause),
+    told = Motion(epoch=9, previous_epoch=7, foreign_epoch=8, giver=giver, cause=int(cause),
                   stop_owed=True, reason='why')
     assert motion_told(told, '/r/bridge') == MotionTold(
         9, 8, is_ours, True, 'why',
         EpochCause.OTHER_GIVER if cause is EpochCause.STOP else cause,
-        obeys_us=giver == '/r/bridge', fate=CommandFate.NOT_OBEYED)
+        obeys_us=giver == '/r/bridge', fate=CommandFate.NOT_OBEYED, giver=giver,
+        previous_epoch=7)
 
 
 @pytest.mark.parametrize('fate', CommandFate)

@@ -29,6 +29,8 @@ Events and what follows
     | any other route            | the vehicle cannot               | refused: `refused` grows     |
     | route fails                | RUNNING                          | FAILED; `order` stays        |
     | another giver, restart ... |                                  | a new epoch; RUNNING: FAILED |
+    | the master itself moves    | COMPLETE                         | STOPPED: the next route does |
+    | the vehicle, past a route  |                                  | not go on with this one      |
 
 An order cannot be counted if it does not name its master, or if its number is the largest that a
 message can carry.
@@ -271,6 +273,13 @@ class Vehicle:
         """Ends a running route."""
         if self.state.is_running:
             self.state = replace(self.state, phase=Phase.FAILED, reason=reason)
+
+    def leave_route(self) -> None:
+        """Notes that the master itself moved or stopped the vehicle, past its routes. It decides
+        its next orders after that, so no epoch begins.
+        """
+        if self.state.phase is Phase.COMPLETE:
+            self.state = replace(self.state, phase=Phase.STOPPED)
 
     def begin_epoch(self, cause: EpochCause, reason: Reason = NO_REASON) -> None:
         """Begins a new epoch: no order that is on its way is obeyed any more.

@@ -44,10 +44,12 @@ class Track:
         """Returns an order over the whole track, without header.
 
         base    -- number of released nodes; None: all nodes
-        actions -- the actions by nodeId or edgeId
+        actions -- the actions by nodeId, or by edgeId where no node of the track has this id
         """
         released = len(self.stops) if base is None else base
         actions = actions or {}
+        of_edges = {key: found for key, found in actions.items()
+                    if all(key != stop.node_id for stop in self.stops)}
         nodes: List[Dict[str, Any]] = [
             {'nodeId': stop.node_id, 'sequenceId': first_sequence + 2 * i,
              'released': i < released,
@@ -59,7 +61,7 @@ class Track:
         edges = [{'edgeId': edge, 'sequenceId': first_sequence + 2 * i + 1,
                   'released': i + 1 < released, 'startNodeId': self.stops[i].node_id,
                   'endNodeId': self.stops[i + 1].node_id,
-                  'actions': list(actions.get(edge, ()))} for i, edge in enumerate(self.edges)]
+                  'actions': list(of_edges.get(edge, ()))} for i, edge in enumerate(self.edges)]
         return {'orderId': order_id, 'orderUpdateId': update, 'nodes': nodes, 'edges': edges}
 
 

@@ -66,6 +66,8 @@ class MotionTold:
     reason -- why the epoch began, for a person
     cause -- why the epoch began, for programs
     is_unexplained -- the robot broke off a drive; the next epoch has the cause
+    giver -- the node that drove or stopped the robot last; empty: no node, or it is unknown
+    previous_epoch -- the epoch before this one; 0: none is known
     emergency_stop -- the emergency stop is pressed, or the motors are off after it
     number -- of the last command of the bridge that the controller has; 0: none is known
     fate -- of this command; None: none is known
@@ -85,6 +87,8 @@ class MotionTold:
     number: int = 0
     fate: Optional[CommandFate] = None
     is_unexplained: bool = False
+    giver: str = ''
+    previous_epoch: int = 0
 
 
 class RobotLink(Enum):

@@ -11,6 +11,8 @@ from omron_ld90.bridge.robot_state import MapLocation, RobotLinks, RobotLocation
 from omron_ld90.bridge.route_strategies import RouteSettings
 from route_protocol.values import EMERGENCY_STOP, EpochCause, Reason, ReasonCode
 
+_BY_A_GIVER = (EpochCause.OTHER_GIVER, EpochCause.CANCEL)
+
 
 class RobotMonitor:
     """Takes every event except orders; `check` raises an exception when the running route must end.
@@ -20,10 +22,11 @@ class RobotMonitor:
     """
 
     def __init__(self, settings: RouteSettings, links: Iterable[p.RobotLink] = (),
-                 number: int = 0) -> None:
+                 number: int = 0, master: Callable[[], str] = lambda: '') -> None:
         """links -- the links that must be up before the robot can be driven
 
         number -- not smaller than the number of any command that was given before
+        master -- returns the name of the master whose orders count; empty: there is none
         """
         self.location = RobotLocation()
         self.links = RobotLinks(links, settings.link_timeout, settings.restart_timeout)
@@ -45,6 +48,9 @@ class RobotMonitor:
         """Whether the present epoch began because the robot obeys a drive of ours."""
         self.overruled: Optional[EpochCause] = None
         """Why orders that were on their way must not be obeyed any more; None: they may."""
+        self.was_moved_by_master = False
+        """Whether a command of the master itself, not a route, drove or stopped the robot."""
+        self._master = master
         self._is_unexplained = False  # the robot broke off a drive; the next epoch has the cause
         self._taken_over: Optional[TakenOver] = None
         self._number = number  # of the last command
@@ -186,10 +192,27 @@ class RobotMonitor:
         self._note_docked(now)
         if event.epoch == self.epoch:
             return
+        is_masters = self._is_of_master(event)
         self.drives_for_us, self._is_unexplained = event.obeys_us, event.is_unexplained
         known, self.epoch = self.epoch, event.epoch
-        if not event.is_unexplained:  # if it is unexplained, the next epoch shows what happened
+        if is_masters:
+            self.foreign_epoch, self.was_moved_by_master = event.foreign_epoch or event.epoch, True
+        elif not event.is_unexplained:  # if it is unexplained, the next epoch shows what happened
             self._judge_foreign_epoch(known, event)
+
+    def _is_of_master(self, event: p.MotionTold) -> bool:
+        """Returns whether a command of the master itself began this epoch. The master decides its
+        later orders after that command.
+
+        The answer is no if the command ended a drive of ours that the controller had, or if there
+        may have been epochs between this one and the last one that is known here.
+        """
+        word = self.tracker.word
+        had_our_drive = self.tracker.goal is not None and 0 < word.number <= event.number
+        follows = event.previous_epoch == self.epoch != 0 and not self._is_unexplained
+        return (follows and not had_our_drive and not event.is_unexplained
+                and event.cause in _BY_A_GIVER
+                and event.giver.rpartition('/')[2] == self._master() != '')
 
     def _judge_foreign_epoch(self, known: int, event: p.MotionTold) -> None:
         """Notes whether another giver, another client or the robot itself acted after the `known`

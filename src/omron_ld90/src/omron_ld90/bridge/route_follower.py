@@ -19,6 +19,8 @@ The reports carry an epoch of the vehicle; the commands carry an epoch of the co
     an order                         begins a route, waits, or is  changes the route, waits, or is
                                      refused                       refused
     another giver or person drives   a new epoch begins            FAILED, the robot is left alone
+    a command of the master itself   a COMPLETE route becomes      FAILED if the controller had a
+    moves or stops the robot         STOPPED                       drive of the route; else nothing
     a failure (`RouteFailed`)        -                             FAILED, the robot is stopped
     the last edge is complete        -                             COMPLETE
     a restart                        the place is restored         the route goes on as soon as the
@@ -96,9 +98,10 @@ class RouteFollower:
         self.settings = settings
         self.graph = graph
         self._next_graph: Optional[Graph] = None  # it waits until the running route has ended
-        self.robot = RobotMonitor(settings, links, clock())
         self.vehicle = Vehicle(draw, clock)
         """The vehicle's end of the route protocol."""
+        self.robot = RobotMonitor(settings, links, clock(),
+                                  lambda: self.vehicle.state.master or '')
         self.route: Optional[RouteRun] = None
         """The driving of the vehicle's present or last route; None: no such route on this graph."""
         # the record of a route to continue, and the time at which to give that up
@@ -230,8 +233,12 @@ class RouteFollower:
 
     @property
     def _reported(self) -> Tuple[object, ...]:
-        """The values whose changes are reported at once."""
-        return self.vehicle.state, self._stop_problem, self.motion, self.robot.emergency
+        """The values whose changes are reported at once. They include each edge on which a stopped
+        robot rolls on, so that the master knows which vertices the robot has passed.
+        """
+        motion = self.motion
+        edge = self.pose.edge if motion is Motion.COMING_TO_REST else 0
+        return self.vehicle.state, self._stop_problem, motion, self.robot.emergency, edge
 
     @property
     def _stop_problem(self) -> Reason:
@@ -341,12 +348,21 @@ class RouteFollower:
             self._motion.seen(event, self.robot.location.last if moved else None, self.running)
         elif isinstance(event, p.MotionTold):
             self._motion.told(event)
+            self._leave_route_for_master()
         if self.robot.epoch != known and self._drives_without_route():
             self.robot.stop(self.robot.epoch)
             self._note('The robot obeys a drive of a route that has ended, and is stopped.')
         if moved and driven:
             self._note(driven.locate(self._here, now))
         self._drive_on(now)
+
+    def _leave_route_for_master(self) -> None:
+        """Ends a complete route if a command of the master itself has moved the robot. The next
+        route begins where the robot is then.
+        """
+        if self.robot.was_moved_by_master:
+            self.robot.was_moved_by_master = False
+            self.vehicle.leave_route()
 
     def _drives_without_route(self) -> bool:
         """Returns whether the robot obeys a drive of ours that no route needs."""

@@ -69,7 +69,7 @@ def motion_told(message: Motion, own_name: str) -> MotionTold:
                       _STATES.get(message.state, MotionState.UNKNOWN), message.emergency_stop,
                       message.giver == own_name and message.cause == Motion.OTHER_GIVER,
                       last.number, _FATES.get(last.fate, CommandFate.UNKNOWN),
-                      message.cause == Motion.INTERRUPTED)
+                      message.cause == Motion.INTERRUPTED, message.giver, message.previous_epoch)
 
 
 def link_reported(message: LinkState) -> Optional[LinkReported]:
