@@ -1,6 +1,6 @@
 """Converts requests and reports of devices to and from messages of `itrci_nav_msgs`.
 
-Only this module uses the names of their fields. It does not import ROS.
+Only this module uses the fields of these messages. It does not import ROS.
 """
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from route_protocol.devices import (
     DeviceUse,
 )
 
-MOST_USES = 200      # of one report; more are a mistake
+MOST_USES = 200      # in one report; a report with more uses is refused
 LONGEST_NAME = 100   # letters of the names of devices and requesters
 _LONGEST_TEXT = 500  # letters of a reason that are kept
 

@@ -1,4 +1,4 @@
-"""Devices: doors, lights and others, as requesters ask for them and `fleet_devices` shows them.
+"""Doors, lights and other devices: the requests for them, and the reports of `fleet_devices`.
 
 A requester holds a device open with one request, and gives it back with another. Its requests have
 *numbers*, which only grow, even after a restart. Each request is taken once: if its number is not
@@ -7,7 +7,7 @@ request until a report shows its number, even a request that gives the device ba
 
 A report that says OPEN shows only requests that were taken before the device was read. So a
 requester that finds its newest number in such a report knows that the device was read open after
-it had asked. Reports have the number of a run and a count, so that an old report is never taken for
+the request. Reports have the number of a run and a count, so that an old report is never taken for
 a new one, however late it comes.
 """
 from __future__ import annotations

@@ -5,8 +5,8 @@ A device that hands over to robots carries out steps in the same way: it is then
 A master orders a step by a command with a *key*. Keys only grow, even after a restart of the
 master. The robot takes each key once: if the key of a command is not above the last one, the
 command is a repetition. So a master repeats a command until the robot shows its key, and the step
-is carried out at most once. It sends the command with the next key only when the robot shows the
-key before.
+is carried out at most once. The master sends the command with the next key only when the robot
+shows the previous key.
 
 The robot draws a number, its *run*, when it starts, and shows it. A command names the run that the
 master knows. A robot that has started again since then does not obey the command, because it does
@@ -89,7 +89,7 @@ class StepCommand:
 
 @dataclass(frozen=True)
 class ShownStep:
-    """A step that a robot has taken, as it shows it. `text` is for people."""
+    """A step that a robot has taken, as the robot shows it. `text` is for people."""
 
     key: int
     word: Word = Word.RUNNING

@@ -56,7 +56,8 @@ class Context:
     def standing(self) -> bool:
         """Whether actions that require a standing vehicle may start.
 
-        They may if the robot is seen to stand, or if it has driven everything that it was sent.
+        They may start if reports show that the robot stands. They may also start if the robot has
+        driven everything that it was sent, and no report contradicts this.
         """
         drive, robot = self.state.drive, self.robot
         if not drive.at_rest:

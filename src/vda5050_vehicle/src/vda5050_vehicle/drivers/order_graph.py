@@ -103,8 +103,8 @@ class OrderGraph:
         """Returns the edge on which a robot drives to the start of an order's first edge.
 
         No edge is needed if the robot stands at this start or on the first edge, or if the order
-        begins with a leg without length (`first` is 0). Otherwise it is the edge on which the robot
-        stands.
+        begins with a leg without length (`first` is 0). Otherwise the result is the edge on which
+        the robot stands.
         passing  -- m within which a robot is at a vertex
         corridor -- m within which a robot is on a curve
         Raises NotDrivable if the robot stands on no edge that leads to the start.

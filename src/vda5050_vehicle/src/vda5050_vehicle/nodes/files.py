@@ -36,8 +36,8 @@ class JournalLog:
     def read(self, drive: Type[DriveProgress]) -> Optional[Tuple[VdaVehicleState, bool]]:
         """Returns the stored state, or None if there is no file; raises WrongRecord.
 
-        The second value is true if the state is of this boot of the computer. An unfinished last
-        line is ignored: the vehicle had not yet acted upon its change.
+        The second value is true if the computer was not booted since the state was stored. An
+        unfinished last line is ignored: the vehicle had not yet acted upon its change.
         """
         try:
             *lines, _unfinished = self._path.read_text(encoding='utf-8').split('\n')
@@ -50,7 +50,7 @@ class JournalLog:
         return journal.read(lines, drive), journal.boot_of(lines[0]) == boot_id()
 
     def write(self, before: Optional[VdaVehicleState], now: VdaVehicleState) -> None:
-        """Appends the changes; writes a new file if it would grow too large. Raises OSError."""
+        """Appends the changes; writes a new file if the old one is too large. Raises OSError."""
         is_new = before is None or self._changes >= MAX_JOURNAL
         text = journal.line(None if is_new else before, now, boot_id() if is_new else '') + '\n'
         changes, self._changes = self._changes, MAX_JOURNAL  # write anew after a failure

@@ -205,7 +205,7 @@ class VehicleNode:
         return (*self._show_robot(now), *self._vehicle.tick(now))
 
     def _say_ready(self) -> None:
-        """Says once that a master can drive: the broker is reached, and the pose is known."""
+        """Announces once that a master can drive the robot: broker and pose are known to work."""
         settings = self._settings
         if self._is_ready_told or not self._mqtt.connected or (
                 self._vehicle.context.robot.pose is None):
