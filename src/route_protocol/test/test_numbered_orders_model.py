@@ -1,4 +1,4 @@
-"""Numbered orders are safe and live in every sequence of events, and each rule is needed."""
+"""Numbered orders keep all invariants in every sequence of events, and each rule is needed."""
 from __future__ import annotations
 
 import pytest

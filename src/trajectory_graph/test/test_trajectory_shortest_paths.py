@@ -1,4 +1,4 @@
-"""Shortest paths are drivable routes, and none through a neighbour is shorter."""
+"""Shortest paths are drivable routes, and no path through a neighbour of the start is shorter."""
 from __future__ import annotations
 
 import pytest

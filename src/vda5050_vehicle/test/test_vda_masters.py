@@ -68,7 +68,7 @@ def elements(names: Sequence[str], first: int, released: int, node: Dict[str, An
 
 
 def test_opentcs_drives_step_by_step_and_charges_at_the_end():
-    """openTCS uses its own names of points and SOFT charging.
+    """openTCS uses its own names of points, and charges with the blocking type SOFT.
 
     Each order message has one more step in its base. All edges have maxSpeed.
     """
@@ -159,7 +159,7 @@ def test_vda_5050_lib_finds_its_rejected_order_by_the_references():
 
 @pytest.mark.parametrize('name', MASTERS)
 def test_a_master_whose_serialiser_writes_null_for_what_it_does_not_set(name):
-    """As serialisers of C# and pydantic do by default."""
+    """Serialisers of C# and pydantic write null by default."""
     master = MASTERS[name]
     vehicle = master.vehicle()
     order = {'orderId': 'o', 'orderUpdateId': 0, 'zoneSetId': None, **elements(

@@ -81,7 +81,7 @@ class KeepsOpenOrders(RouteDriver):
 
 
 class IgnoresCause(RouteDriver):
-    """A faulty driver that drives on in a new epoch, whoever began the epoch."""
+    """A faulty driver that drives on in a new epoch, regardless of the giver that began it."""
 
     def _judge_orders(self, before, said, news, now):
         super()._judge_orders(before, said, replace(news, cause=None), now)

@@ -4,7 +4,7 @@ The robot refuses, hides its velocity, loses its link, brakes late, and obeys pe
 report whether they stand (a signal in vehicle.yaml). The robot's end of the route protocol is the
 real code. These properties always hold:
 
-* no route is sent after cancelOrder without another order;
+* after cancelOrder, no route is sent before another order comes;
 * cancelOrder and startPause are FINISHED only while the robot stands;
 * after a person's stop no route is begun before the master's stopPause or another order;
 * during a pause no drive begins before stopPause;
@@ -71,7 +71,7 @@ class UnrulyLab(Lab):
         self.robot = UnrulyRobot()
 
     def look(self):
-        """The vehicle receives the robot's state, as far as the robot reports it."""
+        """The vehicle receives those values of the robot's state that the robot reports."""
         moves = self.robot.moves
         velocity = DRIVING if moves else STANDING
         if self.robot.answers:
@@ -122,7 +122,7 @@ class RandomStops(RuleBasedStateMachine):
         return int(self.lab.vehicle.state.order.last_node[0] or 8)
 
     def attempt(self, call):
-        """Carries out an act; the adapter may be killed, and restarts from its journal."""
+        """Carries out an act; an adapter that is killed during it restarts from its journal."""
         try:
             call()
         except Killed:

@@ -1,6 +1,6 @@
 """A cancel or a pause always reaches the robot.
 
-It is FINISHED only if the robot is known to stand. Nothing is driven after another giver's stop.
+It is FINISHED only when the robot is known to stand. After another giver's stop, nothing is driven.
 """
 from __future__ import annotations
 
@@ -272,7 +272,7 @@ def test_an_epoch_of_its_own_action_holds_nothing():
 
 def test_a_person_who_stops_the_robot_while_it_speaks_holds_it():
     lab = at_an_action()
-    lab.robot.overruled()  # speech is no motion
+    lab.robot.overruled()  # the action `say` does not explain a new epoch
     lab.wait(0.1)
     lab.end_action('b')
     lab.wait(5.0)

@@ -90,9 +90,10 @@ def way(*vertices: int) -> Track:
 
 
 class RobotSide:
-    """The receiver of orders: the real vehicle's end of the route protocol.
+    """The robot that receives the orders; its end of the route protocol is the real code.
 
-    It takes each order that the protocol allows, drives when the test says so, and stops at once.
+    The robot takes each order that the protocol allows, drives when the test says so, and stops at
+    once.
     """
 
     def __init__(self) -> None:
@@ -143,7 +144,7 @@ class RobotSide:
 
     @property
     def pose(self) -> SymbolicPose:
-        """Its place on its route, or `place`."""
+        """The robot's place on its route, or `place`."""
         if self.place is not None or not self.route:
             return self.place or SymbolicPose()
         edge = self.route[min(self.done, len(self.route) - 1)]
@@ -156,7 +157,7 @@ class RobotSide:
 
     @property
     def route(self) -> Tuple[int, ...]:
-        """All edges that it drives, or has driven, under the label of its route."""
+        """All edges that the robot drives, or has driven, under the label of its route."""
         return self._driven + self.vehicle.state.edges
 
     @property
@@ -191,7 +192,7 @@ class RobotSide:
 class Lab:
     """A vehicle in the laboratory, with its robot's side, a clock, and all its messages.
 
-    Each state that it sends is checked for the rules that a schema cannot express.
+    Each state that the vehicle sends must satisfy the rules that a schema cannot express.
     """
 
     def __init__(self, at: Optional[int] = 8, driver: Optional[MakeDriver] = None,

@@ -1,6 +1,6 @@
 """Converts graphs to and from messages of `itrci_nav_msgs`.
 
-The module does not import ROS; it only uses the names of the fields.
+The module does not import ROS; it only uses the fields of the messages.
 """
 from __future__ import annotations
 
