@@ -1,10 +1,10 @@
 """Judges plans from their files alone, without any code of the planner.
 
-Everything is computed anew: curves from the fleet's files, lengths by fine sampling, distances by
-Shapely. The checker assumes that each robot can be arbitrarily late. It compares all places that
-two robots can occupy at the same time under the precedence. For each drive of a robot it computes
-how far the other robots must have come by then. It checks the distance to all places that they may
-still occupy.
+The checker computes everything itself: curves from the files of the fleet, lengths by fine
+sampling, distances with Shapely. It assumes that each robot can be arbitrarily late, and compares
+all places that two robots can occupy at the same time under the precedence. For each drive of a
+robot it computes how far the other robots must have come when the drive begins. Then it checks the
+distance to all places that the other robots may still occupy.
 """
 from __future__ import annotations
 
@@ -112,9 +112,7 @@ class World:
 
 
 class Held(NamedTuple):
-    """The places that a robot may occupy during drive `index`; -1: it stands before its first
-    drive.
-    """
+    """The places that a robot may occupy during drive `index`; -1: before its first drive."""
 
     index: int
     shape: object
@@ -209,7 +207,7 @@ def time_faults(world: World, plan: dict) -> List[str]:
 
 
 class Order:
-    """How far the other robots must have come when a drive begins, by all constraints."""
+    """How far the constraints require the other robots to be when a drive begins."""
 
     def __init__(self, plan: dict) -> None:
         self.names = list(plan['robots'])
@@ -227,7 +225,7 @@ class Order:
                 self._work_out((name, j), state)
 
     def _work_out(self, root: Tuple[str, int], state: Dict[Tuple[str, int], int]) -> None:
-        """Computes `reached` by a depth-first search; state 1: its search has begun, 2: is done."""
+        """Computes `reached` by a depth-first search; `state` of a drive: 1: begun, 2: done."""
         stack = [root]
         while stack:
             node = stack[-1]
@@ -292,7 +290,7 @@ def held_faults(world: World, plan: dict, order: Order) -> List[str]:
 
 
 def _shape(world: World, plan: dict, name: str, k: int, fraction: float = 0.0):
-    """The part of a drive that a robot may occupy; at least this fraction of it is behind it."""
+    """The part of a drive that a robot may occupy when it has passed at least this fraction."""
     if k < 0:
         return world.start(name)
     edge = plan['robots'][name][k]['edge']

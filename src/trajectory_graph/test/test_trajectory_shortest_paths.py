@@ -1,4 +1,4 @@
-"""Shortest paths are drivable routes, and no path through a neighbour of the start is shorter."""
+"""Shortest paths are drivable routes, and no edge makes the path to another vertex shorter."""
 from __future__ import annotations
 
 import pytest

@@ -81,8 +81,8 @@ def test_its_order_is_driven_as_far_as_it_releases_it(pair, released):
 
 
 def test_it_pauses_and_resumes_again_and_again(pair):
-    """All pauses have one actionId, and all resumptions have another. The vehicle obeys, but reports
-    an error.
+    """All pauses have one actionId, and all resumptions have another. The vehicle obeys, but
+    reports an error.
     """
     pair.do('order', 'o', places(WAY), len(WAY), None)
     for act, is_paused in 2 * [('pause', True), ('resume', False)]:

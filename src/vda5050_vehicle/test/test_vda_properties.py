@@ -1,10 +1,10 @@
 """Random masters, random robots, random losses: properties that must always hold.
 
-The vehicle of the laboratory gets orders, updates, cancels, pauses, duplicates, reordered messages
-and lost messages. Its robot drives, fails, is stopped, and the adapter is killed. The strict
+The vehicle of the laboratory gets orders, updates, cancellations and pauses; messages are repeated,
+reordered or lost. Its robot drives, fails and is stopped, and the adapter is killed. The strict
 checker checks each state that the vehicle sends (`Lab.do`). In addition:
 
-* no edge that was not released was ever in a route;
+* a route never contains an edge that was not released;
 * a rejected order, or a copy of an accepted order, changes nothing except the errors;
 * every action is started at most once, and at its node if the vehicle must stand for it;
 * an ended action keeps its result, and an action that ran when the adapter was killed has ended.

@@ -2,7 +2,7 @@
 
 A system consists of relations between things, such as robots and places. There may be any number of
 things, so a proof holds for every site and every fleet. An action has guards, which must hold
-before it. It also has an effect: a formula over the relations before and after it.
+before the action, and an effect: a formula over the relations before and after the action.
 
 This module needs the package z3-solver, which scripts/test.sh installs in build/z3. Without z3, the
 tests of each module that imports this one are skipped.
@@ -33,7 +33,7 @@ class Action(NamedTuple):
 
 
 class System:
-    """Relations before and after an action, by name, and the invariants that must hold for them.
+    """Relations before and after an action, by name, and the invariants that they must satisfy.
 
     sorts -- for each relation, the sorts of the two things that it relates
     """

@@ -1,14 +1,14 @@
 """Grants while the planner works: a search through every sequence of events of a small fleet.
 
-The robots, the planner and the interlocking are models. The decisions are those of the real code:
-which edges are due (`due_edges`), which are foreseen (`foreseen_edges`), and whether an answer of
-the planner fits (`Question.plan`).
+The robots, the planner and the interlocking are models. The real code decides which edges are due
+(`due_edges`), which edges are foreseen (`foreseen_edges`), and whether an answer of the planner
+fits (`Question.plan`).
 
 The model is a fleet whose robots drive whole edges. Two edges exclude each other if they share a
-vertex. The planner may give each plan that is right for its question: for each choice of short
-paths, each order in which all robots come to their goals. A forgetful planner may also leave out
-one constraint of the order. The steps are: a robot drives its next edge; a robot is granted the
-next edge that is due; the planner is asked; an answer comes.
+vertex. The planner may answer with any plan that is right for the question: any choice of short
+paths, and any order in which all robots come to their goals. A forgetful planner may leave out one
+constraint of the order. The steps are: a robot drives its next edge; a robot is granted the next
+edge that is due; the planner is asked; an answer comes.
 
 What must hold:
 
@@ -79,7 +79,8 @@ class Guard(Enum):
 
 
 class Plan(NamedTuple):
-    """A plan: for each robot the number of its first drive, and its edges; and the order."""
+    """A plan: for each robot the number of its first drive, and its edges; the order of all robots.
+    """
 
     bases: Tuple[int, ...]
     drives: Tuple[Tuple[int, ...], ...]
@@ -88,8 +89,10 @@ class Plan(NamedTuple):
 
 
 class Asked(NamedTuple):
-    """An open question. For each robot it has its base, the edges that count as released, and the
-    first number that was not granted yet. `is_limited`: only foreseen edges are granted."""
+    """An open question. It has for each robot: the base, the edges that count as released, and the
+    number of the first edge that was not granted yet. `is_limited`: only foreseen edges are
+    granted.
+    """
 
     bases: Tuple[int, ...]
     released: Tuple[Tuple[int, ...], ...]
@@ -123,9 +126,9 @@ class Found(NamedTuple):
 
 
 class Fleet:
-    """A fleet on a graph; `robots` has the start and the goal (vertex ids) of each.
+    """A fleet on a graph; `robots` has the start and the goal (vertex ids) of each robot.
 
-    further   -- m that a question foresees
+    further   -- m of edges that a question foresees
     forgetful -- the planner may leave out one constraint
     without   -- a rule that is left out
     """
@@ -343,7 +346,8 @@ class Fleet:
 
     def _rows(self, released: Tuple[int, ...], drives: Tuple[Tuple[int, ...], ...],
               places: Tuple[int, ...]) -> Iterator[Tuple[Tuple[int, int], ...]]:
-        """Each order in which the robots can drive all drives one by one, released ones first."""
+        """Each order in which the robots can make all drives after the released ones, one by one.
+        """
         def at(k: int, count: int) -> int:
             return self._end(places[k], drives[k][:count])
 
@@ -359,7 +363,7 @@ class Fleet:
 
     def _order(self, row: Sequence[Tuple[int, int]], drives: Tuple[Tuple[int, ...], ...],
                released: Tuple[Tuple[int, ...], ...]) -> Tuple[Constraint, ...]:
-        """The constraints of a row: a drive waits for the last drive in its way of each robot."""
+        """The constraints of a row: a drive waits for each robot's last drive that is in its way."""
         whole = [*((k, number) for k, edges in enumerate(released)
                    for number in range(len(edges))), *row]
         found: Set[Constraint] = set()

@@ -1,4 +1,4 @@
-"""Queues before stations: turns, queue places and their order, after any events."""
+"""Queues before stations: turns, queue places and their order, in any situation."""
 from __future__ import annotations
 
 from random import Random
@@ -260,8 +260,8 @@ class Yard:
         self._check_nobody_waits_in_vain(known, inside, others)
 
     def _check_order(self, before: Queue) -> None:
-        """No robot that has arrived waits while one behind it gets a turn for a place that the
-        waiting robot may use, too.
+        """While a robot waits, no robot behind it gets a turn for a place that the waiting robot
+        may use.
         """
         new = {name: place for name, place in self.queue.turns.items()
                if name not in before.turns and name not in self.inside}

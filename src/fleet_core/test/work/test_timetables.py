@@ -1,4 +1,4 @@
-"""A run of a timetable is made once, whatever the clock does, and lost runs are counted."""
+"""Each run of a timetable is made once, even if the clock jumps, and lost runs are counted."""
 from __future__ import annotations
 
 import time
