@@ -167,7 +167,7 @@ def structure_faults(world: World, plan: dict) -> List[str]:
 
 
 def sum_faults(plan: dict, ends: Sequence[float]) -> List[str]:
-    """Sums in a plan that do not agree with the times at which the robots end."""
+    """Sums in a plan that do not agree with the times at which the robots finish."""
     found: List[str] = []
     if abs(plan['sum_of_costs'] - sum(ends)) > 1e-6 * (1 + sum(ends)):
         found.append(f'sum_of_costs is {plan["sum_of_costs"]}, not {sum(ends)}')
@@ -207,7 +207,7 @@ def time_faults(world: World, plan: dict) -> List[str]:
 
 
 class Order:
-    """How far the constraints require the other robots to be when a drive begins."""
+    """For each drive: how far the constraints require the other robots to be when it begins."""
 
     def __init__(self, plan: dict) -> None:
         self.names = list(plan['robots'])
@@ -258,14 +258,14 @@ class Order:
             self.reached[node] = reached
 
     def at_least(self, other: str, name: str, drive: int) -> Tuple[int, float]:
-        """The least (drive, fraction) that `other` has reached when `name` is at `drive`."""
+        """The least (drive, fraction) that robot `other` has reached when `name` begins `drive`."""
         if drive < 0:
             return (-1, 0.0)
         return self.reached[name, drive].get(other, (-1, 0.0))
 
 
 def held_faults(world: World, plan: dict, order: Order) -> List[str]:
-    """Pairs of places that are too near, but that two robots may occupy at the same time."""
+    """Pairs of places that are too near to each other, but may be occupied at the same time."""
     found: List[str] = []
     names = order.names
     boxes = {name: np.array([_shape(world, plan, name, k).bounds
@@ -306,7 +306,7 @@ def _shape(world: World, plan: dict, name: str, k: int, fraction: float = 0.0):
 
 
 def nominal_faults(world: World, plan: dict, step: float = 0.1) -> List[str]:
-    """Robots that come too near each other even if all keep their times; checked every `step` s."""
+    """Robots that come too near each other although all are on time; checked every `step` s."""
     names = list(plan['robots'])
     if not names:
         return []

@@ -99,7 +99,7 @@ def test_a_robot_between_two_vertices_may_go_either_way():
 
 
 def _planner_with_a_zone():
-    """A planner for two corridors far apart; edges 2 and 4 are a zone for one robot."""
+    """A planner for two corridors far apart; edges 2 and 4 form a zone for only one robot."""
     graph = graph_of({1: (0.0, 0.0), 2: (2.0, 0.0), 3: (4.0, 0.0),
                       4: (0.0, 9.0), 5: (2.0, 9.0), 6: (4.0, 9.0)},
                      {1: (1, 2), 2: (2, 3), 3: (4, 5), 4: (5, 6)})
@@ -225,7 +225,7 @@ def test_priorities_decide_who_waits():
 
 
 def test_where_not_all_can_be_served_somebody_is():
-    """Each robot is in the way of another one, and there is room for only one to step aside."""
+    """Each robot is in the way of another robot, and only one of them has room to step aside."""
     graph = corridor(6, siding_at=3)
     tasks = [Task(name, AGV, vertex, destinations=(goal,), kept=())
              for name, vertex, goal in (('a', 1, 6), ('b', 6, 1), ('c', 4, 2))]
@@ -268,7 +268,7 @@ def test_improvement_makes_no_plan_worse():
 
 
 def test_robots_whose_ends_are_in_each_others_only_way_change_places_in_a_siding():
-    """If they are planned one after the other, the second one drives 45 m the other way round."""
+    """If the robots are planned one after the other, the second robot drives a detour of 45 m."""
     row = {k: (3.0 * k, 0.0) for k in range(1, 6)}
     graph = graph_of({**row, 9: (6.0, 3.0), 10: (3.0, -15.0), 11: (15.0, -15.0)},
                      {**{k: (k, k + 1) for k in range(1, 5)}, 9: (2, 9), 10: (1, 10), 11: (10, 11),
@@ -411,7 +411,7 @@ def test_a_search_for_parking_ends_after_a_fixed_amount_of_work(size, monkeypatc
     monkeypatch.setattr(parking, 'is_well_formed', check)
     monkeypatch.setattr('fleet_core.planning.parking._WORK', 500_000)
     found = parking.largest()
-    one_set = 2 * network.vertices * places  # upper bound of the work for a set that has begun
+    one_set = 2 * network.vertices * places  # upper bound of the work for the set under way
     assert sum(work) <= 500_000 + 2 * one_set
     assert len(found) > network.vertices / 2 and is_well_formed(found)
 

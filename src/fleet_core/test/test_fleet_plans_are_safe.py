@@ -1,7 +1,7 @@
 """A checker that shares no code with the planner judges every plan and every answer.
 
-The running fleets of the plan service have robots that are out of service, closed edges and kept
-plans.
+For answers of the plan service, the fleets have robots that are out of service, closed edges and
+kept plans.
 """
 from __future__ import annotations
 

@@ -38,7 +38,7 @@ SEARCHES = {'safe_intervals': find_path, 'layers': layered(1.0)}
 
 
 def _grid(random: Random, columns: int, rows: int) -> Graph:
-    """A connected grid with some edges missing and some one-way."""
+    """A connected grid; some edges are missing, and some are one-way."""
     places = {row * columns + column + 1: (float(column), float(row))
               for row in range(rows) for column in range(columns)}
     pairs = [(a, b) for a in places for b in places if a < b and sum(
@@ -163,8 +163,8 @@ def test_small_fleets_get_a_plan_whenever_there_is_one(seed):
 
 
 def test_plans_of_small_fleets_are_near_the_best_there_are():
-    """The planner promises no bound: one plan in about 1,600 exceeds that of the test, the first
-    with seed 3254.
+    """The planner promises no bound: one plan in about 1,600 exceeds the bound of this test. The
+    first such plan has seed 3254.
     """
     for seed in range(200):
         best, outcome = _small_fleet(seed)
@@ -209,7 +209,7 @@ def test_plans_of_small_fleets_are_mostly_the_best_there_are():
 @given(st.integers(0, 2 ** 32 - 1))
 @settings(max_examples=settings.default.max_examples // 5)
 def test_fine_layers_and_safe_intervals_agree(seed):
-    """With layers, a robot waits at each vertex only until the next layer, on any graph."""
+    """On any graph, the search with layers costs at most one layer more for each vertex."""
     try:
         case = Case(Random(seed))
     except GraphError:
@@ -271,7 +271,7 @@ def _expected(vertices, roads, target):
 
 @given(st.integers(0, 2 ** 32 - 1))
 def test_all_ways_to_all_vertices_are_the_shortest(seed):
-    """The graphs are trees with further links, some of them one-way or double, in several parts."""
+    """The graphs have several parts; each is a tree with further links, some one-way or double."""
     random = Random(seed)
     vertices = random.randint(1, 25)
     ends = [(random.randrange(max(k - 3, 0), k), k) for k in range(1, vertices)

@@ -238,7 +238,7 @@ def planned(graph: Graph, now: float = 0.0, late=None, **trips: Tuple[int, int])
 
 
 def first_through(at: Moment) -> str:
-    """The robot that goes first at the only place where two robots meet."""
+    """The robot that goes first; the plan has only one place where two robots meet."""
     (only,) = at.groups
     return only.first
 

@@ -221,7 +221,7 @@ def test_an_answer_of_many_drives_costs_no_more_than_its_drives():
     outcome, seconds = timed(service, PlanRequest(tasks, time_limit=60.0))
     assert outcome.unserved == {}
     assert sum(map(len, outcome.drives.values())) > 70000
-    assert seconds < 2.0  # usually 0.5 s; 3 to 5 s when it grew with the square of the drives
+    assert seconds < 2.0  # usually 0.5 s; 3 to 5 s if the time grows with the square of the drives
 
 
 @pytest.fixture

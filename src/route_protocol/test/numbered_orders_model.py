@@ -126,7 +126,7 @@ class Report(NamedTuple):
 
     sequence: int  # grows, even after restarts
     epoch: int
-    master: str  # whose orders `order` and `refused` count
+    master: str  # `order` and `refused` count the orders of this master
     order: int
     refused: int
     done: int  # record number of the first edge that is not driven to its end
@@ -140,7 +140,7 @@ class Vehicle(NamedTuple):
     """The vehicle. No answer to an order depends on the last two fields."""
 
     epoch: int = 1
-    master: str = ME  # whose orders it counts
+    master: str = ME  # the master whose orders it counts
     order: int = 0  # number of the last order that it took in this epoch
     refused: int = 0  # highest number of an order that it refused in this epoch
     done: int = 0  # edges driven in this epoch
@@ -182,10 +182,10 @@ class State(NamedTuple):
     reports: FrozenSet[Report] = frozenset()
     old_orders: Tuple[OldOrder, ...] = ()
     labels: int = 0
-    drawn: int = 0  # the highest number ever drawn, as a clock knows it
+    drawn: int = 0  # the highest number ever drawn, which a clock would show
     others: int = 0
     restores: int = 0
-    unaware: bool = False  # a start did not notice an older journal, and no report has mended it
+    unaware: bool = False  # the master has not noticed yet that its journal is an older one
     flaw: str = ''
 
 
@@ -219,7 +219,7 @@ class Found(NamedTuple):
 
 
 class Model:
-    """The transitions, with all rules or without some of them."""
+    """The transitions between states, with all rules or without some of them."""
 
     def __init__(self, *without: str) -> None:
         unknown = set(without) - set(RULES)
@@ -247,7 +247,7 @@ class Model:
             return lost._replace(master=order.master, order=order.number, failed=True,
                                  done=lost.done if lost.order else order.first)
         rest = order.edges
-        if takes_over or vehicle.order == 0:  # its record has no edge of this master yet
+        if takes_over or vehicle.order == 0:  # the record has no edge of this master yet
             done = order.first
         else:
             done = vehicle.done
@@ -331,7 +331,7 @@ class Model:
             done=said.done if order else 0 if is_new else master.done)
 
     def first_master(self, gap: Tuple[int, int] = (0, 0), unknown: int = 0) -> Master:
-        """Returns the master as it begins, with the journal from before the first order."""
+        """Returns the master at its start, with the journal from before the first order."""
         return Master(gap=gap, unknown=unknown)
 
     def give(self, master: Master, order: Order) -> Master:
@@ -469,7 +469,7 @@ class Model:
             return
         for name, order, labels in self.new_orders(state, bounds):
             after = self.give(master, order)
-            # A crash between storing and sending is an order that never arrives.
+            # A crash between storing and sending has the effect of an order that never arrives.
             yield f'{name} {order.number} {_text(order.edges)}', state._replace(
                 master=after, journal=after if self._rules['commit'] else journal,
                 labels=state.labels + labels, orders=state.orders | {order},
@@ -584,7 +584,7 @@ def _text(edges: Iterable[Edge]) -> str:
 
 
 def without_route(vehicle: Vehicle) -> Vehicle:
-    """The vehicle after it lost its route: it brakes where it is, on this edge or the next one."""
+    """The vehicle after it lost its route: it comes to rest on its present edge or the next one."""
     if vehicle.edge is None:
         return vehicle._replace(route=(), rolling=(), giver=NOBODY)
     return vehicle._replace(route=(), rolling=(vehicle.route or vehicle.rolling)[:2])
@@ -598,7 +598,7 @@ def new_epoch(vehicle: Vehicle, now: int) -> Vehicle:
 def _continues(vehicle: Vehicle, edges: Tuple[Edge, ...]) -> bool:
     """Returns whether these edges begin where the vehicle is."""
     if vehicle.edge is not None:
-        return edges[0] == vehicle.edge  # it cannot leave the edge on which it is
+        return edges[0] == vehicle.edge  # the vehicle cannot leave its edge
     return edges[0].origin == vehicle.place
 
 
@@ -631,9 +631,9 @@ def motion_of(vehicle: Vehicle) -> Motion:
 
 
 def _in_gap(master: Master, said: Report) -> bool:
-    """Returns whether a report shows an order that the journal lacks, and such orders still count.
+    """Returns whether a report shows that the vehicle may obey an order that the journal lacks.
 
-    If a newer order was taken, the vehicle obeys none of the orders that the journal lacks.
+    If a newer order was taken, the vehicle obeys none of these orders.
     """
     low, high = master.gap
     return low < max(said.order, said.refused) and said.order < high and (
@@ -642,14 +642,14 @@ def _in_gap(master: Master, said: Report) -> bool:
 
 def where_it_is(master: Master) -> Tuple[int, Tuple[Edge, ...], int]:
     """Returns the result of `Model.end` for a vehicle without a route."""
-    if master.edge is not None:  # it stands on an edge: the order begins with the rest of that edge
+    if master.edge is not None:  # the order begins with the rest of the edge where the vehicle is
         return master.done, (master.edge,), master.edge.destination
     assert master.place is not None
     return master.done, (), master.place
 
 
 def _from_here(vehicle: Vehicle, label: int) -> Tuple[Edge, ...]:
-    """Returns a route of another master; it begins with the rest of the vehicle's edge, if any."""
+    """Returns a route of another master. If the vehicle is on an edge, the route begins with it."""
     if vehicle.edge is None:
         assert vehicle.place is not None
         return (Edge(label, vehicle.place, label),)

@@ -69,7 +69,7 @@ class Robot(NamedTuple):
 
     @property
     def motion(self) -> Motion:
-        """The motion that it reports."""
+        """The motion that the robot reports."""
         if self.state.is_running:
             return Motion.ON_ROUTE
         if self.moved:
@@ -386,7 +386,7 @@ class RouteWorld:
         elif judgement.answer is Answer.ROUTE:
             refusal = refusal or _why_not(robot, judgement.rest)
             if not refusal and robot.rolls:
-                return world  # it waits until the robot stands
+                return world  # the order waits until the robot stands
             if refusal:
                 end.refuse(given, refusal)
             else:
@@ -405,7 +405,7 @@ class RouteWorld:
         return world._replace(robot=robot._replace(place=2 * abs(edge) - 1))
 
     def _check_entry(self, world: World, edge: int) -> None:
-        """Raises Flaw if the robot must not enter this edge for the order that it drives."""
+        """Raises Flaw if the order that the robot drives must not lead it onto this edge."""
         number = world.robot.state.order
         name = next(name for order, name in world.orders if order.number == number)
         if name in world.over:
@@ -533,7 +533,7 @@ def _why_not(robot: Robot, rest: Tuple[int, ...]) -> Optional[Reason]:
 
 
 def _rolled(robot: Robot) -> Robot:
-    """The robot after it has rolled half an edge on."""
+    """The robot after it has rolled on by half an edge."""
     edge = robot.rolls[0]
     if robot.place % 2:
         return robot._replace(place=_end_of(edge), rolls=robot.rolls[1:])

@@ -221,7 +221,7 @@ class RandomMaster(RuleBasedStateMachine):
     def nothing_unreleased_is_driven(self):
         """One exception: the robot may drive back to the first node of an order over a driven edge.
 
-        This happens if the robot is away from this node, but within its allowed deviation.
+        This happens if the robot is away from this node, but within the node's allowed deviation.
         """
         if not hasattr(self, 'lab'):
             return

@@ -38,8 +38,8 @@ class UnrulyRobot(RobotSide):
 
     def __init__(self):
         super().__init__()
-        self.braking = 0.0  # s until it stands
-        self.by_hand = False  # True: a person drives it
+        self.braking = 0.0  # s until the robot stands
+        self.by_hand = False  # True: a person drives the robot
 
     def arrive(self, order):
         if self.answers and not order.edges:
@@ -49,14 +49,14 @@ class UnrulyRobot(RobotSide):
 
     @property
     def motion(self):
-        """The motion that it reports."""
+        """The motion that the robot reports."""
         if self.by_hand:
             return Motion.MOVED
         return Motion.COMING_TO_REST if self.braking > 0.0 else super().motion
 
     @property
     def moves(self):
-        """Whether it really moves."""
+        """Whether the robot really moves."""
         return self.drives or self.braking > 0.0 or self.by_hand
 
 
@@ -217,7 +217,7 @@ class RandomStops(RuleBasedStateMachine):
     @precondition(lambda self: self.lab.robot.drives)
     @rule(drives_on=st.booleans())
     def a_person_stops_it(self, drives_on):
-        """A person stops it, and perhaps drives it elsewhere."""
+        """A person stops the robot, and perhaps drives it to another place."""
         robot = self.lab.robot
         robot.by_hand = drives_on
         robot.braking = BRAKING

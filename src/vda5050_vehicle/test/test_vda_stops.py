@@ -1,6 +1,7 @@
 """A cancel or a pause always reaches the robot.
 
-It is FINISHED only when the robot is known to stand. After another giver's stop, nothing is driven.
+The action is FINISHED only when the robot is known to stand. After another giver's stop, nothing is
+driven.
 """
 from __future__ import annotations
 
@@ -57,7 +58,7 @@ def test_a_robot_that_hides_its_velocity_stands_when_its_side_says_so(kind):
 def test_a_velocity_from_before_the_stop_tells_nothing(kind):
     lab = Lab()
     lab.order(HALL.order('o'))
-    lab.is_seen = False  # in its last report, it stands
+    lab.is_seen = False  # the last report says that the robot stands
     lab.robot.rolls = True
     stop = lab.act(kind)
     lab.wait(2.0)

@@ -268,7 +268,7 @@ class DoorYard(Yard):
                 self._site_id(late), *(self._sent(late, id) for id in ids))
 
     def _ends_before_door(self, site: Site, id: int) -> int:
-        """A robot after its route was ended before a door that does not report to be open."""
+        """A robot after its route was shortened before a door that does not report to be open."""
         side = self._sides[id]
         if not self._beliefs[side.belief].record.ahead:
             return id
@@ -356,7 +356,7 @@ class DoorYard(Yard):
     # -- what must hold ---------------------------------------------------------------------------
 
     def flaw(self, state: State) -> str:
-        """The property that a state violates, and how; empty: none."""
+        """The property that a state violates, and how; empty: it violates none."""
         found = super().flaw(state)
         if found:
             return found

@@ -19,14 +19,14 @@ sys.path += map(str, Path(__file__).resolve().parents[4].glob('build/z3/lib/*/si
 z3 = pytest.importorskip('z3', reason='z3-solver is not installed: scripts/test.sh installs it '
                                       'from PyPI in build/z3')
 
-PATIENCE = 20_000  # ms for one question; each takes some milliseconds
+PATIENCE = 20_000  # ms for one check by z3, which usually takes some milliseconds
 
 Formula = Any  # z3 has no types
 Relations = Dict[str, Callable[..., Formula]]
 
 
 class Action(NamedTuple):
-    """One action: its guards, each by its name in words, and its effect."""
+    """One action: its guards, each under its name, and its effect."""
 
     guards: Dict[str, Formula]
     effect: List[Formula]
@@ -93,7 +93,7 @@ class System:
     def is_consistent(self) -> bool:
         """Returns whether a state with at least one pair in each relation is possible.
 
-        Invariants that contradict each other would prove everything.
+        If the invariants contradicted each other, every proof would succeed.
         """
         solver = z3.Solver()
         solver.set('timeout', PATIENCE)

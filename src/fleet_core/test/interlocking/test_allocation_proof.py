@@ -1,6 +1,7 @@
-"""Allocations of any number of robots never exclude each other and are stored, for any exclusions.
+"""Allocations of any number of robots never exclude each other, and they are always stored.
 
-A grant is made in memory, then stored, perhaps together with other robots' entries, and then sent.
+The proof holds for any relation of exclusion. A grant is made in memory, then stored, perhaps
+together with entries of other robots, and then sent.
 The model of numbered orders shows how one robot obeys its orders.
 """
 from __future__ import annotations

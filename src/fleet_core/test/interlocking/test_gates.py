@@ -1,4 +1,4 @@
-"""Guards of the interlocking that refuse cases which other guards refuse as well.
+"""Guards of the interlocking whose cases are refused by a second guard, too.
 
 If such a guard is left out, no search of `test_yard` finds a flaw. So each guard is tested alone.
 """

@@ -1,4 +1,4 @@
-"""Sequences of events of one robot that the model of a yard found, and a property of grants."""
+"""Sequences of events of one robot that failed in the model of a yard, and a property of grants."""
 from __future__ import annotations
 
 from dataclasses import replace
@@ -82,7 +82,7 @@ def test_a_master_with_a_lost_journal_and_a_clock_set_back_finds_the_numbers_of_
     assert robot.allocation.knowledge is Knowledge.UNKNOWN and robot.needs_stop
     robot.halt()
     assert robot.order is not None and robot.order.number > 1000 + 365 * 24 * 3600 * 1000
-    robot.hear(told(2, 1, 0.0, order=1001))  # that order has arrived
+    robot.hear(told(2, 1, 0.0, order=1001))  # an order that is missing in the journal has arrived
     assert robot.allocation.knowledge is Knowledge.UNKNOWN
     robot.hear(told(3, 1, 0.0, order=robot.order.number))
     assert robot.allocation.vertex == 1 and robot.is_ready
@@ -105,7 +105,7 @@ def test_where_a_lost_route_led_is_held_also_when_a_longer_route_that_was_never_
 
 
 def test_a_late_copy_of_a_stop_takes_the_record_back_and_what_lay_behind_with_it():
-    """The robot counts its edges from the place of this stop again (walk 2 in the yard)."""
+    """The copy makes the robot count its edges from the place of that stop (walk 2 in the yard)."""
     robot = master()
     robot.hear(told(1, 1, 0.0))
     robot.extend((1,))

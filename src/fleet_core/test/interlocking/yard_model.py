@@ -142,10 +142,10 @@ HEARD, SENDS, STOPS, IS_OLDER = 1, 2, 4, 8
 class Said(NamedTuple):
     """A report on its way.
 
-    content -- index of the report's content, which is all except its number
+    content -- index of the content of the report: all fields except `number`
     number  -- the number of the report
     moved   -- half edges that the robot has driven since it made the report
-    ahead   -- its stamp is from a clock that is ahead
+    ahead   -- the stamp of the report is from a clock that is ahead
     """
 
     content: int
@@ -191,7 +191,7 @@ class Side(NamedTuple):
 class View(NamedTuple):
     """The part of one robot's state that matters to other robots.
 
-    halts -- it has nothing to drive, or it is stopped until a person brings it back
+    halts -- the robot has nothing to drive, or it is stopped until a person brings it back
     """
 
     name: str
@@ -225,7 +225,7 @@ class Site(NamedTuple):
 class Answer(NamedTuple):
     """The result of a robot's request for an edge.
 
-    belief   -- index of the ManagedRobot after a grant; None: it is granted nothing
+    belief   -- index of the ManagedRobot after a grant; None: nothing is granted
     to_store -- the robots that must be stored with the grant
     door     -- further state of a DoorYard after the request
     """
@@ -260,7 +260,7 @@ EVERY: FrozenSet[Fault] = frozenset(Fault)
 class Bounds(NamedTuple):
     """How many grants, faults, and acts of people there may be.
 
-    kept -- reports may be kept on their way
+    kept -- whether reports may be kept on their way
     of   -- the kinds of faults
     """
 
@@ -281,7 +281,7 @@ class Clock:
 
 
 def separate(site: Interlocking, robots: Mapping[str, ManagedRobot], is_starting: bool) -> bool:
-    """Stops the robots that exclude each other, as the supervisor does; False if none do."""
+    """Stops robots that exclude each other, as the supervisor does; False: there are none."""
     stopped = site.separate(is_starting)
     for name in stopped:
         robots[name].notice(Sign.EXCLUDED, 'too near')
@@ -311,7 +311,7 @@ def key_of(robot: ManagedRobot) -> Hashable:
 class Yard:
     """All possible events on a graph of straight edges of the same length.
 
-    begins -- by the name of each robot: the vertex where it stands
+    begins -- for each name of a robot, the vertex where it stands at the beginning
     closed -- ids of closed edges
     model  -- the rules of the vehicles
     """
@@ -446,7 +446,7 @@ class Yard:
     # -- the beginning ----------------------------------------------------------------------------
 
     def begin(self, bounds: Bounds) -> State:
-        """Each robot stands on its vertex, and has reported."""
+        """The first state: each robot stands on its vertex, and has reported."""
         self._bounds = bounds
         ids = []
         for name in self.names:
@@ -564,7 +564,7 @@ class Yard:
         if vehicle.edge is not None and not vehicle.route and not vehicle.rolling:
             turned = self._model.obey(vehicle._replace(edge=self._turned(vehicle.edge)), order)
             if turned.route and after == self._model.obey(vehicle, order, willing=False):
-                after = turned  # it turns back on its edge
+                after = turned  # the robot turns back on its edge
         if after == vehicle:
             return
         shown = order if after.order == order.number else side.shown
@@ -649,7 +649,7 @@ class Yard:
         return self._belief_id(robot), is_stale, heard.is_located, follows, ''
 
     def _decides(self, side: Side) -> Iterator[Step]:
-        """The acts of the fleet manager or of a person on one robot alone."""
+        """The acts of the fleet manager or of a person that concern only one robot."""
         key = 'decide', side.belief, side.drawn
         if key not in self._known:
             self._known[key] = tuple(self._decisions_on(side))
@@ -787,7 +787,7 @@ class Yard:
                                        listed=self._allocated(side.belief)))
 
     def _sent(self, site: Site, id: int) -> int:
-        """The robot after its order that is due now has left the fleet manager."""
+        """The robot after the fleet manager has sent the order that is due now."""
         side = self._sides[id]
         if self._beliefs[side.belief].master.order is None:
             return id
@@ -1062,7 +1062,7 @@ class Yard:
             _apart(point, point, *piece[:2]) <= piece[2] + NEAR for piece in pieces)), None)
 
     def flaw(self, state: State) -> str:
-        """The property that a state violates, and how; empty: none."""
+        """The property that a state violates, and how; empty: it violates none."""
         site, ids = self._sites[state[0]], state[1:]
         for id in ids:
             found = self._flaws[id] or not site.is_wrong_run and self._not_in_journal(

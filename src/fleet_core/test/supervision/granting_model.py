@@ -54,7 +54,7 @@ from trajectory_graph import Graph
 
 _NOWHERE = (frozenset(), frozenset(), frozenset())
 _TO_THE_END = 10 ** 6
-_AHEAD = 0.5  # m that are granted ahead; each edge has 1 m or more
+_AHEAD = 0.5  # m that are granted ahead of a robot; each edge has 1 m or more
 
 
 class Flaw(Enum):
@@ -207,7 +207,7 @@ class Fleet:
                        for number in range(max(done, base), len(granted)))
 
     def _comes_home(self, state: State) -> bool:
-        """Returns whether all robots come to their goals by the plan in force.
+        """Returns whether all robots come to their goals with the plan in force.
 
         The order of steps does not matter.
         """
@@ -329,7 +329,7 @@ class Fleet:
         return tuple(found)
 
     def _ways(self, start: int, goal: int) -> List[Tuple[int, ...]]:
-        """The paths with at most one edge more than the shortest one, and with no vertex twice."""
+        """The paths that have at most one edge more than the shortest path, and no vertex twice."""
         found: List[Tuple[int, ...]] = []
         waiting: List[Tuple[Tuple[int, ...], Tuple[int, ...]]] = [((start,), ())]
         for vertices, edges in waiting:  # the list grows in the loop
@@ -363,7 +363,8 @@ class Fleet:
 
     def _order(self, row: Sequence[Tuple[int, int]], drives: Tuple[Tuple[int, ...], ...],
                released: Tuple[Tuple[int, ...], ...]) -> Tuple[Constraint, ...]:
-        """The constraints of a row: a drive waits for each robot's last drive that is in its way."""
+        """The constraints of a row: each drive waits for the last drive of each robot in its way.
+        """
         whole = [*((k, number) for k, edges in enumerate(released)
                    for number in range(len(edges))), *row]
         found: Set[Constraint] = set()

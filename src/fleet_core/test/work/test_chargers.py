@@ -67,7 +67,7 @@ def test_who_tops_up_yields_to_a_mission_that_goes_to_its_place() -> None:
 class Yard:
     """Robots that charge at chargers, are parked in them, or break down in them, at random.
 
-    The yard has no roads: a robot with a turn arrives at its place at some time.
+    The yard has no roads: a robot with a turn arrives at its place at a random time.
     """
 
     def __init__(self, seed: int) -> None:

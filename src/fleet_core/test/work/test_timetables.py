@@ -21,7 +21,7 @@ def hourly(**values: object) -> Timetable:
 
 
 def runs_by_the_day(timetable: Timetable, first: int, last: int) -> Iterator[int]:
-    """All runs from one minute to another, found minute by minute."""
+    """All runs from minute `first` to minute `last`, found minute by minute."""
     for minute in range(first, last + 1):
         for day in (minute // DAY, minute // DAY - 1):
             since = minute - day * DAY

@@ -57,7 +57,7 @@ class Body(NamedTuple):
 class State(NamedTuple):
     """The whole world. `memory` is the manager's memory, `disk` the data that it has stored.
 
-    orders -- number of orders of steps
+    orders -- number of commands for steps that were given
     bodies -- by the type of the step; each type has only one step
     place  -- vertex at which the robot stands
     """
@@ -92,7 +92,7 @@ LIMITS = ('manager', 'driver', 'timeout', 'cancel', 'moved', 'fail', 'changed')
 @dataclass(frozen=True)
 class Bounds:
     """How often each kind of event may happen: the manager or the driver restarts, a timeout
-    passes, a person cancels, moves the robot, or gives the mission other stops (`changed`).
+    passes, a person cancels, moves the robot, or changes the stops of the mission (`changed`).
 
     fail   -- how often the mission becomes impossible
     others -- the other stops that a person gives
@@ -317,7 +317,7 @@ def _manager(state: State, bounds: Bounds, once: Once) -> Iterator[Tuple[str, St
 
 def _sent(sent: FrozenSet[StepCommand], work: Work,
           report: StepReport) -> FrozenSet[StepCommand]:
-    """The messages on their way after the manager has sent what is due."""
+    """The messages on their way after the manager has sent the commands that are due."""
     return sent | set(rules.commands(work, report))
 
 

@@ -22,7 +22,7 @@ _REQUESTED = (DeviceMode.CLOSED, DeviceMode.OPEN)
 
 
 class WrongDeviceMessage(ValueError):
-    """A message that cannot be used. Its text is a clause that says why."""
+    """A message that cannot be used. The text of the error is a clause that says why."""
 
 
 def device_request_of(message: Any) -> DeviceRequest:
@@ -80,7 +80,7 @@ def _requested(number: int) -> DeviceMode:
 
 
 def _name(field: str, text: str) -> str:
-    """Returns a name. It must be readable, because it is compared and shown."""
+    """Returns a name. A name must be readable, because it is compared and shown."""
     if not text.strip() or not text.isprintable() or len(text) > LONGEST_NAME:
         raise WrongDeviceMessage(f'its {field} is empty, has more than {LONGEST_NAME} letters, or '
                                  'letters that cannot be printed')

@@ -34,8 +34,8 @@ class DeviceFault(IntEnum):
     """Why a device cannot be used, as in itrci_nav_msgs/DeviceState."""
 
     NONE = 0
-    NOT_READ = 1   # it does not answer
-    TIMED_OUT = 2  # it has not shown the requested mode within its timeout
+    NOT_READ = 1   # the device does not answer
+    TIMED_OUT = 2  # the device has not shown the requested mode within its timeout
 
 
 @dataclass(frozen=True)
@@ -50,7 +50,7 @@ class DeviceRequest:
 
 @dataclass(frozen=True)
 class DeviceUse:
-    """The request of one requester that a device obeys. `since`: when it was taken (s)."""
+    """A request that a device obeys now. `since`: when the request was taken (s)."""
 
     requester: str
     mode: DeviceMode
@@ -65,7 +65,7 @@ class DeviceUse:
 
 @dataclass(frozen=True)
 class DeviceReport:
-    """What `fleet_devices` says of one device. Times are in s.
+    """The report of `fleet_devices` about one device. Times are in s.
 
     since   -- when the mode began
     read_at -- when the device was read; None: never

@@ -61,7 +61,7 @@ class DueOrder:
 
     given  -- the order as it arrived
     order  -- the same order with a number
-    done   -- number, in the route record, of the first edge of `rest`
+    done   -- number in the route record of the first edge of `rest`
     rest   -- the edges that the vehicle would still drive
     goes_on -- `rest` continues the route that the vehicle drives or has completed
     """
@@ -74,7 +74,7 @@ class DueOrder:
 
 
 class WaitingRoute(NamedTuple):
-    """The route that waits; `arrived` in s."""
+    """The route that waits, and the time (s) at which it arrived."""
 
     order: RouteOrder
     arrived: float
@@ -194,7 +194,7 @@ def messages_of(refusal: RouteRefusal, state: VehicleState, report: Callable[[],
 
     A master that does not number its orders reads a refusal in a report that shows its route as
     failed. If the vehicle's reports show a route with the same id, this report is not sent, because
-    that route goes on. It is not sent either while the vehicle follows a numbering master.
+    the shown route goes on. Nor is it sent if the reports go to a numbering master.
     """
     shows_route = bool(state.edges) and state.route_id == refusal.route_id
     if refusal.order or shows_route or state.master not in (None, OLD_MASTER):

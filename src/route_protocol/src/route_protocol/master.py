@@ -3,8 +3,8 @@
 State
     epoch, report  -- of the newest report
     number         -- of the last order that was given
-    order, refused -- according to the newest report, for orders of this master in this epoch:
-                      number of the last one that was taken, highest number of a refused one
+    order, refused -- numbers in the newest report, for this master and epoch: of the last order
+                      that was taken, and the highest of the orders that were refused
     done           -- number in the route record of the first edge that is not driven to its end
     open           -- the orders that the vehicle follows, or may follow later
     behind         -- edges that it has driven, but perhaps not left completely
@@ -166,7 +166,7 @@ class MasterState:
 
     @cached_property
     def ahead(self) -> Tuple[int, ...]:
-        """The edge under way, and the edges of the route `farthest` after it."""
+        """The edges of the route `farthest` that are not driven yet, with the edge under way."""
         route = self.farthest
         return () if route is None else tuple(step.edge for step in route.steps(self.done))
 
@@ -191,7 +191,7 @@ class MasterState:
 
     @property
     def is_stopping(self) -> bool:
-        """Whether a stop was given that no report shows yet."""
+        """Whether the newest order is a stop that no report shows yet."""
         return self.pending is not None and not self.pending.edges
 
     @property
@@ -243,13 +243,13 @@ OLD_NEWS = News()
 
 
 class _Reading(NamedTuple):
-    """What a report says of the orders of this master.
+    """What a report says about the orders of this master.
 
-    order, refused -- 0 if the report names another master
-    is_new -- its epoch is a new one
-    is_older -- it shows a number that the journal lacks
+    order, refused -- the numbers in the report; 0 if it names another master
+    is_new -- the report has a new epoch
+    is_older -- the report shows a number that the journal lacks
     shown -- the open order with the number `order`
-    failed -- the route of that order is lost
+    failed -- the route of order `order` is lost
     """
 
     is_mine: bool
@@ -337,7 +337,7 @@ def _is_moved_otherwise(said: RouteReport, is_mine: bool) -> bool:
 
 
 def _passed(state: MasterState, said: RouteReport, read: _Reading) -> Tuple[Step, ...]:
-    """Returns the edges of its present order that the vehicle drove since the last report."""
+    """Returns the edges of its present order that the vehicle drove since the previous report."""
     if read.shown is None or not read.order or read.is_new or said.done <= state.done:
         return ()
     return tuple(step for step in read.shown.steps(state.done) if step.number < said.done)
@@ -369,9 +369,9 @@ def _news(state: MasterState, said: RouteReport, read: _Reading, passed: Tuple[S
 
 
 def _is_in_gap(state: MasterState, said: RouteReport) -> bool:
-    """Returns whether a report shows an order that the journal lacks, and such orders still count.
+    """Returns whether a report shows that the vehicle may obey an order that the journal lacks.
 
-    If a newer order was taken, the vehicle obeys none of the orders that the journal lacks.
+    If a newer order was taken, the vehicle obeys none of these orders.
     """
     low, high = state.gap
     return low < max(said.order, said.refused) and said.order < high and (
@@ -404,7 +404,7 @@ def left(state: MasterState, number: int) -> MasterState:
 
 def give_route(state: MasterState, number: int, edges: Tuple[int, ...],
                route_id: int) -> MasterState:
-    """Returns the state after the order to drive these edges, from the one under way on."""
+    """Returns the state after the order to drive these edges; the first is the one under way."""
     order = Order(number, state.epoch, state.done, edges, route_id)
     return replace(state, number=number, open=(*state.open, order))
 
@@ -416,7 +416,7 @@ def give_stop(state: MasterState, number: int, route_id: int) -> MasterState:
 
 
 def next_number(state: MasterState, clock: int) -> int:
-    """Returns the number of the next order: above all that an earlier run may have drawn.
+    """Returns the number of the next order, above all numbers that earlier runs may have drawn.
 
     clock -- ms since 1970, so that no number is drawn twice even with an older journal
     """

@@ -36,13 +36,13 @@ _UNKNOWN = VehicleLocation(math.nan, math.nan, math.nan)
 
 
 class WrongReport(ValueError):
-    """A report cannot be true. The text of the error is a clause that says why."""
+    """A report that cannot be true. The text of the error is a clause that says why."""
 
 
 def order_of(message: Any, received: int) -> RouteOrder:
     """Returns the order in an `itrci_nav_msgs/TargetRoute` that came at `received` (ns).
 
-    A speed that is no number above 0 sets no limit.
+    A speed that is not a number above 0 sets no limit.
     """
     speed = message.speed if math.isfinite(message.speed) and message.speed > 0.0 else 0.0
     return RouteOrder(message.route_id, tuple(message.edges), message.header.stamp.to_nsec(),

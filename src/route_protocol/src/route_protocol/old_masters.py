@@ -5,7 +5,7 @@ only numbered routes. All of these masters count as one master, OLD_MASTER.
 
     | order without a number                                     | answer                          |
     |------------------------------------------------------------|---------------------------------|
-    | stamped before an order of any master that was taken       | ignored: it came late           |
+    | stamped before an order, of any master, that was taken     | ignored: it came late           |
     | same route_id and edges as the last such order taken       | ignored: it is a repeat         |
     | same stamp and route as the last such order refused        | refused again                   |
     | neither stamp nor epoch, and it came with a new connection | refused: it was latched         |
@@ -97,9 +97,7 @@ class OldMasters:
         return TAKEN_OVER if self._is_overruled(order, now) else None
 
     def _is_overruled(self, order: RouteOrder, now: float) -> bool:
-        """Returns whether the sender could not yet know of the present epoch
-        when it sent the order.
-        """
+        """Returns whether the sender could not know the present epoch when it sent the order."""
         age = (order.received - order.stamp) / 1e9 if order.stamp and order.received else 0.0
         return now - age < self._epoch_began and now < self._epoch_began + LATE_ORDER
 
@@ -131,8 +129,8 @@ def _ignored(why: str) -> Judgement:
 def is_late(order: RouteOrder, last: RouteOrder) -> bool:
     """Returns whether the order was sent before the last accepted order, which overtook it.
 
-    If this computer's clock is behind the stamp of the last accepted order, the clock was set back,
-    and the stamps cannot be compared.
+    If the clock of this computer is behind the stamp of the last accepted order, the clock was set
+    back. Then the stamps cannot be compared.
     """
     is_set_back = 0 < order.received < last.stamp - CLOCK_TOLERANCE
     return 0 < order.stamp < last.stamp and not is_set_back

@@ -13,7 +13,7 @@ _LONGEST_TEXT = 500    # characters of a robot's text that are kept
 
 
 class WrongStepMessage(ValueError):
-    """A message that cannot be used. Its text is a clause that says why."""
+    """A message that cannot be used. The text of the error is a clause that says why."""
 
 
 def command_of(message: Any) -> StepCommand:

@@ -50,7 +50,7 @@ class Word(IntEnum):
     DONE = 1
     FAILED = 2
     CANCELLED = 3
-    UNKNOWN = 4  # it has ended, and the robot cannot tell how
+    UNKNOWN = 4  # the step has ended, and the robot does not know how
 
     @property
     def is_final(self) -> bool:
@@ -65,7 +65,7 @@ class StepCode(IntEnum):
     OTHER = 1
     UNKNOWN_TYPE = 2      # the robot has no step of this type
     WRONG_PARAMETER = 3
-    NOT_READY = 4         # it could not begin
+    NOT_READY = 4         # the robot could not begin the step
     LOST_LINK = 5         # the robot's driver has lost the robot
 
 
@@ -129,7 +129,7 @@ class Reaction(Enum):
 
 @dataclass(frozen=True)
 class ActorState:
-    """A robot's memory of its steps; its methods do what the table of this module says."""
+    """A robot's memory of its steps; the methods follow the table in the module's docstring."""
 
     run: int
     last: int = 0

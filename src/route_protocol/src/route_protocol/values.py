@@ -1,7 +1,7 @@
 """The values of the route protocol: a vehicle receives orders, and sends reports and refusals.
 
-The docstrings of `vehicle` and `master` explain how they work together, and
-docs/reference/route_protocol.md how they are sent. Stamps are in nanoseconds of the ROS clock.
+The docstrings of `vehicle` and `master` explain how these values work together.
+docs/reference/route_protocol.md describes the messages. Stamps are in nanoseconds of the ROS clock.
 """
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ class RouteOrder:
 
 
 ANSWERED_WITHIN = 4.0
-"""s after the first reception of an order within which a robot accepts or refuses it."""
+"""A robot accepts or refuses an order within this time (s) after the first reception."""
 
 
 class EdgeState(IntEnum):
@@ -151,13 +151,13 @@ class Motion(IntEnum):
     UNKNOWN = 0
     """The vehicle does not know, for example because its link is down."""
     STANDING = 1
-    """It stands, and has nothing to drive."""
+    """The vehicle stands, and has nothing to drive."""
     ON_ROUTE = 2
-    """It drives a route of the master that its report names, or waits on that route."""
+    """The vehicle drives a route of the master that its report names, or waits on this route."""
     COMING_TO_REST = 3
-    """It lost a route of the master that its report names, and may still roll along that route."""
+    """The vehicle lost a route of the master that its report names, and may still roll along it."""
     MOVED = 4
-    """Another giver or a person moves it."""
+    """Another giver or a person moves the vehicle."""
 
 
 class EpochCause(IntEnum):
@@ -189,8 +189,8 @@ class RouteReport:
     refusal  -- why that order was refused
     first    -- number of `edges[0]` in the route record
     motion   -- what the vehicle does
-    number   -- of this report; it only grows, even after a restart; 0: the vehicle does not number
-                its reports
+    number   -- number of this report; numbers only grow, even after a restart; 0: the vehicle does
+                not number its reports
     unready  -- why the vehicle refuses every route now; NONE: there is no such reason
 
     Each attribute is a field of the message.

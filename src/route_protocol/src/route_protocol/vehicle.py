@@ -142,7 +142,7 @@ class Answer(Enum):
 class Judgement:
     """The answer to an order.
 
-    reason  -- why it is refused
+    reason  -- why the order is refused
     done    -- record number of the first edge of `rest`
     rest    -- the edges that the vehicle would still drive
     goes_on -- `rest` continues the route that the vehicle drives or has completed
@@ -317,7 +317,7 @@ def _can_be_counted(order: RouteOrder) -> bool:
 
 
 def _behind(report: int) -> int:
-    """Returns a number above all numbers that may have been drawn since this one was stored."""
+    """Returns a number above all numbers that may have been drawn since `report` was stored."""
     return min(report + SKIPPED_REPORTS, LARGEST_NUMBER)
 
 

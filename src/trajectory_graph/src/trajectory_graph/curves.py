@@ -98,8 +98,8 @@ class Curve:
         if len(self._corners) == 2:
             return self._project_on_line(x, y, start, end)
         along = np.clip(self._nearest_arcs(x, y), start, end)
-        # A segment completely outside start..end is clipped to the end point of that range. That
-        # point is on the curve, so each distance is the distance to a point of the curve.
+        # A segment completely outside start..end is clipped to `start` or `end`. Both are on the
+        # curve, so each distance is the distance to a point of the curve.
         distances = np.hypot(np.interp(along, self._arc, self.points[:, 0]) - x,
                              np.interp(along, self._arc, self.points[:, 1]) - y)
         best = int(np.argmin(distances))
@@ -225,7 +225,7 @@ def _stops(control: np.ndarray) -> np.ndarray:
 
 
 def _turns_sharply(control: np.ndarray) -> np.ndarray:
-    """Returns which of `_stops` are so near to the curve that its speed has a kink there."""
+    """Returns which of `_stops` are so near to the curve that its speed has a kink near them."""
     stops = _stops(control)
     return ((np.abs(stops.imag) < _SHARP) & (stops.real > -_SHARP) & (stops.real < 1.0 + _SHARP))
 

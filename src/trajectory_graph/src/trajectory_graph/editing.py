@@ -195,7 +195,7 @@ def make_line(draft: Draft, id: int) -> Draft:
 def make_spline(draft: Draft, id: int) -> Draft:
     """Makes an edge a spline that follows the headings of its vertices.
 
-    The length of its handles is HANDLE_SHARE of the distance of the vertices.
+    The length of each handle is HANDLE_SHARE of the distance between the vertices.
     """
     edge = draft.edge(id)
     if edge.curve_type is CurveType.SPLINE:

@@ -141,7 +141,7 @@ class Graph:
         return tuple(map(abs, self.edges_from(vertex_id)))
 
     def edges_from(self, vertex_id: int) -> Tuple[int, ...]:
-        """Returns the edges at the vertex, each with the sign of the direction away from it."""
+        """Returns the signed ids of the edges at the vertex, in the direction away from it."""
         self.vertex(vertex_id)
         return tuple(self._edges_from[vertex_id])
 
@@ -177,7 +177,7 @@ class Graph:
     def sections(self) -> Mapping[int, Tuple[int, ...]]:
         """The sections of each drawn edge, from origin to destination, by the id of the drawn edge.
 
-        An edge that was not cut is its only section.
+        An edge that was not cut has itself as its only section.
         """
         if self._sections is None:
             sections: Dict[int, List[Edge]] = {}

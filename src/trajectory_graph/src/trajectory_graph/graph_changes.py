@@ -17,7 +17,7 @@ _SAME = 1e-3  # m; if no control point has moved farther, the curve has not chan
 
 
 def change_of(old: Graph, new: Graph, signed_id: int) -> Optional[str]:
-    """Returns the difference of an edge between two graphs as a clause; None if it is the same."""
+    """Returns a clause that says how an edge differs between two graphs; None: it is the same."""
     id = abs(signed_id)
     if id not in old.edges:
         return None  # the old graph does not have the edge, so there is nothing to compare

@@ -98,7 +98,7 @@ def compose_data(data: bytes) -> yaml.Node:
 def _unquoted(problem: Optional[str]) -> str:
     """Returns the error of the YAML parser without the parts that quote the file.
 
-    The file may have been given by mistake, e.g. a file with secrets.
+    A person may have given the wrong file, e.g. a file with secrets.
     """
     return re.sub(r"""\s*(['"]).{2,}\1""", '', problem or 'no reason is known')
 

@@ -232,7 +232,7 @@ def _end_of(node: yaml.Node) -> int:
 
 
 def _scalar(value: Any) -> str:
-    """Returns a value as it is written after its key, on one line."""
+    """Returns the text of a value, as it is written after a key; it has no line breaks."""
     return flow_mapping({'k': value})[len('{k: '):-1]
 
 

@@ -42,7 +42,7 @@ class Scope(Enum):
 class QueuedAction:
     """An action and its progress.
 
-    sequence_id -- the sequenceId of its node or edge; -1 for an instant action
+    sequence_id -- the sequenceId of the node or edge of the action; -1 for an instant action
     triggered   -- whether the vehicle has passed the node or entered the edge of the action; an
                    instant action is triggered when it is received
     """
@@ -179,7 +179,7 @@ class ActionQueue:
     # --- permitted steps --------------------------------------------------------------------------
 
     def startable(self, standing: bool) -> Tuple[QueuedAction, ...]:
-        """Returns the actions that may start now according to figure 17, beside those that run."""
+        """Returns the actions that may start now according to figure 17; others may still run."""
         result: List[QueuedAction] = []
         busy = False
         for action_id in self.triggered:

@@ -2,7 +2,7 @@
 
 A message of the master that changes nothing is also answered with a state, but at most once in
 ANSWER_PERIOD. Some masters repeat their order after each state that does not show the order. If the
-vehicle sent a state after each refusal, both would repeat their messages without a pause.
+vehicle answered each refusal with a state, both would send messages without a pause.
 """
 from __future__ import annotations
 

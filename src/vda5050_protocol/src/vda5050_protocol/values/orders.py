@@ -101,7 +101,7 @@ class OrderEdge:
     start_node_id, end_node_id -- the ids of these nodes; None if the message does not have them, as
                                   in 3.0
 
-    Its attributes are the fields of the standard.
+    The attributes are the fields of the standard.
     """
 
     edge_id: str

@@ -112,7 +112,7 @@ class StateMessage:
 
     node_states, edge_states -- the nodes and edges that are still to be driven
 
-    Its attributes are the fields of the standard.
+    The attributes are the fields of the standard.
     """
 
     order_id: str

@@ -1,4 +1,4 @@
-"""Runs the actions of orders and the instant actions: starts them, and ends each exactly once."""
+"""Runs the actions of orders and the instant actions: each action ends exactly once."""
 from __future__ import annotations
 
 from dataclasses import replace

@@ -131,7 +131,7 @@ class ActionSpec:
                 raise WrongAction(key, f'{self.action_type} needs the parameter {key}')
 
     def with_defaults(self, given: Mapping[str, Any]) -> Dict[str, Any]:
-        """Returns the given arguments, and the default values of optional ones not given."""
+        """Returns the given arguments, and default values for optional arguments not given."""
         return {p.key: p.value_of(given.get(p.key, p.default)) for p in self.parameters
                 if p.optional or p.key in given}
 

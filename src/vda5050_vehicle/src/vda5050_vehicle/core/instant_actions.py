@@ -1,4 +1,4 @@
-"""Instant actions: the built-in ones of every vehicle, and those of the vehicle's table.
+"""Instant actions: those that every vehicle has, and those in the vehicle's table.
 
 This module executes cancelOrder, startPause, stopPause, stateRequest, factsheetRequest,
 initPosition and logReport itself. It queues other actions like the actions of an order.
@@ -123,7 +123,7 @@ class InstantActionHandler:
     def _is_done(self, action: VdaAction, known: QueuedAction, is_copy: bool) -> bool:
         """Returns whether an action with a known id only repeats the known action.
 
-        If there is a motion to stop, a stop with the id of an ended stop is a new one.
+        If there is a motion to stop, a stop that has the id of an ended stop is a new stop.
         """
         state, kind = self._state, action.action_type
         if known.belongs_to_order or known.action.action_type != kind:
@@ -321,7 +321,7 @@ class InstantActionHandler:
         self._state.wish = None
 
     def restart(self) -> None:
-        """Ends the started actions and the instant actions of before a restart as failed.
+        """Ends, as failed, the started actions and the instant actions that a restart interrupted.
 
         Stops continue.
         """

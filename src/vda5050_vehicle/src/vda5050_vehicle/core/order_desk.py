@@ -1,4 +1,4 @@
-"""Receives orders: it reads, judges (figure 8 of the standard), plans and accepts them."""
+"""Receives orders: reads them, judges them (figure 8 of the standard), plans and accepts them."""
 from __future__ import annotations
 
 from dataclasses import replace

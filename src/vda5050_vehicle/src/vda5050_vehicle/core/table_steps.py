@@ -142,7 +142,7 @@ def _arguments(spec: ActionSpec, command: StepCommand) -> Mapping[str, Any]:
 
 
 def _value(type_name: str, text: str) -> Any:
-    """Returns the value of this type that a text means; the text itself if it means none."""
+    """Returns the text as a value of this type; the text itself if it cannot be converted."""
     if type_name == 'STRING':
         return text
     if type_name == 'BOOL':

@@ -83,7 +83,7 @@ class VdaVehicle:
                      ) -> Tuple[fx.Effect, ...]:
         """Processes the end of an action that was started."""
         if action_id not in self.state.actions:
-            pass  # it was removed together with its order
+            pass  # the action was removed together with its order
         elif succeeded:
             self._runner.end(action_id, v.ActionStatus.FINISHED, text)
         else:
@@ -182,7 +182,7 @@ class VdaVehicle:
             state.away = False
 
     def _pass_nodes_at_a_stand(self) -> None:
-        """Passes further nodes at the same place. Masters use such nodes to add actions."""
+        """Passes further nodes at the place of the last node. Masters add actions at such nodes."""
         state = self.state
         while (state.legs and state.legs[0].stands and state.order.base_end
                and state.drive.in_order and self._may_leave_node

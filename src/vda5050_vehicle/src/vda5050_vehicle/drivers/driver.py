@@ -94,11 +94,12 @@ D = TypeVar('D', bound=DriveProgress)
 class Driver(ABC, Generic[D]):
     """Drives legs, which are numbered from the last `begin` on. It repeats no motion by itself.
 
-    longest -- number of legs that it can drive after a `begin`; None: any number
-    All its knowledge is in the vehicle's state. The caller collects the commands with
+    longest -- the largest number of legs that can be driven after a `begin`; None: any number
+
+    A driver keeps all its knowledge in the vehicle's state. The caller collects the commands with
     `pop_commands` and sends them in the given sequence.
 
-    It has a method for each event that any kind of driver needs.
+    The interface has a method for each event that any kind of driver needs.
     """
 
     longest: ClassVar[Optional[int]] = None
@@ -163,7 +164,7 @@ class Driver(ABC, Generic[D]):
         """Stops the robot, even if it is not known to drive."""
 
     def forgive(self) -> None:
-        """Clears a failure after it was dealt with; then `drive` works again."""
+        """Clears a failure; after that, `drive` works again."""
         self._set(failure='')
 
     @abstractmethod

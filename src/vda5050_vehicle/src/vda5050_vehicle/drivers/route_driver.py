@@ -88,7 +88,7 @@ class RouteDrive(DriveProgress):
 class RouteDriver(Driver[RouteDrive]):
     """See the module's docstring. `clock` returns ms since 1970.
 
-    It has the methods of `Driver`, and `on_report`.
+    The class has the methods of `Driver`, and `on_report`.
     """
 
     longest = MAXIMUM_EDGES - 1  # a route may begin with an edge that leads to the order
@@ -165,7 +165,7 @@ class RouteDriver(Driver[RouteDrive]):
         if drive.failure or not legs or not self._is_heard:
             return
         if not known.commands and not known.is_stopping:
-            self.stop(now)  # after it, the robot counts the orders of this master
+            self.stop(now)  # after this stop, the robot counts the orders of this master
         elif known.is_ready:
             self._order(first, tuple(leg.edge for leg in legs), now)
 

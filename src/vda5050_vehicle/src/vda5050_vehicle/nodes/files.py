@@ -14,7 +14,7 @@ from vda5050_vehicle.drivers.driver import DriveProgress
 
 MAX_REPORTS = 20
 _PRIVATE = 0o600  # for this user only
-MAX_JOURNAL = 1_000_000  # bytes of changes; after that the journal is written anew
+MAX_JOURNAL = 1_000_000  # bytes of changes after which a new journal is written
 
 
 class JournalLog:
@@ -53,7 +53,7 @@ class JournalLog:
         """Appends the changes; writes a new file if the old one is too large. Raises OSError."""
         is_new = before is None or self._changes >= MAX_JOURNAL
         text = journal.line(None if is_new else before, now, boot_id() if is_new else '') + '\n'
-        changes, self._changes = self._changes, MAX_JOURNAL  # write anew after a failure
+        changes, self._changes = self._changes, MAX_JOURNAL  # a new journal after a failure
         if is_new:
             replace_file(self._path, text, mode=_PRIVATE, on_disk=False)
             self._changes = 0
