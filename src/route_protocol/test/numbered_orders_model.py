@@ -131,8 +131,8 @@ class Report(NamedTuple):
     refused: int
     done: int  # record number of the first edge that is not driven to its end
     motion: Motion
-    failed: bool  # it has lost the route of `order`
-    place: Optional[int]  # where it stands; None: it is on `edge`
+    failed: bool  # the vehicle has lost the route of `order`
+    place: Optional[int]  # where the vehicle stands; None: it is on `edge`
     edge: Optional[Edge]
 
 
@@ -163,9 +163,9 @@ class Master(NamedTuple):
     number: int = 0  # number of its last order
     done: int = 0
     open: Tuple[Order, ...] = ()  # orders that the vehicle follows, or may follow later
-    held: FrozenSet[Edge] = frozenset()  # until the vehicle stands
-    anywhere: bool = False  # until the vehicle stands
-    commands: bool = True  # the vehicle counts its orders
+    held: FrozenSet[Edge] = frozenset()  # edges that stay allocated until the vehicle stands
+    anywhere: bool = False  # the vehicle may be anywhere, until it stands
+    commands: bool = True  # whether the vehicle counts the orders of this master
     place: Optional[int] = 0
     edge: Optional[Edge] = None
     unknown: int = 0  # the vehicle may be anywhere until it stands after this or a later order

@@ -336,6 +336,6 @@ def test_each_route_is_answered_in_time_and_none_is_forgotten(seed):
         newest = {order.master: order for order in sent}
         for master, order in newest.items():
             taken = (state.master, state.order) == (master, order.order)
-            is_over = order.known_epoch != state.epoch  # the epoch of the next report says so
+            is_over = order.known_epoch != state.epoch  # the next report shows the new epoch
             assert taken or order is waits or order.order in read or is_over, (
                 'a route was forgotten')

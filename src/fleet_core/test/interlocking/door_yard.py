@@ -389,7 +389,7 @@ class DoorYard(Yard):
         return bool(self.edges & {abs(hold.edge) for hold in allocation.holds})
 
     def _wrong_inside(self, inside: Sequence[str], door: Door) -> str:
-        """The violation if these robots may be where the resource is needed; empty: none."""
+        """How these robots, which may be inside, violate OPEN or ALONE; empty: they do not."""
         for name in inside:
             if not (door.is_open and name in door.obeyed.robots):
                 return f'OPEN: {name} may be in the door, which is not open for it'

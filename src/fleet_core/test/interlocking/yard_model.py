@@ -110,7 +110,7 @@ from numbered_orders_model import (  # noqa: E402
 MASTER = 'path_supervisor'
 CLEARANCE = 0.1
 NOW = 0.0
-LATER = math.inf  # at this time each order is due, even a repeated one: inf - inf is not < REPEAT
+LATER = math.inf  # at this time each order is due, even if it was sent at LATER (inf - inf is NaN)
 NEAR = 1e-6       # m
 SLACK = 0.05      # m that a robot may be short of its reported place
 AHEAD = 5.0       # s by which a wrong clock is ahead

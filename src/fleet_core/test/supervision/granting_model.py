@@ -147,7 +147,7 @@ class Fleet:
     # -- the search -------------------------------------------------------------------------------
 
     def search(self, questions: int, sought: Collection[Flaw] = tuple(Flaw)) -> Found:
-        """Visits each state that can be reached with so many questions to the planner.
+        """Visits each state that can be reached with this number of questions to the planner.
 
         sought -- the flaws that end the search
         """

@@ -51,7 +51,7 @@ def test_in_no_order_of_events_is_an_edge_held_before_its_turn_or_a_robot_stuck(
 
 
 def test_some_answers_do_not_fit():
-    """Otherwise the searches would not show what happens after a useless answer."""
+    """Otherwise no search would visit the states after an answer that does not fit."""
     assert TWO.of(NEAR).unused > 0
 
 

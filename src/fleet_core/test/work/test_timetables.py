@@ -133,7 +133,7 @@ class Site:
                                   lambda: int(1000 * self.moment))
 
     def look(self, dies: bool = False) -> Optional[str]:
-        """Makes the runs that are due. `dies`: the fleet manager ends before the run is stored."""
+        """Makes the runs that are due; if `dies`, the fleet manager ends before a run is stored."""
         for run in self.runs.due():
             if dies:
                 self.restart()

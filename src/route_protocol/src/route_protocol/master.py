@@ -66,7 +66,7 @@ from route_protocol.values import (
 
 REPEAT = 1.0  # s after which an order that no report shows is sent again
 SKIPPED = 2 ** 40
-"""How many order numbers a master skips when it finds an unknown one: 35 years in ms.
+"""How many numbers a master skips when a report shows an order unknown to it: 35 years in ms.
 
 If the journal is lost and the clock was set back, orders may be on their way whose numbers are
 larger than any that the vehicle shows. The clock that gave these numbers was ahead of the present

@@ -2,7 +2,7 @@
 
 A device that hands over to robots carries out steps in the same way: it is then the "robot" below.
 
-A master orders a step by a command with a *key*. Keys only grow, even after a restart of the
+A master orders a step with a command that has a *key*. Keys only grow, even after a restart of the
 master. The robot takes each key once: if the key of a command is not above the last one, the
 command is a repetition. So a master repeats a command until the robot shows its key, and the step
 is carried out at most once. The master sends the command with the next key only when the robot

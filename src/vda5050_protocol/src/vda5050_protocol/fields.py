@@ -107,7 +107,7 @@ class Boolean(Kind):
 
 @dataclass(frozen=True)
 class Choice(Kind):
-    """One value of an enum.
+    """The name of a member of an enum.
 
     spelling -- members that this version of the standard spells differently
     unknown  -- members that this version does not have
