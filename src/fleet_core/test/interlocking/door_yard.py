@@ -87,7 +87,7 @@ class Door(NamedTuple):
     begun   -- a request was sent to each door since the start
     request -- the newest request
     asked   -- for each robot, the first request that names it
-    told    -- the request that the door obeys, if a fresh report says that it is open; else 0
+    told    -- the request in the newest report, if it is fresh and shows the door open; else 0
     sent    -- requests on their way
     obeyed  -- the request that the door obeys
     is_open -- the door is open
@@ -252,7 +252,7 @@ class DoorYard(Yard):
             yield event, (self._known[key], *ids)
 
     def _followed_by_claims(self, door: Door, ids: Tuple[int, ...]) -> Door:
-        """The door after the claims have followed the robots' allocations."""
+        """The door after the claims were adapted to the allocations of the robots."""
         key = ('claims', door, *self._allocated_to(ids))
         if key not in self._known:
             self._known[key] = self._door(door, self._claims(door, ids))

@@ -57,7 +57,7 @@ class Body(NamedTuple):
 class State(NamedTuple):
     """The whole world. `memory` is the manager's memory, `disk` the data that it has stored.
 
-    orders -- number of commands for steps that were given
+    orders -- how many commands to begin a step were given
     bodies -- by the type of the step; each type has only one step
     place  -- vertex at which the robot stands
     """
@@ -96,7 +96,7 @@ class Bounds:
 
     fail   -- how often the mission becomes impossible
     others -- the other stops that a person gives
-    orders -- how many orders of steps there may be
+    orders -- how many commands to begin a step there may be
     last   -- the highest key that the robot has taken for other missions
     """
 

@@ -23,8 +23,8 @@ Events and what follows
     | route                      | not decided in this epoch        | refused                      |
     | route of `master`          | `done` is not in first ... end   | refused                      |
     | route of `master`          | a route is RUNNING, and the new  | refused                      |
-    |                            | one does not begin with the edge |                              |
-    |                            | under way                        |                              |
+    |                            | route does not continue with the |                              |
+    |                            | edge under way                   |                              |
     | route of another master    | the vehicle can begin it         | taken: a new epoch begins    |
     | route of another master    | the vehicle cannot               | refused, but not counted     |
     | any other route            | the vehicle can drive it         | taken                        |

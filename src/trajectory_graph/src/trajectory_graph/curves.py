@@ -225,7 +225,7 @@ def _stops(control: np.ndarray) -> np.ndarray:
 
 
 def _turns_sharply(control: np.ndarray) -> np.ndarray:
-    """Returns which of `_stops` are so near to parameters of the curve that its speed has a kink."""
+    """Returns which of `_stops` are so near to a real parameter that the speed has a kink there."""
     stops = _stops(control)
     return ((np.abs(stops.imag) < _SHARP) & (stops.real > -_SHARP) & (stops.real < 1.0 + _SHARP))
 

@@ -90,7 +90,8 @@ class ActionCall:
 class ActionSpec:
     """An entry of the table; without `call` the vehicle executes the action itself.
 
-    moves           -- whether the action moves the robot; if so, it is refused during an order
+    moves           -- whether the action moves the robot; if so, it is refused as an instant action
+                       while an order is active
     executed_as     -- the blocking type on this robot; None: the blocking type of the message
     cancellable     -- whether cancelOrder ends the action
     commands_motion -- whether the robot treats the action as a drive with a new epoch

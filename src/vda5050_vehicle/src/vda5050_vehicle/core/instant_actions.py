@@ -62,7 +62,7 @@ BUILT_IN_3: Tuple[ActionSpec, ...] = (
 
 
 class InstantActionHandler:
-    """Receives the instant actions of a vehicle, and ends those that take time."""
+    """Receives the instant actions of a vehicle, and ends the actions that take time."""
 
     def __init__(self, context: Context, inbox: Inbox, runner: ActionRunner) -> None:
         self._context = context
@@ -321,7 +321,7 @@ class InstantActionHandler:
         self._state.wish = None
 
     def restart(self) -> None:
-        """Ends, as failed, the started actions and the instant actions that a restart interrupted.
+        """Ends the started actions and the instant actions as failed, because of a restart.
 
         Stops continue.
         """
