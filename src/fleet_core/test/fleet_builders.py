@@ -18,7 +18,7 @@ AGV = RobotType('agv', 0.4, 1.0)
 
 def graph_of(places: Mapping[int, Tuple[float, float]], ends: Mapping[int, Tuple[int, int]],
              speed: float = 1.0, one_way: Sequence[int] = ()) -> Graph:
-    """A graph of straight edges `ends` {id: (origin, destination)} and vertices {id: (x, y)}."""
+    """A graph of vertices `places` {id: (x, y)} and straight edges `ends` {id: (from, to)}."""
     return Graph([Vertex(id, x, y, 0.0) for id, (x, y) in places.items()],
                  [Edge(id, *pair, velocity_forward=speed,
                        velocity_backwards=0.0 if id in one_way else speed)
@@ -26,7 +26,7 @@ def graph_of(places: Mapping[int, Tuple[float, float]], ends: Mapping[int, Tuple
 
 
 def corridor(length: int, siding_at: Optional[int] = None, spacing: float = 2.0) -> Graph:
-    """Vertices 1 .. length in a row, edges 1 .. length - 1; a siding 100 beside one vertex."""
+    """Vertices 1 .. length in a row, joined by edges 1 .. length - 1. The siding is vertex 100."""
     places: Dict[int, Tuple[float, float]] = {
         k: ((k - 1) * spacing, 0.0) for k in range(1, length + 1)}
     ends = {k: (k, k + 1) for k in range(1, length)}
@@ -79,7 +79,7 @@ def with_docks(graph: Graph, *docks: int) -> Graph:
 
 
 def grant(record: RouteRecord, edges: Sequence[int]) -> None:
-    """Orders the robot of this record to drive these edges after those ahead of it."""
+    """Orders the robot of this record to drive these edges after the edges that are ahead of it."""
     protocol = record.protocol
     record.protocol = give_route(protocol, protocol.number + 1, (*record.ahead, *edges), 1)
 
@@ -92,7 +92,7 @@ def complete(record: RouteRecord, number: int) -> None:
 
 
 def at_place(said: RouteReport, graph: Graph, edge: int, fraction: float) -> RouteReport:
-    """The same report from another place: this fraction of this edge."""
+    """The same report, but from the place at this fraction of this edge."""
     x, y = point_of(graph, Pose(edge, fraction))
     return replace(said, pose=SymbolicPose(edge, 100.0 * fraction),
                    location=VehicleLocation(x, y, math.nan))

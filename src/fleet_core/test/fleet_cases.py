@@ -1,4 +1,4 @@
-"""Random instances for the planner, each from a seed, and their plans in the form of the file."""
+"""Random instances for the planner, each from a seed, and their plans in the form of plan files."""
 from __future__ import annotations
 
 import math
@@ -93,8 +93,8 @@ class Case:
 class MidEdgeCase(Case):
     """A random fleet in which some robots, `moved`, stand between the ends of an edge.
 
-    In the plain case with the same random numbers, these robots stand at the first end of their
-    edge. Some of these edges are closed.
+    In a `Case` with the same random numbers, these robots stand at the first end of their edge.
+    Some of these edges are closed.
     """
 
     def __init__(self, random: Random, share: float = 0.5) -> None:
@@ -127,7 +127,7 @@ class MidEdgeCase(Case):
         return curve.point_at(mid_edge[1] * curve.length)
 
     def outcome(self, mid_edge, rounds=0):
-        """The outcome of the case; without `mid_edge`, all robots stand on vertices instead."""
+        """The outcome of the case; if not `mid_edge`, all robots stand on vertices."""
         tasks = [replace(task, destinations=self.missions.get(name, ()), stays=True,
                          **({} if mid_edge or not task.mid_edge else {
                              'mid_edge': None, 'vertex': self._vertex(task)}))

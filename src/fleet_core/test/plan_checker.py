@@ -1,10 +1,10 @@
 """Judges plans from their files alone, without any code of the planner.
 
-Everything is computed anew: curves from the fleet's files, lengths by fine sampling, distances by
-Shapely. The checker assumes that each robot can be arbitrarily late. It compares all places that
-two robots can occupy at the same time under the precedence. For each drive of a robot it computes
-how far the other robots must have come by then. It checks the distance to all places that they may
-still occupy.
+The checker computes everything itself: curves from the files of the fleet, lengths by fine
+sampling, distances with Shapely. It assumes that each robot can be arbitrarily late, and compares
+all places that two robots can occupy at the same time under the precedence. For each drive of a
+robot it computes how far the other robots must have come when the drive begins. Then it checks the
+distance to all places that the other robots may still occupy.
 """
 from __future__ import annotations
 
@@ -112,9 +112,7 @@ class World:
 
 
 class Held(NamedTuple):
-    """The places that a robot may occupy during drive `index`; -1: it stands before its first
-    drive.
-    """
+    """The places that a robot may occupy during drive `index`; -1: before its first drive."""
 
     index: int
     shape: object
@@ -169,7 +167,7 @@ def structure_faults(world: World, plan: dict) -> List[str]:
 
 
 def sum_faults(plan: dict, ends: Sequence[float]) -> List[str]:
-    """Sums in a plan that do not agree with the times at which the robots end."""
+    """Sums in a plan that do not agree with the times at which the robots finish."""
     found: List[str] = []
     if abs(plan['sum_of_costs'] - sum(ends)) > 1e-6 * (1 + sum(ends)):
         found.append(f'sum_of_costs is {plan["sum_of_costs"]}, not {sum(ends)}')
@@ -209,7 +207,7 @@ def time_faults(world: World, plan: dict) -> List[str]:
 
 
 class Order:
-    """How far the other robots must have come when a drive begins, by all constraints."""
+    """For each drive: how far the constraints require the other robots to be when it begins."""
 
     def __init__(self, plan: dict) -> None:
         self.names = list(plan['robots'])
@@ -227,7 +225,7 @@ class Order:
                 self._work_out((name, j), state)
 
     def _work_out(self, root: Tuple[str, int], state: Dict[Tuple[str, int], int]) -> None:
-        """Computes `reached` by a depth-first search; state 1: its search has begun, 2: is done."""
+        """Computes `reached` by a depth-first search; `state` of a drive: 1: begun, 2: done."""
         stack = [root]
         while stack:
             node = stack[-1]
@@ -260,14 +258,14 @@ class Order:
             self.reached[node] = reached
 
     def at_least(self, other: str, name: str, drive: int) -> Tuple[int, float]:
-        """The least (drive, fraction) that `other` has reached when `name` is at `drive`."""
+        """The least (drive, fraction) that robot `other` has reached when `name` begins `drive`."""
         if drive < 0:
             return (-1, 0.0)
         return self.reached[name, drive].get(other, (-1, 0.0))
 
 
 def held_faults(world: World, plan: dict, order: Order) -> List[str]:
-    """Pairs of places that are too near, but that two robots may occupy at the same time."""
+    """Pairs of places that are too near to each other, but may be occupied at the same time."""
     found: List[str] = []
     names = order.names
     boxes = {name: np.array([_shape(world, plan, name, k).bounds
@@ -292,7 +290,7 @@ def held_faults(world: World, plan: dict, order: Order) -> List[str]:
 
 
 def _shape(world: World, plan: dict, name: str, k: int, fraction: float = 0.0):
-    """The part of a drive that a robot may occupy; at least this fraction of it is behind it."""
+    """The part of a drive that a robot may occupy when it has passed at least this fraction."""
     if k < 0:
         return world.start(name)
     edge = plan['robots'][name][k]['edge']
@@ -308,7 +306,7 @@ def _shape(world: World, plan: dict, name: str, k: int, fraction: float = 0.0):
 
 
 def nominal_faults(world: World, plan: dict, step: float = 0.1) -> List[str]:
-    """Robots that come too near each other even if all keep their times; checked every `step` s."""
+    """Robots that come too near each other although all are on time; checked every `step` s."""
     names = list(plan['robots'])
     if not names:
         return []

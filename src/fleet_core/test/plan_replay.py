@@ -1,7 +1,7 @@
 """Drives a plan with random delays and stalls, without any code of the planner.
 
-Robots obey the precedence and nothing else. Each drive takes a random time, with stops anywhere on
-it, and begins as soon as the precedence allows. After that the places of all robots are checked at
+Robots obey the precedence and nothing else. Each drive begins as soon as the precedence allows, and
+takes a random time, with stops at random places. Afterwards the places of all robots are checked at
 regular times.
 """
 from __future__ import annotations
@@ -14,7 +14,7 @@ from plan_checker import TOLERANCE, World
 
 
 class Driven(NamedTuple):
-    """One drive as it happened: at times `at` (K,) the robot was at fractions `share` (K,)."""
+    """One drive as it happened: at the times `at` (K,) the robot was at the fractions `share`."""
 
     at: np.ndarray
     share: np.ndarray

@@ -1,7 +1,7 @@
-"""Faults that the tests of the work at stops must find: each leaves one guard out.
+"""Faults that the tests of the work at stops must find: each fault leaves one guard out.
 
-GUARDS has for each guard the object with its function, the name of the function, and the function
-that replaces it.
+For each guard, GUARDS has the object to change, the name of the function that is the guard, and the
+function that replaces it.
 """
 from __future__ import annotations
 

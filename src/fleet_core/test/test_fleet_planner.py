@@ -1,7 +1,7 @@
 """The planner as a fleet manager uses it: released drives, kept plans, obstacles, closed edges.
 
-Robots between two vertices block the point where they are, not their whole edge. They are planned
-like all other robots, even if their edge was closed after they had entered it.
+A robot between two vertices blocks the point where it is, not its whole edge. It is planned like
+all other robots, even if its edge was closed after the robot had entered it.
 """
 from __future__ import annotations
 
@@ -49,7 +49,8 @@ def test_a_robot_goes_on_from_what_was_released_to_it():
 
 @pytest.mark.parametrize('rounds', [0, 2])
 def test_nobody_slips_through_before_a_slow_robot_that_was_let_go_there(rounds):
-    """A released drive stays released: a robot that could pass long before it must wait for it."""
+    """A released drive stays released: another robot waits for it, even if there is time to pass.
+    """
     crossing = graph_of({1: (0.0, 0.0), 2: (2.0, 0.0), 3: (4.0, 0.0), 4: (6.0, 0.0), 5: (8.0, 0.0),
                          6: (6.0, 2.0), 7: (6.0, -2.0)},
                         {1: (1, 2), 2: (2, 3), 3: (3, 4), 4: (4, 5), 5: (6, 4), 6: (4, 7)})
@@ -65,8 +66,7 @@ def test_nobody_slips_through_before_a_slow_robot_that_was_let_go_there(rounds):
 
 @pytest.mark.parametrize('seed', range(20))
 def test_whatever_was_released_plans_for_new_destinations_keep_it(seed):
-    """All drives that wait for no other robot are released. Then all robots get new destinations.
-    """
+    """All drives that wait for no other robot are released, and all robots get new destinations."""
     random = Random(seed)
     graph, slow = ladder(8), RobotType('slow', 0.4, 0.2)
     planner = _planner(graph, kinds=(AGV, slow))
@@ -99,7 +99,7 @@ def test_a_robot_between_two_vertices_may_go_either_way():
 
 
 def _planner_with_a_zone():
-    """A planner for two corridors far apart; edges 2 and 4 are a zone for one robot."""
+    """A planner for two corridors far apart; edges 2 and 4 form a zone for only one robot."""
     graph = graph_of({1: (0.0, 0.0), 2: (2.0, 0.0), 3: (4.0, 0.0),
                       4: (0.0, 9.0), 5: (2.0, 9.0), 6: (4.0, 9.0)},
                      {1: (1, 2), 2: (2, 3), 3: (4, 5), 4: (5, 6)})
@@ -214,7 +214,7 @@ def test_a_large_robot_and_a_small_one_keep_their_own_distances():
 
 
 def test_priorities_decide_who_waits():
-    """Both arrive at the crossing at the same time."""
+    """Two robots arrive at the crossing at the same time."""
     graph = graph_of({1: (-4, 0), 2: (0, 0), 3: (4, 0), 4: (0, -4), 5: (0, 4)},
                      {1: (1, 2), 2: (2, 3), 3: (4, 2), 4: (2, 5)})
     for urgent in 'ab':
@@ -225,7 +225,7 @@ def test_priorities_decide_who_waits():
 
 
 def test_where_not_all_can_be_served_somebody_is():
-    """Each robot is in the way of another one, and there is room for only one to step aside."""
+    """Each robot is in the way of another robot, and only one of them has room to step aside."""
     graph = corridor(6, siding_at=3)
     tasks = [Task(name, AGV, vertex, destinations=(goal,), kept=())
              for name, vertex, goal in (('a', 1, 6), ('b', 6, 1), ('c', 4, 2))]
@@ -268,7 +268,7 @@ def test_improvement_makes_no_plan_worse():
 
 
 def test_robots_whose_ends_are_in_each_others_only_way_change_places_in_a_siding():
-    """If they are planned one after the other, the second one drives 45 m the other way round."""
+    """If the robots are planned one after the other, the second robot drives a detour of 45 m."""
     row = {k: (3.0 * k, 0.0) for k in range(1, 6)}
     graph = graph_of({**row, 9: (6.0, 3.0), 10: (3.0, -15.0), 11: (15.0, -15.0)},
                      {**{k: (k, k + 1) for k in range(1, 5)}, 9: (2, 9), 10: (1, 10), 11: (10, 11),
@@ -339,8 +339,8 @@ def test_the_search_over_configurations_swaps_robots_in_a_siding():
 
 
 def test_no_order_of_use_is_made_of_drives_that_go_back_in_time():
-    """Constraints between proper drives lead forward in time. Only drives that go back in time
-    could make robots wait in a ring.
+    """Constraints between drives whose times increase lead forward in time. Only drives that go
+    back in time could make robots wait in a ring.
     """
     network = RoadNetwork(corridor(4))
     table = ReservationTable(network, 0.1, [AGV])
@@ -378,7 +378,7 @@ def test_the_laboratory_has_room_for_thirteen_and_not_for_one_more(lab_graph):
 
 
 def test_the_largest_set_of_a_ladder_with_dead_ends_is_found():
-    """Each rung leads on to a dead end; robots parked in dead ends block no other robot."""
+    """Each rung leads to a dead end; robots that are parked in dead ends block no other robot."""
     graph = graph_of({**{k: (3.0 * k, 0.0) for k in range(1, 6)},
                       **{10 + k: (3.0 * k, 2.0) for k in range(1, 6)}},
                      {**{k: (k, k + 1) for k in range(1, 5)},
@@ -411,7 +411,7 @@ def test_a_search_for_parking_ends_after_a_fixed_amount_of_work(size, monkeypatc
     monkeypatch.setattr(parking, 'is_well_formed', check)
     monkeypatch.setattr('fleet_core.planning.parking._WORK', 500_000)
     found = parking.largest()
-    one_set = 2 * network.vertices * places  # upper bound of the work for a set that has begun
+    one_set = 2 * network.vertices * places  # upper bound of the work for the set under way
     assert sum(work) <= 500_000 + 2 * one_set
     assert len(found) > network.vertices / 2 and is_well_formed(found)
 

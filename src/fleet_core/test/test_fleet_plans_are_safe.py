@@ -1,7 +1,7 @@
 """A checker that shares no code with the planner judges every plan and every answer.
 
-The running fleets of the plan service have robots that are out of service, closed edges and kept
-plans.
+For answers of the plan service, the fleets have robots that are out of service, closed edges and
+kept plans.
 """
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ def test_a_plan_on_any_graph_is_safe_whatever_the_delays(search, seed):
 
 
 def test_many_drives_under_random_delays_come_near_nobody():
-    """The test ends after a number of drives; with LD90_LONG_TESTS=1, after a million drives."""
+    """The number of drives is limited; with LD90_LONG_TESTS=1 it is a million."""
     driven, seed = 0, 0
     while driven < (1_000_000 if LONG else 2_000 if WHOLE else 500):
         seed += 1
@@ -73,8 +73,7 @@ def test_many_drives_under_random_delays_come_near_nobody():
 # -- robots between two vertices ------------------------------------------------------------------
 
 def test_robots_between_vertices_find_out_of_a_tangle_like_others():
-    """At least as many fixed instances have a plan as with the robots on the vertices behind them.
-    """
+    """A plan is found for at least as many instances as if these robots stood on vertices."""
     solved = {True: 0, False: 0}
     for seed in range(200 if LONG else 30 if WHOLE else 20):
         try:
@@ -129,9 +128,7 @@ class RunningFleet:
                                                time_limit=0.3, improvement=0.05))
 
     def faults(self, tasks, outcome):
-        """The faults that the checker finds. For it, the robot out of service is one that does not
-        drive.
-        """
+        """The faults that the checker finds, for which the robot out of service does not drive."""
         plan = solved_plan(outcome, 0.0, 0.0)
         plan['robots'][self.out] = []
         missions = {task.name: task.destinations for task in tasks

@@ -124,7 +124,7 @@ def _square():
 
 
 def test_robots_that_follow_each_other_in_a_ring_are_caught():
-    """Their times would fit if all moved at once, but no order of drives keeps them safe."""
+    """The times fit if all robots move at once, but no order of the drives keeps them safe."""
     world, plan = _square()
     assert any('may come within' in fault for fault in faults(world, plan))
     plan['precedence'] = [[f'r{k % 4 + 1}', 0, 1.0, f'r{k}', 0] for k in range(1, 5)]

@@ -1,8 +1,8 @@
 """The searches find the best solution, compared with each other and with exhaustive search.
 
-On a grid whose edges are exactly as long as robots must stay apart, every plan can be made of steps
-of one edge, in which no two robots hold the same vertex. There exhaustive search is easy to write
-and shares no code with the planner.
+The grid has edges exactly as long as the distance that robots must keep. On it every plan can be
+made of steps of one edge, in which no two robots hold the same vertex. So an exhaustive search is
+easy to write, and shares no code with the planner.
 """
 from __future__ import annotations
 
@@ -32,13 +32,13 @@ from fleet_core.planning.tasks import Task
 from fleet_core.planning.tea_star import TeaStar
 from trajectory_graph import Graph, GraphError
 
-# an edge of 1 m takes 1 s, and blocks both its ends for that time
+# A robot drives an edge of 1 m in 1 s, and blocks both ends of the edge for this time.
 UNIT = RobotType('unit', 0.5, 1.0)
 SEARCHES = {'safe_intervals': find_path, 'layers': layered(1.0)}
 
 
 def _grid(random: Random, columns: int, rows: int) -> Graph:
-    """A connected grid with some edges missing and some one-way."""
+    """A connected grid; some edges are missing, and some are one-way."""
     places = {row * columns + column + 1: (float(column), float(row))
               for row in range(rows) for column in range(columns)}
     pairs = [(a, b) for a in places for b in places if a < b and sum(
@@ -100,8 +100,9 @@ def _offer(best, heap, cost, state):
 
 def _best_alone(graph: Graph, start: int, goal: int, horizon: int,
                 others: Sequence[Sequence[int]]) -> Optional[int]:
-    """The earliest time at which a robot can be at its goal for good; robot k of the others is at
-    `others[k][t]` at time t.
+    """The earliest time from which a robot can stay at its goal.
+
+    others -- robot k of the other robots is at `others[k][t]` at time t
     """
     neighbours = _neighbours(graph)
 
@@ -162,7 +163,8 @@ def test_small_fleets_get_a_plan_whenever_there_is_one(seed):
 
 
 def test_plans_of_small_fleets_are_near_the_best_there_are():
-    """The planner promises no bound: about one such plan in 1,600 exceeds it, first with seed 3254.
+    """The planner promises no bound: one plan in about 1,600 exceeds the bound of this test. The
+    first such plan has seed 3254.
     """
     for seed in range(200):
         best, outcome = _small_fleet(seed)
@@ -207,7 +209,7 @@ def test_plans_of_small_fleets_are_mostly_the_best_there_are():
 @given(st.integers(0, 2 ** 32 - 1))
 @settings(max_examples=settings.default.max_examples // 5)
 def test_fine_layers_and_safe_intervals_agree(seed):
-    """On any graph, the layers make a robot wait at each vertex only until the next layer."""
+    """On any graph, the search with layers costs at most one layer more for each vertex."""
     try:
         case = Case(Random(seed))
     except GraphError:
@@ -234,7 +236,7 @@ def test_fine_layers_and_safe_intervals_agree(seed):
 # -- the loop of TEA*: another order if a robot finds no path --------------------------------------
 
 def test_who_is_not_in_the_way_of_who_is_put_first_keeps_its_way():
-    """Robot a would end in the corridor that b has to pass. Robot d meets neither of them."""
+    """Robot a would end in the corridor that b has to pass. Robot d meets neither a nor b."""
     graph = graph_of({1: (0, 0), 2: (2, 0), 3: (4, 0), 4: (6, 0), 5: (4, 2), 6: (9, 9), 7: (9, 7)},
                      {1: (1, 2), 2: (2, 3), 3: (3, 4), 4: (3, 5), 5: (6, 7), 6: (4, 7)})
     table = ReservationTable(RoadNetwork(graph), 0.1, [AGV])
@@ -269,7 +271,7 @@ def _expected(vertices, roads, target):
 
 @given(st.integers(0, 2 ** 32 - 1))
 def test_all_ways_to_all_vertices_are_the_shortest(seed):
-    """The graphs are trees with further links, some of them one-way or double, in several parts."""
+    """The graphs have several parts; each is a tree with further links, some one-way or double."""
     random = Random(seed)
     vertices = random.randint(1, 25)
     ends = [(random.randrange(max(k - 3, 0), k), k) for k in range(1, vertices)

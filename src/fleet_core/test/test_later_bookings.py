@@ -23,7 +23,7 @@ KINDS = (RobotType('small', 0.2, 1.3), RobotType('large', 0.5, 1.0))
 
 
 class Pair:
-    """A table whose bookings are made at once, and one whose bookings are made later."""
+    """A table whose bookings are made at once, and a table whose bookings are made later."""
 
     def __init__(self, seed: int) -> None:
         self.random = Random(seed)

@@ -103,7 +103,7 @@ _OF_PEOPLE = {Sign.TAKEN_OUT, Sign.BROUGHT_IN, Sign.DECLARED_ABSENT}
 
 @pytest.mark.parametrize('outage', Outage)
 def test_each_outage_begins_and_ends_by_an_event_and_its_end_is_told(outage):
-    """No outage needs a restart to end. A robot that needs a person waits for `fleet in`."""
+    """No outage needs a restart to end. An outage that needs a person ends with `fleet in`."""
     ends = {sign for sign, change in TRANSITIONS.items()
             if outage in change.sources and change.target is None}
     begins = {sign for sign, change in TRANSITIONS.items() if change.target is outage}

@@ -1,4 +1,5 @@
-"""Order switching reverses groups as a whole and before their use, without a ring, with a gain."""
+"""Order switching reverses only whole groups that no robot has used, makes no ring, and saves time.
+"""
 from __future__ import annotations
 
 import time
@@ -79,7 +80,7 @@ class Moment:
         return edge_groups(self.network, self.clearance, self.progress)
 
     def plan(self, order: Sequence[Constraint], starts: Dict[str, Tuple[float, ...]]) -> dict:
-        """The plan in the form of the checker: past drives in the old order, the others in `order`.
+        """The plan in the form of the checker: past drives in the old order, later ones in `order`.
         """
         progress = self.progress
         robots = {}
@@ -116,7 +117,7 @@ def moment(case: Case, random: Random) -> Moment:
 
 
 def a_case(seed: int) -> Case:
-    """A random case that makes sense."""
+    """A random case with a valid graph."""
     try:
         return Case(Random(seed))
     except GraphError:
@@ -125,7 +126,7 @@ def a_case(seed: int) -> Case:
 
 
 def ends(courses: Dict[str, RemainingDrives], order: Sequence[Constraint]) -> Dict[str, float]:
-    """The end times of all robots, iterated until nothing changes. The order must have no ring."""
+    """The end times of all robots, computed until nothing changes; `order` must have no ring."""
     starts = {(name, course.first + k): course.begins if k == 0 else 0.0
               for name, course in courses.items() for k in range(len(course.seconds))}
     for _ in range(len(starts) + 1):
@@ -237,7 +238,7 @@ def planned(graph: Graph, now: float = 0.0, late=None, **trips: Tuple[int, int])
 
 
 def first_through(at: Moment) -> str:
-    """The robot that goes first at the only place where two robots meet."""
+    """The robot that goes first; the plan has only one place where two robots meet."""
     (only,) = at.groups
     return only.first
 
@@ -275,7 +276,7 @@ def test_who_stands_on_the_way_of_the_other_is_not_overtaken():
 
 
 def test_no_more_orders_are_tried_than_allowed_and_none_after_the_deadline():
-    """Of fifty robots, every second one is late at a place where the plan lets it go first."""
+    """Half of fifty robots are late, each at a place where the plan lets it go first."""
     courses, found = {}, []
     for k in range(25):
         late, other = f'late{k}', f'other{k}'

@@ -1,7 +1,7 @@
 """The planner as a service: its answer depends only on the request, and comes in time.
 
-The searches look at the clock, and the time of all later work grows no faster than the plan. The
-tests measure CPU time, with a generous factor, because machines can be busy.
+The searches look at the clock. The work after them takes a time that grows no faster than the plan.
+The tests measure CPU time, with a generous factor, because machines can be busy.
 """
 from __future__ import annotations
 
@@ -28,7 +28,8 @@ TRUCK = RobotType('truck', 0.6, 1.0)
 
 
 def square():
-    """Vertices 1 to 4 on a square of 4 m; edge 1 from 1 to 2, edges 2, 3, 4 the other way round."""
+    """Vertices 1 to 4 on a square of 4 m; edge 1 joins 1 and 2, edges 2 to 4 lead round the square.
+    """
     return graph_of({1: (0, 0), 2: (4, 0), 3: (4, 4), 4: (0, 4)},
                     {1: (1, 2), 2: (1, 4), 3: (4, 3), 4: (3, 2)})
 
@@ -178,7 +179,7 @@ def test_closed_edges_that_the_graph_does_not_have_change_nothing():
 # -- the time limit of a request is respected ------------------------------------------------------
 
 def rows(count, length=20):
-    """A row of vertices for each robot, 100 row + 1, ..., joined at their far ends only."""
+    """A row of vertices 100 row + 1, ... for each robot; the rows are joined at their far ends."""
     places = {100 * row + k: (2.0 * k, 10.0 * row)
               for row in range(count) for k in range(1, length + 1)}
     ends = {100 * row + k: (100 * row + k, 100 * row + k + 1)
@@ -220,13 +221,13 @@ def test_an_answer_of_many_drives_costs_no_more_than_its_drives():
     outcome, seconds = timed(service, PlanRequest(tasks, time_limit=60.0))
     assert outcome.unserved == {}
     assert sum(map(len, outcome.drives.values())) > 70000
-    assert seconds < 2.0  # usually 0.5 s; 3 to 5 s when it grew with the square of the drives
+    assert seconds < 2.0  # usually 0.5 s; 3 to 5 s if the time grows with the square of the drives
 
 
 @pytest.fixture
 def plan_until(monkeypatch):
-    """A function that plans for robots that each have a row of vertices. The time is over in search
-    number `last`, which finds nothing."""
+    """A function that plans for robots, each in its own row of vertices. The time ends during the
+    search with the number `last`, which finds nothing."""
     def plan(count, last, *tasks):
         late, planned, now = [0.0], [], time.monotonic
 

@@ -1,4 +1,4 @@
-"""A graph in force stays in force while robots drive on it, also after restarts."""
+"""A graph in force stays in force while robots drive on it, even after restarts."""
 from __future__ import annotations
 
 from dataclasses import replace

@@ -29,7 +29,7 @@ LD90 = RobotType('omron_ld90', 0.43, 1.35, 0.25, False, frozenset({16}))
 
 
 def ring(*spurs, radius=6.0, one_way=()):
-    """Vertices 1 to 4 on a square, edges 1 to 4; vertex 10 + k and edge 10 + k at each spur."""
+    """Vertices 1 to 4 on a square, edges 1 to 4; at each vertex k of `spurs` a dead end 10 + k."""
     places = {1: (0.0, 0.0), 2: (radius, 0.0), 3: (radius, radius), 4: (0.0, radius)}
     ends = {1: (1, 2), 2: (2, 3), 3: (3, 4), 4: (4, 1)}
     for k in spurs:

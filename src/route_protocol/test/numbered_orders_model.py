@@ -5,37 +5,39 @@ every state within its bounds. So the invariants hold for every sequence of even
 those that the author of a test thinks of.
 
 States
-    Vehicle -- its epoch; the master that it obeys, with the number of the last order that it took
-        and the highest that it refused; how many edges of its record it has driven; its route, or
-        the edges on which it may still roll after it lost its route; where it is, in half edges
+    Vehicle -- its epoch; the master that it obeys; the number of the last order that it took from
+        this master, and the highest number that it refused; how many edges of its record it has
+        driven; its route, or the edges on which it may still roll after it lost its route; its
+        place, in half edges
     Master  -- what the newest report said; the number of its last order; the orders that the
         vehicle may still follow (`open`); the edges that stay held until the vehicle stands
-    State   -- both, the master's journal, and every order and report that was ever sent. The fields
-        after those serve only the search: neither side can read them.
+    State   -- vehicle, master, the master's journal, and every order and report that was ever sent.
+        Only the search uses the fields after these: neither vehicle nor master can read them.
 
 Events
-    * An order or a report arrives: any that was sent, at any time, again and again, or never.
+    * Any order or report that was sent arrives: at any time, any number of times, or never.
     * The vehicle drives half an edge, reports, refuses an order for a reason of its own, fails on
       its route, comes to rest, or restarts without its memory. (A restart with its memory changes
       nothing.)
     * Another giver moves the vehicle. Another master, or an old one that does not number its
       orders, orders a route or a stop. A person stops the vehicle without the master (a stop with
       number 0).
-    * The master stores its state, or restarts from its journal, or from an older one. It makes
-      the route longer, to a new place or back to the first one, makes it shorter, or stops.
+    * The master stores its state, or restarts from its journal, or from an older one. The master
+      extends the route to a new place or back to the first place, shortens it, or sends a stop.
 
 Invariants
     A  An edge that the vehicle may still drive by an order of this master is in the allocation.
-    B  The place or the edge where the vehicle is is also in the allocation, unless something else
-       than the master has moved the vehicle and no report shows this yet.
+    B  The present place or edge of the vehicle is in the allocation, unless something other than
+       the master has moved the vehicle and no report shows this yet.
     C  Liveness: if from now on messages arrive and nothing fails, the master brings the vehicle to
        the end of a new edge.
-    D  No message of an old master is obeyed twice, nor after a newer one.
-    E  If a report shows an order that the master's journal lacks, the vehicle may be anywhere for
-       the master.
+    D  No message of an old master is obeyed twice, or after a newer message was obeyed.
+    E  If a report shows an order that the master's journal lacks, the master assumes that the
+       vehicle may be anywhere.
 
-A reader who knows RULES and the two functions `obey` and `hear` can predict every case. An order
-whose beginning is driven already needs no rule of its own: record numbers say where it continues.
+A reader who knows RULES and the two functions `obey` and `hear` can predict every case. If the
+vehicle has driven the first edges of an order already, no further rule is needed: record numbers
+say where the order continues.
 """
 from __future__ import annotations
 
@@ -116,21 +118,21 @@ class Motion(Enum):
     MOVED = 'moves otherwise'
     UNKNOWN = 'moves, and does not know by whose order'
 
-    __hash__ = object.__hash__  # members are compared by identity; the one of Enum is slow
+    __hash__ = object.__hash__  # members are compared by identity; Enum.__hash__ is slow
 
 
 class Report(NamedTuple):
     """What the vehicle reports."""
 
-    sequence: int  # grows, over restarts too
+    sequence: int  # grows, even after restarts
     epoch: int
-    master: str  # whose orders `order` and `refused` count
+    master: str  # `order` and `refused` count the orders of this master
     order: int
     refused: int
-    done: int  # record number of the edge under way, or of the next one
+    done: int  # record number of the first edge that is not driven to its end
     motion: Motion
-    failed: bool  # it has lost the route of `order`
-    place: Optional[int]  # where it stands; None: it is on `edge`
+    failed: bool  # the vehicle has lost the route of `order`
+    place: Optional[int]  # where the vehicle stands; None: it is on `edge`
     edge: Optional[Edge]
 
 
@@ -138,36 +140,36 @@ class Vehicle(NamedTuple):
     """The vehicle. No answer to an order depends on the last two fields."""
 
     epoch: int = 1
-    master: str = ME  # whose orders it counts
-    order: int = 0  # the last one that it took in this epoch
-    refused: int = 0  # the highest that it refused in this epoch
+    master: str = ME  # the master whose orders it counts
+    order: int = 0  # number of the last order that it took in this epoch
+    refused: int = 0  # highest number of an order that it refused in this epoch
     done: int = 0  # edges driven in this epoch
     route: Tuple[Edge, ...] = ()  # the edges from `done` on
     rolling: Tuple[Edge, ...] = ()  # without a route: edges that it may still drive
     failed: bool = False
     place: Optional[int] = 0
-    edge: Optional[Edge] = None  # also after it lost its route
+    edge: Optional[Edge] = None  # kept after it lost its route
     sequence: int = 0
     stamp: int = 0  # messages of old masters with this stamp or an older one are too old
-    giver: str = NOBODY  # by whose order it moves
-    moved_since: int = -1  # number of the last report before another giver than the master moved it
+    giver: str = NOBODY  # the program whose order moves it
+    moved_since: int = -1  # number of the last report before a giver other than the master moved it
 
 
 class Master(NamedTuple):
     """The master."""
 
     epoch: int = 1
-    sequence: int = 0  # of the newest report
-    number: int = 0  # of its last order
+    sequence: int = 0  # number of the newest report
+    number: int = 0  # number of its last order
     done: int = 0
     open: Tuple[Order, ...] = ()  # orders that the vehicle follows, or may follow later
-    held: FrozenSet[Edge] = frozenset()  # until the vehicle stands
-    anywhere: bool = False  # until the vehicle stands
-    commands: bool = True  # the vehicle counts its orders
+    held: FrozenSet[Edge] = frozenset()  # edges that stay allocated until the vehicle stands
+    anywhere: bool = False  # the vehicle may be anywhere, until it stands
+    commands: bool = True  # whether the vehicle counts the orders of this master
     place: Optional[int] = 0
     edge: Optional[Edge] = None
-    unknown: int = 0  # the vehicle may be anywhere until it stands after an order from here on
-    gap: Tuple[int, int] = (0, 0)  # numbers between these are not in the journal that it read
+    unknown: int = 0  # the vehicle may be anywhere until it stands after this or a later order
+    gap: Tuple[int, int] = (0, 0)  # numbers between these two are not in the journal that was read
 
 
 class State(NamedTuple):
@@ -180,16 +182,18 @@ class State(NamedTuple):
     reports: FrozenSet[Report] = frozenset()
     old_orders: Tuple[OldOrder, ...] = ()
     labels: int = 0
-    drawn: int = 0  # the highest number ever drawn, as a clock knows it
+    drawn: int = 0  # the highest number ever drawn, which a clock would show
     others: int = 0
     restores: int = 0
-    unaware: bool = False  # a start did not notice an older journal, and no report has mended it
+    unaware: bool = False  # the master has not noticed yet that its journal is an older one
     flaw: str = ''
 
 
 class Bounds(NamedTuple):
-    """How often each kind of event may happen. `others`: orders of another master; `old`: of an old
-    one.
+    """How often each kind of event may happen.
+
+    others -- orders of another numbering master
+    old    -- orders of an old master
     """
 
     orders: int = 2
@@ -198,11 +202,13 @@ class Bounds(NamedTuple):
     reports: int = 3
     others: int = 0
     old: int = 0
-    restores: int = 0  # of an older journal: the one from before the first order
+    restores: int = 0  # restarts with an older journal, from before the first order
 
 
 class Found(NamedTuple):
-    """The result of a search: how many states, what is wrong, and the shortest way to it."""
+    """The result of a search: the number of states, the violation that was found, and the shortest
+    sequence of events that leads to it.
+    """
 
     states: int
     flaw: str = ''
@@ -213,7 +219,7 @@ class Found(NamedTuple):
 
 
 class Model:
-    """The transitions, with all rules or without some of them."""
+    """The transitions between states, with all rules or without some of them."""
 
     def __init__(self, *without: str) -> None:
         unknown = set(without) - set(RULES)
@@ -225,7 +231,7 @@ class Model:
     def obey(self, vehicle: Vehicle, order: Order, willing: bool = True, now: int = 0) -> Vehicle:
         """Returns the vehicle after an order has arrived.
 
-        willing -- False: it refuses a route (emergency stop, lost link, too short to brake)
+        willing -- False: the vehicle refuses a route (emergency stop, lost link, cannot brake)
         now     -- the newest stamp that an old master can have given so far
         """
         rules = self._rules
@@ -241,7 +247,7 @@ class Model:
             return lost._replace(master=order.master, order=order.number, failed=True,
                                  done=lost.done if lost.order else order.first)
         rest = order.edges
-        if takes_over or vehicle.order == 0:  # its record has no edge of this master yet
+        if takes_over or vehicle.order == 0:  # the record has no edge of this master yet
             done = order.first
         else:
             done = vehicle.done
@@ -262,10 +268,9 @@ class Model:
             moved_since=vehicle.moved_since if order.master == ME else vehicle.sequence)
 
     def number_old_order(self, vehicle: Vehicle, message: OldOrder) -> Optional[Order]:
-        """Returns the numbered order that stands for the message of an old master.
+        """Returns the message of an old master as a numbered order; None if it is too old.
 
-        The vehicle finds the edge where it is, and leaves out the beginning that it has driven.
-        Returns None if the message is too old.
+        The vehicle finds the edge where it is, and leaves out the edges that it has driven before.
         """
         if self._rules['stamp'] and message.stamp <= vehicle.stamp:
             return None
@@ -326,7 +331,7 @@ class Model:
             done=said.done if order else 0 if is_new else master.done)
 
     def first_master(self, gap: Tuple[int, int] = (0, 0), unknown: int = 0) -> Master:
-        """Returns the master as it begins, with the journal from before the first order."""
+        """Returns the master at its start, with the journal from before the first order."""
         return Master(gap=gap, unknown=unknown)
 
     def give(self, master: Master, order: Order) -> Master:
@@ -334,8 +339,8 @@ class Model:
         return master._replace(number=order.number, open=(*master.open, order))
 
     def end(self, master: Master) -> Optional[Tuple[int, Tuple[Edge, ...], int]]:
-        """Returns the order that may be made longer now: its record number, its edges, and the
-        place at its end. Returns None if there is none.
+        """Returns the order that may be extended now: its record number, its edges, and the place
+        at its end. Returns None if no order may be extended.
         """
         if master.held or master.anywhere or master.unknown or not master.commands:
             return None
@@ -464,7 +469,7 @@ class Model:
             return
         for name, order, labels in self.new_orders(state, bounds):
             after = self.give(master, order)
-            # A crash between storing and sending is an order that never arrives.
+            # A crash between storing and sending has the effect of an order that never arrives.
             yield f'{name} {order.number} {_text(order.edges)}', state._replace(
                 master=after, journal=after if self._rules['commit'] else journal,
                 labels=state.labels + labels, orders=state.orders | {order},
@@ -473,7 +478,7 @@ class Model:
     # -- what must hold ---------------------------------------------------------------------------
 
     def flaw(self, state: State) -> str:
-        """Returns which invariant does not hold, and why; empty: all do."""
+        """Returns which invariant does not hold, and why; empty: all invariants hold."""
         vehicle, master = state.vehicle, state.master
         if state.flaw:
             return state.flaw
@@ -496,7 +501,8 @@ class Model:
     def is_live(self, state: State) -> bool:
         """Returns whether the vehicle comes to a new edge if messages arrive and nothing fails.
 
-        The master grants if it can, or repeats an order that is not shown yet, or sends a stop.
+        The master grants an edge if it can. If it cannot, it repeats an order that no report shows
+        yet, or sends a stop.
         """
         vehicle, master, drawn = state.vehicle, state.master, state.drawn
         for _ in range(12):
@@ -523,7 +529,7 @@ class Model:
         return False
 
     def search(self, bounds: Bounds, most: Optional[int] = None, live: bool = False) -> Found:
-        """Visits all states within the bounds, nearest first, until one of them is wrong.
+        """Visits all states within the bounds, nearest first, until one violates an invariant.
 
         most -- stops after this number of states
         live -- also checks liveness, which takes several times as long
@@ -563,8 +569,8 @@ class Model:
 
 @contextlib.contextmanager
 def _no_garbage_collection() -> Iterator[None]:
-    """Stops garbage collection: states form no cycles, and to search a million of them for cycles
-    takes a third of the time.
+    """Stops garbage collection, which takes a third of the time and finds nothing: states form no
+    cycles.
     """
     gc.disable()
     try:
@@ -578,7 +584,7 @@ def _text(edges: Iterable[Edge]) -> str:
 
 
 def without_route(vehicle: Vehicle) -> Vehicle:
-    """The vehicle after it lost its route: it brakes where it is, on this edge or the next one."""
+    """The vehicle after it lost its route: it comes to rest on its present edge or the next one."""
     if vehicle.edge is None:
         return vehicle._replace(route=(), rolling=(), giver=NOBODY)
     return vehicle._replace(route=(), rolling=(vehicle.route or vehicle.rolling)[:2])
@@ -592,13 +598,12 @@ def new_epoch(vehicle: Vehicle, now: int) -> Vehicle:
 def _continues(vehicle: Vehicle, edges: Tuple[Edge, ...]) -> bool:
     """Returns whether these edges begin where the vehicle is."""
     if vehicle.edge is not None:
-        return edges[0] == vehicle.edge  # it cannot leave the edge on which it is
+        return edges[0] == vehicle.edge  # the vehicle cannot leave its edge
     return edges[0].origin == vehicle.place
 
 
 def drive(vehicle: Vehicle) -> Vehicle:
-    """The vehicle half an edge farther. The record does not count an edge on which it only rolls.
-    """
+    """The vehicle half an edge farther; the record does not count edges on which it only rolls."""
     edges = vehicle.route or vehicle.rolling
     if vehicle.edge is None:
         return vehicle._replace(edge=edges[0], place=None)
@@ -626,9 +631,9 @@ def motion_of(vehicle: Vehicle) -> Motion:
 
 
 def _in_gap(master: Master, said: Report) -> bool:
-    """Returns whether the newest order that counts has a number that the journal lacks.
+    """Returns whether a report shows that the vehicle may obey an order that the journal lacks.
 
-    If a newer order was taken, the vehicle obeys none of the orders that the journal lacks.
+    If a newer order was taken, the vehicle obeys none of these orders.
     """
     low, high = master.gap
     return low < max(said.order, said.refused) and said.order < high and (
@@ -636,15 +641,15 @@ def _in_gap(master: Master, said: Report) -> bool:
 
 
 def where_it_is(master: Master) -> Tuple[int, Tuple[Edge, ...], int]:
-    """Returns the end of an order for a vehicle without a route: see `Model.end`."""
-    if master.edge is not None:  # it stands on an edge: the order begins with the rest of that edge
+    """Returns the result of `Model.end` for a vehicle without a route."""
+    if master.edge is not None:  # the order begins with the rest of the edge where the vehicle is
         return master.done, (master.edge,), master.edge.destination
     assert master.place is not None
     return master.done, (), master.place
 
 
 def _from_here(vehicle: Vehicle, label: int) -> Tuple[Edge, ...]:
-    """Returns a route of another master; it begins with the rest of the vehicle's edge, if any."""
+    """Returns a route of another master. If the vehicle is on an edge, the route begins with it."""
     if vehicle.edge is None:
         assert vehicle.place is not None
         return (Edge(label, vehicle.place, label),)

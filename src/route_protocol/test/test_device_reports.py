@@ -1,4 +1,4 @@
-"""From numbers alone a requester knows that its request was taken, and that a report is new."""
+"""The numbers in reports show a requester that its request was taken and that a report is new."""
 from __future__ import annotations
 
 import pytest
@@ -23,7 +23,7 @@ def test_a_request_is_repeated_until_its_number_is_shown(number, is_shown, mode)
 @pytest.mark.parametrize('requester, number, mode, is_open', [
     ('fleet', 5, DeviceMode.OPEN, True),
     ('fleet', 6, DeviceMode.OPEN, False),     # its newest request was not taken yet
-    ('fleet', 4, DeviceMode.OPEN, False),     # another program of the same name asks
+    ('fleet', 4, DeviceMode.OPEN, False),     # another program of the same name has requested
     ('other', 5, DeviceMode.OPEN, False),
     *(('fleet', 5, mode, False) for mode in DeviceMode if mode is not DeviceMode.OPEN)])
 def test_a_device_is_open_only_for_whom_it_obeys(requester, number, mode, is_open):

@@ -37,8 +37,8 @@ BAD = 99  # an edge that the vehicle refuses at once
 class Fleet:
     """A vehicle and its intake.
 
-    knows -- the vehicle can decide whether it drives a route
-    bad   -- the vehicle refuses each route
+    knows -- whether the vehicle can decide now about a route
+    bad   -- whether the vehicle refuses every route
     """
 
     def __init__(self, patience: float = ANSWERED_WITHIN) -> None:
@@ -305,7 +305,9 @@ def test_no_route_is_late_where_the_clock_of_the_vehicle_was_set_back(fleet, rec
 
 @given(st.integers(0, 2 ** 32))
 def test_each_route_is_answered_in_time_and_none_is_forgotten(seed):
-    """Masters order, repeat and stop in any sequence, while the vehicle can tell or cannot."""
+    """Masters send orders, repetitions and stops in any sequence. The vehicle can decide at some
+    times, and cannot at others.
+    """
     random, fleet = Random(seed), Fleet()
     first: Dict[Tuple[int, int], float] = {}
     numbers = count(1)
@@ -334,6 +336,6 @@ def test_each_route_is_answered_in_time_and_none_is_forgotten(seed):
         newest = {order.master: order for order in sent}
         for master, order in newest.items():
             taken = (state.master, state.order) == (master, order.order)
-            is_over = order.known_epoch != state.epoch  # the epoch of the next report says so
+            is_over = order.known_epoch != state.epoch  # the next report shows the new epoch
             assert taken or order is waits or order.order in read or is_over, (
                 'a route was forgotten')

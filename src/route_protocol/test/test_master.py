@@ -1,8 +1,8 @@
 """The master's end of the route protocol, in every state of the model of numbered orders.
 
-The search and the vehicle are those of the model, but the master is the real one. Its state is part
-of each state that the search visits, and each report, order and restart goes through its functions.
-So the search checks the invariants on the code that the fleet manager runs.
+The search and the vehicle come from the model, but the master is the real one. The master's state
+is part of each state that the search visits, and the master's functions process each report, order
+and restart. So the search checks the invariants on the code that the fleet manager runs.
 """
 from __future__ import annotations
 
@@ -74,7 +74,8 @@ class RealMaster(NamedTuple):
 class WithRealMaster(Model):
     """The model with the real master.
 
-    change, reading -- plant a fault: an effect of reports that is missing, or a wrong reading
+    change, reading -- plant a fault: `change` makes a state after a report wrong, `reading` makes
+                       a report wrong before the master reads it
     """
 
     def __init__(self, change: Change = lambda before, after: after,
@@ -215,7 +216,7 @@ READINGS: Dict[str, Tuple[Reading, str]] = {
 
 
 def flaw_of(model: Model, bounds: str, live: bool = False) -> str:
-    """The flaw that a search within the bounds finds. A report that the master refuses is one, too.
+    """The flaw that a search within the bounds finds; a report that the master refuses is a flaw.
     """
     try:
         return model.search(BOUNDS[bounds], MOST, live).flaw
@@ -244,7 +245,7 @@ def test_a_master_that_draws_a_number_again_is_found():
 
 
 def test_edges_are_held_while_the_vehicle_drives_a_route_that_is_not_open():
-    """After a reload of the graph only a stop is open: the route led over an edge that is gone."""
+    """After a new graph was loaded, only a stop is open: the graph lacks an edge of the route."""
     state = real.MasterState(epoch=1, number=3, order=2, done=1, commands=True,
                              open=(real.Order(3, 0, 1, ()),),
                              held=(real.Step(1, 12), real.Step(3, 14)))

@@ -1,4 +1,4 @@
-"""Numbered orders are safe and live in every sequence of events, and each rule is needed."""
+"""Numbered orders keep all invariants in every sequence of events, and each rule is needed."""
 from __future__ import annotations
 
 import pytest
@@ -67,7 +67,7 @@ def test_without_any_one_of_its_rules_the_search_finds_a_violation(rule):
 
 
 def test_the_way_to_a_violation_is_a_shortest_one():
-    """An order is sent without being stored, arrives, and the master forgets it."""
+    """An order is sent without being stored, it arrives, and the master restarts without it."""
     assert len(Model('commit').search(ALONE).way) == 3
 
 
@@ -81,7 +81,7 @@ def test_the_search_visits_orders_whose_beginning_is_driven_already():
 
 
 def test_the_search_visits_a_late_order_from_before_a_failure():
-    """The order is longer than the one that failed; the vehicle takes it, because it is newer."""
+    """The late order is longer than the failed order. The vehicle takes it, because it is newer."""
     def revives(state: State, order: Order) -> bool:
         after = Model().obey(state.vehicle, order)
         return state.vehicle.failed and bool(after.route)
@@ -90,7 +90,7 @@ def test_the_search_visits_a_late_order_from_before_a_failure():
 
 
 def _some_state_has(wanted) -> bool:
-    """Returns whether there is such a state with such an order within small bounds."""
+    """Returns whether, within small bounds, a state has an order for which `wanted` is true."""
     model, seen, waiting = Model(), {State()}, [State()]
     while waiting:
         state = waiting.pop()

@@ -1,4 +1,4 @@
-"""The vehicle's end: each row of its table, bad input, old masters, and the model's vehicle."""
+"""The vehicle's end: each row of its table, bad input, old masters, comparison with the model."""
 from __future__ import annotations
 
 from dataclasses import replace
@@ -52,7 +52,7 @@ def took(*orders: RouteOrder) -> Vehicle:
 
 
 def obey(its: Vehicle, given: RouteOrder, willing: bool = True) -> Answer:
-    """The answer of the vehicle, which obeys an order or, unless `willing`, refuses a route."""
+    """The answer of the vehicle to an order; if not `willing`, the vehicle refuses a route."""
     judgement = its.judge(given)
     if judgement.answer is Answer.STOP:
         its.stop(given)
@@ -316,7 +316,7 @@ class Pair:
     """The real vehicle and the model's vehicle, which get the same events.
 
     The caller of the real vehicle must know whether a route begins where the vehicle is, and
-    whether it still rolls. Here the model answers these two questions.
+    whether the vehicle still rolls. Here the model answers these two questions.
     """
 
     def __init__(self, random: Random, kind: Type[Vehicle] = Vehicle) -> None:
@@ -334,7 +334,7 @@ class Pair:
         return self.edges[label]
 
     def new_order(self) -> model.Order:
-        """An order from the present place on, or one with a wrong beginning, number or epoch."""
+        """An order from the present place on, or an order with a wrong start, number or epoch."""
         its, random = self.model, self.random
         master = random.choice((model.ME, model.ME, model.ME, model.OTHER))
         self.numbers[master] += random.randint(1, 2)
@@ -379,7 +379,7 @@ class Pair:
                 self.real.complete(self.model.done - self.real.state.first)
 
     def lose_route(self, cause: Optional[EpochCause]) -> None:
-        """The route fails; or a new epoch begins."""
+        """The route fails; if there is a cause, a new epoch begins."""
         if cause is None:
             if self.model.route:
                 self.model = model.without_route(self.model)._replace(failed=True)

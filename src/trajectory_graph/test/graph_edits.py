@@ -1,4 +1,5 @@
-"""Random edits of a draft, for tests: names of operations with numbers that select the details."""
+"""Random edits of a draft, for tests: an edit is an operation's name and numbers for its details.
+"""
 from __future__ import annotations
 
 from hypothesis import strategies as st

@@ -51,7 +51,7 @@ def test_what_the_graph_does_not_have_is_named_as_it_is():
 
 
 @pytest.mark.parametrize('edges', [
-    [Edge(4, 1, 2, section_of=9), Edge(5, 3, 2, section_of=9)],  # not from end to end
+    [Edge(4, 1, 2, section_of=9), Edge(5, 3, 2, section_of=9)],  # no chain from end to end
     [Edge(4, 1, 2, section_of=9), Edge(5, 2, 1, section_of=9), Edge(6, 2, 3)]])  # a ring
 def test_sections_that_a_person_has_edited_still_have_a_name(edges):
     graph = Graph([Vertex(1, 0.0, 0.0, 0.0), Vertex(2, 1.0, 0.0, 0.0), Vertex(3, 2.0, 0.0, 0.0)],

@@ -60,7 +60,7 @@ def test_a_section_of_a_spline_is_that_part_of_it():
 
 @pytest.mark.parametrize('ahead', [1e-8, 0.3, 0.5, 1.0, 2.0])
 def test_the_length_of_a_curve_that_turns_on_the_spot_is_there_and_back(ahead):
-    """The curve leads along the x axis, first back, then forward; its turning point is known."""
+    """The curve lies on the x axis, and reverses at points that are roots of the derivative."""
     end = 2.558151373641067
     curve = spline((0.0, 0.0), math.pi, ahead, (end, 0.0), math.pi, 0.0)
     x = np.polynomial.Polynomial([0.0, -3.0 * ahead, 3.0 * (end + 2.0 * ahead),

@@ -1,4 +1,4 @@
-"""Routes: continuity, and the interface's rule that turns edges into vertices."""
+"""Routes: continuity, and the rule that converts edges to vertices."""
 from __future__ import annotations
 
 import pytest

@@ -1,4 +1,4 @@
-"""Shortest paths are drivable routes, and none through a neighbour is shorter."""
+"""Shortest paths are drivable routes, and no edge makes the path to another vertex shorter."""
 from __future__ import annotations
 
 import pytest

@@ -1,4 +1,4 @@
-"""Editing a file changes the edited parts and no other byte."""
+"""Editing a graph file changes only the bytes of the edited parts."""
 from __future__ import annotations
 
 import pytest

@@ -1,4 +1,4 @@
-"""The connection to a real mosquitto on loopback: last will, passwords, TLS, no replay."""
+"""The connection to a real mosquitto on loopback: last will, passwords, TLS, nothing sent twice."""
 from __future__ import annotations
 
 import getpass

@@ -1,4 +1,4 @@
-"""Figure 8 of the standard, complete: each answer to each question, and the result."""
+"""All of figure 8 of the standard: each combination of answers to the questions, and the result."""
 from __future__ import annotations
 
 import itertools

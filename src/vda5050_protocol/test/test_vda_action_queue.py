@@ -1,4 +1,4 @@
-"""The actions that run at the same time, and those for which the vehicle stands (figure 17)."""
+"""Figure 17: actions that may run at the same time, and actions for which the vehicle stands."""
 from __future__ import annotations
 
 import pytest

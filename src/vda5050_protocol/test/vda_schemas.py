@@ -41,7 +41,7 @@ def validator(version: str, topic: str) -> Optional[Draft7Validator]:
 
 
 def problems(version: str, topic: str, message: Dict[str, Any]) -> Tuple[str, ...]:
-    """The errors of a message, and its keys that the schema does not know."""
+    """The errors of a message, and the keys of the message that the schema does not have."""
     schema, found = _schema(version, topic), validator(version, topic)
     if schema is None or found is None:
         return ()

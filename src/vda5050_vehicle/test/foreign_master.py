@@ -1,7 +1,7 @@
 """Runs the master of vda5050-sdk for test_vda_foreign_master.py, in its own environment.
 
-The program reads one line of JSON for each act or message. It answers with the messages that the
-master sends, unchanged, and with the errors that the master found.
+For each act or message, the program reads one line of JSON. Its answer has the unchanged messages
+that the master sends, and the errors that the master found.
 """
 import asyncio
 import json

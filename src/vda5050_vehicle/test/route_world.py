@@ -2,8 +2,8 @@
 
 Both ends are real code: `RouteDriver`, and `route_protocol.vehicle` with a robot on a line. The
 network between them is as bad as possible: each order and each report that was ever sent may arrive
-at any time, any number of times, or never. Both sides may restart at any time, with or without
-their memory; the adapter may also restart with an older journal. Other givers, other masters,
+at any time, any number of times, or never. Both ends may restart at any time, with or without
+their memory; the adapter may even restart with an older journal. Other givers, other masters,
 refusals and failures may come at any time.
 
     places  0 --1-- 1 --2-- 2 --3-- 3 --4-- 4      edges 1 to 4 lead from one vertex to the next
@@ -69,7 +69,7 @@ class Robot(NamedTuple):
 
     @property
     def motion(self) -> Motion:
-        """The motion that it reports."""
+        """The motion that the robot reports."""
         if self.state.is_running:
             return Motion.ON_ROUTE
         if self.moved:
@@ -78,12 +78,12 @@ class Robot(NamedTuple):
 
     @property
     def is_ours(self) -> bool:
-        """Whether it drives for the adapter."""
+        """Whether the robot drives for the adapter."""
         return self.state.is_running and self.state.master == ME
 
     @property
     def pose(self) -> SymbolicPose:
-        """Its place on the graph; for a vertex, the end of the edge that leads there."""
+        """The robot's place on the graph; a vertex is the end of the edge that leads to it."""
         if self.place % 2:
             return SymbolicPose(self.place // 2 + 1, 50.0)
         return SymbolicPose(self.place // 2, 100.0) if self.place else SymbolicPose(1, 0.0)
@@ -93,9 +93,9 @@ class Desk(NamedTuple):
     """The VDA order under way, as the adapter knows it.
 
     name     -- number of the order; 0: no order yet
-    start    -- the vertex before its first edge
-    released -- number of its released edges
-    passed   -- number of its driven edges
+    start    -- the vertex before the first edge of the order
+    released -- number of released edges
+    passed   -- number of driven edges
     """
 
     name: int = 0
@@ -293,7 +293,7 @@ class RouteWorld:
                 older=(world.drive, world.desk))
 
     def _new_order(self, world: World) -> Iterator[Tuple[str, World]]:
-        """The VDA order begins where the robot is, perhaps in the middle of an edge."""
+        """A new VDA order begins where the robot is, perhaps in the middle of an edge."""
         start = world.robot.place // 2
         if start < LAST:
             yield 'order', self.ordered(world.less('order'), start)
@@ -356,7 +356,8 @@ class RouteWorld:
         return protocol.Vehicle(lambda: epochs + 1, lambda: reports + 1, world.robot.state)
 
     def _after(self, world: World, end: protocol.Vehicle, **changes: object) -> World:
-        """The state after a change of the vehicle's end; a robot that lost its route rolls on."""
+        """The state after a change of the vehicle's end; a robot that lost its route may roll on.
+        """
         robot, orders, epochs, reports = (world.robot, *world.drawn)
         rolls = robot.rolls
         if robot.state.is_running and not end.state.is_running:
@@ -385,7 +386,7 @@ class RouteWorld:
         elif judgement.answer is Answer.ROUTE:
             refusal = refusal or _why_not(robot, judgement.rest)
             if not refusal and robot.rolls:
-                return world  # it waits until the robot stands
+                return world  # the order waits until the robot stands
             if refusal:
                 end.refuse(given, refusal)
             else:
@@ -404,7 +405,7 @@ class RouteWorld:
         return world._replace(robot=robot._replace(place=2 * abs(edge) - 1))
 
     def _check_entry(self, world: World, edge: int) -> None:
-        """Raises Flaw if the robot must not enter this edge for the order that it drives."""
+        """Raises Flaw if the order that the robot drives must not lead it onto this edge."""
         number = world.robot.state.order
         name = next(name for order, name in world.orders if order.number == number)
         if name in world.over:
@@ -453,7 +454,8 @@ class RouteWorld:
                most: int = 10 ** 7) -> Found:
         """Visits all states within the bounds, until a property does not hold.
 
-        live -- checks also that from each state the robot can be brought to rest and to a new node
+        live -- whether to check that the robot can be brought to rest and to a new node from each
+                state
         """
         first = self.first(bounds, is_new)
         before: Dict[World, Tuple[Optional[World], str]] = {first: (None, '')}
@@ -531,7 +533,7 @@ def _why_not(robot: Robot, rest: Tuple[int, ...]) -> Optional[Reason]:
 
 
 def _rolled(robot: Robot) -> Robot:
-    """The robot after it has rolled half an edge on."""
+    """The robot after it has rolled on by half an edge."""
     edge = robot.rolls[0]
     if robot.place % 2:
         return robot._replace(place=_end_of(edge), rolls=robot.rolls[1:])

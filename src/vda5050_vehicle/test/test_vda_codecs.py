@@ -67,13 +67,13 @@ def test_what_the_vehicle_sends_is_valid(version):
 
 # Endings of the names of fields that only people read.
 FOR_PEOPLE = ('description', 'descriptor')
-# It concerns the loss of a release, but orders with `releaseRequired` are refused.
+# This field concerns the loss of a release, but orders with `releaseRequired` are refused.
 MEANINGLESS = ('edges.corridor.releaseLossBehavior',)
 
 
 @pytest.mark.parametrize('version', sorted(CODECS))
 def test_no_field_of_an_order_is_overlooked(version):
-    """The reader has every field of the official schema, so that none is ignored in silence."""
+    """The codec reads every field of the official schema, so that none is ignored silently."""
     record = CODECS[version].records['order']
     overlooked = [path for path in paths(version, 'order')
                   if path not in (*HEADER_KEYS, *MEANINGLESS)
@@ -85,7 +85,7 @@ HEADER_KEYS = ('headerId', 'timestamp', 'version', 'manufacturer', 'serialNumber
 
 
 def is_read(record, path):
-    """Whether a path of JSON keys leads to a field of the record. A free value ends each path."""
+    """Whether a path of JSON keys leads to a field of the record, or into a free JSON value."""
     kind = record
     for key in path.split('.'):
         kind = getattr(kind, 'kind', kind) if isinstance(kind, ListOf) else kind
@@ -332,7 +332,7 @@ def supported(version):
 @pytest.mark.parametrize('version', sorted(CODECS))
 def test_the_factsheet_names_fields_as_its_version_does(version):
     known = {f'{topic}.{path}' for topic in ('order', 'state') for path in paths(version, topic)}
-    if version == '2.0.0':  # the text of the standard, which is right, spells it in this way
+    if version == '2.0.0':  # the spelling in the text of the standard, which has precedence
         known.add('order.nodes.nodePosition.allowedDeviationXY')
     assert set(supported(version)) <= known
 

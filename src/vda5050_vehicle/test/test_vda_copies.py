@@ -1,4 +1,4 @@
-"""Messages that arrive twice have an effect only once, however late the copy is."""
+"""Messages that arrive twice have an effect only once, even if the copy comes very late."""
 from __future__ import annotations
 
 import pytest
@@ -69,7 +69,7 @@ def test_a_copy_of_an_instant_action_is_not_done_again(kind, parameters):
     lab.receive_instant_actions(message)
     if lab.started:
         lab.end_action('i')
-    lab.order(way(8, 10).order('o'))  # with it, the vehicle forgets the instant action
+    lab.order(way(8, 10).order('o'))  # a new order makes the vehicle forget the instant action
     lab.act('startPause')
     lab.settle()
     started = list(lab.started)

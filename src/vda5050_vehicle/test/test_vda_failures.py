@@ -100,7 +100,7 @@ def test_a_robot_that_is_lost_has_no_pose_and_is_said_to_be():
 def test_no_state_is_sent_before_the_robot_was_heard_or_is_lost():
     """A FATAL error in the first state after each start would make masters fail a mission.
 
-    A first state without an error would say that the vehicle takes orders.
+    A first state without an error would tell masters that the vehicle takes orders.
     """
     lab = Lab(at=None)
     lab.do(lab.vehicle.connected(lab.now))

@@ -1,6 +1,6 @@
 """The master of vda5050-sdk, foreign software, gives orders to the vehicle and reads its states.
 
-test_vda_masters.py instead builds the messages of masters from their documentation.
+In contrast, test_vda_masters.py builds the messages of masters from their documentation.
 """
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ class Pair:
         self._told = 0
 
     def ask(self, name: str, *arguments: Any) -> List[str]:
-        """The master acts, and its messages reach the vehicle. Returns the master's complaints."""
+        """The master acts, and its messages reach the vehicle. Returns the errors it found."""
         assert self._master.stdin and self._master.stdout
         print(json.dumps([name, *arguments]), file=self._master.stdin, flush=True)
         sent, wrong = json.loads(self._master.stdout.readline())
@@ -41,7 +41,7 @@ class Pair:
         return wrong
 
     def tell(self) -> List[str]:
-        """The master reads the new states of the vehicle. Returns the complaints of the master."""
+        """The master reads the new states of the vehicle. Returns the errors it found."""
         new, self._told = self.vehicle.states[self._told:], len(self.vehicle.states)
         return [wrong for state in new for wrong in self.ask('receive', 'state', state)]
 
@@ -81,7 +81,9 @@ def test_its_order_is_driven_as_far_as_it_releases_it(pair, released):
 
 
 def test_it_pauses_and_resumes_again_and_again(pair):
-    """All pauses share an actionId, all resumptions another. The vehicle reports it, but obeys."""
+    """All pauses have one actionId, and all resumptions have another. The vehicle obeys, but
+    reports an error.
+    """
     pair.do('order', 'o', places(WAY), len(WAY), None)
     for act, is_paused in 2 * [('pause', True), ('resume', False)]:
         assert pair.ask('act', act) == []

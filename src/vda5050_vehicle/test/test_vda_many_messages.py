@@ -1,4 +1,4 @@
-"""A stop does not wait behind other messages: messages that wait are processed together."""
+"""A stop does not wait for the messages before it: waiting messages are processed together."""
 from __future__ import annotations
 
 import pytest

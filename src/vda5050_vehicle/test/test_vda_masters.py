@@ -68,7 +68,7 @@ def elements(names: Sequence[str], first: int, released: int, node: Dict[str, An
 
 
 def test_opentcs_drives_step_by_step_and_charges_at_the_end():
-    """openTCS uses its own names of points and SOFT charging.
+    """openTCS uses its own names of points, and charges with the blocking type SOFT.
 
     Each order message has one more step in its base. All edges have maxSpeed.
     """
@@ -95,7 +95,8 @@ def test_opentcs_drives_step_by_step_and_charges_at_the_end():
 
 
 def test_isaac_sends_routes_from_where_the_robot_is_and_leaves_the_header_empty():
-    """Isaac has its own node names. Nodes have a heading and a deviation; the first has no map."""
+    """Isaac has its own node names. Its nodes have a heading and a deviation; the first has no map.
+    """
     master = MASTERS['Isaac Mission Dispatch']
     vehicle = master.vehicle()
     names = [f'mission-n0-s{2 * number}' for number in range(ALL)]
@@ -145,7 +146,7 @@ def test_an_order_of_a_library_with_the_vertices_as_nodes(name):
 
 
 def test_vda_5050_lib_finds_its_rejected_order_by_the_references():
-    """The references have topic and ids, but no actionId. The version is the configured one."""
+    """The references have topic and ids, but no actionId. The state has the configured version."""
     master = MASTERS['vda-5050-lib']
     vehicle = master.vehicle()
     vehicle.receive_order(master.message(1, {'orderId': 'o', 'orderUpdateId': 3, **elements(
@@ -159,7 +160,7 @@ def test_vda_5050_lib_finds_its_rejected_order_by_the_references():
 
 @pytest.mark.parametrize('name', MASTERS)
 def test_a_master_whose_serialiser_writes_null_for_what_it_does_not_set(name):
-    """As serialisers of C# and pydantic do by default."""
+    """Serialisers of C# and pydantic write null by default."""
     master = MASTERS[name]
     vehicle = master.vehicle()
     order = {'orderId': 'o', 'orderUpdateId': 0, 'zoneSetId': None, **elements(

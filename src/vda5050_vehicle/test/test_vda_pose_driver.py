@@ -115,7 +115,7 @@ def test_pause_and_cancel_cancel_the_goal(lab):
 
 
 class TestAPersonStopsTheRobot:
-    """The robot brakes for a while, and may pass or reach a node meanwhile."""
+    """The robot brakes for a while; until it stands, it may pass or reach a node."""
 
     def test_it_is_not_driven_on_from_a_node_that_it_passes(self, lab):
         lab.order(HALL.order('o'))

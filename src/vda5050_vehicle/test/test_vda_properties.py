@@ -1,10 +1,10 @@
 """Random masters, random robots, random losses: properties that must always hold.
 
-The vehicle of the laboratory gets orders, updates, cancels, pauses, duplicates, reordered messages
-and lost messages. Its robot drives, fails, is stopped, and the adapter is killed. The strict
+The vehicle of the laboratory gets orders, updates, cancellations and pauses; messages are repeated,
+reordered or lost. Its robot drives, fails and is stopped, and the adapter is killed. The strict
 checker checks each state that the vehicle sends (`Lab.do`). In addition:
 
-* no edge that was not released was ever in a route;
+* a route never contains an edge that was not released;
 * a rejected order, or a copy of an accepted order, changes nothing except the errors;
 * every action is started at most once, and at its node if the vehicle must stand for it;
 * an ended action keeps its result, and an action that ran when the adapter was killed has ended.
@@ -71,7 +71,7 @@ class RandomMaster(RuleBasedStateMachine):
             self.nothing_has_changed(before)
 
     def nothing_has_changed(self, before):
-        """Checks that the vehicle's knowledge has not changed, except by reports of its robot."""
+        """Checks that only reports of the robot have changed what the vehicle knows."""
         assert self.lab.order_record == before
 
     def here(self):
@@ -206,7 +206,7 @@ class RandomMaster(RuleBasedStateMachine):
     @precondition(lambda self: self.lab.started)
     @rule(data=st.data(), succeeded=st.booleans())
     def an_action_ends(self, data, succeeded):
-        """Ends a started action, perhaps of long ago: an end may be reported late, or twice."""
+        """Ends an action that was started, perhaps long ago: ends are reported late, or twice."""
         self.lab.end_action(data.draw(st.sampled_from(self.lab.started)), succeeded)
 
     @rule()
@@ -221,7 +221,7 @@ class RandomMaster(RuleBasedStateMachine):
     def nothing_unreleased_is_driven(self):
         """One exception: the robot may drive back to the first node of an order over a driven edge.
 
-        The order's deviation then reaches from this node to the robot.
+        This happens if the robot is away from this node, but within the node's allowed deviation.
         """
         if not hasattr(self, 'lab'):
             return
@@ -265,7 +265,7 @@ class RandomMaster(RuleBasedStateMachine):
 
     @invariant()
     def what_waits_is_an_action_of_what_is_left(self):
-        """No action of a replaced horizon may be left."""
+        """Actions of a horizon that was replaced are removed."""
         if not hasattr(self, 'lab'):
             return
         order = self.lab.vehicle.state.order
@@ -277,7 +277,7 @@ class RandomMaster(RuleBasedStateMachine):
 
     @invariant()
     def what_runs_was_started(self):
-        """This adapter started each running action, not an adapter that was killed."""
+        """Each running action was started by the present adapter, not by one that was killed."""
         if hasattr(self, 'lab'):
             for entry in self.lab.vehicle.state.actions:
                 if entry.is_active and entry.action.action_type == 'say':

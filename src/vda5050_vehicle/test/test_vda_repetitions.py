@@ -22,7 +22,7 @@ def under_way():
 # --- actionIds that are used again ----------------------------------------------------------------
 
 def test_a_master_with_one_id_for_all_its_pauses_and_another_for_all_resumptions_is_obeyed():
-    """vda5050-sdk has such ids: its second resume() left the robot paused for ever."""
+    """vda5050-sdk uses ids in this way; its second resume() once left the robot paused for ever."""
     lab = under_way()
     for _ in range(3):
         lab.act('startPause', 'pause')
@@ -49,7 +49,7 @@ def test_a_resumption_with_a_known_id_that_is_refused_now_is_reported_as_failed(
     lab.act('stopPause', 'resume')
     assert lab.status('resume') == 'FINISHED'
     lab.see(e_stop=EmergencyStop.MANUAL)
-    lab.checker = VehicleChecker('OMRON', 'lab')  # the old one lets no ended action change
+    lab.checker = VehicleChecker('OMRON', 'lab')  # the old checker allows no ended action to change
     lab.act('stopPause', 'resume')
     assert lab.status('resume') == 'FAILED'
 
@@ -141,7 +141,7 @@ KINDS = {'say': SAY, 'cancelOrder': {}, 'startPause': {}, 'stopPause': {}, 'stat
 @pytest.mark.parametrize('first', KINDS)
 @pytest.mark.parametrize('drives', [False, True])
 def test_no_instant_action_with_a_known_id_is_dropped_in_silence(first, second, drives):
-    """The second action is executed, or it is the known action, or an error names it."""
+    """The second action is executed, or it repeats the known action, or an error names it."""
     lab = under_way() if drives else Lab()
     lab.act(first, 'a', **KINDS[first])
     lab.checker = VehicleChecker('OMRON', 'lab')

@@ -5,7 +5,7 @@ their memory, without it, or with an older one. People and other programs drive,
 the robot, which refuses orders, fails and rolls on. In each state within the bounds:
 
 * the robot enters only released edges, and none for an order whose cancellation is FINISHED;
-* after a person or another program stopped or drove it, it waits until the VDA master decides;
+* after a person or another program stopped or drove the robot, it waits for the VDA master;
 * no number is drawn twice;
 * a held or cancelled robot gets the stop, and can then be brought to a new node.
 
@@ -81,7 +81,7 @@ class KeepsOpenOrders(RouteDriver):
 
 
 class IgnoresCause(RouteDriver):
-    """A faulty driver that drives on in a new epoch, whoever began the epoch."""
+    """A faulty driver that drives on in a new epoch, regardless of the giver that began it."""
 
     def _judge_orders(self, before, said, news, now):
         super()._judge_orders(before, said, replace(news, cause=None), now)

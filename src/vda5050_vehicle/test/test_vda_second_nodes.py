@@ -192,9 +192,9 @@ def test_a_long_horizon_does_not_count():
 
 
 def test_an_order_that_grows_by_updates_is_refused_in_time_and_never_fails_under_way():
-    """The route of an order has all edges since its start, and the robot takes at most 1,000.
+    """The route of an order has all edges since its start, and a robot takes at most 1,000 edges.
 
-    Here the limit is lower, so that the test is short.
+    Here the limit is 20 edges, so that the test is short.
     """
     lab = Lab()
     lab.driver.longest, first, rest, more = 20, 12, 8, 2

@@ -4,7 +4,7 @@ The robot refuses, hides its velocity, loses its link, brakes late, and obeys pe
 report whether they stand (a signal in vehicle.yaml). The robot's end of the route protocol is the
 real code. These properties always hold:
 
-* no route is sent after cancelOrder without another order;
+* after cancelOrder, no route is sent before another order comes;
 * cancelOrder and startPause are FINISHED only while the robot stands;
 * after a person's stop no route is begun before the master's stopPause or another order;
 * during a pause no drive begins before stopPause;
@@ -38,8 +38,8 @@ class UnrulyRobot(RobotSide):
 
     def __init__(self):
         super().__init__()
-        self.braking = 0.0  # s until it stands
-        self.by_hand = False  # True: a person drives it
+        self.braking = 0.0  # s until the robot stands
+        self.by_hand = False  # True: a person drives the robot
 
     def arrive(self, order):
         if self.answers and not order.edges:
@@ -49,14 +49,14 @@ class UnrulyRobot(RobotSide):
 
     @property
     def motion(self):
-        """The motion that it reports."""
+        """The motion that the robot reports."""
         if self.by_hand:
             return Motion.MOVED
         return Motion.COMING_TO_REST if self.braking > 0.0 else super().motion
 
     @property
     def moves(self):
-        """Whether it really moves."""
+        """Whether the robot really moves."""
         return self.drives or self.braking > 0.0 or self.by_hand
 
 
@@ -71,7 +71,7 @@ class UnrulyLab(Lab):
         self.robot = UnrulyRobot()
 
     def look(self):
-        """The vehicle receives the robot's state, as far as the robot reports it."""
+        """The vehicle receives those values of the robot's state that the robot reports."""
         moves = self.robot.moves
         velocity = DRIVING if moves else STANDING
         if self.robot.answers:
@@ -122,7 +122,7 @@ class RandomStops(RuleBasedStateMachine):
         return int(self.lab.vehicle.state.order.last_node[0] or 8)
 
     def attempt(self, call):
-        """Carries out an act; the adapter may be killed, and restarts from its journal."""
+        """Carries out an act; an adapter that is killed during it restarts from its journal."""
         try:
             call()
         except Killed:
@@ -217,7 +217,7 @@ class RandomStops(RuleBasedStateMachine):
     @precondition(lambda self: self.lab.robot.drives)
     @rule(drives_on=st.booleans())
     def a_person_stops_it(self, drives_on):
-        """A person stops it, and perhaps drives it elsewhere."""
+        """A person stops the robot, and perhaps drives it to another place."""
         robot = self.lab.robot
         robot.by_hand = drives_on
         robot.braking = BRAKING

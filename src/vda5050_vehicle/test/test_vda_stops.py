@@ -1,6 +1,7 @@
 """A cancel or a pause always reaches the robot.
 
-It is FINISHED only if the robot is known to stand. Nothing is driven after another giver's stop.
+The action is FINISHED only when the robot is known to stand. After another giver's stop, nothing is
+driven.
 """
 from __future__ import annotations
 
@@ -57,7 +58,7 @@ def test_a_robot_that_hides_its_velocity_stands_when_its_side_says_so(kind):
 def test_a_velocity_from_before_the_stop_tells_nothing(kind):
     lab = Lab()
     lab.order(HALL.order('o'))
-    lab.is_seen = False  # in its last report, it stands
+    lab.is_seen = False  # the last report says that the robot stands
     lab.robot.rolls = True
     stop = lab.act(kind)
     lab.wait(2.0)
@@ -272,7 +273,7 @@ def test_an_epoch_of_its_own_action_holds_nothing():
 
 def test_a_person_who_stops_the_robot_while_it_speaks_holds_it():
     lab = at_an_action()
-    lab.robot.overruled()  # speech is no motion
+    lab.robot.overruled()  # the action `say` does not explain a new epoch
     lab.wait(0.1)
     lab.end_action('b')
     lab.wait(5.0)

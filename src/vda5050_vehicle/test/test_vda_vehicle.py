@@ -560,11 +560,11 @@ def test_init_position_is_finished_when_the_robot_is_there():
 
 @pytest.mark.parametrize('before, after, ends', [
     ((0.6, 2.0, 0.5), (0.6, 2.0, 0.5), False),      # 0.4 m away, and still there
-    ((0.6, 2.0, 0.5), (0.75, 2.0, 0.5), False),  # it has hardly moved
+    ((0.6, 2.0, 0.5), (0.75, 2.0, 0.5), False),  # the robot has hardly moved
     ((0.6, 2.0, 0.5), (0.9, 2.0, 0.5), True),
     ((1.0, 2.0, 0.2), (1.0, 2.0, 0.2), False),      # 0.3 rad away, and still there
     ((1.0, 2.0, 0.2), (1.0, 2.0, 0.48), True),
-    ((1.0, 2.05, 0.5), (1.0, 2.05, 0.5), True),  # it was there before
+    ((1.0, 2.05, 0.5), (1.0, 2.05, 0.5), True),  # the robot was at the requested pose before
     ((9.0, 9.0, 0.0), (1.3, 2.0, 0.6), True),  # the robot has localised itself
     ((9.0, 9.0, 0.0), (1.6, 2.0, 0.5), False)])
 def test_init_position_is_finished_only_where_the_pose_has_become_the_one_that_was_told(

@@ -1,4 +1,4 @@
-"""The differences between a vehicle of VDA 5050 3.0 and one of 2.1."""
+"""The differences between a vehicle of VDA 5050 3.0 and a vehicle of 2.1."""
 from __future__ import annotations
 
 import json

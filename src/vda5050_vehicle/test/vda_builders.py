@@ -90,21 +90,22 @@ def way(*vertices: int) -> Track:
 
 
 class RobotSide:
-    """The receiver of orders: the real vehicle's end of the route protocol.
+    """The robot that receives the orders; its end of the route protocol is the real code.
 
-    It takes each order that the protocol allows, drives when the test says so, and stops at once.
+    The robot takes each order that the protocol allows, drives when the test says so, and stops at
+    once.
     """
 
     def __init__(self) -> None:
         self.vehicle = protocol.Vehicle(lambda: next(_EPOCHS), lambda: next(_REPORTS))
         self.percentage = 0.0
-        self.place: Optional[SymbolicPose] = None  # where it stands, if a test sets it
-        self.routes: List[Order] = []  # all orders that were sent to it, received or not
+        self.place: Optional[SymbolicPose] = None  # where the robot stands, if a test sets this
+        self.routes: List[Order] = []  # all orders that were sent to the robot, received or not
         self.answers = True
         self.refuses: Optional[Reason] = None
         self.owes_stop = ''
-        self.rolls = False  # it has not come to rest yet
-        self._driven: Tuple[int, ...] = ()  # edges before those of the last order
+        self.rolls = False  # the robot has not come to rest yet
+        self._driven: Tuple[int, ...] = ()  # edges of the route before the edges of the last order
 
     def arrive(self, order: Order) -> None:
         """An order arrives."""
@@ -136,14 +137,14 @@ class RobotSide:
 
     @property
     def motion(self) -> Motion:
-        """The motion that it reports."""
+        """The motion that the robot reports."""
         if self.drives:
             return Motion.ON_ROUTE
         return Motion.COMING_TO_REST if self.owes_stop or self.rolls else Motion.STANDING
 
     @property
     def pose(self) -> SymbolicPose:
-        """Its place on its route, or `place`."""
+        """The robot's place on its route, or `place`."""
         if self.place is not None or not self.route:
             return self.place or SymbolicPose()
         edge = self.route[min(self.done, len(self.route) - 1)]
@@ -151,17 +152,17 @@ class RobotSide:
 
     @property
     def route_id(self) -> int:
-        """The label of its route."""
+        """The label of the robot's route."""
         return self.vehicle.state.route_id
 
     @property
     def route(self) -> Tuple[int, ...]:
-        """All edges that it drives, or has driven, under the label of its route."""
+        """All edges that the robot drives, or has driven, under the label of its route."""
         return self._driven + self.vehicle.state.edges
 
     @property
     def done(self) -> int:
-        """Number of these edges that are driven."""
+        """How many edges of `route` have been driven."""
         return len(self._driven) + self.vehicle.state.completed
 
     @done.setter
@@ -170,11 +171,11 @@ class RobotSide:
 
     @property
     def drives(self) -> bool:
-        """Whether it has edges left to drive."""
+        """Whether the robot has edges left to drive."""
         return self.vehicle.state.is_running
 
     def fail(self, text: str) -> None:
-        """Its route fails."""
+        """The route of the robot fails."""
         self.vehicle.fail(Reason(ReasonCode.OTHER, text))
 
     def overruled(self, cause: EpochCause = EpochCause.OTHER_GIVER,
@@ -183,7 +184,7 @@ class RobotSide:
         self.vehicle.begin_epoch(cause, reason)
 
     def taken_by_another_master(self) -> None:
-        """Another master sends it a route."""
+        """Another master sends the robot a route."""
         self.judge(RouteOrder(4711, (9,), known_epoch=self.vehicle.state.epoch, order=1,
                               master='another'))
 
@@ -191,7 +192,7 @@ class RobotSide:
 class Lab:
     """A vehicle in the laboratory, with its robot's side, a clock, and all its messages.
 
-    Each state that it sends is checked for the rules that a schema cannot express.
+    Each state that the vehicle sends must satisfy the rules that a schema cannot express.
     """
 
     def __init__(self, at: Optional[int] = 8, driver: Optional[MakeDriver] = None,
@@ -302,7 +303,7 @@ class Lab:
         self.do(self.vehicle.action_ended(action_id, succeeded, text, self.now))
 
     def restarted(self, is_newest: bool = True) -> Lab:
-        """The adapter is killed, and a new one restarts from its journal."""
+        """The adapter is killed, and a new adapter starts from its journal."""
         other = type(self).__new__(type(self))
         other.__dict__.update(self.__dict__)
         other.vehicle = VdaVehicle(IDENTITY, self.codec, table(), self.make_driver, abilities())

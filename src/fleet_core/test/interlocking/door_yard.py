@@ -5,20 +5,23 @@
 Events, besides those of the yard
     * A robot asks for any edge, and claims the door if it lacks only this claim. Or it asks for no
       edge.
-    * Claims are stored, together with all other changes, and the door is asked.
-    * A request arrives: any that was sent, at any time, again and again, or never.
+    * Claims are stored, together with all other changes, and a request to the door is sent.
+    * Any request that was sent arrives: at any time, any number of times, or never.
     * The door opens while its request names a robot, and closes while it names none.
-    * A report of the door arrives at once, or never. One may be kept on its way and come late.
-    * The door is silent, so that its last report is not fresh any more. It restarts, and forgets
-      which request it has obeyed.
+    * A report of the door arrives at once, or never. One report may be kept on its way and come
+      late.
+    * The door is silent, so that its last report is not fresh any more. Or the door restarts, and
+      forgets which request it has obeyed.
     * A grant is stored, but so slowly that the last report of the door is not fresh any more when
       the order is sent.
-    * The route of a robot is ended before the door, because no fresh report says that it is open.
+    * The route of a robot is shortened so that it ends before the door, because no fresh report
+      says that the door is open.
 
 Properties, besides those of the yard
-    OPEN      The door is open for each robot that is on its edges, or whose route leads there.
-    CLAIMED   Each robot with an edge of the door in its allocation claims the door, also in the
-              journal.
+    OPEN      The door is open for each robot that is on an edge of the door, or whose route leads
+              through the door.
+    CLAIMED   Each robot with an edge of the door in its allocation claims the door, in memory and
+              in the journal.
     CAPACITY  At most one robot claims the door in the journal.
     ENTERED   A robot is sent into the door only while a fresh report says that the door is open for
               it. This also holds for an order that is sent for the first time after a restart.
@@ -81,10 +84,10 @@ class Door(NamedTuple):
     changed -- the robots whose claims are to be stored
     number  -- the last number of a request that was drawn
     written -- the number in the journal
-    begun   -- all doors were asked since the start
+    begun   -- a request was sent to each door since the start
     request -- the newest request
     asked   -- for each robot, the first request that names it
-    told    -- the request by which the door freshly reports to be open; 0: it does not
+    told    -- the request in the newest report, if it is fresh and shows the door open; else 0
     sent    -- requests on their way
     obeyed  -- the request that the door obeys
     is_open -- the door is open
@@ -156,7 +159,7 @@ class DoorYard(Yard):
         return Resource(DOOR, ResourceKind.DOOR, self.edges, has_device=True)
 
     def begin(self, bounds: Bounds) -> State:
-        """Each robot stands on its vertex, and the door has not been asked yet."""
+        """Each robot stands on its vertex, and no request to the door was sent yet."""
         number, *ids = super().begin(bounds)
         stored = {name: self._needs.of_vertex(vertex) for name, vertex in self._begins.items()}
         door = self._door(Door(), Claims(self._needs, stored, 0, self.clock_of_requests))
@@ -208,7 +211,7 @@ class DoorYard(Yard):
         return self._site_id(site._replace(door=door.ranked()))
 
     def _committed(self, site: Site, ids: Tuple[int, ...]) -> Tuple[Site, Tuple[int, ...]]:
-        """The state after claims are stored with the robots that have them, as in `Outbox`."""
+        """The state after the robots are stored together with their claims, as in `Outbox`."""
         key = ('committed', site.door, *self._allocated_to(ids))
         if key not in self._known:
             claims = self._claims(site.door, ids)
@@ -249,7 +252,7 @@ class DoorYard(Yard):
             yield event, (self._known[key], *ids)
 
     def _followed_by_claims(self, door: Door, ids: Tuple[int, ...]) -> Door:
-        """The door after the claims have followed the robots' allocations."""
+        """The door after the claims were adapted to the allocations of the robots."""
         key = ('claims', door, *self._allocated_to(ids))
         if key not in self._known:
             self._known[key] = self._door(door, self._claims(door, ids))
@@ -265,7 +268,7 @@ class DoorYard(Yard):
                 self._site_id(late), *(self._sent(late, id) for id in ids))
 
     def _ends_before_door(self, site: Site, id: int) -> int:
-        """A robot after its route was ended before a door that does not report to be open."""
+        """A robot after its route was shortened before a door that does not report to be open."""
         side = self._sides[id]
         if not self._beliefs[side.belief].record.ahead:
             return id
@@ -295,7 +298,8 @@ class DoorYard(Yard):
 
     def _ask(self, interlocking: Interlocking, robot: ManagedRobot, site: Site,
              ids: Tuple[int, ...], edge: int) -> Answer:
-        """The answer when a robot asks for an edge; it claims the door if it lacks only that."""
+        """The answer to a robot that asks for an edge; it claims the door if only this is missing.
+        """
         interlocking.claims = self._claims(site.door, ids)
         answer = super()._ask(interlocking, robot, site, ids, edge)
         return answer._replace(door=self._door(site.door, interlocking.claims))
@@ -352,7 +356,7 @@ class DoorYard(Yard):
     # -- what must hold ---------------------------------------------------------------------------
 
     def flaw(self, state: State) -> str:
-        """The property that a state violates, and how; empty: none."""
+        """The property that a state violates, and how; empty: it violates none."""
         found = super().flaw(state)
         if found:
             return found
@@ -385,7 +389,7 @@ class DoorYard(Yard):
         return bool(self.edges & {abs(hold.edge) for hold in allocation.holds})
 
     def _wrong_inside(self, inside: Sequence[str], door: Door) -> str:
-        """The violation if these robots may be where the resource is needed; empty: none."""
+        """How these robots, which may be inside, violate OPEN or ALONE; empty: they do not."""
         for name in inside:
             if not (door.is_open and name in door.obeyed.robots):
                 return f'OPEN: {name} may be in the door, which is not open for it'
@@ -393,10 +397,10 @@ class DoorYard(Yard):
 
 
 class ChargerYard(DoorYard):
-    """A yard with a charger for one robot, which has two places.
+    """A yard with a charger, which has two places but capacity for only one robot.
 
-    places -- its vertices
-    edges  -- the edges at them
+    places -- vertices of the charger
+    edges  -- the edges at these vertices
     """
 
     edges = frozenset({2, 3})

@@ -2,7 +2,7 @@
 
 A system consists of relations between things, such as robots and places. There may be any number of
 things, so a proof holds for every site and every fleet. An action has guards, which must hold
-before it. It also has an effect: a formula over the relations before and after it.
+before the action, and an effect: a formula over the relations before and after the action.
 
 This module needs the package z3-solver, which scripts/test.sh installs in build/z3. Without z3, the
 tests of each module that imports this one are skipped.
@@ -19,21 +19,21 @@ sys.path += map(str, Path(__file__).resolve().parents[4].glob('build/z3/lib/*/si
 z3 = pytest.importorskip('z3', reason='z3-solver is not installed: scripts/test.sh installs it '
                                       'from PyPI in build/z3')
 
-PATIENCE = 20_000  # ms for one question; each takes some milliseconds
+PATIENCE = 20_000  # ms for one check by z3, which usually takes some milliseconds
 
 Formula = Any  # z3 has no types
 Relations = Dict[str, Callable[..., Formula]]
 
 
 class Action(NamedTuple):
-    """One action: its guards, each by its name in words, and its effect."""
+    """One action: its guards, each under its name, and its effect."""
 
     guards: Dict[str, Formula]
     effect: List[Formula]
 
 
 class System:
-    """Relations before and after an action, by name, and the invariants that must hold for them.
+    """Relations before and after an action, by name, and the invariants that they must satisfy.
 
     sorts -- for each relation, the sorts of the two things that it relates
     """
@@ -93,7 +93,7 @@ class System:
     def is_consistent(self) -> bool:
         """Returns whether a state with at least one pair in each relation is possible.
 
-        Invariants that contradict each other would prove everything.
+        If the invariants contradicted each other, every proof would succeed.
         """
         solver = z3.Solver()
         solver.set('timeout', PATIENCE)

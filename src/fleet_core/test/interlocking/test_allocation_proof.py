@@ -1,6 +1,7 @@
-"""Allocations of any number of robots stay apart and stored, for any relation of exclusion.
+"""Allocations of any number of robots never exclude each other, and they are always stored.
 
-A grant is made in memory, then stored, perhaps together with other robots' entries, and then sent.
+The proof holds for any relation of exclusion. A grant is made in memory, then stored, perhaps
+together with entries of other robots, and then sent.
 The model of numbered orders shows how one robot obeys its orders.
 """
 from __future__ import annotations
@@ -14,7 +15,7 @@ r, s = z3.Consts('r s', Robot)
 p, q = z3.Consts('p q', Place)
 robot, place = z3.Const('the robot', Robot), z3.Const('the place', Place)
 
-IN_ALLOCATION = ('sent', 'obeyed', 'at')  # places in these are also in allocation and journal
+IN_ALLOCATION = ('sent', 'obeyed', 'at')  # places of these relations are in allocation and journal
 
 
 def are_apart(relation) -> Formula:

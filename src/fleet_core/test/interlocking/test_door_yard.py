@@ -141,7 +141,7 @@ class ForgetsClaimsToTheChargerAtARestart(ChargerYard):
 YARDS: Dict[Type[DoorYard], int] = {
     ForgetsClaimsAtARestart: 1, TellsADoorNothingOfRobotsThatHaveClaims: 57,
     ForgetsClaimsToTheChargerAtARestart: 0}
-"""The number of the walk that found each fault, and that is tried first.
+"""For each fault, the number of the walk that found it. This walk is tried first.
 
 After a change of the model another walk may find the fault.
 """
@@ -153,8 +153,8 @@ def test_a_restart_with_a_planted_fault_is_found(kind: Type[DoorYard]) -> None:
 
 
 def without_the_guards(patch: pytest.MonkeyPatch) -> None:
-    """Leaves out the check of claims at a grant and at an order: each alone is enough, see
-    `test_gates`.
+    """Leaves out the checks of claims at a grant and at an order. Each of the two checks alone is
+    enough, see `test_gates`.
     """
     patch.setattr(interlocking, 'CONDITIONS', interlocking.WITHOUT_CLAIMS)
     patch.setattr(Interlocking, '_kept_out', lambda *_, may_leave: None)
@@ -195,7 +195,8 @@ def test_an_order_that_is_sent_by_old_reports_is_found(
 
 
 def test_a_grant_that_waits_for_a_full_disk_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Two guards must be left out: withdrawing the grant, and judging each order when it is sent.
+    """Two guards must be left out: the withdrawal of the grant, and the check of each order when it
+    is sent.
     """
     monkeypatch.setattr(Interlocking, '_kept_out', lambda *_, may_leave: None)
     monkeypatch.setattr(RouteMaster, 'not_stored', lambda master: None)

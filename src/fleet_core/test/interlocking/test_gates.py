@@ -1,6 +1,6 @@
-"""Guards of the interlocking that are not the only ones for their case: each refuses by itself.
+"""Guards of the interlocking whose cases are refused by a second guard, too.
 
-If such a guard is left out, no search of `test_yard` finds a flaw, because another guard refuses.
+If such a guard is left out, no search of `test_yard` finds a flaw. So each guard is tested alone.
 """
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Sequences of events of one robot that the model of a yard found, and a property of grants."""
+"""Sequences of events of one robot that failed in the model of a yard, and a property of grants."""
 from __future__ import annotations
 
 from dataclasses import replace
@@ -60,7 +60,8 @@ def test_by_an_older_journal_an_order_may_still_be_on_its_way_until_the_robot_ob
 
 
 def test_where_a_robot_was_while_it_could_be_anywhere_does_not_count_once_it_stands():
-    """Otherwise a late report would stop its neighbours (walk 2168 in the yard, other bounds)."""
+    """Otherwise a late report would stop the robots near it (walk 2168 in the yard, other bounds).
+    """
     robot = master()
     robot.hear(told(1, 1, 0.0))
     robot.doubt()
@@ -74,14 +75,14 @@ def test_where_a_robot_was_while_it_could_be_anywhere_does_not_count_once_it_sta
 def test_a_master_with_a_lost_journal_and_a_clock_set_back_finds_the_numbers_of_its_robot():
     """Otherwise the robot would ignore the orders, and the master would refuse all reports.
 
-    An order that the journal has lost may still be on its way.
+    An order that is missing in the journal may still be on its way.
     """
     robot = master()
     robot.hear(told(1, 1, 0.0, order=1000))
     assert robot.allocation.knowledge is Knowledge.UNKNOWN and robot.needs_stop
     robot.halt()
     assert robot.order is not None and robot.order.number > 1000 + 365 * 24 * 3600 * 1000
-    robot.hear(told(2, 1, 0.0, order=1001))  # that order has arrived
+    robot.hear(told(2, 1, 0.0, order=1001))  # an order that is missing in the journal has arrived
     assert robot.allocation.knowledge is Knowledge.UNKNOWN
     robot.hear(told(3, 1, 0.0, order=robot.order.number))
     assert robot.allocation.vertex == 1 and robot.is_ready
@@ -90,7 +91,7 @@ def test_a_master_with_a_lost_journal_and_a_clock_set_back_finds_the_numbers_of_
 @pytest.mark.parametrize('take_back', [RouteMaster.halt, RouteMaster.shorten])
 def test_where_a_lost_route_led_is_held_also_when_a_longer_route_that_was_never_sent_is_taken_back(
         take_back):
-    """The journal could not be written, so the longer route waited (lives 61151)."""
+    """The longer route was not sent, because the journal could not be written."""
     robot = master()
     robot.hear(told(1, 1, 0.0))
     robot.extend((1, 2))
@@ -104,7 +105,7 @@ def test_where_a_lost_route_led_is_held_also_when_a_longer_route_that_was_never_
 
 
 def test_a_late_copy_of_a_stop_takes_the_record_back_and_what_lay_behind_with_it():
-    """The robot counts its edges from the place where that stop was given (walk 2 in the yard)."""
+    """The copy makes the robot count its edges from the place of that stop (walk 2 in the yard)."""
     robot = master()
     robot.hear(told(1, 1, 0.0))
     robot.extend((1,))
@@ -119,9 +120,8 @@ def test_a_late_copy_of_a_stop_takes_the_record_back_and_what_lay_behind_with_it
 
 
 def test_the_path_of_a_robot_that_came_to_rest_begins_with_the_edge_that_is_ahead_of_it():
-    """Otherwise a plan made at that moment begins one edge too early, and the robot never drives.
-
-    Life 1002 of the random test of the work found this.
+    """Otherwise a plan that is made at this moment begins one edge too early, and the robot never
+    drives.
     """
     robot = master()
     robot.hear(told(1, 1, 0.0))

@@ -1,4 +1,5 @@
-"""An allocation within another one excludes no further robot, so it need not be compared again."""
+"""An allocation that only becomes smaller excludes no further robot, so it is not compared again.
+"""
 from __future__ import annotations
 
 from dataclasses import replace

@@ -33,7 +33,7 @@ OTHERS: Dict[str, Set[str]] = {
 
 
 def listed() -> Dict[str, Set[str]]:
-    """The variables in the page's table, by class."""
+    """The variables that the table of the page lists for each class."""
     rows = re.findall(r'^\| (\w+) \| (`[^|]+`) \|', PAGE.read_text(), re.MULTILINE)
     found: Dict[str, Set[str]] = {}
     for owner, names in rows:
@@ -43,7 +43,7 @@ def listed() -> Dict[str, Set[str]]:
 
 
 def variables() -> Dict[str, Set[str]]:
-    """All attributes of a robot, without leading underscores, by class."""
+    """All attributes of a robot for each class, without leading underscores."""
     master = RouteMaster(RouteRecord(corridor(3), AGV), lambda: 1)
     robot = ManagedRobot('a', AGV, RobotSettings(), master)
     names = {'MasterState': [field.name for field in dataclasses.fields(MasterState)],

@@ -18,7 +18,7 @@ from route_protocol.master import MasterState
 from trajectory_graph import Graph
 
 WHOLE = is_whole(__file__)
-NEAREST = 8_000  # number of states that a search visits by default; a fifth with LIVE
+NEAREST = 8_000  # number of states that a search visits by default; with LIVE, a fifth of it
 FAR = 15_000  # number of states within which a planted fault must be found
 LINE = graph_of({1: (0, 0), 2: (2.4, 0), 3: (4.8, 0)}, {1: (1, 2), 2: (2, 3)})
 STAR = graph_of({1: (0, 0), 2: (2.4, 0), 3: (4.8, 0), 4: (2.4, 2.4)},
@@ -31,7 +31,7 @@ BEGINS = {'a': 1, 'b': 3, 'c': 4}
 class Search(NamedTuple):
     """A yard and bounds.
 
-    most -- a whole search ends after this number of states; None: it is complete for its bounds
+    most -- a whole search ends after this number of states; None: it visits all within its bounds
     """
 
     graph: Graph
@@ -145,7 +145,7 @@ SECOND_LINES = {
                                  'each edge from the place of the others is occupied',
     '_does_not_work': 'a robot at work has a stay without an end, or its errand is to stand',
 }
-"""Guards that can be left out without a flaw, because other guards refuse as well; see
+"""Guards that can be left out without a flaw, because a second guard refuses the same cases; see
 test_gates.py.
 """
 OF_WORK = {'_stop_may_be_entered'}
@@ -172,7 +172,7 @@ def test_a_guard_of_the_interlocking_that_is_left_out_is_found(name, monkeypatch
 # -- each rule that robots, the journal and the fleet manager follow -------------------------------
 
 RULES = {
-    'number': Search(LINE, at_once(2)),  # a robot that obeys a number again
+    'number': Search(LINE, at_once(2)),  # without this rule a robot obeys an order twice
     'refusal': Search(LINE, at_once(1, 1, 0, Fault.REFUSAL)),
     'epoch': SEARCHES['robots without memory'],
 }

@@ -2,8 +2,8 @@
 
 The fleet manager's side is the real code: `ManagedRobot` with its `RouteMaster`, `Interlocking`,
 and `robots_of` after a restart. Each robot itself is the vehicle of the model of numbered orders,
-on the edges of a graph. Whether two robots are too near is computed here, from straight lines
-alone.
+on the edges of a graph. This module computes from straight lines alone whether two robots are too
+near.
 
 The actions of one robot, and the effects of its reports, do not depend on other robots. So the real
 code runs once for each state of one robot and each event, and the search combines the results. Only
@@ -12,39 +12,40 @@ grants, and the stops of robots that exclude each other, depend on several robot
 Events
     * A robot drives half an edge, takes or refuses an order, loses its route, comes to rest on its
       edge or on the next one, or restarts without its memory. (A restart with its memory changes
-      nothing.) Another giver takes it and drives it to the end of an edge. A person stops it
+      nothing.) Another giver takes the robot and drives it to the end of an edge. A person stops it
       without the fleet manager. Its clock is ahead: then its reports arrive at once or never,
-      because the age of a late one could not be known.
-    * An order arrives: any that was sent, at any time, again and again, or never.
+      because the fleet manager could not know the age of a late report.
+    * Any order that was sent arrives: at any time, any number of times, or never.
     * A report arrives at once, or never. One report of each robot may be kept on its way: it
-      arrives at any time, again and again, before or after newer ones.
+      arrives at any time, any number of times, before or after newer reports.
     * The fleet manager is asked for any edge of the yard, makes a route shorter, stores the changes
-      that reports made, and restarts from its journal, or from its first journal. It also ends
-      when a grant is stored and the order is not sent yet. Its disk fills, also before a grant is
-      stored, and is freed.
+      that reports made, and restarts from its journal, or from its first journal. It may end
+      between the storing of a grant and the sending of the order. Its disk may become full at any
+      time, even before a grant is stored, and free again.
     * A person stops the fleet and resumes it, takes a robot out of service, and brings it back
       where it stands.
 
 Properties
     CONTAINED  All places where a robot is, or to which its route still leads, are in its
-               allocation, and in the one that a restart from the journal would give. While another
-               giver drives a robot, its place is unknown until a report says it.
-    APART      No two allocations exclude each other, nor do two entries of the journal, and no two
-               robots are too near to each other, unless another giver has taken one of the two.
-               Then both are stopped.
+               allocation, and in the allocation that it would have after a restart. While another
+               giver drives a robot, its place is unknown until a report shows it.
+    APART      No two allocations exclude each other, and no two entries of the journal do. No two
+               robots are too near to each other. If another giver has taken one of the two, this
+               may happen, but then both are stopped.
     STORED     An order with edges is in the journal before it is sent.
     GRANTED    Nothing is granted that a gate or a condition must forbid in the true situation.
     LIVE       If from now on messages arrive, nothing fails, and a person helps, then a robot is
-               granted an edge and takes that order. (Not if another giver has taken a robot: then
-               a person may have to move one by hand.)
+               granted an edge and takes the order. (This need not hold if another giver has taken a
+               robot: then a person may have to move a robot by hand.)
 
-A search is complete for its bounds: the number of grants, faults and acts of people. The number of
-reports has no bound. A walk follows one random way, with far wider bounds. The robots keep no
-reserve in their distances: a robot is `SLACK` short of a vertex that it passes, and counts as
+A search visits all states within its bounds: the numbers of grants, faults and acts of people. The
+number of reports has no bound. A walk follows one random sequence of events, with far wider bounds.
+The distances have no reserve: a robot is `SLACK` short of a vertex that it passes, and counts as
 exactly on its edge.
 
-Not in this model: robots beside their edges, other beginnings of a route, other masters (for one
-robot in `test_master.py` of route_protocol), changes of the graph, robots that are declared absent.
+Not in this model: robots beside their edges, other beginnings of a route, other masters (which
+`test_master.py` of route_protocol has for one robot), changes of the graph, robots that are
+declared absent.
 """
 from __future__ import annotations
 
@@ -109,7 +110,7 @@ from numbered_orders_model import (  # noqa: E402
 MASTER = 'path_supervisor'
 CLEARANCE = 0.1
 NOW = 0.0
-LATER = math.inf  # a time at which each order is due, even again: inf - inf is not below REPEAT
+LATER = math.inf  # at this time each order is due, even if it was sent at LATER (inf - inf is NaN)
 NEAR = 1e-6       # m
 SLACK = 0.05      # m that a robot may be short of its reported place
 AHEAD = 5.0       # s by which a wrong clock is ahead
@@ -141,10 +142,10 @@ HEARD, SENDS, STOPS, IS_OLDER = 1, 2, 4, 8
 class Said(NamedTuple):
     """A report on its way.
 
-    content -- index of the report's content, which is all except its number
+    content -- index of the content of the report: all fields except `number`
     number  -- the number of the report
     moved   -- half edges that the robot has driven since it made the report
-    ahead   -- its stamp is from a clock that is ahead
+    ahead   -- the stamp of the report is from a clock that is ahead
     """
 
     content: int
@@ -156,17 +157,17 @@ class Said(NamedTuple):
 class Side(NamedTuple):
     """One robot: the vehicle, the messages on their way, and the fleet manager's state of it.
 
-    since  -- half edges that another giver has driven it since the last location that was heard
+    since  -- half edges that another giver has driven the robot since its last known location
     belief -- index of the ManagedRobot
-    memory -- index of its entry in the journal
+    memory -- index of the robot's entry in the journal
     listed -- index of the allocation that the interlocking counts as stored
     stale  -- the robot is to be stored
     drawn  -- the highest number of an order ever drawn, as a clock would show it
     shown  -- the order that the robot follows, or followed last
     short  -- the edge behind the robot on which a part of it may still be; 0: none
-    ahead  -- its clock is ahead
-    taken  -- another giver has driven it, or it stood too near from the beginning; only for the
-              properties
+    ahead  -- the robot's clock is ahead
+    taken  -- another giver has driven the robot, or it stood too near to another one at the
+              beginning; only the properties use this
     flaw   -- what was wrong with the last event
     """
 
@@ -190,7 +191,7 @@ class Side(NamedTuple):
 class View(NamedTuple):
     """The part of one robot's state that matters to other robots.
 
-    halts -- it has nothing to drive, or it is stopped until a person brings it back
+    halts -- the robot has nothing to drive, or it is stopped until a person brings it back
     """
 
     name: str
@@ -203,7 +204,9 @@ class View(NamedTuple):
 
 
 class Site(NamedTuple):
-    """The state that all robots share. The first three numbers say how much may still happen.
+    """The state that all robots share.
+
+    grants, faults, acts -- how many of them may still happen
 
     door -- further state of a DoorYard
     """
@@ -222,7 +225,7 @@ class Site(NamedTuple):
 class Answer(NamedTuple):
     """The result of a robot's request for an edge.
 
-    belief   -- index of the ManagedRobot after a grant; None: it is granted nothing
+    belief   -- index of the ManagedRobot after a grant; None: nothing is granted
     to_store -- the robots that must be stored with the grant
     door     -- further state of a DoorYard after the request
     """
@@ -257,7 +260,7 @@ EVERY: FrozenSet[Fault] = frozenset(Fault)
 class Bounds(NamedTuple):
     """How many grants, faults, and acts of people there may be.
 
-    kept -- reports may be kept on their way
+    kept -- whether reports may be kept on their way
     of   -- the kinds of faults
     """
 
@@ -278,7 +281,7 @@ class Clock:
 
 
 def separate(site: Interlocking, robots: Mapping[str, ManagedRobot], is_starting: bool) -> bool:
-    """Stops the robots that exclude each other, as the supervisor does. Returns whether it did."""
+    """Stops robots that exclude each other, as the supervisor does; False: there are none."""
     stopped = site.separate(is_starting)
     for name in stopped:
         robots[name].notice(Sign.EXCLUDED, 'too near')
@@ -286,15 +289,15 @@ def separate(site: Interlocking, robots: Mapping[str, ManagedRobot], is_starting
 
 
 def _values(thing: object, without: Sequence[str]) -> Tuple[Hashable, ...]:
-    """The attributes of an object on which any later event depends."""
+    """The values of an object's attributes, except those in `without`."""
     return tuple(value for name, value in vars(thing).items() if name not in without)
 
 
 def key_of(robot: ManagedRobot) -> Hashable:
-    """All state of a robot on which later events depend. Attributes that do not count are named,
-    so that no attribute is forgotten.
+    """All state of a robot on which later events depend.
 
-    Only plans read `_driven` and `generation`. More than two strays have the same effect as two.
+    Attributes that do not count are named, so that no new attribute is forgotten. Only plans read
+    `_driven` and `generation`. More than two strays have the same effect as two strays.
     """
     master = robot.master
     return (_values(robot, ('name', 'type', 'settings', 'why', 'battery', 'passed', 'driven',
@@ -308,7 +311,7 @@ def key_of(robot: ManagedRobot) -> Hashable:
 class Yard:
     """All possible events on a graph of straight edges of the same length.
 
-    begins -- by the name of each robot: the vertex where it stands
+    begins -- for each name of a robot, the vertex where it stands at the beginning
     closed -- ids of closed edges
     model  -- the rules of the vehicles
     """
@@ -443,7 +446,7 @@ class Yard:
     # -- the beginning ----------------------------------------------------------------------------
 
     def begin(self, bounds: Bounds) -> State:
-        """Each robot stands on its vertex, and has reported."""
+        """The first state: each robot stands on its vertex, and has reported."""
         self._bounds = bounds
         ids = []
         for name in self.names:
@@ -537,7 +540,10 @@ class Yard:
                     vehicle=anew, cause=values.EpochCause.OTHER_GIVER, taken=True)), 1, 0, 0
 
     def _driven(self, side: Side) -> int:
-        """The robot after half an edge. The area around it grows while another giver moves it."""
+        """The robot after it has driven half an edge.
+
+        While another giver moves the robot, the area in which it may be grows.
+        """
         before, vehicle, kept = side.vehicle, drive(side.vehicle), side.kept
         short = before.edge.label if before.edge is not None and vehicle.route else 0
         side = side._replace(vehicle=vehicle, short=short,
@@ -558,7 +564,7 @@ class Yard:
         if vehicle.edge is not None and not vehicle.route and not vehicle.rolling:
             turned = self._model.obey(vehicle._replace(edge=self._turned(vehicle.edge)), order)
             if turned.route and after == self._model.obey(vehicle, order, willing=False):
-                after = turned  # it turns back on its edge
+                after = turned  # the robot turns back on its edge
         if after == vehicle:
             return
         shown = order if after.order == order.number else side.shown
@@ -596,8 +602,8 @@ class Yard:
 
     @staticmethod
     def _motion(vehicle: Vehicle) -> values.Motion:
-        """The motion that a robot reports. It knows that another giver drives it, even without its
-        memory.
+        """The motion that a robot reports; even without its memory it knows that another giver
+        drives it.
         """
         is_moved = vehicle.giver == OTHER and bool(vehicle.route or vehicle.rolling)
         return values.Motion.MOVED if is_moved else MOTIONS[motion_of(vehicle)]
@@ -643,7 +649,7 @@ class Yard:
         return self._belief_id(robot), is_stale, heard.is_located, follows, ''
 
     def _decides(self, side: Side) -> Iterator[Step]:
-        """The acts of the fleet manager or of a person on one robot alone."""
+        """The acts of the fleet manager or of a person that concern only one robot."""
         key = 'decide', side.belief, side.drawn
         if key not in self._known:
             self._known[key] = tuple(self._decisions_on(side))
@@ -716,7 +722,7 @@ class Yard:
             robots = {name: self._robot(self._sides[id])
                       for name, id in zip(self.names, before)}
             interlocking = Interlocking(self._geometry, CLEARANCE, robots)
-            interlocking.separate(is_starting)  # for changes of the event before
+            interlocking.separate(is_starting)  # processes the changes of the previous event
             copies = {name: self._robot(side) for name, side in zip(self.names, sides)}
             robots.update(copies)
             self.clock.drawn = max(one.drawn for one in sides)
@@ -743,14 +749,14 @@ class Yard:
     # -- the journal ------------------------------------------------------------------------------
 
     def _taken(self, site: Site, ids: Tuple[int, ...]) -> State:
-        """The state after all changes are stored and then orders sent, as in `Outbox.actions`."""
+        """The state after all changes were stored and the orders sent, as in `Outbox.actions`."""
         if not site.trouble:
             site, ids = self._committed(site, ids)
         return (self._site_id(site), *(self._sent(site, id) for id in ids))
 
     def _granted_in_vain(self, what: str, site: Site,
                          ids: Tuple[int, ...]) -> Iterator[Tuple[str, State]]:
-        """The faults that can come between a grant and its order, as in `Outbox`."""
+        """The faults that can happen between a grant and the sending of its order (`Outbox`)."""
         if not site.faults or site.trouble:
             return
         site = site._replace(faults=site.faults - 1)
@@ -781,7 +787,7 @@ class Yard:
                                        listed=self._allocated(side.belief)))
 
     def _sent(self, site: Site, id: int) -> int:
-        """The robot after its order that is due now has left the fleet manager."""
+        """The robot after the fleet manager has sent the order that is due now."""
         side = self._sides[id]
         if self._beliefs[side.belief].master.order is None:
             return id
@@ -803,7 +809,7 @@ class Yard:
             flaw=f'STORED: {one} is sent, but is not stored' if is_wrong else side.flaw))
 
     def _interlocking_of(self, site: Site, robot: ManagedRobot) -> Interlocking:
-        """The interlocking, as far as it concerns one robot alone."""
+        """An interlocking that has only this robot."""
         interlocking = Interlocking(self._geometry, CLEARANCE, {robot.name: robot})
         interlocking.is_stopped = site.is_stopped
         interlocking.trouble = 'a full disk' * site.trouble
@@ -940,7 +946,7 @@ class Yard:
         ahead, is_inside = robot.master.protocol.ahead, vehicle.edge in (its, self._turned(its))
         follows = (self._edges[ahead[-1]].destination == its.origin if ahead
                    else vehicle.place == its.origin or is_inside)
-        # another giver moved it since its last report: it refuses the order
+        # if another giver moved the robot since its last report, it refuses the order
         was_moved = vehicle.moved_since >= robot.master.protocol.report
         for wrong, what in (
                 (site.is_stopped, 'the fleet is stopped'),
@@ -1022,7 +1028,11 @@ class Yard:
                              self._memories[side.memory].master.protocol.report, 'the journal')
 
     def _outside(self, side: Side, allocation: int, report: int, where: str) -> str:
-        """The place of the robot outside an allocation that rests on a report; empty: none."""
+        """How a robot violates CONTAINED; empty: it does not.
+
+        allocation -- index of the allocation in which the robot must be
+        report     -- number of the report on which the allocation is based
+        """
         vehicle = side.vehicle
         if vehicle.moved_since >= max(report, 0):
             return ''
@@ -1052,7 +1062,7 @@ class Yard:
             _apart(point, point, *piece[:2]) <= piece[2] + NEAR for piece in pieces)), None)
 
     def flaw(self, state: State) -> str:
-        """The property that a state violates, and how; empty: none."""
+        """The property that a state violates, and how; empty: it violates none."""
         site, ids = self._sites[state[0]], state[1:]
         for id in ids:
             found = self._flaws[id] or not site.is_wrong_run and self._not_in_journal(
@@ -1089,9 +1099,7 @@ class Yard:
         return 2.0 * self.kind.reach + CLEARANCE
 
     def _exclude(self, one: int, other: int) -> bool:
-        """Returns whether places of two allocations are nearer to each other
-        than two robots may be.
-        """
+        """Returns whether two allocations have places that are too near to each other."""
         key = 'exclude', one, other
         if key not in self._known:
             both = self._allocations[one], self._allocations[other]
@@ -1119,9 +1127,9 @@ class Yard:
     # -- the search -------------------------------------------------------------------------------
 
     def is_live(self, state: State) -> bool:
-        """Returns whether a robot is granted an edge, and takes that order, if all events help.
+        """Returns whether a robot is granted an edge and takes the order, if all events help.
 
-        In this check, all clocks are right again.
+        For this check, all clocks are set right.
         """
         state = (self._site_id(self._sites[state[0]]._replace(grants=1, faults=0, acts=0)), *(
             self._put(self._sides[id]._replace(ahead=False)) for id in state[1:]))
@@ -1162,7 +1170,7 @@ class Yard:
         return state
 
     def search(self, bounds: Bounds, most: Optional[int] = None, live: bool = False) -> Found:
-        """Visits all states within the bounds, nearest first, until one of them is wrong.
+        """Visits all states within the bounds, nearest first, until one violates a property.
 
         most -- stops after this number of states
         live -- also checks LIVE, which takes several times as long
@@ -1192,7 +1200,7 @@ class Yard:
         return Found(len(came_from))
 
     def walk(self, bounds: Bounds, seed: int, events: int) -> Found:
-        """Follows one random way through the states, until one of them is wrong.
+        """Follows one random sequence of events, until a state violates a property.
 
         A walk reaches states that a search cannot reach, after many grants, faults and acts of
         people. About every tenth event is a fault or an act. Each kind of event is equally likely,

@@ -1,14 +1,14 @@
 """Grants while the planner works: a search through every sequence of events of a small fleet.
 
-The robots, the planner and the interlocking are models. The decisions are those of the real code:
-which edges are due (`due_edges`), which are foreseen (`foreseen_edges`), and whether an answer of
-the planner fits (`Question.plan`).
+The robots, the planner and the interlocking are models. The real code decides which edges are due
+(`due_edges`), which edges are foreseen (`foreseen_edges`), and whether an answer of the planner
+fits (`Question.plan`).
 
 The model is a fleet whose robots drive whole edges. Two edges exclude each other if they share a
-vertex. The planner may give each plan that is right for its question: for each choice of short
-paths, each order in which all robots come to their goals. A forgetful planner may also leave out
-one constraint of the order. The steps are: a robot drives its next edge; a robot is granted the
-next edge that is due; the planner is asked; an answer comes.
+vertex. The planner may answer with any plan that is right for the question: any choice of short
+paths, and any order in which all robots come to their goals. A forgetful planner may leave out one
+constraint of the order. The steps are: a robot drives its next edge; a robot is granted the next
+edge that is due; the planner is asked; an answer comes.
 
 What must hold:
 
@@ -54,7 +54,7 @@ from trajectory_graph import Graph
 
 _NOWHERE = (frozenset(), frozenset(), frozenset())
 _TO_THE_END = 10 ** 6
-_AHEAD = 0.5  # m that are granted ahead; each edge has 1 m or more
+_AHEAD = 0.5  # m that are granted ahead of a robot; each edge has 1 m or more
 
 
 class Flaw(Enum):
@@ -79,7 +79,8 @@ class Guard(Enum):
 
 
 class Plan(NamedTuple):
-    """A plan: for each robot the number of its first drive, and its edges; and the order."""
+    """A plan: for each robot the number of its first drive, and its edges; the order of all robots.
+    """
 
     bases: Tuple[int, ...]
     drives: Tuple[Tuple[int, ...], ...]
@@ -88,8 +89,10 @@ class Plan(NamedTuple):
 
 
 class Asked(NamedTuple):
-    """An open question. For each robot it has its base, the edges that count as released, and the
-    first number that was not granted yet. `is_limited`: only foreseen edges are granted."""
+    """An open question. It has for each robot: the base, the edges that count as released, and the
+    number of the first edge that was not granted yet. `is_limited`: only foreseen edges are
+    granted.
+    """
 
     bases: Tuple[int, ...]
     released: Tuple[Tuple[int, ...], ...]
@@ -123,9 +126,9 @@ class Found(NamedTuple):
 
 
 class Fleet:
-    """A fleet on a graph; `robots` has the start and the goal (vertex ids) of each.
+    """A fleet on a graph; `robots` has the start and the goal (vertex ids) of each robot.
 
-    further   -- m that a question foresees
+    further   -- m of edges that a question foresees
     forgetful -- the planner may leave out one constraint
     without   -- a rule that is left out
     """
@@ -144,7 +147,7 @@ class Fleet:
     # -- the search -------------------------------------------------------------------------------
 
     def search(self, questions: int, sought: Collection[Flaw] = tuple(Flaw)) -> Found:
-        """Visits each state that can be reached with so many questions to the planner.
+        """Visits each state that can be reached with this number of questions to the planner.
 
         sought -- the flaws that end the search
         """
@@ -204,7 +207,7 @@ class Fleet:
                        for number in range(max(done, base), len(granted)))
 
     def _comes_home(self, state: State) -> bool:
-        """Returns whether all robots come to their goals by the plan in force.
+        """Returns whether all robots come to their goals with the plan in force.
 
         The order of steps does not matter.
         """
@@ -326,7 +329,7 @@ class Fleet:
         return tuple(found)
 
     def _ways(self, start: int, goal: int) -> List[Tuple[int, ...]]:
-        """The paths with at most one edge more than the shortest one, and with no vertex twice."""
+        """The paths that have at most one edge more than the shortest path, and no vertex twice."""
         found: List[Tuple[int, ...]] = []
         waiting: List[Tuple[Tuple[int, ...], Tuple[int, ...]]] = [((start,), ())]
         for vertices, edges in waiting:  # the list grows in the loop
@@ -343,7 +346,8 @@ class Fleet:
 
     def _rows(self, released: Tuple[int, ...], drives: Tuple[Tuple[int, ...], ...],
               places: Tuple[int, ...]) -> Iterator[Tuple[Tuple[int, int], ...]]:
-        """Each order in which the robots can drive all drives one by one, released ones first."""
+        """Each order in which the robots can make all drives after the released ones, one by one.
+        """
         def at(k: int, count: int) -> int:
             return self._end(places[k], drives[k][:count])
 
@@ -359,7 +363,8 @@ class Fleet:
 
     def _order(self, row: Sequence[Tuple[int, int]], drives: Tuple[Tuple[int, ...], ...],
                released: Tuple[Tuple[int, ...], ...]) -> Tuple[Constraint, ...]:
-        """The constraints of a row: a drive waits for the last drive in its way of each robot."""
+        """The constraints of a row: each drive waits for the last drive of each robot in its way.
+        """
         whole = [*((k, number) for k, edges in enumerate(released)
                    for number in range(len(edges))), *row]
         found: Set[Constraint] = set()

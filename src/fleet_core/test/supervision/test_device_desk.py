@@ -1,4 +1,4 @@
-"""The fleet manager's requests to devices, and the reports of devices that it believes."""
+"""The requests of the fleet manager to devices, and the reports of devices that it accepts."""
 from __future__ import annotations
 
 from typing import List, Optional, Tuple

@@ -40,9 +40,9 @@ def site(template: Template, *stations: Station, loads: Tuple[LoadType, ...] = (
 
 def found(work: SiteWork, places: Mapping[int, float], docks: Tuple[int, ...] = (),
           fleet: Fleet = FLEET) -> Dict[Tuple[int, int], TooNear]:
-    """Returns the pairs of places that are too near, by their two vertices.
+    """Returns the pairs of places that are too near, each under its two vertices.
 
-    `places`: x (m) of each vertex, on a line.
+    places -- x (m) of each vertex; all vertices are on one line
     """
     ids = list(places)
     graph = with_docks(graph_of({id: (x, 0.0) for id, x in places.items()},

@@ -1,4 +1,4 @@
-"""Chargers: which robot gets a turn for which place, and which robot yields, after any events."""
+"""Chargers: which robot gets a turn for which place, and which robot yields, in any situation."""
 from __future__ import annotations
 
 from random import Random
@@ -67,7 +67,7 @@ def test_who_tops_up_yields_to_a_mission_that_goes_to_its_place() -> None:
 class Yard:
     """Robots that charge at chargers, are parked in them, or break down in them, at random.
 
-    The yard has no roads: a robot with a turn arrives at its place at some time.
+    The yard has no roads: a robot with a turn arrives at its place at a random time.
     """
 
     def __init__(self, seed: int) -> None:
@@ -110,7 +110,7 @@ class Yard:
             self.wanted.clear()
 
     def _arrive(self, name: str, place: int) -> None:
-        """Lets a robot enter if the claims allow it. Robots that do not stay leave before."""
+        """Lets a robot enter if the claims allow it; robots that do not stay have left before."""
         charger = self.at[place]
         for other in self.robots:
             if other not in (*self.turns, *self.broken) and self.place[other] in charger.places:

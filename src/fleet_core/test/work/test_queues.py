@@ -1,4 +1,4 @@
-"""Queues before stations: turns, queue places and their order, after any events."""
+"""Queues before stations: turns, queue places and their order, in any situation."""
 from __future__ import annotations
 
 from random import Random
@@ -139,7 +139,7 @@ def test_robots_that_go_to_one_place_of_a_station_need_the_queue_although_anothe
 class Yard:
     """Robots that come to a station, work and leave, in a random order of events.
 
-    The yard has no roads: a robot arrives where it is sent at some time, unless the place is taken.
+    The yard has no roads: a robot arrives where it is sent at a random time, if the place is free.
     """
 
     def __init__(self, station: Station, seed: int, robots: int) -> None:
@@ -260,8 +260,8 @@ class Yard:
         self._check_nobody_waits_in_vain(known, inside, others)
 
     def _check_order(self, before: Queue) -> None:
-        """No robot that has arrived waits while one behind it gets a turn for a place that the
-        waiting robot may use, too.
+        """While a robot waits, no robot behind it gets a turn for a place that the waiting robot
+        may use.
         """
         new = {name: place for name, place in self.queue.turns.items()
                if name not in before.turns and name not in self.inside}

@@ -1,4 +1,4 @@
-"""Stops and steps that could not be carried out are refused, each with a reason and a line."""
+"""Stops and steps that cannot be carried out are refused; each refusal has a reason and a line."""
 from __future__ import annotations
 
 from dataclasses import replace

@@ -1,4 +1,4 @@
-"""A run of a timetable is made once, whatever the clock does, and lost runs are counted."""
+"""Each run of a timetable is made once, even if the clock jumps, and lost runs are counted."""
 from __future__ import annotations
 
 import time
@@ -21,7 +21,7 @@ def hourly(**values: object) -> Timetable:
 
 
 def runs_by_the_day(timetable: Timetable, first: int, last: int) -> Iterator[int]:
-    """All runs from one minute to another, found minute by minute."""
+    """All runs from minute `first` to minute `last`, found minute by minute."""
     for minute in range(first, last + 1):
         for day in (minute // DAY, minute // DAY - 1):
             since = minute - day * DAY
@@ -133,7 +133,7 @@ class Site:
                                   lambda: int(1000 * self.moment))
 
     def look(self, dies: bool = False) -> Optional[str]:
-        """Makes the runs that are due. `dies`: the fleet manager ends before the run is stored."""
+        """Makes the runs that are due; if `dies`, the fleet manager ends before a run is stored."""
         for run in self.runs.due():
             if dies:
                 self.restart()

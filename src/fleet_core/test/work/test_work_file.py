@@ -1,4 +1,4 @@
-"""The work file is read strictly: each mistake is refused in one sentence with its line."""
+"""The work file is read strictly: for each mistake the refusal is one sentence with the line."""
 from __future__ import annotations
 
 import re

@@ -1,4 +1,4 @@
-"""Work at stops is safe in every sequence of events, can always end, and needs each of its guards.
+"""Work at stops is safe in every sequence of events, can always end, and needs each guard.
 
 By default the searches visit the nearest states; see `proofs`.
 """

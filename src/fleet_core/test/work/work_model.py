@@ -1,11 +1,11 @@
 """A mission with steps in a small world: every sequence of events, with the real rules and the real
 memory of the robot.
 
-The state of the world also has facts that no program knows: the step that is being carried out, how
+The state of the world includes facts that no program knows: the step that is being carried out, how
 often each step was carried out, and the load of the robot. Messages may be late, lost, repeated and
 reordered: a message may arrive at any time after it was sent, any number of times. The manager may
 be ended between any two events; it then continues from its stored data. The robot's driver may be
-restarted: it forgets its steps, and a step that it was carrying out has happened or has not.
+restarted: it forgets its steps, and a step under way may or may not have been carried out.
 
 People look before they answer, so their answers are true.
 """
@@ -36,15 +36,17 @@ from route_protocol.steps import ActorState, Reaction, StepCommand, StepReport, 
 
 SERIAL = 7
 AWAY = 0
-LATER = 10 ** 9   # ms: all timeouts are over, and the time to break off as well
+LATER = 10 ** 9   # ms: at this time all timeouts are over, and the time for ending steps early too
 NOT_MUCH_LATER = 1500
 NO_WAY = 'no way'
 FINAL = {WorkPhase.SUCCEEDED, WorkPhase.FAILED, WorkPhase.CANCELLED}
 
 
 class Body(NamedTuple):
-    """The true progress of one step: the key under which it is being carried out (0: it is not),
-    and how often it was carried out.
+    """The true progress of one step.
+
+    key   -- the key under which the step is being carried out; 0: it is not being carried out
+    times -- how often the step was carried out
     """
 
     key: int = 0
@@ -53,9 +55,9 @@ class Body(NamedTuple):
 
 
 class State(NamedTuple):
-    """The whole world. `memory` is that of the manager, `disk` has the data that it has stored.
+    """The whole world. `memory` is the manager's memory, `disk` the data that it has stored.
 
-    orders -- number of orders of steps
+    orders -- how many commands to begin a step were given
     bodies -- by the type of the step; each type has only one step
     place  -- vertex at which the robot stands
     """
@@ -90,11 +92,11 @@ LIMITS = ('manager', 'driver', 'timeout', 'cancel', 'moved', 'fail', 'changed')
 @dataclass(frozen=True)
 class Bounds:
     """How often each kind of event may happen: the manager or the driver restarts, a timeout
-    passes, a person cancels, moves the robot, or gives the mission other stops (`changed`).
+    passes, a person cancels, moves the robot, or changes the stops of the mission (`changed`).
 
     fail   -- how often the mission becomes impossible
     others -- the other stops that a person gives
-    orders -- how many orders of steps there may be
+    orders -- how many commands to begin a step there may be
     last   -- the highest key that the robot has taken for other missions
     """
 
@@ -149,8 +151,8 @@ Answer = TypeVar('Answer')
 class Once:
     """Results of the rules, each computed once, because very many states need the same result.
 
-    The arguments are parts of states. `States` keeps equal parts as one object, so that a result is
-    found by the identity of its arguments. If it is not found, it is computed once more.
+    The arguments are parts of states. `States` keeps equal parts as one object, so the identity of
+    the arguments is enough to find a result. A result that is not found is computed again.
     """
 
     def __init__(self) -> None:
@@ -168,9 +170,9 @@ class Once:
 class States:
     """The states that were visited, each once, with the event that led to it.
 
-    Equal parts of states are one object, so that states are compared by the identity of their
-    parts. Nearly all parts of a state come from the state before it. They are found by their
-    identity, without a hash of their contents.
+    Equal parts of states are one object, so the identity of the parts is enough to compare states.
+    Nearly all parts of a state come from the state before it. Their identity is known already, so
+    no hash of their contents is computed.
     """
 
     def __init__(self) -> None:
@@ -206,8 +208,9 @@ class States:
 
 
 def search(bounds: Bounds, live: bool = False, most: Optional[int] = None) -> Found:
-    """Visits all states, or only the nearest ones, at most `most`. With `live`, a search of all
-    states also checks that the mission can end from each state.
+    """Visits all states; with `most`, at most this number of states, the nearest first.
+
+    live -- a search of all states also checks that the mission can end from each state
     """
     gc.disable()
     try:
@@ -314,7 +317,7 @@ def _manager(state: State, bounds: Bounds, once: Once) -> Iterator[Tuple[str, St
 
 def _sent(sent: FrozenSet[StepCommand], work: Work,
           report: StepReport) -> FrozenSet[StepCommand]:
-    """The messages on their way after the manager has sent what is due."""
+    """The messages on their way after the manager has sent the commands that are due."""
     return sent | set(rules.commands(work, report))
 
 
@@ -484,7 +487,7 @@ def check(before: State, after: State, name: str, bounds: Bounds, once: Once) ->
 
 
 def _check_final(before: State, after: State, once: Once) -> None:
-    """Raises Flaw for (j): a step or mission that has ended, and is stored so, must not change."""
+    """Raises Flaw (j) if a step or mission changes although its end is stored."""
     if before.disk is after.disk and not after.running:
         return
     was, phase = once(rules.phase_of, before.disk), once(rules.phase_of, after.disk)

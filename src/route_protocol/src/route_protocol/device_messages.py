@@ -1,6 +1,6 @@
 """Converts requests and reports of devices to and from messages of `itrci_nav_msgs`.
 
-Only this module uses the names of their fields. It does not import ROS.
+Only this module uses the fields of these messages. It does not import ROS.
 """
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from route_protocol.devices import (
     DeviceUse,
 )
 
-MOST_USES = 200      # of one report; more are a mistake
+MOST_USES = 200      # in one report; a report with more uses is refused
 LONGEST_NAME = 100   # letters of the names of devices and requesters
 _LONGEST_TEXT = 500  # letters of a reason that are kept
 
@@ -22,7 +22,7 @@ _REQUESTED = (DeviceMode.CLOSED, DeviceMode.OPEN)
 
 
 class WrongDeviceMessage(ValueError):
-    """A message that cannot be used. Its text is a clause that says why."""
+    """A message that cannot be used. The text of the error is a clause that says why."""
 
 
 def device_request_of(message: Any) -> DeviceRequest:
@@ -80,7 +80,7 @@ def _requested(number: int) -> DeviceMode:
 
 
 def _name(field: str, text: str) -> str:
-    """Returns a name. It must be readable, because it is compared and shown."""
+    """Returns a name. A name must be readable, because it is compared and shown."""
     if not text.strip() or not text.isprintable() or len(text) > LONGEST_NAME:
         raise WrongDeviceMessage(f'its {field} is empty, has more than {LONGEST_NAME} letters, or '
                                  'letters that cannot be printed')

@@ -1,4 +1,4 @@
-"""Devices: doors, lights and others, as requesters ask for them and `fleet_devices` shows them.
+"""Doors, lights and other devices: the requests for them, and the reports of `fleet_devices`.
 
 A requester holds a device open with one request, and gives it back with another. Its requests have
 *numbers*, which only grow, even after a restart. Each request is taken once: if its number is not
@@ -7,7 +7,7 @@ request until a report shows its number, even a request that gives the device ba
 
 A report that says OPEN shows only requests that were taken before the device was read. So a
 requester that finds its newest number in such a report knows that the device was read open after
-it had asked. Reports have the number of a run and a count, so that an old report is never taken for
+the request. Reports have the number of a run and a count, so that an old report is never taken for
 a new one, however late it comes.
 """
 from __future__ import annotations
@@ -34,8 +34,8 @@ class DeviceFault(IntEnum):
     """Why a device cannot be used, as in itrci_nav_msgs/DeviceState."""
 
     NONE = 0
-    NOT_READ = 1   # it does not answer
-    TIMED_OUT = 2  # it has not shown the requested mode within its timeout
+    NOT_READ = 1   # the device does not answer
+    TIMED_OUT = 2  # the device has not shown the requested mode within its timeout
 
 
 @dataclass(frozen=True)
@@ -50,7 +50,7 @@ class DeviceRequest:
 
 @dataclass(frozen=True)
 class DeviceUse:
-    """The request of one requester that a device obeys. `since`: when it was taken (s)."""
+    """A request that a device obeys now. `since`: when the request was taken (s)."""
 
     requester: str
     mode: DeviceMode
@@ -65,7 +65,7 @@ class DeviceUse:
 
 @dataclass(frozen=True)
 class DeviceReport:
-    """What `fleet_devices` says of one device. Times are in s.
+    """The report of `fleet_devices` about one device. Times are in s.
 
     since   -- when the mode began
     read_at -- when the device was read; None: never

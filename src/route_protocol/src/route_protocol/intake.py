@@ -1,4 +1,4 @@
-"""The orders that reach a vehicle: which one waits, when it is answered, and what masters are told.
+"""The orders that reach a vehicle: which order waits, when it is answered, and what is sent back.
 
 `vehicle` judges orders with a number, and `old_masters` judges orders without one. A route that the
 vehicle might drive waits here until the vehicle can decide. At most one route waits.
@@ -12,7 +12,7 @@ vehicle might drive waits here until the vehicle can decide. At most one route w
     | such a route, not numbered | not numbered, another route that | waits; the other route is    |
     |                            | was not sent later               | forgotten                    |
     | such a route               | of another master                | waits; the other is refused  |
-    | such a route               | any other                        | ignored: the other one waits |
+    | such a route               | any other                        | ignored: the other waits on  |
     | stop                       | numbered                         | that route is judged again   |
     | stop                       | not numbered                     | that route is forgotten      |
     | new epoch                  | any                              | that route is refused        |
@@ -20,8 +20,8 @@ vehicle might drive waits here until the vehicle can decide. At most one route w
     |                            |                                  | is refused                   |
     | `patience` is over         | any                              | that route is refused        |
 
-So the later of two masters gets the vehicle, as if both orders had been answered when they came.
-The other master is told that its route is refused.
+So if two masters order routes, the later one gets the vehicle. The result is the same as if each
+order had been answered when it came. The earlier master is told that its route is refused.
 """
 from __future__ import annotations
 
@@ -61,9 +61,9 @@ class DueOrder:
 
     given  -- the order as it arrived
     order  -- the same order with a number
-    done   -- number, in the route record, of the first edge of `rest`
+    done   -- number in the route record of the first edge of `rest`
     rest   -- the edges that the vehicle would still drive
-    goes_on -- `rest` goes on with the route that runs or is complete
+    goes_on -- `rest` continues the route that the vehicle drives or has completed
     """
 
     given: RouteOrder
@@ -74,7 +74,7 @@ class DueOrder:
 
 
 class WaitingRoute(NamedTuple):
-    """The route that waits; `arrived` in s."""
+    """The route that waits, and the time (s) at which it arrived."""
 
     order: RouteOrder
     arrived: float
@@ -83,8 +83,8 @@ class WaitingRoute(NamedTuple):
 class Intake:
     """Receives the orders for a vehicle; see the docstring of the module.
 
-    take_up -- checks a due order against all that only the vehicle knows, and takes it
-               (`take_order`); raises RouteRefused or NotYet
+    take_up -- checks a due order against what only the vehicle knows, and takes it with
+               `take_order`; raises RouteRefused or NotYet
     tell    -- called with each refusal
     patience -- s that a route may wait, at most ANSWERED_WITHIN
     """
@@ -109,7 +109,9 @@ class Intake:
         return judgement
 
     def answer(self, now: float) -> None:
-        """Takes or refuses the route that waits, if the vehicle can decide or patience is over."""
+        """Takes or refuses the route that waits, if the vehicle can decide, or if it waited too
+        long.
+        """
         route = self.waiting
         if route is not None:
             why = self._why_not_yet(route)
@@ -141,7 +143,7 @@ class Intake:
         self._passed(due.given, before, now)
 
     def begin_epoch(self, cause: EpochCause, reason: Reason, now: float) -> None:
-        """Begins a new epoch for another reason than an order.
+        """Begins a new epoch that was not caused by an order.
 
         reason -- why a running route fails
         """
@@ -191,8 +193,8 @@ def messages_of(refusal: RouteRefusal, state: VehicleState, report: Callable[[],
     """Returns what a vehicle sends about a refusal.
 
     A master that does not number its orders reads a refusal in a report that shows its route as
-    failed. This report is not sent if the reports show a route with the same id, because that route
-    goes on, nor if they go to a numbering master.
+    failed. If the vehicle's reports show a route with the same id, this report is not sent, because
+    the shown route goes on. Nor is it sent if the reports go to a numbering master.
     """
     shows_route = bool(state.edges) and state.route_id == refusal.route_id
     if refusal.order or shows_route or state.master not in (None, OLD_MASTER):
@@ -205,7 +207,7 @@ def _master(order: RouteOrder) -> str:
 
 
 def _is_newer(order: RouteOrder, waiting: RouteOrder) -> bool:
-    """Returns whether an order replaces the order of the same master that waits."""
+    """Returns whether an order replaces the waiting order of the same master."""
     if order.order:
         return order.order > waiting.order
     return not (order.is_repeat_of(waiting) or is_late(order, waiting))

@@ -1,24 +1,25 @@
-"""The master's end of the route protocol: what one vehicle may still do by its orders.
+"""The master's end of the route protocol: what the master's orders still let one vehicle do.
 
 State
     epoch, report  -- of the newest report
     number         -- of the last order that was given
-    order, refused -- the last order of this master that was taken, and the highest one that was
-                      refused, in this epoch, by the newest report
-    done           -- number, in the route record, of the edge under way or of the next one
+    order, refused -- numbers in the newest report, for this master and epoch: of the last order
+                      that was taken, and the highest of the orders that were refused
+    done           -- number in the route record of the first edge that is not driven to its end
     open           -- the orders that the vehicle follows, or may follow later
-    behind         -- edges that it has driven by these orders, and has not certainly left
+    behind         -- edges that it has driven, but perhaps not left completely
     held           -- edges that it may still be on until it stands
     is_anywhere    -- another giver moves it; only its location says where it is
     commands       -- the vehicle counts this master's orders
-    unknown        -- number of an order, if the journal is an older one: the vehicle may be
-                      anywhere until it stands after that order; 0: the journal is not older
-    gap            -- numbers between these are in no journal that this run has read
+    unknown        -- if the journal is an older copy: number of an order; until the vehicle stands
+                      after that order, it may be anywhere. 0: the journal is no older copy
+    gap            -- two numbers; orders with numbers between them are in no journal that this run
+                      has read
 
 What a report does (`hear`)
     | the report                                | what follows                                     |
     |-------------------------------------------|--------------------------------------------------|
-    | is not newer than the newest              | nothing                                          |
+    | is not newer than the reports before it   | nothing                                          |
     | names another master                      | its `order`, `refused` and record count as 0     |
     | shows order n                             | orders below n are not open any more             |
     | shows that n was refused                  | orders up to n, above `order`, are not open      |
@@ -28,15 +29,15 @@ What a report does (`hear`)
     | on the route of an open order, same epoch | nothing is held                                  |
     | anything else                             | edges of orders that are not open any more, and  |
     |                                           | in a new epoch all edges, are held               |
-    | moved, or on the route of another master  | it is anywhere, until it is STANDING or on the   |
-    |                                           | route of an open order                           |
-    | shows a number in the gap                 | it is unknown, until it is STANDING after a stop |
-    |                                           | that is given from now on                        |
+    | moved, or on the route of another master  | the vehicle is anywhere, until it is STANDING or |
+    |                                           | on the route of an open order                    |
+    | shows a number in the gap                 | the vehicle is unknown, until it is STANDING     |
+    |                                           | after a stop that is given from now on           |
     | shows a number above `number`             | all numbers up to SKIPPED above it are in the gap|
 
 Invariants
-    - The vehicle is on an edge of `may_be_on` or at the place in the newest report, and orders of
-      this master bring it to no other edge; or it is anywhere or unknown.
+    - A vehicle that is neither anywhere nor unknown is on an edge of `may_be_on` or at the place in
+      the newest report. Orders of this master bring it to no other edge.
     - A route is given only if nothing is held, the vehicle is neither anywhere nor unknown, and it
       counts this master's orders. A stop may be given at any time.
 
@@ -65,13 +66,14 @@ from route_protocol.values import (
 
 REPEAT = 1.0  # s after which an order that no report shows is sent again
 SKIPPED = 2 ** 40
-"""How many order numbers a master skips when it finds an unknown one: 35 years in ms.
+"""How many numbers a master skips when a report shows an order unknown to it: 35 years in ms.
 
 If the journal is lost and the clock was set back, orders may be on their way whose numbers are
-larger than any that the vehicle shows. A later clock gave these numbers, but not 35 years later.
+larger than any that the vehicle shows. The clock that gave these numbers was ahead of the present
+one, but by less than 35 years.
 """
 _LARGEST_LABEL = 2 ** 31 - 1
-# Behind an edge with a larger number, a route of MAXIMUM_EDGES would run out of numbers.
+# After an edge with a larger number, there are too few numbers for a route of MAXIMUM_EDGES.
 _LAST_EDGE = LARGEST_RECORD_NUMBER - MAXIMUM_EDGES
 
 SAID_NONE = Reason(ReasonCode.OTHER, 'it gave no reason')
@@ -87,7 +89,7 @@ class Step(NamedTuple):
 class Order(NamedTuple):
     """An order that was given.
 
-    epoch -- in which it was decided; a stop needs none
+    epoch -- the epoch in which the order was decided; 0 for a stop
     first -- record number of `edges[0]`
     """
 
@@ -99,7 +101,7 @@ class Order(NamedTuple):
 
     @property
     def end(self) -> int:
-        """Record number after that of the last edge."""
+        """The record number that follows the last edge."""
         return self.first + len(self.edges)
 
     def steps(self, begin: int) -> Tuple[Step, ...]:
@@ -121,8 +123,8 @@ class Order(NamedTuple):
 class MasterState:
     """The state of the master's end for one vehicle; the docstring of the module explains it.
 
-    The values that follow from it are computed once, because masters read them many times for each
-    report.
+    Values that are derived from the state are computed once, because masters read them many times
+    for each report.
     """
 
     epoch: int = 0
@@ -142,7 +144,7 @@ class MasterState:
     def after(self, report: int) -> MasterState:
         """Returns the same state after a report that changes nothing but its number.
 
-        The values that follow from the state are kept, and not computed anew for each report.
+        The copy keeps the derived values, so that they are not computed again for each report.
         """
         found = object.__new__(MasterState)
         vars(found).update(vars(self), report=report)
@@ -164,13 +166,13 @@ class MasterState:
 
     @cached_property
     def ahead(self) -> Tuple[int, ...]:
-        """The edges of the route `farthest`, from the one under way on."""
+        """The edges of the route `farthest` that are not driven yet, with the edge under way."""
         route = self.farthest
         return () if route is None else tuple(step.edge for step in route.steps(self.done))
 
     @cached_property
     def shown(self) -> int:
-        """How many edges of `ahead` are on the route that the vehicle follows by its report."""
+        """How many edges at the beginning of `ahead` are on the route that the vehicle reports."""
         followed = next((order for order in self.open if order.number == self.order), None)
         known = () if followed is None else followed.steps(self.done)
         return sum(1 for _ in takewhile(lambda pair: pair[0] == pair[1].edge,
@@ -178,18 +180,18 @@ class MasterState:
 
     @cached_property
     def end(self) -> int:
-        """Record number after that of the last edge of `ahead`."""
+        """The record number that follows the last edge of `ahead`."""
         return self.done + len(self.ahead)
 
     @cached_property
     def pending(self) -> Optional[Order]:
-        """The newest order, if no report shows it yet: it is repeated."""
+        """The newest order, which must be repeated; None: a report has shown it."""
         last = self.open[-1] if self.open else None
         return last if last is not None and last.number > self.order else None
 
     @property
     def is_stopping(self) -> bool:
-        """Whether a stop was given that no report shows yet."""
+        """Whether the newest order is a stop that no report shows yet."""
         return self.pending is not None and not self.pending.edges
 
     @property
@@ -213,16 +215,16 @@ class MasterState:
 class News:
     """What a report has changed.
 
-    is_new   -- the report is newer than all before
+    is_new   -- the report is newer than all earlier ones
     cause    -- why a new epoch began; None: the epoch is not new
-    passed   -- edges that were driven since the report before, in order
-    took     -- an order is shown that was not shown before
+    passed   -- edges that were driven since the previous report, in driving order
+    took     -- the report shows a taken order that no report has shown before
     failed   -- why the route is lost; no reason: it is not lost, or its loss was known
     refused  -- why open orders were refused; no reason: none was refused
     was_shorter -- the newest refused order stopped the vehicle or shortened its route
     stands   -- the vehicle stands, and the report has its place
-    is_older -- the journal is an older one: the report shows an order that is not in it
-    is_repeat -- nothing but the number of the report changes
+    is_older -- the journal is an older copy: the report shows an order that is not in it
+    is_repeat -- the report changes nothing but its own number
     """
 
     is_new: bool = False
@@ -241,13 +243,13 @@ OLD_NEWS = News()
 
 
 class _Reading(NamedTuple):
-    """What a report says of the orders of this master.
+    """What a report says about the orders of this master.
 
-    order, refused -- 0 if the report names another master
-    is_new -- its epoch is a new one
-    is_older -- it shows a number that the journal lacks
+    order, refused -- the numbers in the report; 0 if it names another master
+    is_new -- the report has a new epoch
+    is_older -- the report shows a number that the journal lacks
     shown -- the open order with the number `order`
-    failed -- the route of that order is lost
+    failed -- the route of order `order` is lost
     """
 
     is_mine: bool
@@ -335,7 +337,7 @@ def _is_moved_otherwise(said: RouteReport, is_mine: bool) -> bool:
 
 
 def _passed(state: MasterState, said: RouteReport, read: _Reading) -> Tuple[Step, ...]:
-    """Returns the edges of its present order that the vehicle has passed since the last report."""
+    """Returns the edges of its present order that the vehicle drove since the previous report."""
     if read.shown is None or not read.order or read.is_new or said.done <= state.done:
         return ()
     return tuple(step for step in read.shown.steps(state.done) if step.number < said.done)
@@ -367,9 +369,9 @@ def _news(state: MasterState, said: RouteReport, read: _Reading, passed: Tuple[S
 
 
 def _is_in_gap(state: MasterState, said: RouteReport) -> bool:
-    """Returns whether the newest order that counts has a number that the journal lacks.
+    """Returns whether a report shows that the vehicle may obey an order that the journal lacks.
 
-    If a newer order was taken, the vehicle obeys none of the orders that the journal lacks.
+    If a newer order was taken, the vehicle obeys none of these orders.
     """
     low, high = state.gap
     return low < max(said.order, said.refused) and said.order < high and (
@@ -402,7 +404,7 @@ def left(state: MasterState, number: int) -> MasterState:
 
 def give_route(state: MasterState, number: int, edges: Tuple[int, ...],
                route_id: int) -> MasterState:
-    """Returns the state after the order to drive these edges, from the one under way on."""
+    """Returns the state after the order to drive these edges; the first is the one under way."""
     order = Order(number, state.epoch, state.done, edges, route_id)
     return replace(state, number=number, open=(*state.open, order))
 
@@ -414,7 +416,7 @@ def give_stop(state: MasterState, number: int, route_id: int) -> MasterState:
 
 
 def next_number(state: MasterState, clock: int) -> int:
-    """Returns the number of the next order: above all that an earlier run may have drawn.
+    """Returns the number of the next order, above all numbers that earlier runs may have drawn.
 
     clock -- ms since 1970, so that no number is drawn twice even with an older journal
     """

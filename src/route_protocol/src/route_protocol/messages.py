@@ -1,7 +1,7 @@
 """Converts orders, reports and refusals to and from messages of `itrci_nav_msgs`.
 
-Only this module uses the names of their fields. It does not import ROS. The original definitions of
-INESC TEC (itrci_nav_msgs) are not public. To support other definitions, change this file, and
+Only this module uses the fields of these messages. It does not import ROS. The original definitions
+of INESC TEC (itrci_nav_msgs) are not public. To support other definitions, change this file, and
 `trajectory_graph.messages` for the graph.
 """
 from __future__ import annotations
@@ -30,19 +30,19 @@ _LONGEST_REASON = 500  # characters of a robot's reason that are kept
 _LONGEST_NAME = 256
 _LONGEST_SOFTWARE = 80
 
-_LAST_NUMBER = 2 ** 63  # numbers of orders and reports from here on are refused
+_LAST_NUMBER = 2 ** 63  # a report is refused if one of its numbers is not below this
 
 _UNKNOWN = VehicleLocation(math.nan, math.nan, math.nan)
 
 
 class WrongReport(ValueError):
-    """A report that cannot be true. Its text is a clause that says why."""
+    """A report that cannot be true. The text of the error is a clause that says why."""
 
 
 def order_of(message: Any, received: int) -> RouteOrder:
     """Returns the order in an `itrci_nav_msgs/TargetRoute` that came at `received` (ns).
 
-    A speed that is no number above 0 sets no limit.
+    A speed that is not a number above 0 sets no limit.
     """
     speed = message.speed if math.isfinite(message.speed) and message.speed > 0.0 else 0.0
     return RouteOrder(message.route_id, tuple(message.edges), message.header.stamp.to_nsec(),
@@ -95,8 +95,8 @@ def fill_report(message: Any, report: RouteReport, state_type: Any) -> Any:
 def report_of(message: Any) -> RouteReport:
     """Returns the report in an `itrci_nav_msgs/ExecutionRouteStates`.
 
-    Raises WrongReport for a state that does not exist. An unknown motion or cause becomes UNKNOWN
-    or NONE, so that a later definition can add some.
+    Raises WrongReport for a state that does not exist. An unknown motion becomes UNKNOWN, and an
+    unknown cause NONE, so that a later definition of the message can add motions and causes.
     """
     try:
         states = tuple(EdgeState(edge.state) for edge in message.edge_states)
@@ -138,7 +138,7 @@ def location_of(message: Any) -> Optional[VehicleLocation]:
 def software_of(message: Any) -> str:
     """Returns the robot's software in an `itrci_nav_msgs/ExecutionRouteStates`; empty: not given.
 
-    It is for people only, so a `RouteReport` does not have it.
+    Only people use this text, so a `RouteReport` does not have it.
     """
     return _printable(message.software, _LONGEST_SOFTWARE)
 

@@ -1,13 +1,13 @@
 """Masters that do not number their orders: `rostopic pub`, and managers of the first protocol.
 
 Only this module has rules for them. It gives each of their routes a number, so that `vehicle` gets
-only numbered routes. All of these masters count as one, OLD_MASTER.
+only numbered routes. All of these masters count as one master, OLD_MASTER.
 
     | order without a number                                     | answer                          |
     |------------------------------------------------------------|---------------------------------|
-    | stamped before an order of any master that passed          | ignored: it came late           |
-    | same route_id and same edges as the last one that passed   | ignored: it is a repeat         |
-    | same stamp as the last one that was refused, and same route| refused again                   |
+    | stamped before an order, of any master, that was taken     | ignored: it came late           |
+    | same route_id and edges as the last such order taken       | ignored: it is a repeat         |
+    | same stamp and route as the last such order refused        | refused again                   |
     | neither stamp nor epoch, and it came with a new connection | refused: it was latched         |
     | names an epoch that is over                                | refused: OVERRULED              |
     | no epoch, and sent before the present epoch began          | refused: TAKEN_OVER             |
@@ -45,15 +45,14 @@ class OldMasters:
 
     def __init__(self, last: Optional[RouteOrder] = None) -> None:
         self.last = last
-        """The last order without a number that passed; its stamp is the newest of all that passed.
-        """
+        """The last taken order without a number; its stamp is the newest of all taken orders."""
         self._refused: Optional[Tuple[RouteOrder, Reason]] = None
         self._epoch_began = -math.inf
 
     def passed(self, order: RouteOrder) -> None:
         """Notes that an order of any master was taken: older orders are late from now on.
 
-        A late order does not set the stamp back.
+        A late order does not make the stamp of `last` older.
         """
         last = self.last or RouteOrder(0, ())
         stamp = last.stamp if not order.stamp or is_late(order, last) else order.stamp
@@ -64,9 +63,7 @@ class OldMasters:
         self._refused = (order, reason)
 
     def epoch_began(self, now: float) -> None:
-        """Notes that the vehicle began a new epoch at `now` (s), but not by an order of an old
-        master.
-        """
+        """Notes that a new epoch began at `now` (s), not caused by an order of an old master."""
         self._epoch_began = now
 
     def answer(self, order: RouteOrder, vehicle: Vehicle, now: float) -> Judgement:
@@ -100,9 +97,7 @@ class OldMasters:
         return TAKEN_OVER if self._is_overruled(order, now) else None
 
     def _is_overruled(self, order: RouteOrder, now: float) -> bool:
-        """Returns whether the sender could not yet know of the present epoch
-        when it sent the order.
-        """
+        """Returns whether the sender could not know the present epoch when it sent the order."""
         age = (order.received - order.stamp) / 1e9 if order.stamp and order.received else 0.0
         return now - age < self._epoch_began and now < self._epoch_began + LATE_ORDER
 
@@ -113,7 +108,7 @@ class OldMasters:
                 and state.phase is not Phase.STOPPED and state.master == OLD_MASTER)
 
     def numbered(self, order: RouteOrder, state: VehicleState) -> RouteOrder:
-        """Returns the numbered order that stands for this route, at the place where it is taken."""
+        """Returns this route as the numbered order that the vehicle can take in this state."""
         is_counted = state.master == OLD_MASTER
         number = max(state.order, state.refused) + 1 if is_counted else 1
         first = state.first if self.changes_route(order, state) else state.done
@@ -134,8 +129,8 @@ def _ignored(why: str) -> Judgement:
 def is_late(order: RouteOrder, last: RouteOrder) -> bool:
     """Returns whether the order was sent before the last accepted order, which overtook it.
 
-    If this computer's clock is behind the stamp of the last accepted order, the clock was set back,
-    and the stamps cannot be compared.
+    If the clock of this computer is behind the stamp of the last accepted order, the clock was set
+    back. Then the stamps cannot be compared.
     """
     is_set_back = 0 < order.received < last.stamp - CLOCK_TOLERANCE
     return 0 < order.stamp < last.stamp and not is_set_back

@@ -40,7 +40,7 @@ def check_order(order: RouteOrder, whose: str) -> None:
 def edge_states(edges: Tuple[int, ...], completed: int, phase: Phase) -> Tuple[EdgeState, ...]:
     """Returns one state for each edge of a route.
 
-    completed -- number of driven edges, from the first one on
+    completed -- how many edges at the beginning of the route have been driven
     """
     rest = EdgeState.FAILED if phase is Phase.FAILED else EdgeState.PROCESSING
     return (EdgeState.COMPLETE,) * completed + (rest,) * (len(edges) - completed)

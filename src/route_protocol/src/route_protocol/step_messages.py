@@ -1,6 +1,6 @@
 """Converts commands for steps, and reports of steps, to and from messages of `itrci_nav_msgs`.
 
-Only this module uses the names of their fields. It does not import ROS.
+Only this module uses the fields of these messages. It does not import ROS.
 """
 from __future__ import annotations
 
@@ -8,12 +8,12 @@ from typing import Any, Type
 
 from route_protocol.steps import ShownStep, StepAct, StepCode, StepCommand, StepReport, Word
 
-MOST_STEPS = 1000      # of one report; more are a mistake
+MOST_STEPS = 1000      # in one report; a report with more steps is refused
 _LONGEST_TEXT = 500    # characters of a robot's text that are kept
 
 
 class WrongStepMessage(ValueError):
-    """A message that cannot be used. Its text is a clause that says why."""
+    """A message that cannot be used. The text of the error is a clause that says why."""
 
 
 def command_of(message: Any) -> StepCommand:

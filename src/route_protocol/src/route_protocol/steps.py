@@ -2,11 +2,11 @@
 
 A device that hands over to robots carries out steps in the same way: it is then the "robot" below.
 
-A master orders a step by a command with a *key*. Keys only grow, even after a restart of the
+A master orders a step with a command that has a *key*. Keys only grow, even after a restart of the
 master. The robot takes each key once: if the key of a command is not above the last one, the
 command is a repetition. So a master repeats a command until the robot shows its key, and the step
-is carried out at most once. It sends the command with the next key only when the robot shows the
-key before.
+is carried out at most once. The master sends the command with the next key only when the robot
+shows the previous key.
 
 The robot draws a number, its *run*, when it starts, and shows it. A command names the run that the
 master knows. A robot that has started again since then does not obey the command, because it does
@@ -50,7 +50,7 @@ class Word(IntEnum):
     DONE = 1
     FAILED = 2
     CANCELLED = 3
-    UNKNOWN = 4  # it has ended, and the robot cannot tell how
+    UNKNOWN = 4  # the step has ended, and the robot does not know how
 
     @property
     def is_final(self) -> bool:
@@ -65,7 +65,7 @@ class StepCode(IntEnum):
     OTHER = 1
     UNKNOWN_TYPE = 2      # the robot has no step of this type
     WRONG_PARAMETER = 3
-    NOT_READY = 4         # it could not begin
+    NOT_READY = 4         # the robot could not begin the step
     LOST_LINK = 5         # the robot's driver has lost the robot
 
 
@@ -89,7 +89,7 @@ class StepCommand:
 
 @dataclass(frozen=True)
 class ShownStep:
-    """A step that a robot has taken, as it shows it. `text` is for people."""
+    """A step that a robot has taken, as the robot shows it. `text` is for people."""
 
     key: int
     word: Word = Word.RUNNING
@@ -129,7 +129,7 @@ class Reaction(Enum):
 
 @dataclass(frozen=True)
 class ActorState:
-    """A robot's memory of its steps; its methods do what the table of this module says."""
+    """A robot's memory of its steps; the methods follow the table in the module's docstring."""
 
     run: int
     last: int = 0

@@ -1,7 +1,7 @@
 """The values of the route protocol: a vehicle receives orders, and sends reports and refusals.
 
-The docstrings of `vehicle` and `master` explain how they work together, and
-docs/reference/route_protocol.md how they are sent. Stamps are in nanoseconds of the ROS clock.
+The docstrings of `vehicle` and `master` explain how these values work together.
+docs/reference/route_protocol.md describes the messages. Stamps are in nanoseconds of the ROS clock.
 """
 from __future__ import annotations
 
@@ -18,11 +18,12 @@ LARGEST_RECORD_NUMBER = 2 ** 32 - 1
 class RouteOrder:
     """An order to drive `edges` (signed ids) in the given sequence; without edges: to stop.
 
-    route_id    -- a label of the route for people; masters without numbers tell routes apart by it
-    known_epoch -- epoch of the vehicle in the report from which the order was decided; 0: none
-    order       -- its number, which grows; 0: the master does not number its orders
+    route_id    -- a label of the route for people; for masters that do not number their orders, it
+                   distinguishes routes
+    known_epoch -- the vehicle's epoch in the report on which the master based the order; 0: none
+    order       -- number of the order, which grows; 0: the master does not number its orders
     first       -- number of `edges[0]` in the vehicle's route record
-    master      -- the program that orders
+    master      -- the program that gave the order
     speed       -- m/s that the vehicle does not exceed because of its load; 0: no such limit
     stamp       -- time of sending; 0 if the sender did not give it
     received    -- time of reception
@@ -34,7 +35,7 @@ class RouteOrder:
     received: int = field(default=0, compare=False)
     known_epoch: int = field(default=0, compare=False)
     comes_again: bool = field(default=False, compare=False)
-    """Whether it was the first message of a new connection to a known latching publisher."""
+    """Whether the order was the first message of a new connection to a known latching publisher."""
     order: int = 0
     first: int = field(default=0, compare=False)
     master: str = ''
@@ -47,20 +48,20 @@ class RouteOrder:
 
     @property
     def end(self) -> int:
-        """Number, in the route record, after that of the last edge."""
+        """The number in the route record that follows the last edge."""
         return self.first + len(self.edges)
 
     def is_repeat_of(self, other: RouteOrder) -> bool:
-        """Returns whether it orders the same route again, regardless of its stamp."""
+        """Returns whether both orders have the same route; their stamps may differ."""
         return (self.route_id, self.edges) == (other.route_id, other.edges)
 
 
 ANSWERED_WITHIN = 4.0
-"""s after the first reception of an order within which a robot accepts or refuses it."""
+"""A robot accepts or refuses an order within this time (s) after the first reception."""
 
 
 class EdgeState(IntEnum):
-    """The state of one edge of a route; an accepted edge that is still ahead is PROCESSING, too."""
+    """The state of one edge of a route. Accepted edges that are still ahead are PROCESSING."""
 
     PROCESSING = 1
     COMPLETE = 2
@@ -148,15 +149,15 @@ class Motion(IntEnum):
     """What a vehicle does, according to its own reports."""
 
     UNKNOWN = 0
-    """It does not know, for example because its link is down."""
+    """The vehicle does not know, for example because its link is down."""
     STANDING = 1
-    """It stands, and has nothing to drive."""
+    """The vehicle stands, and has nothing to drive."""
     ON_ROUTE = 2
-    """It drives a route of the master that it names, or waits on that route."""
+    """The vehicle drives a route of the master that its report names, or waits on this route."""
     COMING_TO_REST = 3
-    """It lost a route of the master that it names, and may still roll on along that route."""
+    """The vehicle lost a route of the master that its report names, and may still roll along it."""
     MOVED = 4
-    """Another giver or a person moves it."""
+    """Another giver or a person moves the vehicle."""
 
 
 class EpochCause(IntEnum):
@@ -188,9 +189,9 @@ class RouteReport:
     refusal  -- why that order was refused
     first    -- number of `edges[0]` in the route record
     motion   -- what the vehicle does
-    number   -- of this report; it only grows, even after a restart; 0: the vehicle does not number
-                its reports
-    unready  -- why the vehicle would refuse each route now; NONE: it would not
+    number   -- number of this report; numbers only grow, even after a restart; 0: the vehicle does
+                not number its reports
+    unready  -- why the vehicle refuses every route now; NONE: there is no such reason
 
     Each attribute is a field of the message.
     """
@@ -215,7 +216,7 @@ class RouteReport:
 
     @property
     def completed(self) -> int:
-        """Number of edges that are COMPLETE, counted from the first on."""
+        """Number of edges before the first edge that is not COMPLETE."""
         for index, state in enumerate(self.states):
             if state is not EdgeState.COMPLETE:
                 return index
@@ -223,18 +224,18 @@ class RouteReport:
 
     @property
     def done(self) -> int:
-        """Number, in the route record, of the edge under way, or of the next one."""
+        """Number in the route record of the first edge that is not COMPLETE."""
         return self.first + self.completed
 
     @property
     def is_failed(self) -> bool:
-        """Whether the route of `order` is lost: it has failed, or that order was a stop."""
+        """Whether the route of `order` has failed, or `order` was a stop."""
         return not self.edges or EdgeState.FAILED in self.states
 
 
 @dataclass(frozen=True)
 class RouteRefusal:
-    """The refusal of an order, for people. The master reads it in a report."""
+    """The refusal of an order, as people read it. The master reads the refusal in a report."""
 
     route_id: int
     edges: Tuple[int, ...]

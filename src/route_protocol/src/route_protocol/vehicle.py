@@ -1,19 +1,20 @@
 """The vehicle's end of the route protocol: which orders it takes, and what it reports.
 
 State
-    epoch    -- a new one begins whenever orders that are on their way must not be obeyed any more
+    epoch    -- number of the epoch; a new epoch begins whenever orders that are on their way must
+                not be obeyed any more
     master   -- the program whose orders are counted; None: none yet. OLD_MASTER stands for all
                 masters that do not number their orders
     order    -- number of the last order that was taken in this epoch
     refused  -- highest number of an order that was refused in this epoch
-    done     -- number of the edge under way in the route record, or of the next one
+    done     -- number in the route record of the first edge that has not been driven to its end
     route    -- the edges of `order`, counted in the record from `first` on, and its phase
 
 Events and what follows
     | event                      | condition                        | answer                       |
     |----------------------------|----------------------------------|------------------------------|
-    | stop without a number, or  |                                  | taken: a new epoch begins    |
-    | that cannot be counted     |                                  |                              |
+    | stop that has no number or |                                  | taken: a new epoch begins    |
+    | cannot be counted          |                                  |                              |
     | route that cannot be       |                                  | refused, but not counted     |
     | counted                    |                                  |                              |
     | stop or route of `master`  | number <= order or <= refused    | ignored                      |
@@ -21,8 +22,9 @@ Events and what follows
     | stop of another master     |                                  | taken: a new epoch begins    |
     | route                      | not decided in this epoch        | refused                      |
     | route of `master`          | `done` is not in first ... end   | refused                      |
-    | route of `master`          | RUNNING, and does not go on with | refused                      |
-    |                            | the edge under way               |                              |
+    | route of `master`          | a route is RUNNING, and the new  | refused                      |
+    |                            | route does not continue with the |                              |
+    |                            | edge under way                   |                              |
     | route of another master    | the vehicle can begin it         | taken: a new epoch begins    |
     | route of another master    | the vehicle cannot               | refused, but not counted     |
     | any other route            | the vehicle can drive it         | taken                        |
@@ -42,11 +44,11 @@ to 0 and keeps `master`. After a start without memory, there is no `master`.
 Invariants
     - `order`, `refused` and the number of reports only grow within an epoch.
     - A route in force was decided in this epoch, or it began this epoch.
-    - A stop of any epoch is taken.
+    - A stop is never refused, even if it names an older epoch.
 
 The caller judges what only the caller can know: whether the route begins where the vehicle is, and
-whether the vehicle can brake. It stores `state` before the vehicle acts. While a vehicle that lost
-its route still rolls, routes wait until it stands.
+whether the vehicle can brake in time. The caller stores `state` before the vehicle acts. A vehicle
+that lost its route may still roll: new routes wait until it stands.
 """
 from __future__ import annotations
 
@@ -78,7 +80,7 @@ OLD_MASTER = ''
 """Stands for all masters that do not number their orders; `old_masters` numbers them."""
 
 SKIPPED_REPORTS = 60_000
-"""How many numbers of reports a restart skips (1 min in ms): the last ones may not be stored."""
+"""How many report numbers a restart skips (1 min in ms): the last numbers may not be stored."""
 
 
 def draw_epoch() -> int:
@@ -120,17 +122,17 @@ class VehicleState:
 
     @property
     def completed(self) -> int:
-        """Number of edges of the route that are driven."""
+        """How many edges of the route have been driven."""
         return min(max(self.done - self.first, 0), len(self.edges))
 
     @property
     def ahead(self) -> Tuple[int, ...]:
-        """The edges of the route from the one under way on."""
+        """The edge under way, and the edges of the route after it."""
         return self.edges[self.completed:]
 
 
 class Answer(Enum):
-    """What the protocol says about an order that has arrived."""
+    """The kind of answer to an order that has arrived."""
 
     IGNORED = 'it is not newer than the last one'
     STOP = 'it stops the vehicle'
@@ -142,10 +144,10 @@ class Answer(Enum):
 class Judgement:
     """The answer to an order.
 
-    reason  -- why it is refused
+    reason  -- why the order is refused
     done    -- record number of the first edge of `rest`
     rest    -- the edges that the vehicle would still drive
-    goes_on -- the vehicle drives the beginning of `rest` now, or stands where its record ends
+    goes_on -- `rest` continues the route that the vehicle drives or has completed
     """
 
     answer: Answer
@@ -162,8 +164,8 @@ class Vehicle:
     """The vehicle's end; see the docstring of the module.
 
     draw  -- returns the number of a new epoch, which was never used before
-    clock -- returns ms since 1970; the number of a report is at least that
-    state -- from before a restart; None: the vehicle starts without its memory
+    clock -- returns ms since 1970; the number of a report is never smaller
+    state -- the state from before a restart; None: the vehicle starts without its memory
     """
 
     def __init__(self, draw: Callable[[], int], clock: Callable[[], int],
@@ -172,13 +174,16 @@ class Vehicle:
         self.state = state if state is not None else VehicleState(draw())
 
     def resume(self, state: VehicleState) -> None:
-        """Goes on from before a restart. Skips numbers of reports that may not have been stored."""
+        """Continues with the state from before a restart.
+
+        Skips report numbers, because the last ones may not have been stored.
+        """
         self.state = replace(state, report=_behind(state.report))
 
     def forget(self, state: VehicleState, reason: Reason) -> None:
         """Starts without memory, except that reports still show the old route.
 
-        state -- from before a restart, but perhaps not the last one
+        state -- a state from before the restart, but perhaps not the last one
         reason -- why a running route fails
         """
         self.resume(replace(state, master=None))
@@ -220,7 +225,7 @@ class Vehicle:
                          state.phase in (Phase.RUNNING, Phase.COMPLETE))
 
     def _is_fresh(self, order: RouteOrder) -> bool:
-        """Returns whether the route record has no edge of this master yet, in this epoch."""
+        """Returns whether no order of this master was taken before in this epoch."""
         return self._takes_over(order) or not self.state.order
 
     def _takes_over(self, order: RouteOrder) -> bool:
@@ -262,7 +267,7 @@ class Vehicle:
     # -- the route --------------------------------------------------------------------------------
 
     def complete(self, completed: int) -> None:
-        """Counts the edges of the running route that are driven."""
+        """Notes how many edges of the running route have been driven."""
         state = self.state
         done = min(max(state.first + completed, state.done), state.first + len(state.edges))
         if state.is_running and done != state.done:
@@ -270,7 +275,7 @@ class Vehicle:
                 done < state.first + len(state.edges)) else Phase.COMPLETE)
 
     def fail(self, reason: Reason) -> None:
-        """Ends a running route."""
+        """Makes a running route FAILED."""
         if self.state.is_running:
             self.state = replace(self.state, phase=Phase.FAILED, reason=reason)
 
@@ -300,7 +305,7 @@ class Vehicle:
 
         stamp, pose, location -- the vehicle's place, and when it was there
         reason  -- why a stop is not obeyed yet
-        unready -- why the vehicle would refuse each route now
+        unready -- why the vehicle refuses every route now
         """
         number = min(max(self.state.report + 1, self._clock()), LARGEST_NUMBER)
         state = self.state = replace(self.state, report=number)
@@ -321,7 +326,7 @@ def _can_be_counted(order: RouteOrder) -> bool:
 
 
 def _behind(report: int) -> int:
-    """Returns a number above all numbers that may have been drawn since this one was stored."""
+    """Returns a number above all numbers that may have been drawn since `report` was stored."""
     return min(report + SKIPPED_REPORTS, LARGEST_NUMBER)
 
 

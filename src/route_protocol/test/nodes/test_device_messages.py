@@ -1,4 +1,4 @@
-"""Requests and reports of devices go through messages unchanged."""
+"""Requests and reports of devices are converted to messages and back without a change."""
 from __future__ import annotations
 
 import genpy

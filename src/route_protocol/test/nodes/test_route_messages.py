@@ -1,4 +1,4 @@
-"""The fleet manager's messages become domain objects and back, without loss."""
+"""Messages of the fleet manager are converted to values and back without loss."""
 from __future__ import annotations
 
 import math

@@ -1,4 +1,4 @@
-"""Commands for steps and reports of steps go through messages unchanged."""
+"""Commands for steps and reports of steps are converted to messages and back without a change."""
 from __future__ import annotations
 
 import pytest

@@ -1,8 +1,7 @@
 """The curves of edges in the plane: length, points along the curve, projection onto the curve.
 
-Units are metres and radians. A curve is stored as a polyline. The polyline is so fine (0.1 mm) that
-it can replace the curve. The arc length is measured along the curve; the polyline is slightly
-shorter.
+Units are metres and radians. A curve is stored as a polyline that is at most 0.1 mm away from the
+curve. Arc lengths are measured along the curve; the polyline is slightly shorter.
 """
 from __future__ import annotations
 
@@ -13,7 +12,7 @@ from typing import List, NamedTuple, Optional, Tuple, cast
 import numpy as np
 
 FLATNESS = 1e-4  # m, greatest distance between a spline and its polyline
-_SHARP = 0.02  # in the curve's parameter; nearer to a stop the speed has a kink
+_SHARP = 0.02  # of the curve's parameter; within this distance of a stop the speed has a kink
 _GRADES = 0.5 ** np.arange(4.0, 24.0)  # shorter and shorter steps on both sides of a stop
 _GRADES = np.concatenate((-_GRADES, -0.75 * _GRADES, [0.0], 0.75 * _GRADES, _GRADES))
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(4)  # Gauss-Legendre quadrature on -1..1
@@ -83,8 +82,7 @@ class Curve:
         return np.interp(s, middles, np.concatenate(([0.0], np.cumsum(turns))))
 
     def sample(self, step: float) -> np.ndarray:
-        """Returns points (N,2) along the curve with at most `step` m between them, with its ends.
-        """
+        """Returns points (N,2) along the curve, at most `step` m apart; both ends are included."""
         count = max(2, int(math.ceil(self.length / step)) + 1)
         s = np.linspace(0.0, self.length, count)
         return np.column_stack((np.interp(s, self._arc, self.points[:, 0]),
@@ -93,15 +91,15 @@ class Curve:
     def project(self, x: float, y: float, start: float = 0.0, end: float = math.inf) -> Projection:
         """Returns the nearest point to x, y (m) between the arc lengths `start` and `end` (m).
 
-        If several points are equally near, it is the first one.
+        If several points are equally near, the first point along the curve is returned.
         """
         start = min(max(start, 0.0), self.length)
         end = min(max(end, start), self.length)
         if len(self._corners) == 2:
             return self._project_on_line(x, y, start, end)
         along = np.clip(self._nearest_arcs(x, y), start, end)
-        # A segment completely outside start..end is clipped to the end point of that range. That
-        # point is on the curve, so each distance is the distance to a point of the curve.
+        # A segment completely outside start..end is clipped to `start` or `end`. Both are on the
+        # curve, so each distance is the distance to a point of the curve.
         distances = np.hypot(np.interp(along, self._arc, self.points[:, 0]) - x,
                              np.interp(along, self._arc, self.points[:, 1]) - y)
         best = int(np.argmin(distances))
@@ -110,7 +108,7 @@ class Curve:
         return Projection(float(distances[best]), s, fraction)
 
     def _project_on_line(self, x: float, y: float, start: float, end: float) -> Projection:
-        """Does the same as `project` for one straight line, far faster than with arrays."""
+        """Returns the same as `project`, but far faster; only for a single straight line."""
         (_, x0, y0), (length, x1, y1) = self._corners
         dx, dy = x1 - x0, y1 - y0
         part = ((x - x0) * dx + (y - y0) * dy) / (dx * dx + dy * dy)
@@ -194,7 +192,7 @@ def fine_parameters(control: np.ndarray, parts: int) -> np.ndarray:
 
     There are at least `parts` equal steps; some parameters may be repeated. At a point where a
     curve (nearly) stops and turns on the spot, its speed has a kink that equal steps would miss.
-    So the steps become shorter and shorter there.
+    So the steps become shorter and shorter near this point.
     """
     even = np.linspace(0.0, 1.0, parts + 1)
     turns = np.where(_turns_sharply(control), _stops(control).real, 0.0)[..., None]
@@ -205,7 +203,7 @@ def fine_parameters(control: np.ndarray, parts: int) -> np.ndarray:
 
 
 def bezier_speeds(control: np.ndarray, t: np.ndarray) -> np.ndarray:
-    """Returns the arc length per parameter (N,), m, at parameters `t` (N,) of one curve."""
+    """Returns the derivative (N,), m, of the arc length at the parameters `t` (N,) of one curve."""
     u = 1.0 - t
     velocity = np.stack((u ** 2, 2.0 * u * t, t ** 2), axis=-1) @ (3.0 * np.diff(control, axis=0))
     return np.hypot(velocity[:, 0], velocity[:, 1])
@@ -214,8 +212,8 @@ def bezier_speeds(control: np.ndarray, t: np.ndarray) -> np.ndarray:
 def _stops(control: np.ndarray) -> np.ndarray:
     """Returns the complex parameters (..., 2) at which the velocity of curves (..., 4, 2) is 0.
 
-    If the plane is a plane of complex numbers, the velocity is a quadratic polynomial of the
-    parameter. A missing root is returned as infinity.
+    With points as complex numbers, the velocity is a quadratic polynomial of the parameter. A
+    missing root is returned as infinity.
     """
     first, second, third = np.moveaxis(np.diff(control[..., 0] + 1j * control[..., 1]), -1, 0)
     a, b, c = first - 2.0 * second + third, second - first, first
@@ -227,7 +225,7 @@ def _stops(control: np.ndarray) -> np.ndarray:
 
 
 def _turns_sharply(control: np.ndarray) -> np.ndarray:
-    """Returns which of `_stops` are so near to the curve that its speed has a kink there."""
+    """Returns which of `_stops` are so near to a real parameter that the speed has a kink there."""
     stops = _stops(control)
     return ((np.abs(stops.imag) < _SHARP) & (stops.real > -_SHARP) & (stops.real < 1.0 + _SHARP))
 
@@ -252,7 +250,7 @@ def _first_part(control: np.ndarray, t: float) -> np.ndarray:
 
 def spline_control(start: Tuple[float, float], start_theta: float, param_f: float,
                    end: Tuple[float, float], end_theta: float, param_b: float) -> np.ndarray:
-    """Returns the control points (4,2) of the fleet's spline, in our interpretation.
+    """Returns the control points (4,2) of the fleet's spline, as this project understands it.
 
     The spline is a cubic Bezier curve. It leaves `start` in direction `start_theta`, with a control
     point `param_f` metres ahead. It enters `end` in direction `end_theta`, with a control point

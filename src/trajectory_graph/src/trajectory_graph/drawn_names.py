@@ -2,7 +2,7 @@
 
 `split_edges` cuts long edges into sections. The ids of sections, and of the vertices between them,
 are in no file that a person has drawn. Topics use these ids, but texts for people name the drawn
-edges. If the graph does not have an id, its name is the id itself.
+edges. If the graph does not have an edge or vertex, the text names the id as it is.
 """
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from trajectory_graph.graph import Graph
 
 
 def drawn_ids(graph: Graph, ids: Iterable[int]) -> Tuple[int, ...]:
-    """Returns the unsigned ids of the drawn edges to which edges belong, each once, in order."""
+    """Returns the unsigned ids of the drawn edges to which these edges belong, each id once."""
     edges = graph.edges
     return tuple(dict.fromkeys(edges[id].drawn_id if id in edges else id for id in map(abs, ids)))
 

@@ -34,7 +34,7 @@ class History:
         return self._future[-1][0] if self._future else None
 
     def change(self, name: str, draft: Draft, gesture: Optional[object] = None) -> bool:
-        """Changes to `draft` and returns True; returns False if it equals the present draft."""
+        """Makes `draft` the present draft and returns True; returns False if both are equal."""
         if draft is self.draft or draft == self.draft:
             return False
         if gesture is None or gesture != self._gesture:
@@ -51,11 +51,11 @@ class History:
         self._gesture = None
 
     def undo(self) -> Optional[str]:
-        """Reverts one change; returns its name, or None if there is none."""
+        """Reverts the last change; returns the name of the change, or None if there is none."""
         return self._step(self._past, self._future)
 
     def redo(self) -> Optional[str]:
-        """Repeats the change that was reverted last; returns its name, or None."""
+        """Repeats the change that was reverted last; returns the name of the change, or None."""
         return self._step(self._future, self._past)
 
     def _step(self, source: List[Tuple[str, Draft]],

@@ -28,7 +28,8 @@ class EditError(TrajectoryGraphError):
 
 @dataclass(frozen=True)
 class Draft:
-    """Vertices and edges by id, in the order of the file. It has both vertices of each edge."""
+    """Vertices and edges by id, in the order of the file; both vertices of each edge are present.
+    """
 
     vertices: Mapping[int, Vertex]
     edges: Mapping[int, Edge]
@@ -163,7 +164,7 @@ def change_edge(draft: Draft, id: int, **fields: Any) -> Draft:
 def turn_edge_round(draft: Draft, id: int) -> Draft:
     """Exchanges origin and destination of an edge and their values; a spline keeps its shape.
 
-    A spline follows the headings of its vertices, so both vertices turn round, too. The operation
+    A spline follows the headings of its vertices, so both headings are turned round. The operation
     is refused if this would bend another spline.
     """
     edge = draft.edge(id)
@@ -192,7 +193,10 @@ def make_line(draft: Draft, id: int) -> Draft:
 
 
 def make_spline(draft: Draft, id: int) -> Draft:
-    """Makes an edge a spline along its vertices' headings; handles are a third of its length."""
+    """Makes an edge a spline that follows the headings of its vertices.
+
+    The length of each handle is HANDLE_SHARE of the distance between the vertices.
+    """
     edge = draft.edge(id)
     if edge.curve_type is CurveType.SPLINE:
         return draft

@@ -1,4 +1,4 @@
-"""The errors of graphs and routes; each error has the ids of the elements concerned."""
+"""The errors of graphs and routes; each error has the ids of the elements that it concerns."""
 from __future__ import annotations
 
 from typing import Optional
@@ -51,7 +51,7 @@ class UnknownVertex(TrajectoryGraphError):
 
 
 class UnknownEdge(TrajectoryGraphError):
-    """A signed edge id whose edge the graph does not have; 0 is never valid."""
+    """A signed edge id that the graph does not have; 0 is never valid."""
 
     def __init__(self, id: int) -> None:
         super().__init__(id)

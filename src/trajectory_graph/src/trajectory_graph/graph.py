@@ -67,8 +67,8 @@ class Vertex:
 class Edge:
     """A curve from vertex `origin` to vertex `destination`; lengths in m, speeds in m/s.
 
-    section_of -- id of the drawn edge that this edge is a section of (`split_edges`); 0: this edge
-        itself was drawn. It is only for texts, so it does not count in comparisons
+    section_of -- if `split_edges` made this edge: id of the drawn edge of which it is a section;
+        0: this edge itself was drawn. Only texts use this id, so comparisons ignore it
     """
 
     id: int
@@ -93,8 +93,8 @@ _Element = TypeVar('_Element', Vertex, Edge)
 class Graph:
     """A valid trajectory graph: ids are unique, edges join two vertices, every vertex has edges.
 
-    Raises GraphError with the wrong element if the graph is not valid. A graph never changes. It
-    has many methods because several packages query it.
+    Raises GraphError with the wrong element if the graph is not valid. A graph never changes. The
+    class has many methods because several packages use it.
     """
 
     def __init__(self, vertices: Iterable[Vertex], edges: Iterable[Edge]) -> None:
@@ -141,7 +141,7 @@ class Graph:
         return tuple(map(abs, self.edges_from(vertex_id)))
 
     def edges_from(self, vertex_id: int) -> Tuple[int, ...]:
-        """Returns the edges at the vertex, with signed ids that lead away from it."""
+        """Returns the signed ids of the edges at the vertex, in the direction away from it."""
         self.vertex(vertex_id)
         return tuple(self._edges_from[vertex_id])
 
@@ -177,7 +177,7 @@ class Graph:
     def sections(self) -> Mapping[int, Tuple[int, ...]]:
         """The sections of each drawn edge, from origin to destination, by the id of the drawn edge.
 
-        An edge that was not cut is its only section.
+        An edge that was not cut has itself as its only section.
         """
         if self._sections is None:
             sections: Dict[int, List[Edge]] = {}
@@ -198,7 +198,7 @@ class Graph:
         return frozenset().union(*(self.sections.get(id, (id,)) for id in drawn))
 
     def divides_an_edge(self, vertex: int) -> bool:
-        """Returns whether the vertex is only there because a drawn edge was cut into sections."""
+        """Returns whether the vertex only exists because a drawn edge was cut into sections."""
         drawn = [self.edges[abs(id)].section_of for id in self._edges_from[vertex]]
         return len(drawn) == 2 and drawn[0] == drawn[1] != 0
 
@@ -286,8 +286,8 @@ def parts_of(vertices: Iterable[int], edges: Iterable[Edge]) -> Tuple[FrozenSet[
 def _in_sequence(sections: List[Edge]) -> Tuple[int, ...]:
     """Returns the ids of the sections of one drawn edge, from its origin to its destination.
 
-    In a file that was edited by hand the sections may be no chain. Then the sections outside the
-    chain follow, by id.
+    In a file that was edited by hand, some sections may not belong to the chain. They follow after
+    the chain, sorted by id.
     """
     after = {edge.origin: edge for edge in sections}
     reached = {edge.destination for edge in sections}
@@ -329,6 +329,6 @@ def _by_id(kind: str, elements: Iterable[_Element]) -> Dict[int, _Element]:
 
 def _check_numbers(kind: str, element: Union[Vertex, Edge], names: Iterable[str]) -> None:
     for name in names:
-        if not abs(getattr(element, name)) <= LARGEST_NUMBER:  # in this form it also finds NaN
+        if not abs(getattr(element, name)) <= LARGEST_NUMBER:  # `not <=` is also true for NaN
             raise GraphError(f'{name} is {getattr(element, name)}, not a number within '
                              f'{LARGEST_NUMBER:.0f}', kind, element.id)

@@ -1,8 +1,8 @@
 """Compares an edge in two graphs, for robots that are on the edge or will drive it.
 
-The node that replaces a graph uses this rule, and the robots that continue their routes on the new
-graph use it, too. During a drive the speeds of an edge may change. Its id, ends, curve and docks
-may not change.
+The node that replaces a graph uses this comparison, and so do the robots that continue their routes
+on the new graph. During a drive the speeds of an edge may change. Its id, ends, curve and docks may
+not change.
 """
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ import numpy as np
 from trajectory_graph.drawn_names import at_vertex, vertex_name
 from trajectory_graph.graph import Graph
 
-_SAME = 1e-3  # m between control points of a curve that has not changed
+_SAME = 1e-3  # m; if no control point has moved farther, the curve has not changed
 
 
 def change_of(old: Graph, new: Graph, signed_id: int) -> Optional[str]:
-    """Returns the difference of an edge between two graphs as a clause; None if it is the same."""
+    """Returns a clause that says how an edge differs between two graphs; None: it is the same."""
     id = abs(signed_id)
     if id not in old.edges:
         return None  # the old graph does not have the edge, so there is nothing to compare

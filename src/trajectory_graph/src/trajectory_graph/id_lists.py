@@ -1,4 +1,4 @@
-"""Lists of ids in sentences for people. They are short, so that they do not fill a log."""
+"""Lists of ids in sentences for people; the lists are short, so that they do not fill a log."""
 from __future__ import annotations
 
 from typing import Collection

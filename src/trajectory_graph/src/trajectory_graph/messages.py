@@ -1,6 +1,6 @@
 """Converts graphs to and from messages of `itrci_nav_msgs`.
 
-The module does not import ROS; it only uses the names of the fields.
+The module does not import ROS; it only uses the fields of the messages.
 """
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def graph_from_message(message: Any) -> Graph:
 def fill_message(message: Any, graph: Graph, vertex_type: Any, edge_type: Any) -> Any:
     """Fills an empty `itrci_nav_msgs/Graph` and returns it.
 
-    vertex_type, edge_type -- the message types of its elements
+    vertex_type, edge_type -- the message types of vertices and edges
     """
     message.vertices = [vertex_message(vertex, vertex_type) for vertex in graph.vertices.values()]
     message.edges = [edge_message(edge, edge_type) for edge in graph.edges.values()]

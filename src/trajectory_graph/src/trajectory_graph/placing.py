@@ -1,9 +1,9 @@
 """Finds places for texts beside their points, so that no text covers another.
 
-A text gets the first of its places that is free. If none is free, `may` says what the text may
-cover: nothing, soft boxes or all boxes. Then it gets the place at which it covers least. The editor
-and RViz use this module; the page has the same rules in `placing.js`, and a test in `fleet_page`
-compares the two.
+A text gets the first of its places that is free. If no place is free, the text gets the place at
+which it covers least, provided that `may` allows this: a text may cover nothing, soft boxes or all
+boxes. The editor and RViz use this module. The page has the same rules in `placing.js`, and a test
+in `fleet_page` compares the two.
 """
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from itertools import product
 from typing import Dict, Iterator, List, NamedTuple, Optional, Sequence, Tuple
 
 Box = Tuple[float, float, float, float]  # left, lower, right, upper
-Side = Tuple[int, int]                   # 1, -1: to this side of the point, 0: centred
+Side = Tuple[int, int]                   # (x, y): 1, -1: on this side of the point; 0: centred
 _Cell = Tuple[int, int]
 
 ABOVE_FIRST: Tuple[Side, ...] = (
@@ -34,14 +34,14 @@ class MayCover(Enum):
 
 
 class Covered(NamedTuple):
-    """The area of a box that is covered by firm and by soft boxes."""
+    """The area of a box that firm boxes cover, and the area that soft boxes cover."""
 
     firm: float = 0.0
     soft: float = 0.0
 
 
 class _Cover:
-    """A covered box. Two at the same place are different objects."""
+    """A covered box. Two covered boxes at the same place are different objects."""
 
     def __init__(self, box: Box, is_soft: bool, weight: float) -> None:
         self.box, self.is_soft, self.weight = box, is_soft, weight
@@ -77,7 +77,7 @@ class Places:
               may: MayCover = MayCover.NOTHING) -> int:
         """Covers the best of `boxes` with a text. Returns its number; -1: the text has no place.
 
-        before -- number of the former box of the text; it stays there while that box is free
+        before -- number of the former box of the text; the text stays there while this box is free
         """
         numbers = range(len(boxes))
         best, least = -1, Covered(math.inf, math.inf)

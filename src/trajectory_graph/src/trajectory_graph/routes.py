@@ -20,8 +20,8 @@ def check_route(graph: Graph, edges: Sequence[int]) -> None:
 def route_vertices(graph: Graph, edges: Sequence[int]) -> List[int]:
     """Returns the ids of the vertices to visit, in order, without the start vertex.
 
-    They are the vertices of all edges, without the first vertex and without adjacent repeats.
-    Example: the edges [E1, E4, E5] from V1 give [V1, V2, V2, V7, V7, V6], and so [V2, V7, V6].
+    Example: the edges [E1, E4, E5] from V1 have the ends [V1, V2, V2, V7, V7, V6]. The vertices to
+    visit are [V2, V7, V6].
     Raises the errors of `check_route`.
     """
     check_route(graph, edges)

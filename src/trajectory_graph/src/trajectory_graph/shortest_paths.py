@@ -28,7 +28,7 @@ class Road(NamedTuple):
 
 
 class Reached(NamedTuple):
-    """A vertex, its distance from the start, and the last edge of its path (0: it is the start)."""
+    """A vertex, its distance from the start, and the last edge on the way to it (0: the start)."""
 
     vertex: int
     distance: float
@@ -66,7 +66,7 @@ def distances(graph: Graph, start: int, limit: float,
 
 def shortest_route(graph: Graph, vertices: Sequence[int],
                    may_drive: Callable[[int], bool] = lambda edge: True) -> Tuple[int, ...]:
-    """Returns the signed edges of the shortest paths from each of the vertices to the next.
+    """Returns the signed edges of the shortest paths from each vertex to the next one.
 
     may_drive -- whether a signed edge may be driven
 

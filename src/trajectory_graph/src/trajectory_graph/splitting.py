@@ -1,7 +1,7 @@
 """Cuts long edges into sections with new vertices between them, so that more robots share a graph.
 
-A robot on an edge blocks the whole edge, and many robots cannot stop in the middle of an edge. An
-edge that is cut into sections is granted section by section. The sections lie exactly on the old
+A robot on an edge blocks the whole edge, and many robots cannot stop in the middle of an edge. If
+an edge is cut, a robot is granted one section after the other. The sections lie exactly on the old
 curve, because a part of a Bezier curve is a Bezier curve.
 """
 from __future__ import annotations
@@ -77,8 +77,7 @@ def _cut(graph: Graph, edge: Edge, count: int, first_vertex: int,
 
 
 def _equal_parts(control: np.ndarray, count: int) -> List[float]:
-    """Returns the parameters that cut the curve into `count` parts of equal length, with 0 and 1.
-    """
+    """Returns the parameters, from 0 to 1, that cut the curve into `count` equally long parts."""
     t = fine_parameters(control, 64 * count)
     arc = bezier_arc_lengths(control, t)
     wanted = arc[-1] * np.arange(1, count) / count

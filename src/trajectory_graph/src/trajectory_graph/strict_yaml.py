@@ -1,7 +1,7 @@
 """Reads YAML files strictly; an error names its line.
 
 The reader never creates YAML objects. It only uses the text of scalars, so that a tag cannot
-execute code. Each field must have a value that its reader accepts.
+execute code. For each field, a function checks the value and reads it.
 """
 from __future__ import annotations
 
@@ -98,7 +98,7 @@ def compose_data(data: bytes) -> yaml.Node:
 def _unquoted(problem: Optional[str]) -> str:
     """Returns the error of the YAML parser without the parts that quote the file.
 
-    The file may have been given by mistake, e.g. a file with secrets.
+    A person may have given the wrong file, e.g. a file with secrets.
     """
     return re.sub(r"""\s*(['"]).{2,}\1""", '', problem or 'no reason is known')
 
@@ -119,8 +119,8 @@ def _nesting(data: bytes) -> int:
 def mapping(node: yaml.Node, name: str, known: Container[str] = ()) -> Dict[str, yaml.Node]:
     """Returns the fields of a mapping. Raises WrongYaml.
 
-    It is also raised for a repeated key, a key that is a number, and a key without a value. The
-    last two usually come from a misspelt value: YAML reads `{X: 12,75}` as `X: 12` and a key `75`.
+    A repeated key, a key that is a number, and a key without a value are errors. The last two
+    usually come from a misspelt value: YAML reads `{X: 12,75}` as `X: 12` and a key `75`.
 
     The error names only keys that are `known`. Other keys may come from a file that was given by
     mistake.
@@ -174,7 +174,7 @@ def items(one: Field) -> List[yaml.Node]:
 
 
 def listed(read: Callable[[Field], Read]) -> Callable[[Field], List[Read]]:
-    """Returns a reader of lists for a reader of their elements."""
+    """Returns a function that reads a list; `read` reads one element."""
     return lambda one: [read((f'an entry of {one[0]}', item)) for item in items(one)]
 
 
@@ -228,7 +228,7 @@ def truth(one: Field) -> bool:
 
 
 def choice(allowed: Sequence[str], what: str) -> Callable[[Field], str]:
-    """Returns a reader that accepts only the `allowed` words."""
+    """Returns a function that reads one of the `allowed` words and refuses others."""
     def read(one: Field) -> str:
         value = scalar(one, what)
         if value not in allowed:

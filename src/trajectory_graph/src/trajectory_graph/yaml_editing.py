@@ -78,7 +78,7 @@ class GraphFile:
 
 
 def _for_marks(text: str) -> str:
-    """Returns the text with blanks in place of line breaks that only YAML has; positions stay."""
+    """Returns the text with a blank for each line break that only YAML has; positions stay."""
     for character in _LINE_BREAKS_OF_YAML_ONLY:
         text = text.replace(character, ' ')
     return text
@@ -104,7 +104,7 @@ def _list_edits(text: str, root: yaml.MappingNode, key: str, fields: Callable[[E
 def _known_edits(text: str, node: yaml.SequenceNode, fields: Callable[[Element], Fields],
                  old: Mapping[int, Element], new: Mapping[int, Element],
                  ) -> Tuple[List[Edit], List[yaml.MappingNode]]:
-    """Returns the edits of the records that the file has, and the records that stay in it."""
+    """Returns the edits of the records that the file has, and the records that stay in the file."""
     edits: List[Edit] = []
     staying: List[yaml.MappingNode] = []
     for record in node.value:
@@ -138,7 +138,7 @@ def _values(fields: Fields, element: Element) -> Fields:
 
 
 def _rewritten(text: str, node: yaml.SequenceNode, records: List[Fields]) -> Edit:
-    """Returns the edit that rewrites a list in brackets; an empty one becomes a line per record."""
+    """Returns the edit that rewrites a list in brackets; an empty list gets a line per record."""
     start, end = node.start_mark.index, _end_of(node)
     if node.value or not records:
         return start, end, f'[{", ".join(map(flow_mapping, records))}]'
@@ -232,7 +232,7 @@ def _end_of(node: yaml.Node) -> int:
 
 
 def _scalar(value: Any) -> str:
-    """Returns a value as it is written after its key, on one line."""
+    """Returns the text of a value, as it is written after a key; it has no line breaks."""
     return flow_mapping({'k': value})[len('{k: '):-1]
 
 

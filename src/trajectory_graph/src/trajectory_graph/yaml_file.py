@@ -112,7 +112,7 @@ def _vertex(theta: float, label: str = '', dock: Optional[bool] = None,
 
 def _elements(sections: Dict[str, yaml.Node], section: str, kind: str, table: _Fields,
               make: Callable[..., Any], file: str) -> List[Tuple[Any, int]]:
-    """Returns the vertices or edges of a section with their lines; raises for repeated ids."""
+    """Returns the vertices or edges of a section with their lines; raises GraphError."""
     lines: Dict[int, int] = {}
     elements = []
     for item in strict_yaml.items((section, sections[section])):

@@ -1,1 +1,1 @@
-"""MQTT without ROS: the connection to a broker, the credentials, and brokers of this computer."""
+"""MQTT without ROS: the connection to a broker, the credentials, and brokers on this computer."""

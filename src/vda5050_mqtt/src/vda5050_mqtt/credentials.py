@@ -1,6 +1,6 @@
 """Reads the user name and password for a broker from a file.
 
-So they do not appear in a parameter, a log or the process list.
+So user name and password do not appear in a parameter, a log or the process list.
 """
 from __future__ import annotations
 

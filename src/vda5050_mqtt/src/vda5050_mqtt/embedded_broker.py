@@ -1,6 +1,6 @@
 """Starts a mosquitto broker on the loopback interface, for a simulated robot or a single robot.
 
-The configuration is generated, so the user writes no file. It suits mosquitto 1.6 and 2.0.
+The configuration is generated, so the user writes no file. It works with mosquitto 1.6 and 2.0.
 Arguments: --port (18830). Other arguments, which roslaunch gives to every node, are ignored.
 """
 from __future__ import annotations
@@ -35,7 +35,7 @@ def find_mosquitto() -> str:
 
 
 def configuration_in_memory(port: int) -> int:
-    """Returns a descriptor of mosquitto.conf, a file without a name: no other user can make it."""
+    """Returns a descriptor of mosquitto.conf, a file in memory that no other user can replace."""
     descriptor = os.memfd_create('mosquitto.conf', 0)  # programs that this process runs inherit it
     os.write(descriptor, configuration(port).encode())
     return descriptor

@@ -13,7 +13,7 @@ from typing import Any, Callable, Dict, Tuple
 
 import paho.mqtt.client as mqtt
 
-RECONNECT = (1, 2)      # s between two attempts to connect: the first time, and the longest time
+RECONNECT = (1, 2)      # s between two attempts to connect: the first pause, the longest pause
 FAREWELL = 1.0          # s that the sending of OFFLINE may take
 INBOUND = ('order', 'instantActions')
 
@@ -25,7 +25,7 @@ DELIVERY: Dict[str, Tuple[int, bool]] = {
 
 @dataclass(frozen=True)
 class Broker:
-    """The address of the broker and the credentials; the files are PEM, '' means no file."""
+    """The address of the broker, and the credentials. The files are PEM files; '': no file."""
 
     host: str
     port: int
@@ -140,14 +140,15 @@ def secure(client: mqtt.Client, broker: Broker) -> None:
 
 
 def _without_delay(_client: mqtt.Client, _userdata: Any, sock: Any) -> None:
-    """Disables Nagle's algorithm; without this a loaded broker adds some 40 ms."""
+    """Disables Nagle's algorithm, with which a loaded broker adds some 40 ms."""
     if isinstance(sock, socket.socket):
         sock.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
 
 
 def _wait_for(sent: mqtt.MQTTMessageInfo, seconds: float) -> None:
-    """Waits until a message is sent, but at most `seconds`. In paho-mqtt 1.5,
-    wait_for_publish has no time limit.
+    """Waits until a message is sent, but at most `seconds`.
+
+    In paho-mqtt 1.5, wait_for_publish has no time limit.
     """
     ended = threading.Event()
 

@@ -1,4 +1,4 @@
-"""A broker that its program can kill while a vehicle drives."""
+"""A broker for programs that kill it while a vehicle drives."""
 from __future__ import annotations
 
 import os
@@ -8,7 +8,7 @@ from vda5050_mqtt.embedded_broker import command, configuration_in_memory, find_
 
 
 class OwnBroker:
-    """A mosquitto process that its program can kill and start again."""
+    """A mosquitto process that the calling program can kill and start again."""
 
     def __init__(self, port: int) -> None:
         self._configuration = configuration_in_memory(port)

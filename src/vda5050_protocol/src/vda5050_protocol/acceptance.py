@@ -1,7 +1,7 @@
 """Decides whether an order is accepted: figure 8 of VDA 5050 2.1.0 and 3.0.0 as a pure function.
 
-Module `order_rules` answers question 1 of the figure, whether the order is valid. The numbers of
-the questions are those of 2.1.0.
+Module `order_rules` answers question 1 of the figure, whether the order is valid. The questions
+have the numbers of 2.1.0.
 """
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ class OrderAcceptance(Enum):
 
 @dataclass(frozen=True)
 class Rejection:
-    """The reason for which an order is rejected."""
+    """The reason why an order is rejected."""
 
     error: Error
 
@@ -38,7 +38,7 @@ Verdict = Union[OrderAcceptance, Rejection]
 class Held:
     """The situation of the vehicle when an order comes.
 
-    busy            -- whether node states remain, or actions of the order that have not ended
+    busy            -- whether nodes remain to be reached, or actions of the order have not ended
     acting          -- id of an instant action that has not ended; always '' in 3.0, in which
                        instant actions do not block orders
     moving          -- id of an instant action that moves the robot to another place, or ''
@@ -90,7 +90,8 @@ def _judge_update(held: Held, order: OrderMessage, is_3: bool) -> Verdict:
                        f'{held.order_update_id}, which the vehicle has')
     is_copy = order.order_update_id == held.order_update_id                   # question 6
     if held.cancelled and (is_3 or not is_copy):
-        # Question 7 of 3.0.0, asked here before the question for a copy; not in 2.1.0's figure.
+        # Question 7 of 3.0.0, which comes before the question for a copy here. The figure of 2.1.0
+        # does not have it.
         return _reject(e.UPDATE_AFTER_CANCEL, order, 'the order was cancelled; send another one')
     if is_copy:
         return OrderAcceptance.DUPLICATE

@@ -23,8 +23,8 @@ from typing import Callable, Collection, Dict, Iterable, Iterator, List, Mapping
 
 from vda5050_protocol.values import ActionState, ActionStatus, VdaAction
 
-# The largest number of ended instant actions in the state. They are reported until the next order;
-# in 3.0 until the master clears them.
+# The largest number of ended instant actions in the state. In 2.x they are reported until the next
+# order, in 3.0 until the master clears them.
 MAX_ENDED_INSTANT_ACTIONS = 100
 # The largest number of instant actions that have not ended; more are FAILED at once.
 MAX_INSTANT_ACTIONS = 100
@@ -42,7 +42,7 @@ class Scope(Enum):
 class QueuedAction:
     """An action and its progress.
 
-    sequence_id -- the sequenceId of its node or edge; -1 for an instant action
+    sequence_id -- the sequenceId of the node or edge of the action; -1 for an instant action
     triggered   -- whether the vehicle has passed the node or entered the edge of the action; an
                    instant action is triggered when it is received
     """
@@ -56,20 +56,21 @@ class QueuedAction:
 
     @property
     def is_active(self) -> bool:
-        """Whether it was started and has not ended.
+        """Whether the action was started and has not ended.
 
-        INITIALIZING does not count, because the action then waits for a new try.
+        An INITIALIZING action is not active, because it waits for a new try.
         """
         return self.status in (ActionStatus.RUNNING, ActionStatus.PAUSED, ActionStatus.RETRIABLE)
 
     @property
     def belongs_to_order(self) -> bool:
-        """Whether it came with an order."""
+        """Whether the action came with an order."""
         return self.scope is not Scope.INSTANT
 
     @cached_property
     def forbids_driving(self) -> bool:
-        """Whether the vehicle must stand still while it is triggered; False after its end."""
+        """Whether the vehicle must stand still once the action is triggered; False after its end.
+        """
         return self.action.blocking_type.forbids_driving and not self.status.has_ended
 
     @cached_property
@@ -86,7 +87,7 @@ class ActionQueue:
     by_id     -- the actions by id, in the sequence of their reception
     triggered -- ids of the triggered actions that have not ended, in the sequence of execution
 
-    It is immutable: a method returns a changed queue, or a value computed from the queue.
+    A queue is immutable: a method returns a changed queue, or a value computed from the queue.
     """
 
     by_id: Mapping[str, QueuedAction] = field(default_factory=dict)
@@ -158,7 +159,8 @@ class ActionQueue:
             if not entry.triggered and not entry.status.has_ended))
 
     def with_triggered(self, *action_ids: str) -> ActionQueue:
-        """Returns the queue with these actions triggered; they start when earlier ones permit."""
+        """Returns the queue with these actions triggered; they start when earlier actions permit.
+        """
         if not action_ids:
             return self
         now = {name: replace(self[name], triggered=True) for name in action_ids}
@@ -177,7 +179,7 @@ class ActionQueue:
     # --- permitted steps --------------------------------------------------------------------------
 
     def startable(self, standing: bool) -> Tuple[QueuedAction, ...]:
-        """Returns the actions that figure 17 permits to start now; earlier ones may still run."""
+        """Returns the actions that may start now according to figure 17; others may still run."""
         result: List[QueuedAction] = []
         busy = False
         for action_id in self.triggered:

@@ -74,11 +74,11 @@ _CORRIDOR = two.CORRIDOR.renamed(reference_point='corridorReferencePoint').chang
 _EDGE = two.EDGE.renamed(
     description='edgeDescriptor', max_speed='maximumSpeed',
     max_height='maximumMobileRobotHeight', min_height='minimumLoadHandlingDeviceHeight').changed(
-    # 3.0 has neither id: the ends of an edge follow from its sequenceId. A master that still sends
-    # them must not contradict the nodes.
+    # 3.0 has neither startNodeId nor endNodeId: the ends of an edge follow from its sequenceId. If
+    # a master sends these ids nevertheless, they must agree with the nodes.
     start_node_id=Field('start_node_id', 'startNodeId', TEXT),
     end_node_id=Field('end_node_id', 'endNodeId', TEXT),
-    # the name in the text, 7.3, and the name in the schema; the text has precedence
+    # the name in the text of 7.3, which has precedence, and the name in the schema
     max_rotation_speed=Field('max_rotation_speed', 'maximumRotationSpeed', NUMBER,
                              aliases=('maxRotationSpeed',)),
     rotation_allowed=Field('rotation_allowed', 'reachOrientationBeforeEntering', _Negated()),

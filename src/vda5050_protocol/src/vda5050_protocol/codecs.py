@@ -30,13 +30,13 @@ from vda5050_protocol.fields import (
 
 @dataclass(frozen=True)
 class _Angle(Number):
-    """From -pi to pi, in rad."""
+    """An angle from -pi to pi, in rad."""
 
     least: float = -math.pi
     most: float = math.pi
 
     def read(self, value: Any, path: str) -> float:
-        """See Kind; accepts a pi that the sender has rounded to three decimals or more."""
+        """See Kind; a pi that the sender rounded up, to at least three decimals, is read as pi."""
         if (isinstance(value, (int, float)) and not isinstance(value, bool)
                 and math.pi < abs(value) <= math.pi + 5e-4):
             return math.copysign(math.pi, value)
@@ -297,7 +297,7 @@ def _element(kind: Kind) -> Kind:
 def _factsheet(sheet: Dict[str, Any]) -> Dict[str, Any]:
     """Removes the keys that 2.x cannot have.
 
-    - blockingTypes: the schema of 2.1.0 requires a value that is an array and a string at once
+    - blockingTypes: the schema of 2.1.0 requires a value that is both an array and a string
     - cancelAllowed: 3.0 introduced it
     """
     features = sheet['protocolFeatures']

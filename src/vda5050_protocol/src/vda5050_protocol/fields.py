@@ -2,8 +2,8 @@
 
 A kind converts JSON to a value and back. Reading checks each known key strictly and ignores
 unknown keys. An optional key with the value null counts as absent, because some serialisers write
-null for a member without a value. Values from outside may be incomplete, infinite, too long or of a
-wrong type; the error names the path of the wrong value.
+null for a member without a value. A message may contain incomplete, infinite or too long values, or
+values of a wrong type; the error names the path of the wrong value.
 """
 from __future__ import annotations
 
@@ -107,7 +107,7 @@ class Boolean(Kind):
 
 @dataclass(frozen=True)
 class Choice(Kind):
-    """One value of an enum.
+    """The name of a member of an enum.
 
     spelling -- members that this version of the standard spells differently
     unknown  -- members that this version does not have
@@ -176,7 +176,7 @@ ANYTHING, OBJECT = Anything(), Object()
 class Field:
     """One line of a table.
 
-    attribute -- the attribute in Python; `a.b` only in a field that is never read
+    attribute -- the attribute in Python; `a.b` is only allowed in a field that is never read
     key       -- the key in JSON
     kind      -- the kind of the value
     required  -- whether a message without this field is malformed
@@ -192,7 +192,7 @@ class Field:
     omitted: Any = None
 
     def find(self, json_object: Mapping[str, Any]) -> Tuple[Optional[str], Any]:
-        """Returns the key of this field in the object and its value; None, None if absent."""
+        """Returns the key and the value of this field in the object; None, None if absent."""
         present = [key for key in (self.key, *self.aliases) if key in json_object]
         key = next((key for key in present if json_object[key] is not None),
                    present[0] if present else None)
@@ -238,14 +238,14 @@ class ObjectKind(Kind):
         return result
 
     def changed(self, **fields: Union[Field, None]) -> ObjectKind:
-        """Returns the table with some lines replaced, by attribute; None removes a line."""
+        """Returns the table with the lines of these attributes replaced; None removes a line."""
         table = [fields.get(field.attribute, field) for field in self.fields]
         known = {field.attribute for field in self.fields}
         added = [field for name, field in fields.items() if name not in known]
         return ObjectKind(self.kind, [field for field in (*table, *added) if field is not None])
 
     def renamed(self, **keys: str) -> ObjectKind:
-        """Returns the table with some JSON keys replaced, by attribute."""
+        """Returns the table with other JSON keys for these attributes."""
         return ObjectKind(self.kind, [replace(field, key=keys.get(field.attribute, field.key))
                                       for field in self.fields])
 

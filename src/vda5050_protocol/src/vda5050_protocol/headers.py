@@ -1,4 +1,4 @@
-"""Headers of outgoing messages: each topic counts its ids, and timestamps never go back."""
+"""Headers of outgoing messages: each topic has its own count of ids; timestamps never go back."""
 from __future__ import annotations
 
 from collections import Counter

@@ -8,7 +8,7 @@ from vda5050_protocol.values import Element, OrderMessage, VdaAction
 
 
 def check_order(order: OrderMessage) -> None:
-    """Raises Malformed at the first rule that the order breaks."""
+    """Raises Malformed for the first rule that the order breaks."""
     for problem in _problems(order):
         if problem is not None:
             raise problem
@@ -89,7 +89,7 @@ def _repeated_action(order: OrderMessage) -> Optional[Malformed]:
 
 
 def actions_of(order: OrderMessage) -> Iterator[VdaAction]:
-    """Yields all actions of an order, first of its nodes, then of its edges."""
+    """Yields all actions of an order: first those of the nodes, then those of the edges."""
     elements: Tuple[Element, ...] = (*order.nodes, *order.edges)
     for element in elements:
         yield from element.actions

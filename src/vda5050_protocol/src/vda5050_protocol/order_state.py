@@ -14,7 +14,7 @@ class OrderState:
     """The part of an order that remains, from the last passed node on.
 
     nodes[0] is the last node that was passed; nodes[1:] and edges are still to be driven.
-    passed -- number of nodes that were passed before nodes[0] since the driver began; so edges[i]
+    passed -- how many nodes were passed before nodes[0] since the last `Driver.begin`; so edges[i]
               is the driver's leg number passed + i
     """
 
@@ -48,7 +48,8 @@ class OrderState:
                        passed=self.passed + count)
 
     def with_stood(self) -> OrderState:
-        """Returns the state after one more node at the same place; the driver begins anew there."""
+        """Returns the state after one more node at the same place, where the driver begins again.
+        """
         return replace(self.with_passed(1), passed=0)
 
     def emptied(self) -> OrderState:

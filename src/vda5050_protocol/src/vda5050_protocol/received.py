@@ -15,7 +15,7 @@ REMEMBERED = 200  # messages, of all topics
 
 @dataclass(frozen=True)
 class ReceivedMessages:
-    """Remembers the newest messages by a digest of their bytes, oldest first."""
+    """The newest messages: a digest of the bytes of each one, oldest first."""
 
     digests: Tuple[str, ...] = ()
 

@@ -1,8 +1,8 @@
 """Decides when a state is sent: at once after an important change, otherwise periodically.
 
 A message of the master that changes nothing is also answered with a state, but at most once in
-ANSWER_PERIOD. Some masters repeat their order after each state that does not have it. So a state
-after each refusal would make master and vehicle repeat their messages without a pause.
+ANSWER_PERIOD. Some masters repeat their order after each state that does not show the order. If the
+vehicle answered each refusal with a state, both would send messages without a pause.
 """
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from vda5050_protocol.values import StateMessage
 DRIVING_PERIOD = 0.5  # s; a master that connects late receives its first state after this time
 IDLE_PERIOD = 5.0     # s; the standard's limit is 30 s
 ANSWER_PERIOD = 1.0   # s
-EARLY = 0.05          # s; half a period of the caller
+EARLY = 0.05          # s that a state may be sent too early: half a period of the caller
 
 
 class Reporter:

@@ -187,10 +187,12 @@ def test_what_got_lost_is_not_waited_for_for_ever(bench, state, told):
 
 
 def test_cancelling_all_is_owed_until_the_server_can_hear_it(bench):
-    """An adapter that was killed during a drive cancels before its connections are made."""
+    """An adapter that was killed during a drive cancels the goals at its next start, before it has
+    connections.
+    """
     bench.goals.cancel_all(bench.client)
     assert bench.client.heard == []
-    bench.client.pub_cancel.count = 1  # it does not wait for the other connections
+    bench.client.pub_cancel.count = 1  # the cancellation does not wait for other connections
     bench.goals.check()
     bench.goals.check()
     assert bench.client.heard == ['cancel all']

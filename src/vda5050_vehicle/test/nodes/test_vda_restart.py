@@ -118,7 +118,7 @@ def test_a_robot_that_stays_silent_is_given_up():
 
 @pytest.mark.parametrize('begins', [False, True])
 def test_an_order_of_a_journal_that_may_be_an_older_one_is_held(begins):
-    """The order may have been cancelled in the last seconds, which an older journal lacks."""
+    """The order may have been cancelled after the older journal was written."""
     lab = Lab()
     if not begins:
         lab.robot.answers = False

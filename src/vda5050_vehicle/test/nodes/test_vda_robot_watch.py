@@ -18,7 +18,7 @@ from vda5050_vehicle.nodes.robot_watch import RobotWatch, read_signals
 
 @pytest.fixture
 def topics(monkeypatch):
-    """Callbacks by topic, and a clock, in place of ROS."""
+    """The callbacks of each topic; they and a clock replace ROS."""
     callbacks = {}
 
     def subscribe(topic, _type, callback, **_):

@@ -1,7 +1,7 @@
 """The values of VDA 5050.
 
 The vehicle receives orders and actions, and sends state, connection and visualization. Units are
-metres, radians and percent, as in the messages. Field names are those of the standard, in the
+metres, radians and percent, as in the messages. The fields have the names of the standard, in the
 spelling of Python.
 """
 from __future__ import annotations
@@ -54,7 +54,7 @@ __all__ = [
 
 @dataclass(frozen=True)
 class Header:
-    """The sender and the time of a message; each topic counts its ids."""
+    """The sender, the time and the id of a message; each topic has its own count of ids."""
 
     header_id: int
     timestamp: str

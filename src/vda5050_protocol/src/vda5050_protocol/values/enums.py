@@ -67,7 +67,7 @@ class EmergencyStop(Enum):
 
 
 class OperatingMode(Enum):
-    """The party that controls the vehicle."""
+    """The operating mode, which says whether the master or a person controls the vehicle."""
 
     AUTOMATIC = 'AUTOMATIC'
     SEMIAUTOMATIC = 'SEMIAUTOMATIC'

@@ -25,7 +25,7 @@ class VdaAction:
     blocking_type: BlockingType
     parameters: Tuple[ActionParameter, ...] = ()
     description: Optional[str] = None
-    retriable: bool = False  # 3.0: after a failure the master decides whether to retry it
+    retriable: bool = False  # 3.0: after a failure the master decides whether to retry the action
 
     @property
     def arguments(self) -> Mapping[str, Any]:
@@ -37,7 +37,7 @@ class VdaAction:
 class Deviation:
     """An ellipse around a node: half-axes `a` and `b` (m), and the heading of `a` (rad).
 
-    In 2.x it is a circle.
+    In 2.x the ellipse is a circle.
     """
 
     a: float
@@ -96,12 +96,12 @@ class Corridor:
 
 @dataclass(frozen=True)
 class OrderEdge:
-    """A connection from one node to the next: from `sequence_id` - 1 to `sequence_id` + 1.
+    """A connection from the node with `sequence_id` - 1 to the node with `sequence_id` + 1.
 
-    start_node_id, end_node_id -- the same nodes by their ids; None if the message does not repeat
-                                  them, as in 3.0
+    start_node_id, end_node_id -- the ids of these nodes; None if the message does not have them, as
+                                  in 3.0
 
-    Its attributes are the fields of the standard.
+    The attributes are the fields of the standard.
     """
 
     edge_id: str

@@ -66,7 +66,7 @@ class ErrorReference:
 
 @dataclass(frozen=True)
 class ErrorKind:
-    """A type of error: its name and level in 2.x and in 3.0; `hint` says how to remedy it."""
+    """A type of error: its name and level in 2.x and in 3.0; `hint` describes the remedy."""
 
     name: str
     level: ErrorLevel
@@ -112,7 +112,7 @@ class StateMessage:
 
     node_states, edge_states -- the nodes and edges that are still to be driven
 
-    Its attributes are the fields of the standard.
+    The attributes are the fields of the standard.
     """
 
     order_id: str
@@ -132,7 +132,7 @@ class StateMessage:
     distance_since_last_node: Optional[float] = None
     position: Optional[AgvPosition] = None
     velocity: Optional[Velocity] = None
-    information: Tuple[()] = ()  # for displays only; always empty, because errors say everything
+    information: Tuple[()] = ()  # for displays only; always empty: `errors` has all information
     maps: Tuple[MapInformation, ...] = ()
     zone_set_id: Optional[str] = None
 

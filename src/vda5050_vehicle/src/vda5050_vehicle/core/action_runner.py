@@ -1,4 +1,4 @@
-"""Runs the actions of orders and the instant actions: starts them, and ends each exactly once."""
+"""Runs the actions of orders and the instant actions: each action ends exactly once."""
 from __future__ import annotations
 
 from dataclasses import replace
@@ -67,7 +67,7 @@ class ActionRunner:
     def end(self, action_id: str, status: ActionStatus, text: str) -> None:
         """Ends an action for good.
 
-        If an action of the order fails and requires the vehicle to stand, the vehicle stays there.
+        If an action of the order fails that forbids driving, the vehicle does not drive on.
         """
         entry = self._state.actions[action_id]
         if entry.status.has_ended:

@@ -39,7 +39,7 @@ _TYPES: Mapping[str, Tuple[type, ...]] = {
 class Parameter:
     """A parameter of an action.
 
-    pattern     -- regular expression that must match a whole text
+    pattern     -- regular expression that must match the whole text
     least, most -- bounds of a number
     """
 
@@ -66,7 +66,7 @@ class Parameter:
             raise WrongAction(self.key, f'{self.key} must lie in {self.least:g}..{self.most:g}')
 
     def value_of(self, value: Any) -> Any:
-        """Returns the value; 1.0 becomes an integer if required, as JSON has no integer type."""
+        """Returns the value; 1.0 becomes 1 for the type INTEGER, because JSON has no integers."""
         if self.type == 'INTEGER' and isinstance(value, float) and value.is_integer():
             return int(value)
         return value
@@ -90,12 +90,13 @@ class ActionCall:
 class ActionSpec:
     """An entry of the table; without `call` the vehicle executes the action itself.
 
-    moves           -- whether it moves the robot; then no order may be active
+    moves           -- whether the action moves the robot; if so, it is refused as an instant action
+                       while an order is active
     executed_as     -- the blocking type on this robot; None: the blocking type of the message
-    cancellable     -- whether cancelOrder ends it
-    commands_motion -- whether the robot treats it as a drive with a new epoch
+    cancellable     -- whether cancelOrder ends the action
+    commands_motion -- whether the robot treats the action as a drive with a new epoch
 
-    Its attributes are the columns of the table.
+    The attributes are the columns of the table.
     """
 
     action_type: str
@@ -131,7 +132,7 @@ class ActionSpec:
                 raise WrongAction(key, f'{self.action_type} needs the parameter {key}')
 
     def with_defaults(self, given: Mapping[str, Any]) -> Dict[str, Any]:
-        """Returns the given arguments of the action, and default values of the others."""
+        """Returns the given arguments, and default values for optional arguments not given."""
         return {p.key: p.value_of(given.get(p.key, p.default)) for p in self.parameters
                 if p.optional or p.key in given}
 

@@ -56,7 +56,8 @@ class Context:
     def standing(self) -> bool:
         """Whether actions that require a standing vehicle may start.
 
-        They may if the robot is seen to stand, or if it has driven everything that it was sent.
+        They may start if reports show that the robot stands. They may also start if the robot has
+        driven everything that it was sent, and no report contradicts this.
         """
         drive, robot = self.state.drive, self.robot
         if not drive.at_rest:
@@ -78,9 +79,9 @@ class Context:
         return self.state.drive.stands and not robot.moves and robot.standing is not False
 
     def stop(self, now: float) -> None:
-        """Stops the robot for the master.
+        """Stops the robot because the master requires it.
 
-        It stops the robot in each state of its route, except in these cases:
+        The robot is stopped in each state of its route, except in these cases:
         - the robot has completed its route and is known to stand
         - the robot has completed its route and an action controls it
         """
@@ -97,7 +98,7 @@ class Context:
     # --- the robot's node -------------------------------------------------------------------------
 
     def place_at(self, node_id: str) -> None:
-        """Sets the node of a robot that reached it without an order."""
+        """Notes that the robot reached a node without an order."""
         order = self.state.order
         if order.is_driven and node_id and node_id != order.last_node[0]:
             node = v.OrderNode(node_id, 0, True)

@@ -24,7 +24,7 @@ class SendFactsheet:
 
 @dataclass(frozen=True)
 class StartAction:
-    """Start an action of the table; the caller reports its end with `action_ended`."""
+    """Start an action of the table; the caller reports with `action_ended` when it has ended."""
 
     action_id: str
     spec: ActionSpec
@@ -47,7 +47,7 @@ class SetPose:
 
 @dataclass(frozen=True)
 class WriteLog:
-    """Store a log report; the caller reports the end with `action_ended`."""
+    """Store a log report; the caller reports with `action_ended` when it is stored."""
 
     action_id: str
     reason: str

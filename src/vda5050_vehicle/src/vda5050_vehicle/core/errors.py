@@ -1,4 +1,4 @@
-"""The errors that the vehicle reports, each as long as it applies."""
+"""The errors that the vehicle reports. Each error is reported as long as it applies."""
 from __future__ import annotations
 
 from dataclasses import dataclass, replace

@@ -13,7 +13,7 @@ SECTIONS = ('typeSpecification', 'physicalParameters', 'agvGeometry', 'loadSpeci
 
 _ARRAYS = ('node.actions', 'edge.actions', 'actions.actionsParameters')
 
-# The optional fields that the vehicle honours: path in the messages of 2.1.0, and description.
+# The optional fields that the vehicle honours: path in the messages of 2.1.0, and a description.
 _SUPPORTED: Tuple[Tuple[str, str], ...] = (
     ('order.nodes.nodePosition', 'must be within 0.3 m of a node that the vehicle knows'),
     ('order.nodes.nodePosition.allowedDeviationXY',
@@ -56,9 +56,9 @@ def abilities(document: Mapping[str, Any], map_id: str, ignored: Tuple[str, ...]
 
 def factsheet(document: Mapping[str, Any], table: ActionTable, longest: Optional[int],
               ) -> Dict[str, Any]:
-    """Returns the message without header; the codecs convert it to their version.
+    """Returns the factsheet message without header; each codec converts it to its version.
 
-    longest -- number of edges of an order that the driver can drive; None: any number
+    longest -- the largest number of edges of an order that the driver can drive; None: any number
     """
     edges = MAX_ARRAY - 1 if longest is None else longest
     arrays = {'order.nodes': edges + 1, 'order.edges': edges,

@@ -10,7 +10,8 @@ from vda5050_protocol.order_rules import check_order
 from vda5050_protocol.values import Error, ErrorReference
 from vda5050_vehicle.core.identity import Identity
 
-# The ids by which a master recognises the error. An actionId would make it an error of one action.
+# The ids with which a master finds the refused message. With an actionId, the master would take the
+# error for an error of one action.
 _IDS: Mapping[str, Tuple[Tuple[str, Kind], ...]] = {
     'order': (('orderId', TEXT), ('orderUpdateId', UINT)), 'instantActions': ()}
 

@@ -7,8 +7,8 @@ from typing import Optional, Tuple
 
 from vda5050_vehicle.drivers.robot_view import RobotPose, RobotSnapshot
 
-WITHIN = (0.5, 0.3)  # m, rad: the largest error of a robot that has matched its surroundings
-SAME = (0.1, 0.1)    # m, rad: within this a pose equals the requested pose
+WITHIN = (0.5, 0.3)  # m, rad: the largest error of the pose after the robot has localized itself
+SAME = (0.1, 0.1)    # m, rad: up to this difference, a pose equals the requested pose
 PATIENCE = 10.0      # s within which the robot must take the pose
 
 

@@ -1,4 +1,4 @@
-"""Instant actions: the built-in ones of every vehicle, and those of the vehicle's table.
+"""Instant actions: those that every vehicle has, and those in the vehicle's table.
 
 This module executes cancelOrder, startPause, stopPause, stateRequest, factsheetRequest,
 initPosition and logReport itself. It queues other actions like the actions of an order.
@@ -29,7 +29,7 @@ from vda5050_vehicle.drivers.robot_view import RobotPose
 STOPPING = frozenset({'cancelOrder', 'startPause'})
 HARMLESS_AGAIN = STOPPING | {'stateRequest', 'factsheetRequest', 'logReport',
                              'clearInstantActions'}
-# These are executed again if a message has a known actionId: some masters use the same id for each
+# These are executed again even if their actionId is known: some masters use the same id for each
 # action of a kind, or start their ids again after a restart.
 DONE_AGAIN = frozenset({'stopPause', 'stateRequest', 'factsheetRequest', 'clearInstantActions'})
 _INSTANT: FrozenSet[Scope] = frozenset({Scope.INSTANT})
@@ -62,7 +62,7 @@ BUILT_IN_3: Tuple[ActionSpec, ...] = (
 
 
 class InstantActionHandler:
-    """Receives the instant actions of a vehicle, and ends those that take time."""
+    """Receives the instant actions of a vehicle, and ends the actions that take time."""
 
     def __init__(self, context: Context, inbox: Inbox, runner: ActionRunner) -> None:
         self._context = context
@@ -113,7 +113,7 @@ class InstantActionHandler:
                 taken = True
             except WrongAction as wrong:
                 refused.append((action, wrong))
-                if known is None:  # without a state of the action the master would repeat it
+                if known is None:  # the master would repeat an action that no state shows
                     self._end(action.action_id, ActionStatus.FAILED, str(wrong))
         if taken:
             state.errors = replace(state.errors, refused_actions=())
@@ -123,7 +123,7 @@ class InstantActionHandler:
     def _is_done(self, action: VdaAction, known: QueuedAction, is_copy: bool) -> bool:
         """Returns whether an action with a known id only repeats the known action.
 
-        A stop does not only repeat an ended stop if there is a motion to stop.
+        If there is a motion to stop, a stop that has the id of an ended stop is a new stop.
         """
         state, kind = self._state, action.action_type
         if known.belongs_to_order or known.action.action_type != kind:
@@ -138,7 +138,7 @@ class InstantActionHandler:
     def _do_beside(self, action: VdaAction, is_copy: bool, now: float) -> None:
         """Executes a stop although another action has its id; raises WrongAction in all cases.
 
-        The state under this id is that of the other action.
+        The state that is reported under this id remains the state of the other action.
         """
         if action.action_type not in STOPPING:
             raise WrongAction('actionId', 'another action has this id, so this action is not '
@@ -321,7 +321,10 @@ class InstantActionHandler:
         self._state.wish = None
 
     def restart(self) -> None:
-        """Ends the actions from before a restart as failed, except stops, which continue."""
+        """Ends the started actions and the instant actions as failed, because of a restart.
+
+        Stops continue.
+        """
         kept = {*self._state.cancels, *self._state.pauses}
         for entry in self._state.actions:
             was_started = entry.is_active or entry.status is ActionStatus.INITIALIZING

@@ -65,7 +65,7 @@ def _change(before: Any, now: Any) -> Dict[str, Any]:
                       if _differ(getattr(before, field.name), getattr(now, field.name))}}
     if isinstance(now, dict) and isinstance(before, dict):
         kept = [key for key in before if key in now]
-        if list(now)[:len(kept)] == kept:  # the new entries are behind the kept ones
+        if list(now)[:len(kept)] == kept:  # the new entries come after the kept entries
             return _table_change(before, now)
     if isinstance(now, tuple) and isinstance(before, tuple):
         return _sequence_change(before, now)

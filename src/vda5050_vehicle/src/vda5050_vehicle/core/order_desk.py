@@ -1,4 +1,4 @@
-"""Receives orders: it reads, judges (figure 8 of the standard), plans and accepts them."""
+"""Receives orders: reads them, judges them (figure 8 of the standard), plans and accepts them."""
 from __future__ import annotations
 
 from dataclasses import replace
@@ -85,14 +85,14 @@ class OrderDesk:
         return None
 
     def _check_first(self, order: OrderMessage) -> None:
-        """Raises NotDrivable if a new order does not begin with sequenceId 0: 3.0.0, 6.1.1."""
+        """Raises NotDrivable if a new order does not begin with sequenceId 0 (3.0.0, 6.1.1)."""
         first = order.nodes[0].sequence_id
         if self._context.codec.is_3 and first and order.order_id != self._state.order.order_id:
             raise NotDrivable(e.ORDER_ERROR, 'the first node of a new order has sequenceId 0, not '
                               f'{first}', 'nodes[0].sequenceId')
 
     def _check_length(self, order: OrderMessage, verdict: OrderAcceptance) -> None:
-        """Raises NotDrivable if the base becomes longer than the robot's longest drive."""
+        """Raises NotDrivable if the base has more edges than the robot can drive in one order."""
         longest, before = self._context.driver.longest, self._state.order
         driven = 0 if verdict is OrderAcceptance.NEW else before.passed + before.base_end
         length = driven + sum(edge.released for edge in order.edges)
@@ -125,8 +125,9 @@ class OrderDesk:
                     moving[0].action_id if moving else '')
 
     def _is_near(self, order: OrderMessage) -> bool:
-        """Returns whether the robot is at the first node: question 4, only for a new order to an
-        idle vehicle. Raises NotDrivable.
+        """Returns whether the robot is at the first node (question 4 of figure 8).
+
+        Only a new order to an idle vehicle is checked. Raises NotDrivable.
         """
         pose = self._context.robot.pose
         if order.order_id == self._state.order.order_id or self._state.busy:

@@ -1,8 +1,8 @@
 """The steps of a fleet's mission, carried out with the table of actions.
 
 VDA 5050 and the fleet (`route_protocol.steps`) use the same table. Actions that move the robot, or
-that the robot treats as a drive, are refused, because the fleet would lose track of it. A step
-`wait` needs no action: this module measures its time, and the fleet lets the robot stand meanwhile.
+that the robot treats as a drive, are refused, because the fleet would lose track of the robot. A
+step `wait` needs no action: this module measures the time, and the fleet lets the robot stand.
 
 A step that was begun and did not succeed is UNKNOWN: the ROS action does not say whether it had an
 effect. A step that was never begun has FAILED.
@@ -42,7 +42,7 @@ class ActionLink(Protocol):
 class TableSteps:
     """Carries out the steps of one robot. Times are in s of any monotonic clock.
 
-    run -- number of this start, higher than that of any earlier one
+    run -- number of this run, higher than the numbers of all earlier runs
     """
 
     def __init__(self, table: ActionTable, link: ActionLink, run: int) -> None:
@@ -91,7 +91,7 @@ class TableSteps:
         self._state = self._state.end(key, Word.FAILED, code, text)
 
     def _break_off(self, key: int) -> None:
-        """Ends a step that its server does not have yet; otherwise asks the server to end it."""
+        """Ends a step that was not sent to its server yet; asks the server to end a sent step."""
         if key in self._waits or key in self._waiting:
             self._waits.pop(key, None)
             self._waiting.pop(key, None)
@@ -142,7 +142,7 @@ def _arguments(spec: ActionSpec, command: StepCommand) -> Mapping[str, Any]:
 
 
 def _value(type_name: str, text: str) -> Any:
-    """Returns the value that a text means; the text itself if it is not of that type."""
+    """Returns the text as a value of this type; the text itself if it cannot be converted."""
     if type_name == 'STRING':
         return text
     if type_name == 'BOOL':

@@ -9,8 +9,8 @@ goes back), and return effects. The steps after each event:
 5. send the commands and the state
 
 Instant actions that wait for the vehicle are processed together: steps 1 to 3 follow each message,
-steps 4 and 5 the last one. So a stop does not wait until the vehicle has sent a state for each
-message before it.
+and steps 4 and 5 follow the last message. So a stop does not wait until the vehicle has sent a
+state for each message before it.
 """
 from __future__ import annotations
 
@@ -74,7 +74,7 @@ class VdaVehicle:
         return effects if is_reported else effects + self._report(now)
 
     def robot_seen(self, robot: RobotSnapshot, now: float) -> Tuple[fx.Effect, ...]:
-        """Processes a new view of the robot, or that the robot was silent for too long."""
+        """Processes a new view of the robot, which may show that the robot was silent too long."""
         self.context.robot = robot
         self.driver.robot_seen(robot, now)
         return self._handle_events(now)
@@ -83,7 +83,7 @@ class VdaVehicle:
                      ) -> Tuple[fx.Effect, ...]:
         """Processes the end of an action that was started."""
         if action_id not in self.state.actions:
-            pass  # it was removed together with its order
+            pass  # the action was removed together with its order
         elif succeeded:
             self._runner.end(action_id, v.ActionStatus.FINISHED, text)
         else:
@@ -91,7 +91,7 @@ class VdaVehicle:
         return self._handle_events(now)
 
     def connected(self, now: float) -> Tuple[fx.Effect, ...]:
-        """Sends factsheet and state after a connection to the broker, but no missed messages."""
+        """Sends factsheet and state after a connection to the broker; missed messages are lost."""
         self.context.reporter.ask()
         self.context.do(fx.SendFactsheet())
         return self._handle_events(now)
@@ -104,8 +104,8 @@ class VdaVehicle:
     def restore(self, state: VdaVehicleState, is_newest: bool, now: float) -> None:
         """Continues the order after a restart; actions that were started count as failed.
 
-        is_newest -- whether no later state can have been lost. If one may have been lost, the order
-                     may be cancelled: the robot is stopped, and only a master may continue it
+        is_newest -- whether no later state can have been lost. Otherwise the order may have been
+                     cancelled: the robot is stopped, and only a master may continue the order
         """
         self.state.become(state)
         self.driver.restart(now)
@@ -166,7 +166,7 @@ class VdaVehicle:
                    for name in actions.triggered)
 
     def _pass_nodes(self) -> None:
-        """Evaluates the passed nodes: ends the actions of edges, triggers those of nodes."""
+        """Evaluates the passed nodes: ends the actions of edges, and triggers actions of nodes."""
         state = self.state
         count = min(state.drive.passed - state.order.passed, state.order.base_end)
         for step in range(count):
@@ -182,7 +182,7 @@ class VdaVehicle:
             state.away = False
 
     def _pass_nodes_at_a_stand(self) -> None:
-        """Passes further nodes at the same place. Masters use such nodes to add actions."""
+        """Passes further nodes at the place of the last node. Masters add actions at such nodes."""
         state = self.state
         while (state.legs and state.legs[0].stands and state.order.base_end
                and state.drive.in_order and self._may_leave_node
@@ -231,7 +231,7 @@ class VdaVehicle:
     def _must_stop_now(self) -> bool:
         """Returns whether an instant action requires a stop now.
 
-        The actions of a node do not: the vehicle drives on to the node and stands there.
+        The actions of a node require none: the vehicle drives on to the node and stands there.
         """
         actions = self.state.actions
         return any(actions[name].forbids_driving and not actions[name].belongs_to_order

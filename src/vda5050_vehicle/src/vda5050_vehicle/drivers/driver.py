@@ -9,7 +9,7 @@ from typing import Any, ClassVar, Generic, List, Optional, Protocol, Sequence, T
 from vda5050_protocol.values import ErrorKind, OrderEdge, OrderNode
 from vda5050_vehicle.drivers.robot_view import RobotPose, RobotSnapshot
 
-SETTLING = 1.0  # s after a command in which reports may still show the motion before the command
+SETTLING = 1.0  # s; so long after a command, reports may show the motion from before the command
 
 
 class NotDrivable(Exception):
@@ -25,10 +25,10 @@ class NotDrivable(Exception):
 class Leg:
     """One edge of an order as the robot drives it.
 
-    edge    -- signed id in the graph; 0 without a graph, or if the robot stands
-    length  -- 0: the end is at the place of the start, so nothing is driven
-    x, y    -- its end
-    heading -- the heading at its end; None: any heading
+    edge    -- signed id in the graph; 0: there is no graph, or the leg has no length
+    length  -- 0: start and end are at the same place, so nothing is driven
+    x, y    -- the end of the leg
+    heading -- the heading at the end; None: any heading
     within  -- distance from the end at which the end counts as reached
     """
 
@@ -41,7 +41,7 @@ class Leg:
 
     @property
     def stands(self) -> bool:
-        """Whether both of its nodes are at the same place. Drivers never get such a leg."""
+        """Whether both nodes of the leg are at the same place. Drivers never get such a leg."""
         return self.length == 0.0
 
 
@@ -52,7 +52,7 @@ class DriveProgress:
     passed     -- number of legs of the order that the robot has driven
     along      -- m that the robot has driven on the next leg
     failure    -- the reason why the robot does not drive on; '' if there is none
-    rest_since -- s; older reports do not show whether the robot stands
+    rest_since -- s; reports from before this time do not show whether the robot stands
     epoch      -- a number that changes when another program or person drives or stops the robot;
                   0: unknown
     stands     -- whether the robot's newest report says that it stands
@@ -92,13 +92,14 @@ D = TypeVar('D', bound=DriveProgress)
 
 
 class Driver(ABC, Generic[D]):
-    """Drives legs, numbered from the last `begin` on; never repeats a motion by itself.
+    """Drives legs, which are numbered from the last `begin` on. It repeats no motion by itself.
 
-    longest -- number of legs that it can drive after a `begin`; None: any number
-    All its knowledge is in the vehicle's state. The caller collects the commands with
+    longest -- the largest number of legs that can be driven after a `begin`; None: any number
+
+    A driver keeps all its knowledge in the vehicle's state. The caller collects the commands with
     `pop_commands` and sends them in the given sequence.
 
-    It has a method for each event that any kind of driver needs.
+    The interface has a method for each event that any kind of driver needs.
     """
 
     longest: ClassVar[Optional[int]] = None
@@ -144,11 +145,11 @@ class Driver(ABC, Generic[D]):
 
     @abstractmethod
     def knows(self, node_id: str, pose: RobotPose) -> bool:
-        """Returns whether a node has this name, or the master may use it for a node at `pose`."""
+        """Returns whether a node has this name, or a node at `pose` may get this name."""
 
     @abstractmethod
     def begin(self) -> None:
-        """Begins a new order, or the rest of an order after a stand; its first leg is number 0."""
+        """Begins a new order, or the rest of an order; the first leg from now on is number 0."""
 
     @abstractmethod
     def drive(self, first: int, legs: Sequence[Leg], now: float) -> None:
@@ -163,7 +164,7 @@ class Driver(ABC, Generic[D]):
         """Stops the robot, even if it is not known to drive."""
 
     def forgive(self) -> None:
-        """Clears a failure after it was dealt with; then `drive` works again."""
+        """Clears a failure; after that, `drive` works again."""
         self._set(failure='')
 
     @abstractmethod

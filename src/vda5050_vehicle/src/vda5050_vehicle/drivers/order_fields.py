@@ -42,7 +42,7 @@ def _drives_forwards(edge: OrderEdge) -> bool:
 
 _Rule = Callable[[OrderEdge, Abilities], bool]
 
-# Whether the vehicle satisfies the field anyway.
+# For each field of an edge: a function that returns whether the vehicle satisfies the field anyway.
 EDGE_RULES: Dict[str, _Rule] = {
     'trajectory': lambda edge, _: edge.trajectory is None,
     'maxSpeed': lambda edge, can: edge.max_speed is None or edge.max_speed >= can.top_speed,
@@ -60,7 +60,10 @@ FIELDS = frozenset(EDGE_RULES) | {'zoneSetId', 'theta', 'mapId', 'allowedDeviati
 
 
 def check_fields(order: OrderMessage, can: Abilities) -> None:
-    """Raises NotDrivable at the first field that the robot does not honour, except headings."""
+    """Raises NotDrivable if the order has a field that the robot does not honour.
+
+    `check_headings` and `check_deviations` check headings and deviations.
+    """
     if order.zone_set_id is not None and 'zoneSetId' not in can.ignored:
         raise _unsupported('zoneSetId', 'the vehicle does not support zones')
     for index, edge in enumerate(order.edges):
@@ -78,7 +81,9 @@ def check_fields(order: OrderMessage, can: Abilities) -> None:
 
 def check_headings(nodes: Sequence[OrderNode], can: Abilities,
                    can_turn: Callable[[int, OrderNode], bool], first: int = 1) -> None:
-    """Raises NotDrivable at the first heading, from node `first` on, that `can_turn` denies."""
+    """Raises NotDrivable if a node from index `first` on has a heading for which `can_turn` returns
+    False.
+    """
     if 'theta' in can.ignored:
         return
     for index, node in enumerate(nodes):
@@ -98,7 +103,7 @@ def check_start_heading(node: OrderNode, pose: RobotPose, can: Abilities) -> Non
 
 def check_deviations(nodes: Sequence[OrderNode], place: Callable[[OrderNode], Tuple[float, float]],
                      can: Abilities) -> None:
-    """Raises NotDrivable at the first node with a deviation that the robot cannot keep.
+    """Raises NotDrivable if a node has a deviation that the robot cannot keep.
 
     The first node of the order is not checked. A deviation of 0 means the vehicle's own deviation.
     place -- returns the position at which the robot passes a node
@@ -133,7 +138,7 @@ def heading_of(node: OrderNode, can: Abilities) -> Optional[float]:
 
 
 def is_within(node: OrderNode, place: Tuple[float, float], pose: RobotPose, near: float) -> bool:
-    """Returns whether the robot is near the position of a node, or within its deviation."""
+    """Returns whether the robot is within `near` (m) of a node, or within the node's deviation."""
     dx, dy = pose.x - place[0], pose.y - place[1]
     deviation = node.position.allowed_deviation_xy if node.position else None
     return math.hypot(dx, dy) <= near or deviation is not None and deviation.contains(dx, dy)

@@ -103,8 +103,8 @@ class OrderGraph:
         """Returns the edge on which a robot drives to the start of an order's first edge.
 
         No edge is needed if the robot stands at this start or on the first edge, or if the order
-        begins with a leg without length (`first` is 0). Otherwise it is the edge on which the robot
-        stands.
+        begins with a leg without length (`first` is 0). Otherwise the result is the edge on which
+        the robot stands.
         passing  -- m within which a robot is at a vertex
         corridor -- m within which a robot is on a curve
         Raises NotDrivable if the robot stands on no edge that leads to the start.
@@ -125,7 +125,7 @@ class OrderGraph:
         return min(leading, key=lambda signed: self._distance(signed, pose)),
 
     def _stands_on(self, signed: int, pose: RobotPose, passing: float, corridor: float) -> bool:
-        """Returns whether the robot is on the edge and not yet at its end."""
+        """Returns whether the robot is on the edge, and not yet at the end of the edge."""
         curve = self.graph.curve(signed)
         place = curve.project(pose.x, pose.y)
         return place.distance <= corridor and curve.length - place.arc_length > passing
@@ -154,7 +154,7 @@ class OrderGraph:
                                            f'vertex {end.id}')
 
     def _is_allowed(self, signed: int) -> bool:
-        """Returns whether the direction may be driven; a velocity of 0 forbids it."""
+        """Returns whether the edge may be driven in this direction; a velocity of 0 forbids it."""
         edge = self.graph.edge(signed)
         return (edge.velocity_forward if signed > 0 else edge.velocity_backwards) > 0.0
 

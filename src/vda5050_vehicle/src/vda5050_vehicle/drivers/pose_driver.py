@@ -2,8 +2,8 @@
 
 The robot plans its own path between nodes. A node without a heading that is not the last node
 counts as passed within its deviation. The driver then sends the next pose, so that the robot does
-not stop. It sends no next pose by itself if something else has stopped or moved a robot that obeyed
-the driver (`RobotSnapshot.halted`): the pose could reach the robot while it still brakes.
+not stop. If something else has stopped or moved the robot after it obeyed the driver
+(`RobotSnapshot.halted`), the driver sends no next pose: it could reach a robot that still brakes.
 """
 from __future__ import annotations
 

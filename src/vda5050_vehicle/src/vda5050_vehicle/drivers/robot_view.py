@@ -59,7 +59,7 @@ class RobotSnapshot:
 
     @property
     def moves(self) -> bool:
-        """Whether its velocity shows that it drives or turns."""
+        """Whether the robot's velocity shows that it drives or turns."""
         speed = self.velocity
         return speed is not None and (
             max(abs(speed.vx), abs(speed.vy)) > STANDING_SPEED
@@ -67,7 +67,7 @@ class RobotSnapshot:
 
     @property
     def stands(self) -> bool:
-        """Whether it is known to stand: one report shows it, and no report contradicts it."""
+        """Whether the robot is known to stand: a report shows this, and none contradicts it."""
         return (not self.moves and self.standing is not False
                 and (self.velocity is not None or self.standing is True or self.rests))
 
@@ -82,7 +82,7 @@ def has_moved(before: RobotPose, now: RobotPose) -> bool:
 def silence(heard_at: Optional[float], since: float, now: float, timeout: float) -> str:
     """Returns the reason why the robot counts as lost; '' before the time limit has expired.
 
-    heard_at -- time of its last pose, s; None: no pose came yet
+    heard_at -- time of the robot's last pose, s; None: no pose came yet
     since    -- time at which the subscription began, s
     """
     if now - (since if heard_at is None else heard_at) <= timeout:

@@ -51,7 +51,7 @@ from vda5050_vehicle.drivers.robot_view import RobotPose, RobotSnapshot
 ME = 'vda5050_vehicle'
 """The name of this master in its orders."""
 PATIENCE = 25.0  # s until a robot that does not answer has failed; a bridge restarts in 20 s
-# The other causes mean that the robot does not know its orders any more.
+# After an epoch with a cause that is not listed here, the robot does not know its orders any more.
 _BY_OTHERS = (EpochCause.OTHER_GIVER, EpochCause.STOP, EpochCause.CANCEL, EpochCause.OTHER_CLIENT,
               EpochCause.ROBOT, EpochCause.EMERGENCY_STOP, EpochCause.OTHER_MASTER)
 
@@ -88,7 +88,7 @@ class RouteDrive(DriveProgress):
 class RouteDriver(Driver[RouteDrive]):
     """See the module's docstring. `clock` returns ms since 1970.
 
-    It has the methods of `Driver`, and `on_report`.
+    The class has the methods of `Driver`, and `on_report`.
     """
 
     longest = MAXIMUM_EDGES - 1  # a route may begin with an edge that leads to the order
@@ -130,8 +130,8 @@ class RouteDriver(Driver[RouteDrive]):
     def _turns_there(self, _: int, node: OrderNode) -> bool:
         """Returns whether the robot has the required heading at a node.
 
-        Only an end vertex has a heading: the robot turns to it there. At other vertices it may not
-        turn.
+        Only an end vertex has a heading, and the robot turns to this heading there. At other
+        vertices the robot may not turn.
         """
         vertex = self._graph.vertex(node)
         if vertex is None or not self._graph.graph.is_end_vertex(vertex.id):
@@ -165,7 +165,7 @@ class RouteDriver(Driver[RouteDrive]):
         if drive.failure or not legs or not self._is_heard:
             return
         if not known.commands and not known.is_stopping:
-            self.stop(now)  # the robot counts the orders of the master that stopped it last
+            self.stop(now)  # after this stop, the robot counts the orders of this master
         elif known.is_ready:
             self._order(first, tuple(leg.edge for leg in legs), now)
 
@@ -217,7 +217,7 @@ class RouteDriver(Driver[RouteDrive]):
     # --- reports ----------------------------------------------------------------------------------
 
     def robot_seen(self, robot: RobotSnapshot, now: float) -> None:
-        """See Driver; the reports tell whether the robot stands."""
+        """See Driver; only `on_report` decides whether the robot stands."""
         self._pose = robot.pose
 
     def on_report(self, said: RouteReport, now: float) -> None:
@@ -255,7 +255,9 @@ class RouteDriver(Driver[RouteDrive]):
             self._judge_epoch(before, said, by_others)
 
     def _judge_epoch(self, before: RouteDrive, said: RouteReport, by_others: bool) -> None:
-        """Notes a failure if a new epoch ended a route, or if others began it during a stop."""
+        """Notes a failure if a new epoch ended a route, or if another giver began the epoch during
+        a stop.
+        """
         known = before.protocol
         if known.ahead and not known.is_stopping or by_others and not before.at_rest:
             why = said.reason.text if EdgeState.FAILED in said.states else ''

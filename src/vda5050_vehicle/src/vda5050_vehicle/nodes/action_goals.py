@@ -34,8 +34,8 @@ class ActionGoals:
     """Goals with names that the caller chooses.
 
     A message that is published before the server is connected is lost. So goals and cancellations
-    are kept until the server is connected. The caller must call `check` several times a second.
-    It must call `send`, `cancel`, `cancel_all` and `check` in one thread.
+    are kept until the server is connected. The caller must call `check` several times a second, and
+    call `send`, `cancel`, `cancel_all` and `check` in one thread.
     """
 
     def __init__(self, on_end: OnEnd, clock: Clock = time.monotonic) -> None:
@@ -79,7 +79,7 @@ class ActionGoals:
             client.cancel_all_goals()
             del self._to_clear[client.ns]
         if clear:
-            return  # a goal sent now could overtake the cancellation and be cancelled by it
+            return  # the cancellation could also cancel a goal that is sent now
         for server in self._servers.values():
             server.count_status()
         for name, goal in list(self._goals.items()):

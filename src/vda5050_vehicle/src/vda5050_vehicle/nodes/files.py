@@ -14,7 +14,7 @@ from vda5050_vehicle.drivers.driver import DriveProgress
 
 MAX_REPORTS = 20
 _PRIVATE = 0o600  # for this user only
-MAX_JOURNAL = 1_000_000  # bytes of changes; after that the journal is written anew
+MAX_JOURNAL = 1_000_000  # bytes of changes after which a new journal is written
 
 
 class JournalLog:
@@ -36,8 +36,8 @@ class JournalLog:
     def read(self, drive: Type[DriveProgress]) -> Optional[Tuple[VdaVehicleState, bool]]:
         """Returns the stored state, or None if there is no file; raises WrongRecord.
 
-        The second value is true if the state is of this boot of the computer. An unfinished last
-        line is ignored: the vehicle had not yet acted upon its change.
+        The second value is true if the computer was not booted since the state was stored. An
+        unfinished last line is ignored: the vehicle had not yet acted upon its change.
         """
         try:
             *lines, _unfinished = self._path.read_text(encoding='utf-8').split('\n')
@@ -50,10 +50,10 @@ class JournalLog:
         return journal.read(lines, drive), journal.boot_of(lines[0]) == boot_id()
 
     def write(self, before: Optional[VdaVehicleState], now: VdaVehicleState) -> None:
-        """Appends the changes; writes a new file if it would grow too large. Raises OSError."""
+        """Appends the changes; writes a new file if the old one is too large. Raises OSError."""
         is_new = before is None or self._changes >= MAX_JOURNAL
         text = journal.line(None if is_new else before, now, boot_id() if is_new else '') + '\n'
-        changes, self._changes = self._changes, MAX_JOURNAL  # write anew after a failure
+        changes, self._changes = self._changes, MAX_JOURNAL  # a new journal after a failure
         if is_new:
             replace_file(self._path, text, mode=_PRIVATE, on_disk=False)
             self._changes = 0

@@ -12,7 +12,7 @@ from vda5050_vehicle.nodes.route_link import Tell
 
 
 class MoveBaseLink:
-    """Sends the driver's commands, and reports the ends of goals to it."""
+    """Sends the commands of a driver, and reports to the driver when goals have ended."""
 
     def __init__(self, driver: PoseDriver, tell: Tell, map_frame: str) -> None:
         self._driver = driver

@@ -1,4 +1,4 @@
-"""Reads parameters of the special kinds that this node has."""
+"""Reads the special kinds of parameters of this node: levels of MQTT topics, and YAML files."""
 from __future__ import annotations
 
 from typing import Any

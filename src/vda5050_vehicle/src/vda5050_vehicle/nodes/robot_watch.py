@@ -92,14 +92,14 @@ class RobotWatch:
 
     def __init__(self, signals: Tuple[Signal, ...], pose_timeout: float, tf_base: str,
                  map_frame: str, on_change: Callable[[], None]) -> None:
-        """`tf_base` is the robot's frame if TF gives its pose; '': the topic `pose` gives it."""
+        """`tf_base` is the robot's frame in TF; '': the pose is read from the topic `pose`."""
         self._timeout = pose_timeout
         self._frame = map_frame
         self._on_change = on_change
         self._lock = threading.Lock()
         self._heard: Dict[str, _Heard] = {}
         self._still: Optional[_Heard[RobotPose]] = None
-        """The pose at which the robot has stood since this pose was first received."""
+        """The pose at which the robot stands, and the time when it came to this pose."""
         self._since = time.monotonic()
         if tf_base:
             self._follow_tf(tf_base)
@@ -115,7 +115,7 @@ class RobotWatch:
                              queue_size=10, tcp_nodelay=True)
 
     def view(self) -> RobotSnapshot:
-        """Returns the present values, without those that are too old."""
+        """Returns the present values; values that are too old count as unknown."""
         with self._lock:
             heard, still = dict(self._heard), self._still
         now = time.monotonic()

@@ -82,7 +82,7 @@ Call = Callable[[float], Optional[Tuple[fx.Effect, ...]]]
 class VehicleNode:
     """See the module's docstring. One thread owns the vehicle; callbacks queue calls for it.
 
-    It has many attributes because it puts the parts of the node together.
+    The class has many attributes, because it puts the parts of the node together.
     """
 
     def __init__(self, settings: VehicleSettings) -> None:
@@ -205,7 +205,8 @@ class VehicleNode:
         return (*self._show_robot(now), *self._vehicle.tick(now))
 
     def _say_ready(self) -> None:
-        """Says once that a master can drive: the broker is reached, and the pose is known."""
+        """Announces once that a master can drive: the broker is connected, and the pose is known.
+        """
         settings = self._settings
         if self._is_ready_told or not self._mqtt.connected or (
                 self._vehicle.context.robot.pose is None):
