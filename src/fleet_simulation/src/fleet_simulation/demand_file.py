@@ -56,7 +56,7 @@ class Wanted(NamedTuple):
     """The content of a demand file, and the lines that an error message names.
 
     places -- for each vertex: the first file and line that name it
-    pairs -- for each two vertices that a mission visits one after the other: the file and line
+    pairs  -- for each two vertices that a mission visits one after the other: the file and line
     work   -- the content of the work file
     times  -- how long steps and devices take
     """

@@ -37,7 +37,7 @@ class TimetableUse:
     """The results of the missions of one timetable in one run. Times are virtual s.
 
     requested, succeeded -- missions
-    leads     -- of each mission: time from its request until it succeeds
+    leads     -- for each mission: time from its request until it succeeds
     deadlines, missed -- as in `Figures`
     """
 
@@ -66,14 +66,14 @@ class Figures:
     requested, succeeded -- missions that were requested, and that succeeded, in the measured time
     open_at_end    -- missions that are still open when the run ends
     failures       -- failed missions by reason
-    waits -- for each mission: time from its request until a robot starts it
-    leads          -- of each mission: time from its request until it succeeds
+    waits          -- for each mission: time from its request until a robot starts it
+    leads          -- for each mission: time from its request until it succeeds
     use            -- robot seconds by activity
-    waiting -- robot seconds of waiting, by edge that a robot waits for and by cause
-    resources -- use of each station, device and charger, by its name
-    timetables -- results of each timetable of the work file, by its name
+    waiting        -- robot seconds of waiting, by edge that a robot waits for and by cause
+    resources      -- use of each station, device and charger, by its name
+    timetables     -- results of each timetable of the work file, by its name
     deadlines      -- missions with a deadline that ended, or whose deadline passed
-    missed -- missions of `deadlines` that were not done in time
+    missed         -- missions of `deadlines` that were not done in time
     docks          -- largest number of robots that charged at the same time
     parked         -- largest number of robots that were idle at the same time without charging
     travelled      -- m that all robots drove, warm-up included

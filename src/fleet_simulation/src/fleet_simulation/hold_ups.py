@@ -76,7 +76,7 @@ class Bottleneck:
 def bottlenecks(runs: Mapping[str, ResourceUse], seconds: float) -> Iterator[Bottleneck]:
     """Yields the resources, the longest waiting time first.
 
-    runs -- the sums over all runs for each resource, by its name
+    runs    -- the sums over all runs for each resource, by its name
     seconds -- length of all runs together
     """
     found = [Bottleneck(use.resource, use.claimed / (use.resource.capacity * seconds),

@@ -132,7 +132,8 @@ def _head(study: Study) -> str:
         ('Demand', f'{files.demand}: ' + '; '.join(_flows(site.demand, study.hours))),
         ('Fleet', f'{files.fleet}: ' + ', '.join(kind.name for kind in site.fleet.types)
          + f'; simulated with {_listed(sizes_run)} {"robot" if sizes_run == [1] else "robots"}'),
-        ('Runs', f'{several(seeds, "seed")} of {study.hours:g} h for each size of the fleet')]
+        ('Runs', f'{several(seeds, "run")} of {study.hours:g} h for each size of the fleet, each '
+                 'with its own seed')]
     return '<table class="head">' + ''.join(
         f'<tr><th>{name}</th><td>{escape(what)}</td></tr>' for name, what in rows) + '</table>'
 

@@ -73,7 +73,7 @@ def site_map(graph: Graph, heat: Mapping[int, float], labelled: Sequence[int],
              work: SiteWork = NO_WORK, walls: Walls = NO_WALLS) -> str:
     """Returns a map of the site.
 
-    heat -- for each edge id: share (0..1) of all waiting, drawn from grey (0) to red (highest)
+    heat     -- for each edge id: share (0..1) of all waiting, drawn from grey (0) to red (highest)
     labelled -- drawn ids of the edges whose id is written on the map
     """
     lines = {id: _line(graph, id) for id in graph.edges}

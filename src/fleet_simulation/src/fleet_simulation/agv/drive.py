@@ -6,7 +6,8 @@ between edges that continue smoothly.
 
 Between two events the motion is known in closed form (`phases`), so one call may simulate a long
 time. The phases are computed anew when the path or the pace changes, and when a hold begins or
-ends. Units are m, s and rad.
+ends.
+Units are m, s and rad.
 """
 from __future__ import annotations
 
@@ -27,7 +28,7 @@ _TOGETHER = 1e-9   # s; a shorter time counts as zero
 class AgvMotion:
     """The motion of one vehicle along a path of signed edges.
 
-    path, index -- edges in driving order; index of the present edge, len(path) at the end
+    path, index  -- edges in driving order; index of the present edge, len(path) at the end
     arc          -- m from the start of the present edge
     vertex       -- vertex on which the vehicle stands; None between vertices and while it moves
     """

@@ -1,10 +1,11 @@
 """One simulated AGV: it takes orders, drives and reports, and can have faults.
 
 States: the AGV's `motion`. In addition the AGV may be off the graph, in emergency stop, or silent.
-`route_protocol.vehicle` has the states of its route. Events: an order, time, a fault, an act of a
-person or of another program, another graph. Invariants: At most one giver drives the AGV. If
-another giver moves or stops it, a new epoch begins, so orders that are on their way are refused.
-The AGV reports at once if more than its place has changed.
+`route_protocol.vehicle` has the states of its route.
+Events: an order, time, a fault, an act of a person or of another program, another graph.
+Invariants: At most one giver drives the AGV. If another giver moves or stops it, a new epoch
+begins, so orders that are on their way are refused. The AGV reports at once if more than its place
+has changed.
 """
 from __future__ import annotations
 
@@ -115,7 +116,7 @@ class AgvVehicle:
 
     @property
     def motion(self) -> Motion:
-        """Whether the AGV moves, and for which giver."""
+        """Whether the AGV moves, and because of which giver."""
         if self.running:
             return Motion.ON_ROUTE
         if self._driven_by_hand or self._time < self._moved_until:
