@@ -1,4 +1,4 @@
-"""The report of simulate_fleet: what it says about noise, and what its map shows."""
+"""The report of simulate_fleet: its statements about random differences, and its map."""
 from __future__ import annotations
 
 import re
