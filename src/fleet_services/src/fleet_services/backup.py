@@ -234,7 +234,7 @@ def restore(archive: Path, folder: Path, home: Path) -> List[str]:
 
 
 def _place_of(member: tarfile.TarInfo, folder: Path, home: Path) -> Tuple[Path, Path]:
-    """Returns the folder and the path to which a file is restored.
+    """Returns the base folder (FOLDER or a ROS_HOME) and the path to which a file is restored.
 
     Raises NotDone for an unknown file.
     """

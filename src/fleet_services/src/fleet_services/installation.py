@@ -228,7 +228,7 @@ def _divide_state(site: SiteFile, plan: InstallationPlan, system: System,
 
 
 def _close(folders: Iterable[Path], group: int) -> None:
-    """Makes the files in these folders private, each with the rights of the folder's owner."""
+    """Makes the files in each of these folders private, with the rights of the folder's owner."""
     for folder in folders:
         if folder.is_dir() and not folder.is_symlink():
             as_user(owner_of(folder), partial(make_private, folder), group)

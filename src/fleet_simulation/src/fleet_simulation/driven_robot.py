@@ -149,7 +149,7 @@ class DrivenRobot:
         self.due = self._event - _TOGETHER
 
     def _pass(self, seconds: float) -> None:
-        """Advances the robot by a time in which no event happens before the end."""
+        """Advances the robot by `seconds`; an event may happen only at their end."""
         drives = self._drives
         self._now += seconds
         self.vehicle.advance(seconds, int(self._now * _NANO))

@@ -18,7 +18,7 @@ class HoldUp(Enum):
 
 
 class WaitFor(NamedTuple):
-    """The resource for which a robot waits, by its name, and why."""
+    """The name of the resource for which a robot waits, and the reason."""
 
     resource: str
     why: HoldUp

@@ -367,7 +367,8 @@ Rows = List[Tuple[object, ...]]
 
 
 def _tables(study: Study) -> Dict[str, Rows]:
-    """Returns the rows of each CSV file by its name, the header first; times are in s."""
+    """Returns the rows of each CSV file, header first; the keys are the file names. Times are in s.
+    """
     graph = study.site.graph
     return {
         'runs.csv': [_RUN_COLUMNS, *map(_run_row, study.runs)],

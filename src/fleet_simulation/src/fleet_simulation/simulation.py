@@ -28,7 +28,7 @@ def simulate(site: StudiedSite, robots: int, seed: int, hours: float) -> Figures
 
 
 class Run:
-    """One run: observes a fleet in virtual time, and counts.
+    """One run. It observes a fleet in virtual time, and adds up the figures.
 
     make -- makes the robots; see StudiedFleet
     """
@@ -190,7 +190,7 @@ class Run:
         figures.docks, figures.parked = max(figures.docks, docks), max(figures.parked, parked)
 
     def _sample_resources(self, seconds: float) -> Dict[str, WaitFor]:
-        """Counts the claims. Returns the resource for which each robot waits."""
+        """Adds to the time of the claims. Returns the resource for which each robot waits."""
         figures, supervisor = self.figures, self.world.supervisor
         if not figures.resources:
             return {}

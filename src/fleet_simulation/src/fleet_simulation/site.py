@@ -42,7 +42,7 @@ class StudiedSite:
 
     settings -- of each robot in the fleet file, by its name
     starts   -- ids of vertices on which robots of all types may stand for ever; the robots of a
-                fleet that is larger than the fleet file begin on them, evenly spread
+                fleet that is larger than that of the fleet file begin on these, evenly spread
     parking  -- ids of the vertices on which the planner may park robots
     latency  -- virtual s until the planner answers
     rounds   -- rounds in which the planner improves each plan

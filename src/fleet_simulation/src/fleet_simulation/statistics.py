@@ -104,7 +104,7 @@ def served_share(size: SizeResults) -> Band:
 
 
 def gain(size: SizeResults, larger: SizeResults) -> Band:
-    """Returns the relative gain of throughput of the larger fleet, compared seed by seed."""
+    """Returns the relative gain in throughput with the larger fleet, compared seed by seed."""
     before = {run.seed: run.per_hour for run in size.runs}
     return band([(run.per_hour - before[run.seed]) / max(size.per_hour.mean, 1e-9)
                  for run in larger.runs if run.seed in before])

@@ -10,7 +10,8 @@ from route_protocol.values import RouteReport
 
 
 class VirtualNetwork:
-    """Orders on their way to robots, reports on their way to the supervisor, and their faults.
+    """The orders on their way to robots, the reports on their way to the supervisor, and faults of
+    both.
 
     loss    -- probability (0..1) that a message is lost
     repeats -- probability (0..1) that a message that is not lost comes twice

@@ -133,7 +133,7 @@ def _deadlines_in_words(best: SizeResults) -> str:
 
 
 def deadlines_of(size: SizeResults) -> Tuple[int, int]:
-    """Returns the number of deadlines, and of those that were missed."""
+    """Returns the number of deadlines, and the number of missed deadlines."""
     return sum(run.deadlines for run in size.runs), sum(run.missed for run in size.runs)
 
 

@@ -287,7 +287,7 @@ class RandomWork(SupervisedFleet):
         self._check_places()
 
     def _hang(self, seconds: float) -> None:
-        """A commit of the fleet manager takes this long."""
+        """A commit of the fleet manager takes `seconds`."""
         self.log('the commit takes long')
         for _ in range(round(seconds / min(PERIODS))):
             self._pass(min(PERIODS))

@@ -658,7 +658,7 @@ class LostLink:
         return self.told(round(1e9 * now))
 
     def receive(self, order: RouteOrder) -> Optional[RouteRefusal]:
-        """Keeps a stop until the link is back; refuses each other order."""
+        """Keeps a stop until the link is restored. Refuses all other orders."""
         said = self._said
         if order.order and order.master == said.master and (
                 order.order <= max(said.order, said.refused)):

@@ -81,15 +81,15 @@ class Promises:
     # -- commands of people -----------------------------------------------------------------------
 
     def stop(self, is_past: bool = False) -> None:
-        """A person stopped all robots; `is_past`: the stop bypassed the supervisor."""
+        """Notes that a person stopped all robots; `is_past`: the stop bypassed the supervisor."""
         self.stopped = Word(self.fleet.now, is_past=is_past)
 
     def take_out(self, name: str) -> None:
-        """A person took a robot out of service."""
+        """Notes that a person took a robot out of service."""
         self.out[name] = Word(self.fleet.now)
 
     def rest(self, name: str) -> None:
-        """The mission of a robot was cancelled or paused."""
+        """Notes that the mission of a robot was cancelled or paused."""
         if len(self.may_drive(name)) > 1:
             self.resting[name] = Rest(Word(self.fleet.now), self.fleet.refused[name])
 
@@ -299,8 +299,8 @@ class Promises:
         return edges
 
     def possible(self, name: str, edges: Iterable[int]) -> BaseGeometry:
-        """Returns the robot's position and these edges. The part of its edge that the robot has
-        driven is left out.
+        """Returns the shape of the robot's position and these edges, without the part that the
+        robot has driven.
         """
         agv = self.fleet.agvs[name]
         lines: List[BaseGeometry] = [Point(agv.position)]

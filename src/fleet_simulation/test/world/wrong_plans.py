@@ -1,5 +1,4 @@
-"""Makes plans wrong in ways in which no correct planner is wrong, for chaos, soak and other tests.
-"""
+"""Makes plans wrong, with errors that no correct planner makes, for chaos, soak and other tests."""
 from __future__ import annotations
 
 import math

@@ -43,7 +43,7 @@ class RosMap:
 
 @dataclass(frozen=True)
 class _Description:
-    """The contents of the `.yaml` file; thresholds are darkness, 0..1."""
+    """The contents of the `.yaml` file; thresholds are shares of black, 0..1."""
 
     image: str
     resolution: float

@@ -111,8 +111,8 @@ def test_the_table_has_no_type_that_nobody_receives():
 
 
 def test_the_package_declares_the_messages_of_its_table():
-    """Without these dependencies the tests could not run alone. At run time, a node reads only
-    types that its own package declares.
+    """Without these dependencies in package.xml, the tests of this package could not run alone. At
+    run time, a node reads only types that its own package declares.
     """
     declared = re.findall(r'_depend>(\w+)<', PACKAGE.read_text(encoding='utf-8'))
     assert {message_type.split('/')[0] for message_type in LIMITS} <= set(declared)

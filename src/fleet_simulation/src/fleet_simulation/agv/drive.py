@@ -142,7 +142,7 @@ class AgvMotion:
         return not self.at_rest or not hold and not (self.at_end and self._turn_to is None)
 
     def _compute(self, hold: bool, emergency: bool) -> None:
-        """Computes the phases of its motion, unless their inputs are unchanged."""
+        """Computes the phases of the motion, unless the inputs of the phases are unchanged."""
         turns = self._turns
         cause = hold, hold and emergency, turns, self.pace, self.path, self.speeds
         if cause == self._cause:

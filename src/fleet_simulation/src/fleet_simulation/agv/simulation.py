@@ -28,7 +28,7 @@ class Simulation:
             for robot in robots}
 
     def advance(self, wall_seconds: float, stamp: int) -> None:
-        """Simulates the next `wall_seconds`; the poses at their end get the stamp `stamp`."""
+        """Simulates the next `wall_seconds`; the poses at the end get the stamp `stamp`."""
         seconds = min(wall_seconds, LONGEST_STEP) * self.speed
         self.time += seconds
         for vehicle in self.vehicles.values():

@@ -89,5 +89,7 @@ class SpeedLimits:
 
 
 def angle_between(first: float, second: float) -> float:
-    """Returns the angle (rad, -pi..pi) to turn by from the direction `first` to `second`."""
+    """Returns the angle (rad, -pi..pi) of the turn from the direction `first` to the direction
+    `second`.
+    """
     return (second - first + math.pi) % (2.0 * math.pi) - math.pi

@@ -236,7 +236,7 @@ class AgvVehicle:
         self.drive.pace, self._slow_until = factor, self._time + seconds
 
     def fall_silent(self, seconds: float = FOREVER) -> None:
-        """Neither receives nor reports for `seconds`, but drives on along its route."""
+        """Receives nothing and reports nothing for `seconds`, but drives on along its route."""
         self._silent_until = self._time + seconds
 
     def leave(self) -> None:

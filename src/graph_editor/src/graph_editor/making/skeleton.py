@@ -1,4 +1,4 @@
-"""Makes the skeleton of a mask. Its forks and ends become nodes, the cells between them chains."""
+"""Makes the skeleton of a mask: forks and ends become nodes, and the cells between them chains."""
 from __future__ import annotations
 
 from typing import Dict, Iterator, List, Tuple
