@@ -1,5 +1,4 @@
-"""A random test of the work of a fleet: events in any sequence, and a check of the invariants after
-each.
+"""A random test of the work of a fleet, which checks the invariants after each event.
 
 The fleet manager is the real supervisor with its journal. Three robots work at a press with a
 queue, at a group of shelves, and with a machine; a door and a zone are on their paths. The world
@@ -16,18 +15,18 @@ Persons look before they answer, so their answers are true.
 Invariants, after each step (letters as in the docstrings of `claims` and `work_model`):
 
 (a) (b) (c) (d) the invariants of claims. The conformance check tests them. This module tests them
-with the true places of the robots: the journal has the claim of each robot at a resource, no
-resource has more robots than its capacity, and the door of a robot is open
+    with the true places of the robots: the journal has the claim of each robot at a resource, no
+    resource has more robots than its capacity, and the door of a robot is open
 (e) a step is stored under its key before it begins; with each key it begins only once, and a done
-step never begins again; a person is asked about an unknown outcome
-(f) a robot counts as EMPTY or LOADED only if it is; the mission of a load keeps its robot (g) a
-robot at work stands at its stop, and does not move during a step whose blocking is not NONE; it
-gets the command for such a step only at its stop, or in front of the stop
+    step never begins again; a person is asked about an unknown outcome
+(f) a robot counts as EMPTY or LOADED only if it is; the mission of a load keeps its robot
+(g) a robot at work stands at its stop, and does not move during a step whose blocking is not NONE;
+    it gets the command for such a step only at its stop, or in front of the stop
 (h) no two robots have the same queue place
 (i) a mission waits only for missions that were accepted before it
 (j) a mission or step that has ended does not change any more
 (k) no robot is sent onto an edge that is closed to its load, or so near to another robot that their
-loads could touch (`VirtualFleet` checks the true places)
+    loads could touch (`VirtualFleet` checks the true places)
 After the last fault, people answer all questions, and each mission ends.
 """
 from __future__ import annotations
@@ -132,7 +131,6 @@ class Body(NamedTuple):
     """The true state of a step.
 
     by    -- the robot or machine that carries out the step now; empty: none
-
     times -- how often the step was done
     """
 
