@@ -383,7 +383,7 @@ def view_of(fleet, name):
 
 
 def charging_at_6(**more):
-    """Robot `a` charges at 6, and is half full."""
+    """Robot `a` charges at vertex 6; its charge is 0.5."""
     fleet = yard({'a': 4}, **more)
     charge(fleet, a=0.2)
     fleet.run(20.0)

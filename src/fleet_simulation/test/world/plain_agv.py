@@ -414,7 +414,7 @@ class Agv:
                 and self.graph.curve(self.edge).length - self.arc < self.braking)
 
     def _from_vertex(self, first: int) -> float:
-        """Returns the distance (m) on the current edge to the start of edge `first`; 0: at it."""
+        """Returns the distance (m) on the current edge to the start of `first`; 0: it is there."""
         if self.graph.start_vertex(first).id != self.graph.start_vertex(self.edge).id:
             self.edge, self.arc = -self.edge, self.graph.curve(self.edge).length - self.arc
         return self.arc if self.arc > _AT_END else 0.0
